@@ -1,0 +1,1 @@
+"""IR to something that runs or reads: reference, numpy, c, latex, english."""

@@ -1,0 +1,1 @@
+"""The vectorised evaluator: a whole batch at once."""

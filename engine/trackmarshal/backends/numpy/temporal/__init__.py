@@ -1,0 +1,22 @@
+"""Temporal operators on arrays, along the last axis and on non-uniform samples."""
+
+from trackmarshal.backends.numpy.temporal.carrier import Bound
+from trackmarshal.backends.numpy.temporal.extrema import always, eventually
+from trackmarshal.backends.numpy.temporal.shifts import falling, rising, shift
+from trackmarshal.backends.numpy.temporal.until import since, until
+from trackmarshal.backends.numpy.temporal.windows import BoolArray, FloatArray, Windows, windows
+
+__all__ = [
+    "BoolArray",
+    "Bound",
+    "FloatArray",
+    "Windows",
+    "always",
+    "eventually",
+    "falling",
+    "rising",
+    "shift",
+    "since",
+    "until",
+    "windows",
+]

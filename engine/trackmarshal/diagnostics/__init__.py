@@ -1,0 +1,1 @@
+"""What goes wrong, said well: one class an error, one renderer a format."""

@@ -1,0 +1,1 @@
+"""The typed intermediate representation: closed sets of nodes, dimensions checked and gone."""

@@ -1,0 +1,118 @@
+"""A compiled spec: the input contract, parameters, rules as formulas, and where each came from."""
+
+from __future__ import annotations
+
+from trackmarshal.ir.nodes import Axis, Formula
+from trackmarshal.node import Node
+from trackmarshal.source import Span
+
+
+class FieldType(Node):
+    """One field of a signal. `kind` is number, bool or polyline; numbers come in `unit`, ranges are in that unit."""
+
+    name: str
+    kind: str
+    unit: str
+    increasing: bool
+    lower: float | None
+    upper: float | None
+    default: float | None
+    span: Span
+
+
+class SignalType(Node):
+    """The contract of one signal: trajectory, series, state, object (many: a set), corridor, polyline."""
+
+    name: str
+    kind: str
+    many: bool
+    fields_: tuple[FieldType, ...]
+    span: Span
+
+    def field(self, name: str) -> FieldType | None:
+        return next((field for field in self.fields_ if field.name == name), None)
+
+    @property
+    def sequence(self) -> bool:
+        """Whether the signal is a timeline: columns of samples."""
+        return self.kind in ("trajectory", "series") and not self.many
+
+
+class ParamInfo(Node):
+    """A parameter: value and range in SI; `unit` is what overrides come in."""
+
+    name: str
+    value: float
+    unit: str
+    lower: float | None
+    upper: float | None
+    source: str | None
+    span: Span
+
+
+class TableInfo(Node):
+    """A table: knots in SI, ascending; `units` are those that overrides come in."""
+
+    name: str
+    knots: tuple[float, ...]
+    values: tuple[float, ...]
+    units: tuple[str, str]
+    span: Span
+
+
+class PlaceInfo(Node):
+    """A zone (polygon) or a line, in metres."""
+
+    name: str
+    kind: str
+    points: tuple[tuple[float, float], ...]
+    span: Span
+
+
+class ConstraintInfo(Node):
+    """A demand on parameters."""
+
+    formula: Formula
+    because: str | None
+    span: Span
+
+
+class RuleInfo(Node):
+    """A rule, or an assumption with a monitor, as a formula."""
+
+    name: str
+    kind: str  # "rule" or "assume"
+    title: str
+    module: str
+    formula: Formula | None
+    #: Holds where the rule applies at all; None: always.
+    active: Formula | None
+    along: Axis | None
+    unit: str
+    satisfies: tuple[tuple[str, Span], ...]
+    assuming: tuple[tuple[str, Span], ...]
+    source: str
+    because: str
+    severity: str
+    evidence: str
+    owner: str
+    #: (signal, field) pairs that the formula reads; the field is "" for whole signals.
+    reads: frozenset[tuple[str, str]]
+    fingerprint: str
+    span: Span
+
+
+class Spec(Node):
+    """Everything that a set of modules demands. Maps are keyed by qualified names (`vehicles.devbot.mass`)."""
+
+    signals: dict[str, SignalType]
+    events: dict[str, Span]
+    params: dict[str, ParamInfo]
+    tables: dict[str, TableInfo]
+    places: dict[str, PlaceInfo]
+    constraints: tuple[ConstraintInfo, ...]
+    rules: tuple[RuleInfo, ...]
+    fingerprint: str
+
+    def rule(self, name: str) -> RuleInfo | None:
+        return next((rule for rule in self.rules if rule.name == name), None)

@@ -1,0 +1,47 @@
+"""Recordings and scenarios: read the own format and .saa, generate from declarations, ground truth.
+
+`load` is the way in; nothing heavy is imported before it is called.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.scenarios.recording import Recording
+
+
+def load(path: str | Path, shown: str | None = None) -> Recording:
+    """Read a recording, or generate one from its declaration; what it is, is told by its content first.
+
+    `shown` is the path that reports print. Raises D12x to D15x.
+    """
+    from trackmarshal.scenarios import content
+
+    path = Path(path)
+    shown = shown or str(path)
+    data = content.read(path, shown)
+    suffix = path.suffix.lower()
+    if data.startswith((b"PK\x03\x04", b"PK\x05\x06")) or suffix == ".saa":
+        from trackmarshal.scenarios import saa
+
+        return saa.read(data, shown)
+    if data.startswith(b"\x1f\x8b"):
+        from trackmarshal.scenarios import recording_io
+
+        return recording_io.decode(content.gunzip(data, shown), shown)
+    if suffix == ".jsonl" or data.startswith(b'{"format":'):
+        from trackmarshal.scenarios import recording_io
+
+        return recording_io.decode(data, shown)
+    if suffix in (".yaml", ".yml"):
+        from trackmarshal.scenarios.generate import generate
+
+        return generate(path, shown)
+    help_ = "recordings are .saa or .tmrec.jsonl (also .gz), declarations .yaml"
+    if suffix == ".sas":
+        help_ = "a .sas is a pickle and never opened; use the .saa archive that it came with"
+    raise TrackmarshalError("D121", f"`{path.name}` is no recording", file=shown, help=help_)

@@ -1,0 +1,131 @@
+"""What can be wrong with recordings and scenario declarations: the D12x to D15x of `trackmarshal explain`."""
+
+from __future__ import annotations
+
+from trackmarshal.errors import TrackmarshalError
+
+CODES: dict[str, tuple[str, str]] = {
+    "D120": (
+        "the recording cannot be read",
+        "The file does not exist, is a folder, or its permissions forbid reading it.",
+    ),
+    "D121": (
+        "not a recording that is known here",
+        "Recordings are ScenarioArchitect archives (.saa), trackmarshal's own JSON Lines (.tmrec.jsonl, also with .gz) "
+        "and declarations that generate one (.yaml). What a file is, is told by its first bytes, and by its name only "
+        "where these say nothing. Pickles (.sas) run code when they are loaded and are never opened.",
+    ),
+    "D122": (
+        "a damaged archive",
+        "A .saa file is a ZIP archive. This one has no directory of contents, ends too early, or holds a part whose "
+        "checksum does not fit: it was cut off or changed on its way. Nothing of a damaged recording is used.",
+    ),
+    "D123": (
+        "an archive with the wrong parts",
+        "A .saa archive holds exactly one .scn file and at most one *_ggv.csv and one *_ax_max_machines.csv. Names that "
+        "leave the archive's folder (absolute, or with `..`) are refused, although nothing is ever written to disk.",
+    ),
+    "D124": (
+        "a file that is too large, or grows too large",
+        "Sizes are limited before and while compressed parts are read: a few kilobytes can unpack to many gigabytes, and "
+        "the size that an archive declares need not be true.",
+    ),
+    "D125": (
+        "an archive that is encrypted or packed in an unusual way",
+        "Parts have to be stored or deflated, and not encrypted. That is what ScenarioArchitect writes.",
+    ),
+    "D126": (
+        "not text, or no text at all",
+        "Recordings are UTF-8 text. The file is empty, or holds bytes that are not UTF-8.",
+    ),
+    "D127": (
+        "columns are missing or do not fit",
+        "A .scn text has two comment lines with the track's borders (bound_l, bound_r), a header line with the names of "
+        "the columns, and a row per cycle with as many cells as the header has names, separated by semicolons.",
+    ),
+    "D128": (
+        "a value that cannot be read",
+        "The cell or field is not what it should be: a number, a list of points, a truth value. Missing numbers are NaN in "
+        ".scn texts and null in trackmarshal's own format; they stay undefined and are never rated as safe.",
+    ),
+    "D129": (
+        "a trajectory with the wrong shape",
+        "All columns of a trajectory have the same length, and it has at least one sample. The samples of a .scn text have "
+        "six numbers: x, y, heading, curvature, speed, acceleration.",
+    ),
+    "D130": (
+        "cycles out of order, or none",
+        "A recording has at least one cycle, and the times of its cycles are finite and strictly increasing. A row twice "
+        "or out of order would give the rules with a memory a history that never was.",
+    ),
+    "D131": (
+        "a table that cannot be read",
+        "Tables are rows of numbers with strictly increasing first column. The rows of *_ax_max_machines.csv are speed and "
+        "acceleration, those of *_ggv.csv speed, longitudinal and lateral acceleration.",
+    ),
+    "D140": (
+        "a line that is not strict JSON",
+        "Every line of a .tmrec.jsonl file is one JSON object by RFC 8259: no NaN or Infinity (write null, \"inf\", "
+        "\"-inf\"), no name twice in one object, no number beyond the range of IEEE double.",
+    ),
+    "D141": (
+        "a recording with the wrong structure",
+        "The first line is the header, every further line a cycle; recording.schema.json says which fields they have. "
+        "Unknown fields are refused rather than skipped: they may matter, and a misspelt one would be lost.",
+    ),
+    "D142": (
+        "a damaged compressed file",
+        "The gzip stream ends too early or its checksum does not fit. Nothing of a damaged recording is used.",
+    ),
+    "D143": (
+        "a version of the format that is not known",
+        "The header says which version of the format the file follows. A newer trackmarshal may read it.",
+    ),
+    "D144": (
+        "a candidate that the cycle does not have",
+        "A cycle offers the candidates `driving` and `emergency`, or one of them. Others cannot be asked for.",
+    ),
+    "D150": (
+        "a declaration that cannot be read",
+        "Declarations are plain YAML of at most 100 kB: maps, lists, numbers, texts. Anchors, aliases and tags are "
+        "refused, because a short file with aliases stands for a huge one, and tags can run code.",
+    ),
+    "D151": (
+        "a declaration with a wrong or missing value",
+        "docs/scenarios.md lists the keys of a declaration with their units and ranges. Unknown keys are errors, so that "
+        "a misspelt one is not silently without effect.",
+    ),
+    "D152": (
+        "a declaration of something impossible",
+        "The pieces of a closed track have to meet, cars have to stay on it, and every motion has to respect friction, "
+        "turn radius, drive and brakes of the declared vehicle. Otherwise the scenario would test the wrong thing.",
+    ),
+}  # fmt: skip
+
+
+class Faults:
+    """Collects what is wrong with one file and raises it as one error: the first, and where the others are."""
+
+    #: More lines than this are counted, not listed.
+    LISTED = 8
+
+    def __init__(self, shown: str) -> None:
+        self.shown = shown
+        self.errors: list[TrackmarshalError] = []
+
+    def add(self, error: TrackmarshalError) -> None:
+        self.errors.append(error)
+
+    def check(self) -> None:
+        """Raise the first fault, with the lines of the others in its message; nothing where there is none."""
+        if not self.errors:
+            return
+        first, *others = self.errors
+        if not others:
+            raise first
+        lines = [str(error.line) for error in others if error.line is not None]
+        listed = ", ".join(lines[: self.LISTED]) + (", ..." if len(lines) > self.LISTED else "")
+        more = f" (and {len(others)} more" + (f", lines {listed})" if lines else ")")
+        raise TrackmarshalError(
+            first.code, first.message + more, file=first.file, line=first.line, help=first.help
+        )

@@ -1,0 +1,71 @@
+"""The bytes of a recording, read with limits on their size; and bytes to text."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import zlib
+from pathlib import Path
+
+from trackmarshal.errors import TrackmarshalError
+
+#: Largest file that is read, and largest total that it may unpack to. A cycle takes about 5 kB.
+MAX_BYTES = 200_000_000
+#: Text of numbers packs to a half or a third of its size; a hundredth is something else.
+MAX_RATIO = 100
+#: Below this, the ratio is not looked at: short files of equal lines pack well.
+SMALL = 1_000_000
+
+
+def read(path: Path, shown: str) -> bytes:
+    """All bytes of a file; raises D120 or D124."""
+    try:
+        size = path.stat().st_size
+        if path.is_dir():
+            raise TrackmarshalError("D120", "this is a folder", file=shown, help="name a file in it")
+        if size > MAX_BYTES:
+            raise too_large(shown, f"{size} bytes")
+        return path.read_bytes()
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        reason = getattr(error, "strerror", None) or str(error)
+        raise TrackmarshalError("D120", reason, file=shown, help="check the path") from error
+
+
+def too_large(shown: str, what: str) -> TrackmarshalError:
+    return TrackmarshalError(
+        "D124",
+        f"{what}, the limit is {MAX_BYTES}",
+        file=shown,
+        help="split a long recording; don't open archives of unknown origin",
+    )
+
+
+def suspicious(packed: int, unpacked: int) -> bool:
+    """Does this much packed data unpack to more than recordings do?"""
+    return unpacked > SMALL and unpacked > MAX_RATIO * packed
+
+
+def gunzip(data: bytes, shown: str) -> bytes:
+    """The content of a gzip stream; raises D142 or D124, never unpacks more than MAX_BYTES."""
+    limit = min(MAX_BYTES, max(SMALL, MAX_RATIO * len(data)))
+    try:
+        with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
+            content = stream.read(limit + 1)
+    except (OSError, EOFError, zlib.error, ValueError) as error:
+        message = f"the gzip stream is damaged: {error}"
+        raise TrackmarshalError("D142", message, file=shown, help="fetch the file again") from error
+    if len(content) > limit:
+        raise too_large(shown, f"{len(data)} bytes unpack to more than {limit} bytes")
+    return content
+
+
+def text(data: bytes, shown: str) -> str:
+    """UTF-8 to text, a byte order mark taken off; raises D126 with the line."""
+    if not data.strip(b"\xef\xbb\xbf \t\r\n"):
+        raise TrackmarshalError("D126", "the file is empty", file=shown, line=1, help="was it cut off?")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        message = f"byte {data[error.start]:#04x} at offset {error.start} is not UTF-8"
+        raise TrackmarshalError("D126", message, file=shown, line=line, help="save it as UTF-8") from error

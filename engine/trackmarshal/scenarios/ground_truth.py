@@ -1,0 +1,117 @@
+"""When a supervisor must and may fire on another vehicle: the detection envelope of the paper's section V-D.
+
+Earliest: the other vehicle, frozen where it is, enters the braking distance v^2 / (2 b) in front of the car under
+test. Latest: contact results although the car under test brakes at its maximum b while the other keeps its velocity.
+Before the earliest time the verdict has to be safe, from the latest on unsafe, between them it is free. Where the
+latest lies before the earliest (an oncoming car), the paper leaves no answer: safety comes first, and the verdict
+has to be unsafe from the latest on. A car that is not ahead is no concern here: the rear vehicle is responsible.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Envelope:
+    """Earliest and latest time, s; None for never."""
+
+    earliest: float | None
+    latest: float | None
+
+    @property
+    def inverted(self) -> bool:
+        """The latest time lies before the earliest."""
+        return self.earliest is not None and self.latest is not None and self.latest < self.earliest
+
+    def truth(self, t: float) -> bool | None:
+        """What the verdict at time t has to be: True safe, False unsafe, None free."""
+        if self.latest is not None and t >= self.latest:
+            return False
+        if self.earliest is not None and t >= self.earliest and not self.inverted:
+            return None
+        return True
+
+
+def same_lane(gap: float, v: float, u: float, b: float) -> Envelope:
+    """The envelope of two vehicles at constant speeds in one lane, in closed form.
+
+    gap: bumper to bumper at t = 0, m. v: speed of the car under test, m/s. u: the other's along the lane, negative
+    where it comes towards it. b: maximum deceleration, m/s^2. Times may lie before 0. Raises ValueError for numbers
+    that mean nothing (b <= 0, v < 0, not finite).
+    """
+    if not all(map(math.isfinite, (gap, v, u, b))) or b <= 0.0 or v < 0.0:
+        raise ValueError(f"no envelope for gap={gap}, v={v}, u={u}, b={b}")
+    braking = v * v / (2.0 * b)
+    closing = v - u
+    if closing <= 0.0:  # it drives away: what is not inside now never was later
+        return Envelope(0.0 if gap <= braking else None, None)
+    critical = closing * closing / (2.0 * b) if u >= 0.0 else braking - u * v / b
+    return Envelope((gap - braking) / closing, (gap - critical) / closing)
+
+
+@dataclass(frozen=True, slots=True)
+class LaneState:
+    """A vehicle in coordinates of the road: centre s along and d left of the reference line, m, and their rates, m/s.
+
+    reach and side are half the extents of its rectangle along and across the road, m.
+    """
+
+    s: float
+    d: float
+    s_rate: float
+    d_rate: float
+    reach: float
+    side: float
+
+
+def may_fire(ego: LaneState, other: LaneState, b: float) -> bool:
+    """Does the other, frozen, overlap the ego's width within its braking distance in front of its bumper?"""
+    gap = other.s - ego.s - other.reach - ego.reach
+    abreast = abs(other.d - ego.d) < other.side + ego.side
+    return other.s > ego.s and abreast and gap <= ego.s_rate * ego.s_rate / (2.0 * b)
+
+
+def must_fire(ego: LaneState, other: LaneState, b: float) -> bool:
+    """Do the rectangles meet while the ego, keeping its d, brakes at b to rest and the other keeps both its rates?"""
+    if other.s <= ego.s:
+        return False
+    start, end = _window(other.d - ego.d, other.d_rate, other.side + ego.side, ego.s_rate / b)
+    if start > end:
+        return False
+    ahead, rate = other.s - ego.s, other.s_rate - ego.s_rate
+
+    def distance(t: float) -> float:  # between the centres: convex in t
+        return ahead + rate * t + 0.5 * b * t * t
+
+    lowest = distance(min(max(-rate / b, start), end))
+    highest = max(distance(start), distance(end))
+    length = ego.reach + other.reach
+    return lowest <= length and highest >= -length
+
+
+def _window(offset: float, rate: float, width: float, end: float) -> tuple[float, float]:
+    """The part of [0, end] in which |offset + rate t| < width; start > end where there is none."""
+    if rate == 0.0:
+        return (0.0, end) if abs(offset) < width else (1.0, 0.0)
+    crossings = sorted(((-width - offset) / rate, (width - offset) / rate))
+    return max(0.0, crossings[0]), min(end, crossings[1])
+
+
+def envelope(
+    times: Sequence[float], egos: Sequence[LaneState], others: Sequence[LaneState], b: float
+) -> Envelope:
+    """The envelope of a recorded encounter: the first times, s, at which a supervisor may and must fire."""
+    pairs = list(zip(times, egos, others, strict=True))
+    earliest = next((t for t, ego, other in pairs if may_fire(ego, other, b)), None)
+    latest = next((t for t, ego, other in pairs if must_fire(ego, other, b)), None)
+    return Envelope(earliest, latest)
+
+
+def worst(truths: Sequence[bool | None]) -> bool | None:
+    """The truth over several other vehicles: unsafe if it is for one, free if it is for one, else safe."""
+    if False in truths:
+        return False
+    return None if None in truths else True

@@ -1,0 +1,78 @@
+"""JSON texts to plain values, strictly: no name twice, no constants but those asked for, no crash on any input."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, Never
+
+
+class BadJson(ValueError):
+    """Not the JSON that was expected; the message says why, the caller knows where."""
+
+
+def _pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    value = dict(pairs)
+    if len(value) != len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise BadJson(f"the name {twice!r:.60} stands twice in one object")
+    return value
+
+
+def _no_constant(name: str) -> Never:
+    raise BadJson(f"`{name}` is not JSON")
+
+
+def _nan(_name: str) -> float:
+    return math.nan
+
+
+def parse(text: str, *, constants: bool = False) -> Any:
+    """One JSON text to its value. With `constants`, NaN, Infinity and -Infinity are read, all as NaN.
+
+    Raises BadJson, also for nesting and for digits without end.
+    """
+    try:
+        constant = _nan if constants else _no_constant
+        value = json.loads(text, parse_constant=constant, object_pairs_hook=_pairs)
+        if "\\u" in text:  # an escaped half of a pair of surrogates is no character, and cannot be printed
+            json.dumps(value, ensure_ascii=False).encode()
+        return value
+    except BadJson:
+        raise
+    except json.JSONDecodeError as error:
+        raise BadJson(f"{error.msg} at character {error.pos + 1}") from error
+    except RecursionError as error:
+        raise BadJson("nested too deeply") from error
+    except UnicodeEncodeError as error:
+        raise BadJson("half a pair of surrogates is no character") from error
+    except ValueError as error:  # an integer with thousands of digits
+        raise BadJson(str(error)) from error
+
+
+def number(value: Any) -> float:
+    """A JSON number as float (true and false are none); beyond the range of double it is infinite."""
+    if type(value) is float:
+        return value
+    if type(value) is int:
+        try:
+            return float(value)
+        except OverflowError:
+            return math.copysign(math.inf, value)
+    raise BadJson(f"{kind(value)} stands where a number is expected")
+
+
+def kind(value: Any) -> str:
+    """What a JSON value is, in words for a message."""
+    if isinstance(value, bool):
+        return f"the truth value {str(value).lower()}"
+    if isinstance(value, str):
+        return f"the text {value[:40]!r}"
+    if isinstance(value, dict):
+        return "an object"
+    if isinstance(value, list):
+        return f"a list of {len(value)}"
+    if value is None:
+        return "null"
+    return f"{value!r:.40}"

@@ -1,0 +1,74 @@
+"""A recording: what the Supervisor saw, cycle by cycle, and what the truth was.
+
+Plain data in SI units: columns are lists of float, heading 0 along +x and counter-clockwise positive, kappa > 0
+turns left, a pose is the centre of the vehicle's rectangle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from trackmarshal.errors import TrackmarshalError
+
+#: A trajectory: equally long lists, by name.
+Columns = dict[str, list[float]]
+#: `left` and `right` are lists of [x, y]; a `closed` track goes on from the last point to the first.
+Track = dict[str, Any]
+
+#: What a trajectory has at least, in the order of the formats.
+COLUMNS = ("t", "s", "x", "y", "heading", "kappa", "v", "a")
+CANDIDATES = ("driving", "emergency")
+#: Ground truth is given apart for other vehicles, and for the road and the vehicle's own limits.
+TRUTHS = ("dynamic", "static")
+
+
+@dataclass(frozen=True, slots=True)
+class Cycle:
+    """One cycle of the Supervisor.
+
+    t in s. ego: x, y, heading, v, mostly also kappa and a. objects: each with a text `id`, x, y, heading, v,
+    length, width, mostly also age. candidates: columns by name, see CANDIDATES and COLUMNS.
+    """
+
+    t: float
+    ego: dict[str, float]
+    objects: list[dict[str, Any]]
+    candidates: dict[str, Columns]
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Cycles on one track, with parameters and tables that override the spec's, and ground truth.
+
+    ground_truth has one entry a cycle: True is safe, False is unsafe, None leaves any verdict free (the paper,
+    section V-D). `use` names configuration specs to apply. `source`, the path as given, is no part of equality.
+    """
+
+    name: str
+    source: str = field(compare=False)
+    cycles: tuple[Cycle, ...]
+    track: Track
+    params: dict[str, float] = field(default_factory=dict)
+    tables: dict[str, list[list[float]]] = field(default_factory=dict)
+    ground_truth: dict[str, tuple[bool | None, ...]] = field(default_factory=dict)
+    use: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def signals(self, cycle: Cycle, candidate: str) -> dict[str, Any]:
+        """The signals of one check: plan, ego, objects, track and whether the plan is the emergency one.
+
+        Nothing is copied, and `track` is the same object for every cycle. Raises D144.
+        """
+        plan = cycle.candidates.get(candidate)
+        if plan is None:
+            there = " and ".join(cycle.candidates)
+            message = f"no candidate `{candidate}` at t = {cycle.t:g} s"
+            raise TrackmarshalError("D144", message, file=self.source, help=f"there: {there}")
+        return {
+            "plan": plan,
+            "ego": cycle.ego,
+            "objects": cycle.objects,
+            "track": self.track,
+            "emergency": candidate == "emergency",
+        }

@@ -1,0 +1,143 @@
+"""trackmarshal's own open format for recordings: one JSON Lines file, `*.tmrec.jsonl` (also packed, `.gz`).
+
+The first line is the header, every further line a cycle; recording.schema.json describes both. Strict JSON: numbers
+that are not finite are the texts "nan", "inf" and "-inf", and null is read as NaN (a missing value). Reading what
+was written gives an equal recording.
+"""
+
+from __future__ import annotations
+
+import gzip
+import json
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.scenarios import content, structure
+from trackmarshal.scenarios.codes import Faults
+from trackmarshal.scenarios.json_text import BadJson, parse
+from trackmarshal.scenarios.recording import Cycle, Recording
+from trackmarshal.scenarios.structure import Wrong
+
+FORMAT = "trackmarshal-recording"
+VERSION = 1
+
+
+def write(recording: Recording, path: str | Path) -> None:
+    """Write a recording; packed where the path ends in .gz. Raises D120 where that fails, D141 for what it cannot say.
+
+    What is written is decoded once before it reaches the disk: a file that cannot be read again is never made.
+    """
+    path = Path(path)
+    data = "".join(line + "\n" for line in encode(recording)).encode()
+    decode(data, str(path))
+    if path.suffix == ".gz":
+        data = gzip.compress(data, mtime=0)
+    try:
+        path.write_bytes(data)
+    except OSError as error:
+        message = f"cannot be written: {error.strerror}"
+        raise TrackmarshalError("D120", message, file=str(path), help="check the path") from error
+
+
+def encode(recording: Recording) -> Iterator[str]:
+    """The lines of the file, without line ends."""
+    header: dict[str, Any] = {"format": FORMAT, "version": VERSION, "name": recording.name}
+    header["track"] = recording.track
+    for name in ("params", "tables", "use", "notes"):
+        value = getattr(recording, name)
+        if value:
+            header[name] = value
+    yield _dump(header)
+    for i, cycle in enumerate(recording.cycles):
+        line: dict[str, Any] = {
+            "t": cycle.t,
+            "ego": cycle.ego,
+            "objects": cycle.objects,
+            "candidates": cycle.candidates,
+        }
+        if recording.ground_truth:
+            line["ground_truth"] = {name: truth[i] for name, truth in recording.ground_truth.items()}
+        yield _dump(line)
+
+
+def _dump(value: Any) -> str:
+    try:
+        return json.dumps(value, allow_nan=False, separators=(",", ":"))
+    except ValueError:
+        return json.dumps(_spelt(value), allow_nan=False, separators=(",", ":"))
+
+
+def _spelt(value: Any) -> Any:
+    """The same value with texts for the numbers that JSON does not have."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    if isinstance(value, dict):
+        return {name: _spelt(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_spelt(item) for item in value]
+    return value
+
+
+def decode(data: bytes, shown: str) -> Recording:
+    """The bytes of a file (unpacked) to a Recording; raises D126, D130, D140, D141 or D143 with the line."""
+    numbered = enumerate(content.text(data, shown).split("\n"), start=1)
+    lines = [(i, line) for i, line in numbered if line.strip()]
+    faults = Faults(shown)
+    header: dict[str, Any] = {}
+    cycles: list[Cycle] = []
+    truths: list[dict[str, bool | None]] = []
+    for number, text in lines:
+        try:
+            if not header:
+                header = _header(_object(text, number, shown), number, shown)
+                continue
+            cycle, truth = structure.cycle(_object(text, number, shown))
+            if cycles and cycle.t <= cycles[-1].t:
+                message = f"time {cycle.t:g} s does not come after {cycles[-1].t:g} s"
+                raise _error("D130", message, number, shown, "sort the cycles")
+            if truths and truth.keys() != truths[0].keys():
+                raise _error("D141", "ground_truth differs from the first cycle's", number, shown, _SCHEMA)
+            cycles.append(cycle)
+            truths.append(truth)
+        except Wrong as error:
+            faults.add(_error("D141", str(error), number, shown, _SCHEMA))
+        except TrackmarshalError as error:
+            faults.add(error)
+        if not header:
+            break
+    faults.check()
+    if not cycles:
+        raise _error("D130", "the recording has no cycles", lines[0][0], shown, "was it cut off?")
+    truth_columns = {name: tuple(truth[name] for truth in truths) for name in truths[0]}
+    return Recording(source=shown, cycles=tuple(cycles), ground_truth=truth_columns, **header)
+
+
+_SCHEMA = "recording.schema.json says what a line has"
+
+
+def _error(code: str, message: str, line: int, shown: str, help: str) -> TrackmarshalError:
+    return TrackmarshalError(code, message, file=shown, line=line, help=help)
+
+
+def _object(text: str, number: int, shown: str) -> dict[str, Any]:
+    try:
+        value = parse(text)
+    except BadJson as error:
+        raise _error("D140", str(error), number, shown, "every line is one JSON object") from error
+    if not isinstance(value, dict):
+        raise _error("D140", "the line is not a JSON object", number, shown, "every line is one JSON object")
+    return value
+
+
+def _header(value: dict[str, Any], number: int, shown: str) -> dict[str, Any]:
+    """The header's fields, checked, as arguments of Recording."""
+    if value.get("format") != FORMAT:
+        message = f'the first line has no `"format": "{FORMAT}"`'
+        raise _error("D121", message, number, shown, "is this a recording of trackmarshal's own format?")
+    version = value.get("version")
+    if version != VERSION or type(version) is not int:
+        raise _error("D143", f"version {version!r:.40} of the format", number, shown, f"known is {VERSION}")
+    return structure.header(value)

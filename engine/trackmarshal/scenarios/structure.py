@@ -1,0 +1,174 @@
+"""The structure of a recording's lines, checked by hand: what recording.schema.json says, without a library.
+
+Every message begins with the path of the field in the line.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from itertools import pairwise
+from typing import Any
+
+from trackmarshal.scenarios.json_text import BadJson, kind, number
+from trackmarshal.scenarios.recording import CANDIDATES, COLUMNS, TRUTHS, Columns, Cycle, Track
+from trackmarshal.scenarios.trajectory import arc_length
+
+_SPELT = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
+_HEADER = ("format", "version", "name", "track", "params", "tables", "use", "notes")
+_CYCLE = ("t", "ego", "objects", "candidates", "ground_truth")
+
+
+class Wrong(ValueError):
+    """A field that is not what it should be; the message names it."""
+
+
+def header(value: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of Recording but for cycles, ground truth and source. Raises Wrong."""
+    _keys(value, "header", needed=("name", "track"), known=_HEADER)
+    params = _mapping(value.get("params", {}), "params")
+    tables = _mapping(value.get("tables", {}), "tables")
+    return {
+        "name": _text(value["name"], "name"),
+        "track": _track(value["track"]),
+        "params": {name: _finite(item, f"params.{name}") for name, item in params.items()},
+        "tables": {name: _table(item, f"tables.{name}") for name, item in tables.items()},
+        "use": tuple(_text(item, "use") for item in _list(value.get("use", []), "use")),
+        "notes": tuple(_text(item, "notes") for item in _list(value.get("notes", []), "notes")),
+    }
+
+
+def cycle(value: dict[str, Any]) -> tuple[Cycle, dict[str, bool | None]]:
+    """A cycle and its ground truth. Raises Wrong."""
+    _keys(value, "cycle", needed=_CYCLE[:-1], known=_CYCLE)
+    ego = _mapping(value["ego"], "ego")
+    objects = [_object(item, f"objects[{i}]") for i, item in enumerate(_list(value["objects"], "objects"))]
+    if len({item["id"] for item in objects}) != len(objects):
+        raise Wrong("objects: an id stands twice in one cycle")
+    candidates = _mapping(value["candidates"], "candidates")
+    _keys(candidates, "candidates", needed=(), known=CANDIDATES)
+    if not candidates:
+        raise Wrong("candidates: there is none")
+    result = Cycle(
+        _finite(value["t"], "t"),
+        {name: _number(item, f"ego.{name}") for name, item in ego.items()},
+        objects,
+        {name: _columns(item, f"candidates.{name}") for name, item in candidates.items()},
+    )
+    truth = _mapping(value.get("ground_truth", {}), "ground_truth")
+    _keys(truth, "ground_truth", needed=(), known=TRUTHS)
+    for name, item in truth.items():
+        if item is not None and not isinstance(item, bool):
+            raise Wrong(f"ground_truth.{name}: {kind(item)} is not true, false or null")
+    return result, truth
+
+
+def _keys(value: dict[str, Any], where: str, needed: Iterable[str], known: Iterable[str]) -> None:
+    missing = [name for name in needed if name not in value]
+    if missing:
+        raise Wrong(f"{where}: `{missing[0]}` is missing")
+    unknown = [name for name in value if name not in known]
+    if unknown:
+        raise Wrong(f"{where}: {unknown[0]!r:.40} is not known (known: {', '.join(known)})")
+
+
+def _mapping(value: Any, where: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise Wrong(f"{where}: {kind(value)} stands where an object is expected")
+    return value
+
+
+def _list(value: Any, where: str) -> list[Any]:
+    if not isinstance(value, list):
+        raise Wrong(f"{where}: {kind(value)} stands where a list is expected")
+    return value
+
+
+def _text(value: Any, where: str) -> str:
+    if not isinstance(value, str):
+        raise Wrong(f"{where}: {kind(value)} stands where a text is expected")
+    return value
+
+
+def _number(value: Any, where: str) -> float:
+    """A number, null (NaN), or one of the texts for numbers that are not finite."""
+    if type(value) is float and math.isfinite(value):
+        return value
+    if value is None:
+        return math.nan
+    if isinstance(value, str) and value in _SPELT:
+        return _SPELT[value]
+    try:
+        result = number(value)
+    except BadJson as error:
+        raise Wrong(f"{where}: {error}") from error
+    if not math.isfinite(result):
+        raise Wrong(f'{where}: the number is beyond the range of IEEE double (infinity is "inf")')
+    return result
+
+
+def _finite(value: Any, where: str) -> float:
+    result = _number(value, where)
+    if not math.isfinite(result):
+        raise Wrong(f"{where}: has to be finite")
+    return result
+
+
+def _object(value: Any, where: str) -> dict[str, Any]:
+    fields = _mapping(value, where)
+    _text(fields.get("id"), f"{where}.id")
+    return {
+        name: item if name == "id" or isinstance(item, bool) else _number(item, f"{where}.{name}")
+        for name, item in fields.items()
+    }
+
+
+def _columns(value: Any, where: str) -> Columns:
+    """Equally long lists of numbers; `s` is computed where it is missing, further columns are kept."""
+    fields = _mapping(value, where)
+    _keys(fields, where, needed=[name for name in COLUMNS if name != "s"], known=fields)
+    columns = {name: _column(column, f"{where}.{name}") for name, column in fields.items()}
+    lengths = {len(column) for column in columns.values()}
+    if len(lengths) != 1 or 0 in lengths:
+        counts = ", ".join(f"{name} {len(column)}" for name, column in columns.items())
+        raise Wrong(f"{where}: columns have to be equally long, one sample at least ({counts})")
+    if "s" not in columns:
+        columns["s"] = arc_length(columns["x"], columns["y"])
+    return columns
+
+
+def _column(value: Any, where: str) -> list[float]:
+    column = _list(value, where)
+    if all(type(item) is float and math.isfinite(item) for item in column):
+        return column
+    return [_number(item, f"{where}[{i}]") for i, item in enumerate(column)]
+
+
+def _table(value: Any, where: str) -> list[list[float]]:
+    rows = [_pair(item, f"{where}[{i}]") for i, item in enumerate(_list(value, where))]
+    if not rows or any(b[0] <= a[0] for a, b in pairwise(rows)):
+        raise Wrong(f"{where}: needs rows with strictly increasing first numbers")
+    return rows
+
+
+def _pair(value: Any, where: str) -> list[float]:
+    pair = [_finite(item, where) for item in _list(value, where)]
+    if len(pair) != 2:
+        raise Wrong(f"{where}: {len(pair)} numbers, not two")
+    return pair
+
+
+def _track(value: Any) -> Track:
+    track = _mapping(value, "track")
+    _keys(track, "track", needed=("left", "right"), known=("left", "right", "closed"))
+    closed = track.get("closed", False)
+    if not isinstance(closed, bool):
+        raise Wrong(f"track.closed: {kind(closed)} is not true or false")
+    sides = {}
+    for side in ("left", "right"):
+        where = f"track.{side}"
+        points = _list(track[side], where)
+        sides[side] = [_pair(point, f"{where}[{i}]") for i, point in enumerate(points)]
+        if len(sides[side]) < 2:
+            raise Wrong(f"{where}: needs two or more points")
+    return {**sides, "closed": closed}

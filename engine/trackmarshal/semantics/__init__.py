@@ -1,0 +1,1 @@
+"""Meaning: names, dimensions and types; syntax tree to IR."""

@@ -1,0 +1,273 @@
+"""Calls: built-in functions, tables, geometry, and definitions written out where they are used."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from trackmarshal.diagnostics.base import Diagnostic, close_matches
+from trackmarshal.ir import nodes as ir
+from trackmarshal.semantics.errors import Recursive, UnknownReference, WrongArity, WrongDimension, WrongKind
+from trackmarshal.semantics.scope import Symbol
+from trackmarshal.semantics.shapes import SHAPES
+from trackmarshal.semantics.values import (
+    AreaValue, FormulaValue, LineValue, NumberValue, RecordValue, RegionValue, SignalValue, Value,
+)  # fmt: skip
+from trackmarshal.source import Span
+from trackmarshal.syntax import ast
+from trackmarshal.units import LENGTH, NUMBER, Dimension, name, parse_unit, power, show
+
+if TYPE_CHECKING:
+    from trackmarshal.semantics.expressions import Context, Expressions
+
+#: Built-in functions that are not plain functions of numbers, and their arguments for messages.
+_SPECIAL = {
+    "rising": "a formula", "falling": "a formula",
+    "footprint": "a body; or a pose, length, width", "swept_footprint": "a sample of a trajectory, length, width",
+    "swept": "two poses, length, width", "inside": "a footprint, an area", "clear_of": "two footprints",
+    "station": "a point, a line", "offset": "a point, a line", "direction": "a point, a line",
+    "distance_to": "a point, a line", "station_gap": "a line, two stations", "centre": "a corridor", "path": "a trajectory",
+}  # fmt: skip
+_ON_LINE: dict[str, Dimension] = {"station": LENGTH, "offset": LENGTH, "direction": NUMBER, "distance_to": LENGTH}
+
+
+def built_in_names() -> set[str]:
+    """Every function that needs no declaration."""
+    return {*ir.FUNCTIONS, *_SPECIAL}
+
+
+def call(
+    self: Expressions, function: str, args: tuple[ast.Expr, ...], names: tuple[str, ...], span: Span, ctx: Context
+) -> Value:
+    """A call of anything by its name."""
+    if any(names):
+        self.fail(UnknownReference(span, "named arguments are for the builders of tests", "write the arguments in order"))
+    symbol = ctx.scope.find(function)
+    if symbol is None and function in ir.FUNCTIONS:
+        return _numeric(self, function, args, span, ctx)
+    if symbol is None and function in _SPECIAL:
+        return _special(self, function, args, span, ctx)
+    found = symbol or ctx.scope.look_up(function, span, "function", built_in_names())
+    if isinstance(found, Diagnostic):
+        self.fail(found)
+    values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))  # type: ignore[misc]
+    item = found.item
+    if isinstance(item, ast.Table):
+        return _table(self, found, item, values, span)
+    if isinstance(item, ast.Define):
+        return expand(self, found, item, values, span, ctx)
+    self.fail(WrongKind(span, "a function", f"the name `{function}`"))
+
+
+def expand(self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value], span: Span, ctx: Context) -> Value:
+    """A definition written out with its arguments in place of its parameters."""
+    if symbol.qualified in ctx.stack:
+        cycle = " -> ".join(q.rpartition(".")[2] for q in (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified))
+        self.fail(Recursive(span, item.name, cycle))
+    if len(args) != len(item.parameters):
+        self.fail(WrongArity(span, item.name, _count(len(item.parameters)), len(args)))
+    local = {p.name: _argument(self, p, value) for p, value in zip(item.parameters, args)}
+    scope = self.scopes[symbol.module]
+    inner = type(ctx)(scope, local, ctx.level, ctx.timeline, ctx.site or span, (*ctx.stack, symbol.qualified))
+    if item.keyword == "predicate":
+        return FormulaValue(self.formula(item.body, inner).node, span)
+    value = self.number(item.body, inner)
+    if item.result is not None:
+        wanted = parse_unit(item.result)[2]
+        if value.dimension != wanted:
+            self.fail(WrongDimension(value.span, item.span, f"the value of `{item.name}`", name(wanted), value.spoken))
+    return NumberValue(value.node, value.dimension, span)
+
+
+def check_definition(self: Expressions, symbol: Symbol, item: ast.Define, ctx: Context) -> None:
+    """Check the body of a definition that may never be called, with placeholders for its arguments."""
+    args = [_placeholder(self, p) for p in item.parameters]
+    expand(self, symbol, item, args, item.span, ctx)
+
+
+def _placeholder(self: Expressions, parameter: ast.Parameter) -> Value:
+    kind, span = parameter.type, parameter.span
+    if kind in SHAPES:
+        return RecordValue(f"`{parameter.name}`, a {kind}", None, SHAPES[kind], lambda f, at: self.make(ir.Const, 0.0), None, span)
+    if kind in ("trajectory", "polyline"):
+        return LineValue(self.make(ir.Line, "place", "", ""), span)
+    if kind == "corridor":
+        return AreaValue(self.make(ir.Area, "corridor", ""), span)
+    return NumberValue(self.make(ir.Param, f"{parameter.name}"), parse_unit(kind)[2], span)
+
+
+def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Value:
+    """The argument as the body sees it: of the declared dimension, or through the declared shape."""
+    kind, span = parameter.type, value.__dict__["span"]
+    if kind in SHAPES:
+        if not isinstance(value, RecordValue):
+            self.fail(WrongKind(span, f"a {kind} for `{parameter.name}`", value.spoken))
+        for field, dimension in SHAPES[kind].items():
+            if value.shape.get(field, "missing") != dimension:
+                self.fail(WrongKind(span, f"a {kind} for `{parameter.name}` (it has {', '.join(SHAPES[kind])})", value.spoken,
+                                    f"it lacks `{field}`, or it has another dimension"))  # fmt: skip
+        return RecordValue(value.what, value.signal, SHAPES[kind], value.read, value.previous, span)
+    if kind in ("trajectory", "polyline"):
+        return LineValue(line(self, value, span), span)
+    if kind == "corridor":
+        return AreaValue(_area(self, value, span), span)
+    if not isinstance(value, NumberValue):
+        self.fail(WrongKind(span, f"a number for `{parameter.name}`", value.spoken))
+    wanted = parse_unit(kind)[2]
+    if value.dimension != wanted:
+        what = f"argument `{parameter.name}`"
+        self.fail(WrongDimension(span, parameter.span, what, f"{name(wanted)} [{show(wanted)}]", f"{value.spoken} [{show(value.dimension)}]"))
+    return value
+
+
+def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:
+    values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))  # type: ignore[misc]
+    numbers = [v for v in values if isinstance(v, NumberValue)]
+    wanted = ir.FUNCTIONS[function]
+    if len(numbers) != wanted and not (function in ("min", "max") and len(numbers) > wanted):
+        self.fail(WrongArity(span, function, _count(wanted), len(numbers)))
+    first = numbers[0]
+    if function in ("min", "max", "atan2"):
+        for other in numbers[1:]:
+            self.same("take the " + function + " of", first, other)
+        node = first.node
+        for other in numbers[1:]:
+            node = self.make(ir.Func, function, (node, other.node))
+        return NumberValue(node, NUMBER if function == "atan2" else first.dimension, span)
+    dimension = first.dimension
+    if function == "sqrt":
+        dimension = power(dimension, Fraction(1, 2))
+    elif function != "abs":
+        for value in numbers:
+            if value.dimension != NUMBER:
+                self.fail(WrongDimension(value.span, None, f"the argument of {function}", "a plain number", value.spoken))
+    return NumberValue(self.make(ir.Func, function, tuple(v.node for v in numbers)), dimension, span)
+
+
+def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Value], span: Span) -> Value:
+    if len(values) != 1:
+        self.fail(WrongArity(span, item.name, _count(1), len(values)))
+    value = values[0]
+    if symbol.qualified not in self.tables:
+        self.fail(UnknownReference(span, f"the table `{item.name}` has errors of its own"))
+    argument, result = self.tables[symbol.qualified]
+    if not isinstance(value, NumberValue) or value.dimension != argument:
+        self.fail(WrongDimension(value.__dict__["span"], item.span, f"the argument of `{item.name}`", name(argument), value.spoken))
+    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span)
+
+
+def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:
+    def want(*counts: int) -> None:
+        if len(args) not in counts:
+            self.fail(WrongArity(span, function, _SPECIAL[function], len(args)))
+
+    if function in ("rising", "falling"):
+        want(1)
+        axis = self.timeline(f"`{function}`", span, ctx)
+        return FormulaValue(self.make(ir.Edge, function, axis, self.formula(args[0], ctx).node), span)
+    values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))  # type: ignore[misc]
+    spans: list[Span] = [arg.__dict__["span"] for arg in args]
+    if function == "footprint":
+        want(1, 3)
+        return _footprint(self, values, spans, span, ctx)
+    if function == "swept_footprint":
+        want(3)
+        sample = values[0]
+        if not isinstance(sample, RecordValue) or sample.previous is None:
+            self.fail(WrongKind(spans[0], "a sample of a trajectory", sample.spoken))
+        before = RecordValue(sample.what, sample.signal, sample.shape, sample.previous, None, sample.span)
+        poses = (*fields(self, before, "pose", spans[0], ctx), *fields(self, sample, "pose", spans[0], ctx))
+        return RegionValue((*poses, *(_length(self, v) for v in values[1:])), span)
+    if function == "swept":
+        want(4)
+        poses = (*fields(self, values[0], "pose", spans[0], ctx), *fields(self, values[1], "pose", spans[1], ctx))
+        return RegionValue((*poses, *(_length(self, v) for v in values[2:])), span)
+    if function == "inside":
+        want(2)
+        region = _region(self, values[0], spans[0])
+        return FormulaValue(self.make(ir.Geometry, "swept_inside", region.args, _area(self, values[1], spans[1]), ctx.site or span), span)
+    if function == "clear_of":
+        want(2)
+        hull, box = _region(self, values[0], spans[0]), _region(self, values[1], spans[1])
+        if box.args[0:3] != box.args[3:6]:
+            self.fail(WrongKind(spans[1], "a footprint at rest", "a swept footprint", "swap the two sides"))
+        node = self.make(ir.Geometry, "swept_clear", (*hull.args, *box.args[0:3], *box.args[6:8]), None, ctx.site or span)
+        return FormulaValue(node, span)
+    if function in _ON_LINE:
+        want(2)
+        x, y = fields(self, values[0], "point", spans[0], ctx)
+        what = "distance" if function == "distance_to" else function
+        return NumberValue(self.make(ir.Along, what, line(self, values[1], spans[1]), (x, y)), _ON_LINE[function], span)
+    if function == "station_gap":
+        want(3)
+        stations = tuple(_length(self, v) for v in values[1:])
+        return NumberValue(self.make(ir.Along, "station_gap", line(self, values[0], spans[0]), stations), LENGTH, span)
+    if function == "centre":
+        want(1)
+        area = _area(self, values[0], spans[0])
+        if area.kind != "corridor":
+            self.fail(WrongKind(spans[0], "a corridor", "a zone"))
+        return LineValue(self.make(ir.Line, "centre", area.name, ""), span)
+    if function == "path":
+        want(1)
+        return LineValue(line(self, values[0], spans[0]), span)
+    raise AssertionError(f"unknown function {function}")
+
+
+def fields(self: Expressions, value: Value, shape: str, span: Span, ctx: Context) -> tuple[ir.Num, ...]:
+    """The numbers of a record that a shape names."""
+    if not isinstance(value, RecordValue):
+        self.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value.spoken))
+    nodes = []
+    for field, dimension in SHAPES[shape].items():
+        node = value.read(field, ctx.site or span) if value.shape.get(field, "missing") == dimension else None
+        if not isinstance(node, ir.Num):
+            hint = close_matches(field, value.shape) or f"declare `{field}: {show(dimension or NUMBER)}`"
+            self.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value.spoken, hint))
+        nodes.append(node)
+    return tuple(nodes)
+
+
+def line(self: Expressions, value: Value, span: Span) -> ir.Line:
+    """The polyline that a value is, or has: a line, the path of a trajectory, the centre line of a corridor."""
+    if isinstance(value, LineValue):
+        return value.line
+    if isinstance(value, SignalValue) and value.signal.kind == "trajectory" and not value.signal.many:
+        return self.make(ir.Line, "path", value.signal.name, "")
+    if isinstance(value, (SignalValue, AreaValue)):
+        area = _area(self, value, span)
+        if area.kind == "corridor":
+            return self.make(ir.Line, "centre", area.name, "")
+    self.fail(WrongKind(span, "a line, a trajectory or a corridor", value.spoken))
+
+
+def _area(self: Expressions, value: Value, span: Span) -> ir.Area:
+    if isinstance(value, AreaValue):
+        return value.area
+    if isinstance(value, SignalValue) and value.signal.kind == "corridor":
+        return self.make(ir.Area, "corridor", value.signal.name)
+    self.fail(WrongKind(span, "a zone or a corridor", value.spoken))
+
+
+def _region(self: Expressions, value: Value, span: Span) -> RegionValue:
+    if not isinstance(value, RegionValue):
+        self.fail(WrongKind(span, "a footprint", value.spoken, "write footprint(...) or swept_footprint(...)"))
+    return value
+
+
+def _footprint(self: Expressions, values: list[Value], spans: list[Span], span: Span, ctx: Context) -> RegionValue:
+    if len(values) == 1:
+        body = fields(self, values[0], "body", spans[0], ctx)
+        return RegionValue((*body[:3], *body[:3], *body[3:]), span)
+    pose = fields(self, values[0], "pose", spans[0], ctx)
+    return RegionValue((*pose, *pose, *(_length(self, v) for v in values[1:])), span)
+
+
+def _length(self: Expressions, value: Value) -> ir.Num:
+    if not isinstance(value, NumberValue) or value.dimension != LENGTH:
+        self.fail(WrongDimension(value.__dict__["span"], None, "this argument", "a length", value.spoken))
+    return value.node
+
+
+def _count(number: int) -> str:
+    return "no arguments" if number == 0 else "one argument" if number == 1 else f"{number} arguments"

@@ -1,0 +1,320 @@
+"""Errors of names, types and dimensions."""
+
+from __future__ import annotations
+
+from trackmarshal.diagnostics.base import Diagnostic
+from trackmarshal.source import Span
+
+
+class UnknownName(Diagnostic):
+    code = "E201"
+    title = "unknown name"
+    text = "unknown {what} `{name}`"
+    label = "not declared here or in a used module"
+    remedy = "{hint}"
+    explanation = (
+        "Every name must be declared in the module or in one that it uses (`use module.name`). Names of modules used by a "
+        "used module are not visible."
+    )
+
+    span: Span
+    what: str
+    name: str
+    hint: str = ""
+
+
+class Duplicate(Diagnostic):
+    code = "E202"
+    title = "declared twice"
+    text = "{what} `{name}` is declared twice"
+    label = "declared again here"
+    other_label = "first declared here"
+    remedy = "rename one of them"
+    explanation = "A name stands for one thing in a module; a rule's name is unique in everything that is checked together."
+
+    span: Span
+    other: Span
+    what: str
+    name: str
+
+
+class ModuleNotFound(Diagnostic):
+    code = "E203"
+    title = "module not found"
+    text = "no module `{name}`"
+    label = "looked for {path}"
+    remedy = "{hint}"
+    explanation = "`use a.b` reads a/b.spec below the folder in which the project's modules start; `prelude.*` comes with the tool."
+
+    span: Span
+    name: str
+    path: str
+    hint: str = ""
+
+
+class ImportCycle(Diagnostic):
+    code = "E204"
+    title = "modules use each other in a circle"
+    text = "import cycle: {cycle}"
+    label = "this `use` closes the circle"
+    remedy = "move what both need into a module of its own"
+    explanation = "Modules are read in an order in which each comes after those that it uses; a circle has no such order."
+
+    span: Span
+    cycle: str
+
+
+class ModuleName(Diagnostic):
+    code = "E205"
+    title = "the module's name does not fit"
+    text = "{problem}"
+    label = "here"
+    remedy = "{hint}"
+    explanation = "A file starts with `module NAME`, once, and a module `a.b` lives in a/b.spec, so that `use a.b` finds it."
+
+    span: Span
+    problem: str
+    hint: str = ""
+
+
+class UnknownRequirement(Diagnostic):
+    code = "E206"
+    title = "satisfies nothing"
+    text = "there is no requirement `{name}`"
+    label = "not in the requirements of this project"
+    remedy = "{hint}"
+    explanation = "What a rule satisfies must exist in the project's requirements, else the traceability matrix would have a loose end."
+
+    span: Span
+    name: str
+    hint: str = ""
+
+
+class Ambiguous(Diagnostic):
+    code = "E208"
+    title = "a name with two meanings"
+    text = "`{name}` is declared in two used modules"
+    label = "which one?"
+    other_label = "one is here"
+    remedy = "rename one, or use only one of the modules"
+    explanation = "Two used modules declare the same name; nothing is chosen silently."
+
+    span: Span
+    other: Span
+    name: str
+
+
+class WrongArity(Diagnostic):
+    code = "E209"
+    title = "wrong number of arguments"
+    text = "`{name}` takes {wanted}, not {given}"
+    label = "{given} given"
+    explanation = "The number of arguments differs from the number of parameters of the definition or the built-in function."
+
+    span: Span
+    name: str
+    wanted: str
+    given: int
+
+
+class UnknownField(Diagnostic):
+    code = "E210"
+    title = "unknown field"
+    text = "{what} has no field `{name}`"
+    label = "it has: {known}"
+    remedy = "{hint}"
+    explanation = "Only the fields that a signal's declaration lists can be read: they are the input contract."
+
+    span: Span
+    what: str
+    name: str
+    known: str
+    hint: str = ""
+
+
+class WrongKind(Diagnostic):
+    code = "E211"
+    title = "the wrong kind of thing"
+    text = "expected {wanted}, found {found}"
+    label = "this is {found}"
+    remedy = "{hint}"
+    explanation = "Numbers, formulas, records, regions and lines are different kinds of values; each place takes one of them."
+
+    span: Span
+    wanted: str
+    found: str
+    hint: str = ""
+
+
+class Recursive(Diagnostic):
+    code = "E212"
+    title = "a definition that needs itself"
+    text = "`{name}` is defined by itself: {cycle}"
+    label = "here"
+    explanation = "Definitions are written out where they are used, so that every evaluation is bounded; recursion has no bound."
+
+    span: Span
+    name: str
+    cycle: str
+
+
+class ClauseProblem(Diagnostic):
+    code = "E213"
+    title = "a clause is missing, double or misplaced"
+    text = "{problem}"
+    label = "here"
+    remedy = "{hint}"
+    explanation = (
+        "A rule has exactly one `require`, an assumption at most one `monitor`; `along` comes before all quantifiers and there is at "
+        "most one; `except` follows a quantifier or a `whenever`."
+    )
+
+    span: Span
+    problem: str
+    hint: str = ""
+
+
+class SignalConflict(Diagnostic):
+    code = "E215"
+    title = "two contracts for one signal"
+    text = "signal `{name}` has two different declarations"
+    label = "differs from the other one"
+    other_label = "the other declaration"
+    remedy = "declare it in one module and `use` that"
+    explanation = "A signal of a given name is one thing in the car; modules checked together must agree on its contract."
+
+    span: Span
+    other: Span
+    name: str
+
+
+class RulebookCycle(Diagnostic):
+    code = "E216"
+    title = "a rulebook that contradicts itself"
+    text = "`{name}` outranks itself: {cycle}"
+    label = "closed here"
+    explanation = "`>` is strict: no rule may stand above itself, directly or over others of equal rank."
+
+    span: Span
+    name: str
+    cycle: str
+
+
+class StateProblem(Diagnostic):
+    code = "E217"
+    title = "a state that cannot be reached"
+    text = "{problem}"
+    label = "here"
+    explanation = "Every state of a `state` declaration is the start or is reached by a `becomes`."
+
+    span: Span
+    problem: str
+
+
+class RunAxis(Diagnostic):
+    code = "E218"
+    title = "memory over the run"
+    text = "{what} needs memory over the run, which this version does not evaluate"
+    label = "ranges over the run"
+    remedy = "{hint}"
+    explanation = (
+        "Temporal operators in a rule without `along SIGNAL as NAME`, `within` after `whenever`, and `state` range over the run, cycle by "
+        "cycle. They parse, but this version has no evaluator for them, and refuses instead of leaving a rule out."
+    )
+
+    span: Span
+    what: str
+    hint: str = ""
+
+
+class UnknownReference(Diagnostic):
+    code = "E219"
+    title = "unknown word"
+    text = "{problem}"
+    label = "here"
+    remedy = "{hint}"
+    explanation = "Some places take a word from a fixed list, or the name of a rule, an assumption or a reference declared elsewhere."
+
+    span: Span
+    problem: str
+    hint: str = ""
+
+
+class DimensionMismatch(Diagnostic):
+    code = "E301"
+    title = "dimensions do not match"
+    text = "cannot {action} {left} and {right}"
+    label = "this is {left}"
+    other_label = "this is {right}"
+    remedy = "{hint}"
+    explanation = (
+        "Every quantity has a dimension over metre, second and kilogram (an angle is a plain number). Only equal dimensions can be "
+        "compared, added or chosen between. The check happens once, when the spec is compiled; it costs nothing at run time."
+    )
+
+    span: Span
+    other: Span
+    action: str
+    left: str
+    right: str
+    hint: str = ""
+
+
+class WrongDimension(Diagnostic):
+    code = "E302"
+    title = "the wrong dimension"
+    text = "{what} must be {wanted}, not {found}"
+    label = "this is {found}"
+    other_label = "{wanted} is declared here"
+    remedy = "{hint}"
+    explanation = "The place has a declared dimension, and the value has another one."
+
+    span: Span
+    other: Span | None
+    what: str
+    wanted: str
+    found: str
+    hint: str = ""
+
+
+class BadValue(Diagnostic):
+    code = "E306"
+    title = "a value that cannot stand here"
+    text = "{problem}"
+    label = "here"
+    other_label = "limited here"
+    remedy = "{hint}"
+    explanation = (
+        "Parameters lie inside their range, ranges run from low to high, table knots ascend, windows of temporal operators are constant, "
+        "not negative and run from low to high, exponents are whole constant numbers for quantities with a dimension."
+    )
+
+    span: Span
+    problem: str
+    other: Span | None = None
+    hint: str = ""
+
+
+class Unconstrained(Diagnostic):
+    code = "E307"
+    title = "a constraint does not hold"
+    text = "the parameters break this constraint: {values}"
+    label = "does not hold"
+    remedy = "{hint}"
+    explanation = "`constrain` states what must hold between parameters for the rules to be sound; the values as set break it."
+
+    span: Span
+    values: str
+    hint: str = ""
+
+
+class UnusedVariable(Diagnostic):
+    code = "E220"
+    title = "a variable that is never used"
+    level = "warning"
+    text = "`{name}` is bound and never used"
+    label = "nothing depends on it"
+    explanation = "A quantifier whose variable does not occur in its body says the same thing for every element; a name may be misspelt."
+
+    span: Span
+    name: str

@@ -1,0 +1,394 @@
+"""Expressions: names resolved, dimensions checked, lowered to the IR. All errors of an expression are found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from typing import NoReturn
+
+from trackmarshal.diagnostics.base import Diagnostic, close_matches
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import SignalType
+from trackmarshal.node import Node
+from trackmarshal.semantics import calls
+from trackmarshal.semantics.errors import BadValue, DimensionMismatch, RunAxis, UnknownField, UnknownReference, UnusedVariable, WrongKind
+from trackmarshal.semantics.scope import Scope, Symbol
+from trackmarshal.semantics.values import (
+    AreaValue, FormulaValue, LineValue, NumberValue, RecordValue, SignalValue, Value,
+)  # fmt: skip
+from trackmarshal.source import Span
+from trackmarshal.syntax import ast
+from trackmarshal.units import NUMBER, TIME, Dimension, over, parse_unit, power, show, times, to_si
+
+
+class Poison(Exception):
+    """An error was reported; what depends on the expression is not checked further."""
+
+
+class Context(Node):
+    """Where an expression stands: the names it sees, how deep it is nested, which timeline it lives on."""
+
+    scope: Scope
+    local: dict[str, Value]
+    level: int
+    timeline: ir.Axis | None
+    #: The call in the rule's own file, while a definition is written out.
+    site: Span | None
+    #: Definitions being written out, outermost first.
+    stack: tuple[str, ...]
+
+    def bind(self, names: dict[str, Value], levels: int = 0, timeline: ir.Axis | None = None) -> Context:
+        """This context with more local names, and `levels` more axes in use."""
+        return Context(
+            self.scope, {**self.local, **names}, self.level + levels, timeline or self.timeline, self.site, self.stack
+        )
+
+
+class Expressions:
+    """Lowers expressions; `signals` maps the names of signals to their types, `found` collects diagnostics."""
+
+    def __init__(self, interner: ir.Interner, signals: dict[str, SignalType], found: list[Diagnostic]) -> None:
+        self.make = interner.make
+        self.signals = signals
+        self.found = found
+        self.scopes: dict[str, Scope] = {}
+        #: Names of tables -> (dimension of the argument, of the result).
+        self.tables: dict[str, tuple[Dimension, Dimension]] = {}
+        self.params: dict[str, Dimension] = {}
+
+    def fail(self, diagnostic: Diagnostic) -> NoReturn:
+        self.found.append(diagnostic)
+        raise Poison
+
+    def all(self, *steps: Callable[[], Value]) -> list[Value]:
+        """Run all steps, so that the errors of each are reported; then fail if one did."""
+        values, failed = [], False
+        for step in steps:
+            try:
+                values.append(step())
+            except Poison:
+                failed = True
+        if failed:
+            raise Poison
+        return values
+
+    def number(self, expr: ast.Expr, ctx: Context) -> NumberValue:
+        value = self.value(expr, ctx)
+        if not isinstance(value, NumberValue):
+            self.fail(WrongKind(_span(expr), "a number", value.spoken))
+        return value
+
+    def formula(self, expr: ast.Expr, ctx: Context) -> FormulaValue:
+        value = self.value(expr, ctx)
+        if not isinstance(value, FormulaValue):
+            hint = "compare it with something" if isinstance(value, NumberValue) else ""
+            self.fail(WrongKind(_span(expr), "a formula", value.spoken, hint))
+        return value
+
+    def value(self, expr: ast.Expr, ctx: Context) -> Value:  # noqa: C901 - one case a node
+        span = _span(expr)
+        match expr:
+            case ast.Number():
+                return NumberValue(self.make(ir.Const, to_si(float(expr.text), expr.unit or "1")), parse_unit(expr.unit or "1")[2], span)
+            case ast.Boolean():
+                return FormulaValue(self.make(ir.Truth, expr.value), span)
+            case ast.Name():
+                return self._name(expr, ctx)
+            case ast.Attribute():
+                return self._attribute(expr, ctx)
+            case ast.Call():
+                return calls.call(self, expr.function, expr.args, expr.names, span, ctx)
+            case ast.Infix():
+                return calls.call(self, expr.predicate, (expr.left, expr.right), ("", ""), span, ctx)
+            case ast.Unary():
+                if expr.op == "not":
+                    return FormulaValue(self.make(ir.Not, self.formula(expr.operand, ctx).node), span)
+                operand = self.number(expr.operand, ctx)
+                if isinstance(operand.node, ir.Const):
+                    return NumberValue(self.make(ir.Const, -operand.node.value), operand.dimension, span)
+                return NumberValue(self.make(ir.Neg, operand.node), operand.dimension, span)
+            case ast.Binary():
+                return self._binary(expr, ctx)
+            case ast.IfElse():
+                return self._if_else(expr, ctx)
+            case ast.Within():
+                low = ast.Binary("<=", expr.lower, expr.value, span)
+                return self.value(ast.Binary("and", low, ast.Binary("<=", expr.value, expr.upper, span), span), ctx)
+            case ast.InZone():
+                return self._in_zone(expr, ctx)
+            case ast.Temporal():
+                return self._temporal(expr, ctx)
+            case ast.Until():
+                return self._until(expr, ctx)
+            case ast.Quantified():
+                return self._quantified(expr, ctx)
+            case ast.RecordValue() | ast.ListValue():
+                self.fail(WrongKind(span, "an expression", "a literal value", "records and lists stand in tests only"))
+            case _:
+                raise AssertionError(f"unknown expression {type(expr).__name__}")
+
+    # Names ------------------------------------------------------------------------------------------------
+
+    def _name(self, expr: ast.Name, ctx: Context) -> Value:
+        if expr.name in ctx.local:
+            return ctx.local[expr.name]
+        if expr.name == "pi" and ctx.scope.find("pi") is None:
+            return NumberValue(self.make(ir.Const, math.pi), NUMBER, expr.span)
+        found = ctx.scope.look_up(expr.name, expr.span, "name", {*ctx.local, "pi"})
+        if isinstance(found, Diagnostic):
+            self.fail(found)
+        return self._symbol(found, expr.span, ctx)
+
+    def _symbol(self, symbol: Symbol, span: Span, ctx: Context) -> Value:
+        item = symbol.item
+        match item:
+            case ast.Signal():
+                signal = self.signals[item.name]
+                if signal.kind == "state":
+                    return self.record(signal, f"the state `{signal.name}`", span, lambda f: self.make(ir.Scalar, signal.name, f))
+                if signal.kind == "polyline":
+                    return LineValue(self.make(ir.Line, "signal", signal.name, ""), span)
+                return SignalValue(signal, span)
+            case ast.Event():
+                return FormulaValue(self.make(ir.Flag, item.name, None, None, 0, ctx.site or span), span)
+            case ast.Param():
+                if symbol.qualified not in self.params:
+                    raise Poison  # its declaration was reported
+                return NumberValue(self.make(ir.Param, symbol.qualified), self.params[symbol.qualified], span)
+            case ast.Place():
+                if item.kind == "zone":
+                    return AreaValue(self.make(ir.Area, "zone", symbol.qualified), span)
+                return LineValue(self.make(ir.Line, "place", symbol.qualified, ""), span)
+            case ast.Define() if not item.parameters:
+                return calls.expand(self, symbol, item, [], span, ctx)
+            case ast.Define() | ast.Table():
+                self.fail(WrongKind(span, "a value", f"the function `{item.name}`", f"call it: `{item.name}(...)`"))
+            case ast.State():
+                self.fail(RunAxis(span, f"state `{item.name}`"))
+            case ast.Reference() | ast.Rulebook():
+                self.fail(WrongKind(span, "a value", f"the name of a {type(item).__name__.lower()}"))
+            case _:
+                raise AssertionError(f"unknown symbol {type(item).__name__}")
+
+    def record(
+        self, signal: SignalType, what: str, span: Span, number: Callable[[str], ir.Num],
+        axis: ir.Axis | None = None, offset: int = 0, previous: Callable[[str], ir.Num] | None = None,
+    ) -> RecordValue:  # fmt: skip
+        """A record of a signal; `number` makes the node that reads one of its fields."""
+
+        def reader(make: Callable[[str], ir.Num]) -> Callable[[str, Span], ir.Num | ir.Formula]:
+            def read(name: str, at: Span) -> ir.Num | ir.Formula:
+                field = signal.field(name)
+                if field is not None and field.kind == "bool":
+                    return self.make(ir.Flag, signal.name, name, axis, offset, at)
+                return make(name)
+
+            return read
+
+        shape = {f.name: None if f.kind == "bool" else parse_unit(f.unit)[2] for f in signal.fields_ if f.kind != "polyline"}
+        return RecordValue(what, signal, shape, reader(number), reader(previous) if previous else None, span)
+
+    def _attribute(self, expr: ast.Attribute, ctx: Context) -> Value:
+        value = self.value(expr.value, ctx)
+        span = expr.span
+        if isinstance(value, RecordValue):
+            if expr.name not in value.shape:
+                self.fail(UnknownField(span, value.what, expr.name, ", ".join(value.shape), close_matches(expr.name, value.shape)))
+            node = value.read(expr.name, ctx.site or span)
+            dimension = value.shape[expr.name]
+            if isinstance(node, ir.Formula):
+                return FormulaValue(node, span)
+            assert dimension is not None
+            return NumberValue(node, dimension, span)
+        if isinstance(value, SignalValue):
+            signal = value.signal
+            if signal.sequence and expr.name in ("first", "last"):
+                index = 0 if expr.name == "first" else -1
+                what = f"the {expr.name} sample of `{signal.name}`"
+                return self.record(signal, what, span, lambda f: self.make(ir.Sample, signal.name, f, index))
+            field = signal.field(expr.name)
+            if field is not None and field.kind == "polyline" and not signal.many:
+                return LineValue(self.make(ir.Line, "signal", signal.name, expr.name), span)
+            known = ["first", "last"] if signal.sequence else [f.name for f in signal.fields_ if f.kind == "polyline"]
+            hint = close_matches(expr.name, known)
+            if signal.field(expr.name) is not None:
+                hint = f"bind a variable first: `for all x in {signal.name}`"
+            self.fail(UnknownField(span, value.spoken, expr.name, ", ".join(known) or "nothing to read", hint))
+        self.fail(WrongKind(_span(expr.value), "a record", value.spoken))
+
+    # Arithmetic and logic -----------------------------------------------------------------------------------
+
+    def _binary(self, expr: ast.Binary, ctx: Context) -> Value:
+        op, span = expr.op, expr.span
+        if op in ("and", "or", "implies", "iff", "xor"):
+            a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
+            assert isinstance(a, FormulaValue)
+            assert isinstance(b, FormulaValue)
+            return FormulaValue(self.make(ir.Connective, op, a.node, b.node), span)
+        if op == "^":
+            return self._power(expr, ctx)
+        left, right = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
+        assert isinstance(left, NumberValue)
+        assert isinstance(right, NumberValue)
+        if op in ("*", "/"):
+            dimension = times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
+            return NumberValue(self.make(ir.Arith, op, left.node, right.node), dimension, span)
+        self.same("compare" if op in _COMPARISONS else "add" if op == "+" else "subtract", left, right)
+        if op in ("+", "-"):
+            return NumberValue(self.make(ir.Arith, op, left.node, right.node), left.dimension, span)
+        if op in _COMPARISONS:
+            return FormulaValue(self.make(ir.Compare, op, left.node, right.node, show(left.dimension), ctx.site or span), span)
+        raise AssertionError(f"unknown operator {op}")
+
+    def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
+        """Fail unless two numbers have one dimension."""
+        if left.dimension == right.dimension:
+            return
+        texts = [f"{v.spoken} [{show(v.dimension)}]" if v.spoken != show(v.dimension) else v.spoken for v in (left, right)]
+        hint = ""
+        for value, other in ((left, right), (right, left)):
+            if value.dimension == NUMBER and isinstance(value.node, ir.Const):
+                hint = f"write the unit: `{value.span.text.strip()} {show(other.dimension)}`"
+        if not hint:
+            factor = over(right.dimension, left.dimension)
+            hint = f"multiply the left side by {_a(factor)}, or divide the right side by it"
+        self.fail(DimensionMismatch(left.span, right.span, action, texts[0], texts[1], hint))
+
+    def _power(self, expr: ast.Binary, ctx: Context) -> Value:
+        base, exponent = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
+        assert isinstance(base, NumberValue)
+        assert isinstance(exponent, NumberValue)
+        if exponent.dimension != NUMBER:
+            self.fail(BadValue(exponent.span, f"an exponent is a plain number, not {exponent.spoken}"))
+        constant = exponent.node.value if isinstance(exponent.node, ir.Const) else None
+        if constant is not None and constant == int(constant) and 1 <= abs(constant) <= 8:
+            node = base.node
+            for _ in range(int(abs(constant)) - 1):  # defined as repeated multiplication, not as a library's pow
+                node = self.make(ir.Arith, "*", node, base.node)
+            if constant < 0:
+                node = self.make(ir.Arith, "/", self.make(ir.Const, 1.0), node)
+            return NumberValue(node, power(base.dimension, Fraction(int(constant))), expr.span)
+        if base.dimension != NUMBER:
+            hint = "use sqrt(x) for a root" if constant == 0.5 else "divide by a reference quantity first"
+            problem = f"the exponent of {base.spoken} must be a whole number from 1 to 8"
+            self.fail(BadValue(exponent.span, problem, base.span, hint))
+        return NumberValue(self.make(ir.Func, "pow", (base.node, exponent.node)), NUMBER, expr.span)
+
+    def _if_else(self, expr: ast.IfElse, ctx: Context) -> Value:
+        condition, then, otherwise = self.all(
+            lambda: self.formula(expr.condition, ctx), lambda: self.number(expr.then, ctx), lambda: self.number(expr.otherwise, ctx)
+        )
+        assert isinstance(condition, FormulaValue)
+        assert isinstance(then, NumberValue)
+        assert isinstance(otherwise, NumberValue)
+        self.same("choose between", then, otherwise)
+        return NumberValue(self.make(ir.Choose, condition.node, then.node, otherwise.node), then.dimension, expr.span)
+
+    def _in_zone(self, expr: ast.InZone, ctx: Context) -> Value:
+        found = ctx.scope.look_up(expr.zone, expr.span, "zone", set())
+        if isinstance(found, Diagnostic):
+            self.fail(found)
+        if not isinstance(found.item, ast.Place) or found.item.kind != "zone":
+            self.fail(WrongKind(expr.span, "a zone", f"the name `{expr.zone}`"))
+        area = self.make(ir.Area, "zone", found.qualified)
+        x, y = calls.fields(self, self.value(expr.value, ctx), "point", _span(expr.value), ctx)
+        return FormulaValue(self.make(ir.Geometry, "in_area", (x, y), area, ctx.site or expr.span), expr.span)
+
+    # Time and quantifiers -----------------------------------------------------------------------------------
+
+    def timeline(self, what: str, span: Span, ctx: Context) -> ir.Axis:
+        if ctx.timeline is None:
+            self.fail(RunAxis(span, what, "for the planned horizon, add `along SIGNAL as NAME` to the rule"))
+        return ctx.timeline
+
+    def _temporal(self, expr: ast.Temporal, ctx: Context) -> Value:
+        axis = self.timeline(f"`{expr.op}`", expr.span, ctx)
+        operand = self.formula(expr.operand, ctx).node
+        if expr.op in ("next", "previous"):
+            step = 1 if expr.op == "next" else -1
+            return FormulaValue(self.make(ir.Shift, axis, operand, step, expr.weak), expr.span)
+        lower, upper = self._window(expr.window, ctx)
+        return FormulaValue(self.make(ir.Temporal, expr.op, axis, operand, lower, upper), expr.span)
+
+    def _until(self, expr: ast.Until, ctx: Context) -> Value:
+        axis = self.timeline(f"`{expr.op}`", expr.span, ctx)
+        left, right = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
+        lower, upper = self._window(expr.window, ctx)
+        assert isinstance(left, FormulaValue)
+        assert isinstance(right, FormulaValue)
+        return FormulaValue(self.make(ir.Until, expr.op, axis, left.node, right.node, lower, upper), expr.span)
+
+    def _window(self, window: ast.Window | None, ctx: Context) -> tuple[float | None, float | None]:
+        if window is None:
+            return None, None
+        bounds = []
+        for bound in (window.lower, window.upper):
+            value = self.number(bound, ctx)
+            if value.dimension != TIME:
+                hint = f"write `{value.span.text} s`" if value.dimension == NUMBER else ""
+                self.fail(BadValue(value.span, f"the window of a temporal operator is a time, not {value.spoken}", None, hint))
+            if not isinstance(value.node, ir.Const):
+                self.fail(BadValue(value.span, "the window of a temporal operator is constant", None, "write a number with a unit of time"))
+            bounds.append(value.node.value)
+        if bounds[0] < 0 or bounds[1] < bounds[0]:
+            self.fail(BadValue(window.span, "a window runs from a time not below zero to a later one", None, "write it as [low, high]"))
+        return bounds[0], bounds[1]
+
+    def axis(
+        self, domain: ast.Expr, names: tuple[str, ...], consecutive: bool, span: Span, ctx: Context
+    ) -> tuple[ir.Axis, dict[str, Value]]:
+        """The axis of a quantifier and its variables."""
+        value = self.value(domain, ctx)
+        if not isinstance(value, SignalValue) or not (value.signal.sequence or value.signal.many):
+            self.fail(WrongKind(_span(domain), "a timeline or a set", value.spoken))
+        signal = value.signal
+        if len(names) > 1 and not consecutive:
+            self.fail(UnknownReference(span, "several variables range together over consecutive samples only", "write `consecutive`"))
+        if consecutive and (len(names) < 2 or not signal.sequence):
+            self.fail(UnknownReference(span, "`consecutive` binds two or more samples of a timeline"))
+        axis = self.make(ir.Axis, signal.name, "samples" if signal.sequence else "elements", len(names), ctx.level)
+        variables: dict[str, Value] = {}
+        for offset, name in enumerate(names):
+            if name in variables:
+                self.fail(UnknownReference(span, f"`{name}` is bound twice"))
+            variables[name] = self._variable(signal, axis, offset, name, span)
+        return axis, variables
+
+    def _variable(self, signal: SignalType, axis: ir.Axis, offset: int, name: str, span: Span) -> RecordValue:
+        what = f"`{name}`, {'a sample' if signal.sequence else 'an element'} of `{signal.name}`"
+
+        def number(field: str) -> ir.Num:
+            return self.make(ir.Column, axis, field, offset)
+
+        def previous(field: str) -> ir.Num:
+            return self.make(ir.Column, axis, field, offset - 1)
+
+        return self.record(signal, what, span, number, axis, offset, previous if signal.sequence else None)
+
+    def _quantified(self, expr: ast.Quantified, ctx: Context) -> Value:
+        axis, variables = self.axis(expr.domain, expr.names, expr.consecutive, expr.span, ctx)
+        inner = ctx.bind(variables, 1)
+        self.check_used(expr.names, (expr.where, expr.body), expr.span)
+        guard = self.formula(expr.where, inner).node if expr.where is not None else None
+        body = self.formula(expr.body, inner).node
+        return FormulaValue(self.make(ir.Quantify, expr.quantifier, axis, guard, body, expr.names), expr.span)
+
+    def check_used(self, names: tuple[str, ...], parts: tuple[ast.Node | None, ...], span: Span) -> None:
+        """Warn of variables that nothing below mentions."""
+        used = {node.name for part in parts if part is not None for node in part.walk() if isinstance(node, ast.Name)}
+        for name in names:
+            if name not in used:
+                self.found.append(UnusedVariable(span, name))
+
+
+_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
+
+
+def _span(expr: ast.Expr) -> Span:
+    span: Span = expr.__dict__["span"]
+    return span
+
+
+def _a(dimension: Dimension) -> str:
+    return f"a quantity in {show(dimension)}"

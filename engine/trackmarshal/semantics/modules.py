@@ -1,0 +1,168 @@
+"""Spec files to modules: which file a `use` means, and an order in which each module follows what it uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import trackmarshal.prelude
+from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.node import Node
+from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
+from trackmarshal.source import SourceFile, Span, read
+from trackmarshal.syntax import ast
+from trackmarshal.syntax.parser import parse
+
+_PRELUDE = Path(trackmarshal.prelude.__file__).parent
+
+
+class LoadedModule(Node):
+    """A parsed module: its dotted name, its file, the modules it uses."""
+
+    name: str
+    path: Path
+    file: SourceFile
+    tree: ast.Module
+    uses: tuple[ast.Use, ...]
+
+
+class Library:
+    """The modules reachable from some files; `found` collects diagnostics, `failures` files that cannot be read."""
+
+    def __init__(self, shown_from: Path | None = None) -> None:
+        self.modules: dict[str, LoadedModule] = {}
+        self.found: list[Diagnostic] = []
+        self.failures: list[TrackmarshalError] = []
+        self._shown_from = shown_from or Path.cwd()
+        self._by_path: dict[Path, LoadedModule | None] = {}
+
+    def load(self, paths: Iterable[Path]) -> tuple[str, ...]:
+        """Load files, or all of a folder's, with what they use; the names of the modules asked for, in order."""
+        names = []
+        for path in paths:
+            for file in spec_files(path):
+                module = self._load_file(file)
+                if module is not None:
+                    names.append(module.name)
+        return tuple(dict.fromkeys(names))
+
+    def order(self, names: Iterable[str]) -> tuple[str, ...]:
+        """All modules that these need, each after those that it uses; circles are reported and cut."""
+        done: dict[str, bool] = {}
+        result: list[str] = []
+        for root in names:
+            path: list[str] = []
+            stack: list[tuple[str, int]] = [(root, 0)]
+            while stack:
+                name, step = stack.pop()
+                if step == 0:
+                    if name in done:
+                        continue
+                    done[name] = False
+                    path.append(name)
+                uses = self.modules[name].uses
+                if step < len(uses):
+                    stack.append((name, step + 1))
+                    target = uses[step]
+                    if done.get(target.name) is False:
+                        cycle = [*path[path.index(target.name) :], target.name]
+                        self.found.append(ImportCycle(target.span, " -> ".join(cycle)))
+                    elif target.name in self.modules:
+                        stack.append((target.name, 0))
+                else:
+                    done[name] = True
+                    path.pop()
+                    result.append(name)
+        return tuple(result)
+
+    def _shown(self, path: Path) -> str:
+        if path.is_relative_to(_PRELUDE):
+            return f"prelude/{path.name}"
+        resolved = path.resolve()
+        return str(resolved.relative_to(self._shown_from)) if resolved.is_relative_to(self._shown_from) else str(path)
+
+    def _load_file(self, path: Path) -> LoadedModule | None:
+        pending = [path]
+        while pending:
+            current = pending.pop()
+            if current.resolve() in self._by_path:
+                continue
+            module = self._read(current)
+            self._by_path[current.resolve()] = module
+            if module is None:
+                continue
+            root = _root(module)
+            for use in module.uses:
+                target = _module_path(use.name, root)
+                if target.is_file():
+                    pending.append(target)
+                else:
+                    self._missing(use, target, root)
+        return self._by_path[path.resolve()]
+
+    def _read(self, path: Path) -> LoadedModule | None:
+        try:
+            file = read(path, self._shown(path))
+        except TrackmarshalError as error:
+            self.failures.append(error)
+            return None
+        tree, found = parse(file)
+        self.found += found
+        names = [item for item in tree.items if isinstance(item, ast.ModuleName)]
+        top = Span(file, 0, min(len(file.text), 1))
+        if not names:
+            if not found:
+                self.found.append(ModuleName(top, "the file does not say which module it is", "start it with `module NAME`"))
+            name = path.stem
+        else:
+            name = names[0].name
+            for extra in names[1:]:
+                self.found.append(ModuleName(extra.span, "a file holds one module", "remove this line"))
+        uses = tuple(item for item in tree.items if isinstance(item, ast.Use))
+        module = LoadedModule(name, path, file, tree, uses)
+        if name in self.modules:
+            other = self.modules[name].file.path
+            self.found.append(ModuleName(names[0].span if names else top, f"module `{name}` is also in {other}", "rename one"))
+            return None
+        self.modules[name] = module
+        return module
+
+    def _missing(self, use: ast.Use, target: Path, root: Path) -> None:
+        known = [".".join(path.relative_to(root).with_suffix("").parts) for path in root.rglob("*.spec")] if root.is_dir() else []
+        known += [f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec")]
+        self.found.append(ModuleNotFound(use.span, use.name, self._shown(target), close_matches(use.name, known)))
+
+
+def spec_files(path: Path) -> list[Path]:
+    """The `.spec` files that a path means: itself, or all below a folder, in the order of their names."""
+    if path.is_dir():
+        return sorted(path.rglob("*.spec"))
+    return [path]
+
+
+def _root(module: LoadedModule) -> Path:
+    """The folder in which module names start: module a.b in X/a/b.spec starts in X; else the file's own folder."""
+    parts = module.name.split(".")
+    path = module.path.resolve()
+    if path.with_suffix("").parts[-len(parts) :] == tuple(parts):
+        return path.parents[len(parts) - 1]
+    return path.parent
+
+
+def _module_path(name: str, root: Path) -> Path:
+    parts = name.split(".")
+    if parts[0] == "prelude":
+        return _PRELUDE.joinpath(*parts[1:]).with_suffix(".spec") if len(parts) > 1 else _PRELUDE / "prelude.spec"
+    return root.joinpath(*parts).with_suffix(".spec")
+
+
+def load_or_raise(paths: Iterable[Path], shown_from: Path | None = None) -> tuple[Library, tuple[str, ...]]:
+    """A library and the names asked for; raises what is wrong with reading or syntax."""
+    library = Library(shown_from)
+    names = library.load(paths)
+    if library.failures:
+        raise library.failures[0]
+    if library.found:
+        raise Diagnostics(library.found)
+    return library, names

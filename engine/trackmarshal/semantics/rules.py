@@ -1,0 +1,305 @@
+"""Rules and assumptions: their clauses to one formula, and what they trace to."""
+
+from __future__ import annotations
+
+import hashlib
+
+from trackmarshal.diagnostics.base import close_matches
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.semantics.errors import ClauseProblem, RunAxis, UnknownReference
+from trackmarshal.semantics.expressions import Context, Expressions, Poison
+from trackmarshal.semantics.values import FormulaValue, SignalValue
+from trackmarshal.source import Span
+from trackmarshal.syntax import ast
+
+SEVERITIES = ("minor", "major", "critical")
+
+
+class RuleBuilder:
+    """Turns one declaration into a RuleInfo; what is wrong goes to the expressions' diagnostics."""
+
+    def __init__(self, expressions: Expressions, ctx: Context) -> None:
+        self.x = expressions
+        self.ctx = ctx
+
+    def build(self, item: ast.Rule | ast.Assume, assumptions: set[str]) -> RuleInfo | None:
+        """The rule; None where an error keeps it from having a meaning."""
+        kind = "rule" if isinstance(item, ast.Rule) else "assume"
+        before = len(self.x.found)
+        self._placement(item, kind)
+        text = {"source": "", "because": "", "severity": "major", "evidence": "", "owner": ""}
+        satisfies: list[tuple[str, Span]] = []
+        assuming: list[tuple[str, Span]] = []
+        for clause in item.clauses:
+            match clause:
+                case ast.Satisfies():
+                    satisfies += [(name.name, name.span) for name in clause.ids]
+                case ast.Assuming():
+                    assuming += [(name.name, name.span) for name in clause.ids]
+                case ast.SourceClause():
+                    text["source"] = self._source(clause)
+                case ast.Because():
+                    text["because"] = clause.text
+                case ast.Severity():
+                    text["severity"] = clause.word
+                    if clause.word not in SEVERITIES:
+                        hint = close_matches(clause.word, SEVERITIES)
+                        problem = f"`{clause.word}` is no severity: {', '.join(SEVERITIES)}"
+                        self.x.found.append(UnknownReference(clause.span, problem, hint))
+                case ast.Evidence():
+                    text["evidence"] = clause.path
+                case ast.Owner():
+                    text["owner"] = clause.text
+        for name, span in assuming:
+            if name not in assumptions:
+                problem = f"no assumption `{name}` is declared in what is checked together"
+                self.x.found.append(UnknownReference(span, problem, close_matches(name, assumptions)))
+        formula, active, along = self._formula(item)
+        if any(d.level == "error" for d in self.x.found[before:]):
+            return None
+        if formula is None and kind == "rule":
+            return None
+        return RuleInfo(
+            item.name, kind, item.title, self.ctx.scope.module, formula, active, along, margin_unit(formula), tuple(satisfies),
+            tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], reads(formula),
+            fingerprint(item, formula), _headline(item.span),
+        )  # fmt: skip
+
+    def _placement(self, item: ast.Rule | ast.Assume, kind: str) -> None:
+        """Which clauses may stand here, how often, and in what order."""
+        singles: dict[type[ast.Clause], str] = {
+            ast.Require: "monitor" if kind == "assume" else "require", ast.Along: "along", ast.Because: "because", ast.Severity: "severity",
+            ast.Evidence: "evidence", ast.Owner: "owner", ast.Whenever: "whenever", ast.WithinTime: "within",
+        }  # fmt: skip
+        for clause_type, word in singles.items():
+            for extra in [c for c in item.clauses if isinstance(c, clause_type)][1:]:
+                self._problem(extra, f"`{word}` stands once in a {kind}", "join conditions with `and`, or write two rules")
+        requires = [c for c in item.clauses if isinstance(c, ast.Require)]
+        if kind == "rule" and not requires:
+            self.x.found.append(ClauseProblem(_headline(item.span), f"rule `{item.name}` requires nothing", "add a `require` clause"))
+        for clause in requires:
+            if (clause.keyword == "monitor") != (kind == "assume"):
+                right = "monitor" if kind == "assume" else "require"
+                self._problem(clause, f"a {kind} states its condition with `{right}`", f"write `{right}`")
+        if kind == "rule":
+            for clause in item.clauses:
+                if isinstance(clause, (ast.Evidence, ast.Owner)):
+                    self._problem(clause, "evidence and owner belong to an assumption", "move it to the `assume` it is about")
+        bound = False
+        for clause in item.clauses:
+            if isinstance(clause, ast.Bind):
+                bound = True
+            elif isinstance(clause, ast.Along) and bound:
+                self._problem(clause, "`along` comes before the quantifiers", "move it up")
+            elif isinstance(clause, ast.Except) and not bound:
+                self._problem(clause, "`except` leaves elements out of a quantifier's range", "put a `for all` before it, or use `whenever`")
+            elif isinstance(clause, ast.WithinTime):
+                self.x.found.append(RunAxis(clause.span, "`within`"))
+            elif isinstance(clause, ast.Whenever) and bound:
+                self._problem(clause, "`whenever` comes before the quantifiers", "move it up, or use `where`")
+            if requires and clause is not requires[0] and isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever)):
+                if clause.__dict__["span"].start > requires[0].span.start:
+                    self._problem(clause, "this clause comes after the condition that it is about", "move it before the condition")
+
+    def _problem(self, clause: ast.Clause, problem: str, hint: str) -> None:
+        self.x.found.append(ClauseProblem(clause.__dict__["span"], problem, hint))
+
+    def _source(self, clause: ast.SourceClause) -> str:
+        if clause.reference is None:
+            return clause.locator
+        symbol = self.ctx.scope.find(clause.reference.name)
+        if symbol is None or not isinstance(symbol.item, ast.Reference):
+            problem = f"no reference `{clause.reference.name}` is declared"
+            hint = close_matches(clause.reference.name, self.ctx.scope.names()) or 'declare it: `reference name = "..."`'
+            self.x.found.append(UnknownReference(clause.reference.span, problem, hint))
+            return ""
+        return f"{symbol.item.text}, {clause.locator}" if clause.locator else symbol.item.text
+
+    def _formula(self, item: ast.Rule | ast.Assume) -> tuple[ir.Formula | None, ir.Formula | None, ir.Axis | None]:
+        """The whole formula, where the rule applies, and its timeline. Errors of all clauses are reported."""
+        steps: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]] = []
+        ctx, body, failed = self.ctx, None, False
+        clauses = [c for c in item.clauses if isinstance(c, (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.Require))]
+        for position, clause in enumerate(clauses):
+            try:
+                match clause:
+                    case ast.Along():
+                        signal = self.x.value(clause.signal, ctx)
+                        if not isinstance(signal, SignalValue) or signal.signal.field("t") is None or not signal.signal.sequence:
+                            hint = "a timeline has a column `t: s increasing`"
+                            self.x.fail(ClauseProblem(clause.signal.span, f"`{clause.signal.name}` has no time column", hint))
+                        axis, names = self.x.axis(clause.signal, (clause.name,), False, clause.span, ctx)
+                        ctx = ctx.bind(names, 1, axis)
+                        steps.append((clause, axis, None))
+                    case ast.Bind():
+                        axis, names = self.x.axis(clause.domain, clause.names, clause.consecutive, clause.span, ctx)
+                        ctx = ctx.bind(names, 1)
+                        self.x.check_used(clause.names, (clause.where, *clauses[position + 1 :]), clause.span)
+                        guard = self.x.formula(clause.where, ctx).node if clause.where is not None else None
+                        steps.append((clause, axis, guard))
+                    case ast.Except() | ast.Whenever():
+                        steps.append((clause, None, self.x.formula(clause.condition, ctx).node))
+                    case ast.Let():
+                        value = self.x.value(clause.value, ctx)
+                        ctx = ctx.bind({clause.name: value})
+                    case ast.Require():
+                        body = self.x.formula(clause.condition, ctx).node
+            except Poison:
+                failed = True
+                if isinstance(clause, (ast.Bind, ast.Let, ast.Along)):
+                    break  # names are missing from here on; more errors would only echo this one
+        if failed or body is None:
+            return None, None, None
+        return self._nest(_with_exceptions(steps, self.x), body)
+
+    def _nest(
+        self, steps: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]], body: ir.Formula
+    ) -> tuple[ir.Formula, ir.Formula | None, ir.Axis | None]:
+        make = self.x.make
+        active: ir.Formula | None = None
+        along: ir.Axis | None = None
+        for clause, axis, guard in reversed(steps):
+            if isinstance(clause, ast.Bind):
+                assert axis is not None
+                body = make(ir.Quantify, clause.quantifier, axis, guard, body, clause.names)
+                # An empty `for all` demands nothing; an empty `exists` has not found what it demands.
+                if clause.quantifier == "for all":
+                    active = make(ir.Quantify, "exists", axis, guard, active or make(ir.Truth, True), clause.names)
+            elif isinstance(clause, ast.Whenever):
+                assert guard is not None
+                body = make(ir.Guarded, guard, body)
+                active = guard if active is None else make(ir.Connective, "and", guard, active)
+            elif isinstance(clause, ast.Along):
+                assert axis is not None
+                body, along = make(ir.First, axis, clause.name, body), axis
+                active = make(ir.First, axis, clause.name, active) if active is not None else None
+            else:
+                raise AssertionError(f"unknown clause {type(clause).__name__}")
+        return body, active, along
+
+
+def _with_exceptions(
+    steps: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]], x: Expressions
+) -> list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]]:
+    """Each `except` joined to the guard of the quantifier before it."""
+    result: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]] = []
+    for clause, axis, guard in steps:
+        if isinstance(clause, ast.Except):
+            place = max(i for i, step in enumerate(result) if isinstance(step[0], ast.Bind))
+            bind, bound, before = result[place]
+            assert guard is not None
+            allowed = x.make(ir.Not, guard)
+            result[place] = (bind, bound, allowed if before is None else x.make(ir.Connective, "and", before, allowed))
+        else:
+            result.append((clause, axis, guard))
+    return result
+
+
+def margin_unit(formula: ir.Formula | None) -> str:
+    """The unit of all of a formula's comparisons; "mixed" where they differ, "1" where there are none."""
+    if formula is None:
+        return "1"
+    units = {n.unit for n in formula_atoms(formula) if isinstance(n, ir.Compare)}
+    units |= {"m" for n in formula_atoms(formula) if isinstance(n, ir.Geometry)}
+    if not units:
+        return "1"
+    return units.pop() if len(units) == 1 else "mixed"
+
+
+def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
+    """The comparisons, flags and geometric predicates that decide a formula (guards choose, they don't decide)."""
+    atoms: list[ir.Formula] = []
+    stack: list[ir.Formula] = [formula]
+    while stack:
+        node = stack.pop()
+        match node:
+            case ir.Compare() | ir.Flag() | ir.Geometry():
+                atoms.append(node)
+            case ir.Truth():
+                pass
+            case ir.Quantify() | ir.Guarded():
+                stack.append(node.body)
+            case ir.Connective() | ir.Until():
+                stack += [node.left, node.right]
+            case ir.Not() | ir.Temporal() | ir.Shift() | ir.Edge() | ir.First():
+                stack.append(node.operand)
+            case _:
+                raise AssertionError(f"unknown formula {type(node).__name__}")
+    return atoms
+
+
+def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
+    """Which fields of which signals a formula reads."""
+    result: set[tuple[str, str]] = set()
+    seen: set[int] = set()
+    stack: list[object] = [formula] if formula is not None else []
+    while stack:
+        node = stack.pop()
+        if not isinstance(node, ir.IR) or id(node) in seen:
+            continue
+        seen.add(id(node))
+        stack.extend(node.children())
+        match node:
+            case ir.Column():
+                result.add((node.axis.signal, node.field))
+            case ir.Sample() | ir.Scalar():
+                result.add((node.signal, node.field))
+            case ir.Flag():
+                result.add((node.signal, node.field or ""))
+            case ir.Axis():
+                result.add((node.signal, ""))
+            case ir.Line():
+                if node.kind == "path":
+                    result |= {(node.name, "x"), (node.name, "y")}
+                elif node.kind == "centre":
+                    result |= {(node.name, "left"), (node.name, "right")}
+                elif node.kind == "signal":
+                    result.add((node.name, node.field))
+            case ir.Area():
+                if node.kind == "corridor":
+                    result |= {(node.name, "left"), (node.name, "right")}
+            case ir.Temporal() | ir.Until():
+                result.add((node.axis.signal, "t"))
+    return frozenset(result)
+
+
+def fingerprint(item: ast.Item, formula: ir.Formula | None) -> str:
+    """A hash of what the rule says: its syntax tree (so layout and comments don't count) and all it is made of."""
+    digest = hashlib.sha256(repr(item).encode())
+    if formula is not None:
+        digest.update(describe(formula).encode())
+    return digest.hexdigest()
+
+
+def describe(root: ir.IR) -> str:
+    """A formula's structure as text, each shared node once: equal texts, equal meanings."""
+    numbers: dict[int, int] = {}
+    lines: list[str] = []
+
+    def visit(node: ir.IR) -> int:
+        if id(node) in numbers:
+            return numbers[id(node)]
+        parts = []
+        for name in node.compared:
+            value = node.__dict__[name]
+            if isinstance(value, ir.IR):
+                parts.append(f"#{visit(value)}")
+            elif isinstance(value, tuple):
+                parts.append("(" + " ".join(f"#{visit(v)}" if isinstance(v, ir.IR) else repr(v) for v in value) + ")")
+            else:
+                parts.append(repr(value))
+        numbers[id(node)] = len(numbers)
+        lines.append(f"{type(node).__name__} {' '.join(parts)}")
+        return numbers[id(node)]
+
+    visit(root)
+    return "\n".join(lines)
+
+
+def _headline(span: Span) -> Span:
+    stop = span.file.text.find("\n", span.start)
+    return Span(span.file, span.start, min(span.end, stop if stop >= 0 else span.end))
+
+
+__all__ = ["FormulaValue", "RuleBuilder", "describe", "fingerprint", "formula_atoms", "margin_unit", "reads"]

@@ -1,0 +1,115 @@
+"""Spec files as text: reading them safely, and places in them."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from pathlib import Path
+
+from trackmarshal.errors import TrackmarshalError
+
+#: The largest spec file that is read. 10,000 lines are about 0.6 MB.
+MAX_BYTES = 4_000_000
+
+CODES = {
+    "E001": ("the file cannot be read", "The file does not exist, is a folder, or its permissions forbid reading it."),
+    "E002": (
+        "the file is too large",
+        f"Spec files are read by people; one of more than {MAX_BYTES // 1_000_000} MB is taken for something else, and refused "
+        "before it is read. Split a generated spec into modules.",
+    ),
+    "E003": ("the file is empty", "A spec file starts with `module NAME`. An empty file demands nothing, which is hardly meant."),
+    "E004": ("the file is not UTF-8", "Spec files are UTF-8 text, with or without a byte order mark, with LF or CRLF line ends."),
+    "E005": ("a control character in the file", "A NUL or another control character is never part of a spec; the file may be binary."),
+}  # fmt: skip
+
+
+class SourceFile:
+    """The text of one spec file (line ends are LF), with the path that reports show."""
+
+    def __init__(self, path: str, text: str) -> None:
+        self.path = path
+        self.text = text
+        self._starts: list[int] | None = None
+
+    def __repr__(self) -> str:
+        return f"SourceFile({self.path!r})"
+
+    def position(self, offset: int) -> tuple[int, int]:
+        """Line and column, both from 1, of a character offset."""
+        if self._starts is None:
+            self._starts = [0, *(i + 1 for i, char in enumerate(self.text) if char == "\n")]
+        line = bisect_right(self._starts, offset)
+        return line, offset - self._starts[line - 1] + 1
+
+    def line(self, number: int) -> str:
+        """The text of line `number` (from 1), without its end."""
+        lines = self.text.split("\n")
+        return lines[number - 1] if number <= len(lines) else ""
+
+
+class Span:
+    """A stretch of a source file: character offsets, the end not included."""
+
+    __slots__ = ("end", "file", "start")
+
+    def __init__(self, file: SourceFile, start: int, end: int) -> None:
+        self.file = file
+        self.start = start
+        self.end = end
+
+    @property
+    def line(self) -> int:
+        return self.file.position(self.start)[0]
+
+    @property
+    def column(self) -> int:
+        return self.file.position(self.start)[1]
+
+    def __str__(self) -> str:
+        line, column = self.file.position(self.start)
+        return f"{self.file.path}:{line}:{column}"
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
+    def to(self, other: Span) -> Span:
+        """From the start of this span to the end of another one in the same file."""
+        return Span(self.file, self.start, other.end)
+
+    @property
+    def text(self) -> str:
+        return self.file.text[self.start : self.end]
+
+
+#: The span of things that no file holds (built-in names, trees made by programs).
+NOWHERE = Span(SourceFile("<built-in>", ""), 0, 0)
+
+
+def decode(path: str, data: bytes) -> SourceFile:
+    """Bytes to a SourceFile; raises E003, E004 or E005 with the line."""
+    if not data.strip(b"\xef\xbb\xbf \t\r\n"):
+        raise TrackmarshalError("E003", "the file is empty", file=path, line=1, help="a spec file starts with `module NAME`")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        message = f"byte {data[error.start]:#04x} at offset {error.start} is not UTF-8"
+        raise TrackmarshalError("E004", message, file=path, line=line, help="save the file as UTF-8") from error
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    for offset, char in enumerate(text):
+        if char < " " and char not in "\n\t":
+            line = text.count("\n", 0, offset) + 1
+            raise TrackmarshalError("E005", f"control character U+{ord(char):04X}", file=path, line=line, help="is this a text file?")
+    return SourceFile(path, text)
+
+
+def read(path: Path, shown: str | None = None) -> SourceFile:
+    """Read a spec file; raises E001 to E005. `shown` is the path that reports print."""
+    name = shown or str(path)
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise TrackmarshalError("E002", f"{path.stat().st_size} bytes, the limit is {MAX_BYTES}", file=name, help="split it")
+        data = path.read_bytes()
+    except OSError as error:
+        raise TrackmarshalError("E001", error.strerror or str(error), file=name, help="check the path") from error
+    return decode(name, data)

@@ -1,0 +1,496 @@
+"""The syntax tree of a spec: what the author wrote, with spans, before any meaning.
+
+Expressions first, then the clauses of rules, then declarations. Every node's last field is its `span`, which
+equality ignores: `parse(format(tree)) == tree`. Literals keep the author's digits.
+"""
+
+from __future__ import annotations
+
+from trackmarshal.node import Node
+from trackmarshal.source import NOWHERE, Span
+
+
+class Expr(Node):
+    """An expression; numbers and formulas share one syntax and are told apart by the type checker."""
+
+
+class Number(Expr):
+    """`1160 kg`: digits as written, and the unit as written (empty for a bare number)."""
+
+    text: str
+    unit: str = ""
+    span: Span = NOWHERE
+
+
+class Boolean(Expr):
+    """`true` or `false`."""
+
+    value: bool
+    span: Span = NOWHERE
+
+
+class Name(Expr):
+    """A name: a signal, a parameter, a variable, a definition."""
+
+    name: str
+    span: Span = NOWHERE
+
+
+class Attribute(Expr):
+    """`p.v`."""
+
+    value: Expr
+    name: str
+    span: Span = NOWHERE
+
+
+class Call(Expr):
+    """`f(a, b)`; `names` holds the argument names, empty strings where there are none (builders only have names)."""
+
+    function: str
+    args: tuple[Expr, ...]
+    names: tuple[str, ...] = ()
+    span: Span = NOWHERE
+
+
+class Infix(Expr):
+    """A two-place predicate between its arguments: `o behind ego`."""
+
+    left: Expr
+    predicate: str
+    right: Expr
+    span: Span = NOWHERE
+
+
+class Unary(Expr):
+    """`-x`, `not x`."""
+
+    op: str
+    operand: Expr
+    span: Span = NOWHERE
+
+
+class Binary(Expr):
+    """Arithmetic (+ - * / ^), comparison (< <= > >= == !=), and, or, implies, iff, xor."""
+
+    op: str
+    left: Expr
+    right: Expr
+    span: Span = NOWHERE
+
+
+class IfElse(Expr):
+    """`if c then a else b`: a number chosen by a formula."""
+
+    condition: Expr
+    then: Expr
+    otherwise: Expr
+    span: Span = NOWHERE
+
+
+class Within(Expr):
+    """`x in [a, b]`, both ends included."""
+
+    value: Expr
+    lower: Expr
+    upper: Expr
+    span: Span = NOWHERE
+
+
+class InZone(Expr):
+    """`p in zone pit_lane`."""
+
+    value: Expr
+    zone: str
+    span: Span = NOWHERE
+
+
+class Window(Node):
+    """The bounds of a temporal operator, `[0 s, 0.5 s]`."""
+
+    lower: Expr
+    upper: Expr
+    span: Span = NOWHERE
+
+
+class Temporal(Expr):
+    """always, eventually, historically, once, next, previous (`weak` for the last two)."""
+
+    op: str
+    operand: Expr
+    window: Window | None = None
+    weak: bool = False
+    span: Span = NOWHERE
+
+
+class Until(Expr):
+    """`p until[a, b] q`, `p since[a, b] q`."""
+
+    op: str
+    left: Expr
+    right: Expr
+    window: Window | None = None
+    span: Span = NOWHERE
+
+
+class Quantified(Expr):
+    """`for all p in plan where c: body` inside an expression."""
+
+    quantifier: str
+    consecutive: bool
+    names: tuple[str, ...]
+    domain: Expr
+    where: Expr | None
+    body: Expr
+    span: Span = NOWHERE
+
+
+class RecordValue(Expr):
+    """`{ x: 0 m, y: 0 m }`, in tests."""
+
+    names: tuple[str, ...]
+    values: tuple[Expr, ...]
+    span: Span = NOWHERE
+
+
+class ListValue(Expr):
+    """`[1 m, 2 m]`, in tests."""
+
+    values: tuple[Expr, ...]
+    span: Span = NOWHERE
+
+
+class Clause(Node):
+    """One clause of a rule, an assumption or a test."""
+
+
+class Satisfies(Clause):
+    """`satisfies S-1-A-4, S-1-A-5`."""
+
+    ids: tuple[Name, ...]
+    span: Span = NOWHERE
+
+
+class Assuming(Clause):
+    """`assuming A-FRICTION`."""
+
+    ids: tuple[Name, ...]
+    span: Span = NOWHERE
+
+
+class SourceClause(Clause):
+    """`source stahl2020 eq 2, 3`, `source stahl2020 "section V"` or `source "data sheet"` (no reference)."""
+
+    reference: Name | None
+    locator: str
+    quoted: bool = False
+    span: Span = NOWHERE
+
+
+class Because(Clause):
+    """`because "why"`."""
+
+    text: str
+    span: Span = NOWHERE
+
+
+class Severity(Clause):
+    """`severity minor`."""
+
+    word: str
+    span: Span = NOWHERE
+
+
+class Evidence(Clause):
+    """`evidence "path"`, of an assumption."""
+
+    path: str
+    span: Span = NOWHERE
+
+
+class Owner(Clause):
+    """`owner "who answers for it"`, of an assumption."""
+
+    text: str
+    span: Span = NOWHERE
+
+
+class Bind(Clause):
+    """`for all o in objects where c`, `exists ...`, `for all consecutive p, q in plan`."""
+
+    quantifier: str
+    consecutive: bool
+    names: tuple[str, ...]
+    domain: Expr
+    where: Expr | None = None
+    span: Span = NOWHERE
+
+
+class Except(Clause):
+    """`except o behind ego "the rear vehicle is responsible"`."""
+
+    condition: Expr
+    reason: str
+    span: Span = NOWHERE
+
+
+class Let(Clause):
+    """`let needed = ...`."""
+
+    name: str
+    value: Expr
+    span: Span = NOWHERE
+
+
+class Along(Clause):
+    """`along plan as p`: the timeline that temporal operators range over."""
+
+    signal: Name
+    name: str
+    span: Span = NOWHERE
+
+
+class Whenever(Clause):
+    """`whenever blue_flag`: the rule applies in the cycles where this holds."""
+
+    condition: Expr
+    span: Span = NOWHERE
+
+
+class WithinTime(Clause):
+    """`within 5 s`: the deadline of a `whenever`."""
+
+    bound: Expr
+    span: Span = NOWHERE
+
+
+class Require(Clause):
+    """`require FORMULA`; `monitor FORMULA` in an assumption."""
+
+    keyword: str
+    condition: Expr
+    span: Span = NOWHERE
+
+
+class Item(Node):
+    """A declaration; it starts with its keyword in column 1."""
+
+
+class ModuleName(Item):
+    """`module supervisor.trajectory`."""
+
+    name: str
+    span: Span = NOWHERE
+
+
+class Use(Item):
+    """`use vehicles.devbot`."""
+
+    name: str
+    span: Span = NOWHERE
+
+
+class Reference(Item):
+    """`reference stahl2020 = "T. Stahl et al. ..."`."""
+
+    name: str
+    text: str
+    span: Span = NOWHERE
+
+
+class Range(Node):
+    """`in [900, 1400]`, in the unit of what it limits."""
+
+    lower: Expr
+    upper: Expr
+    span: Span = NOWHERE
+
+
+class Field(Node):
+    """One field of a signal: `kappa: 1/m in [-1, 1]`. `type` is a unit, `polyline` or `bool`."""
+
+    name: str
+    type: str
+    increasing: bool = False
+    range: Range | None = None
+    default: Expr | None = None
+    span: Span = NOWHERE
+
+
+class Signal(Item):
+    """`signal plan : trajectory { ... }`; `many` for `set of`."""
+
+    name: str
+    kind: str
+    many: bool
+    fields_: tuple[Field, ...]
+    span: Span = NOWHERE
+
+
+class Event(Item):
+    """`event blue_flag "shown to the car"`: a Boolean of each cycle."""
+
+    name: str
+    text: str
+    span: Span = NOWHERE
+
+
+class Param(Item):
+    """`param mass : kg = 1160 kg in [900, 1400] source "..."`."""
+
+    name: str
+    unit: str
+    value: Expr
+    range: Range | None = None
+    source: str | None = None
+    span: Span = NOWHERE
+
+
+class Constrain(Item):
+    """`constrain b_rear <= b_front because "..."`: a demand on parameters."""
+
+    condition: Expr
+    because: str | None = None
+    span: Span = NOWHERE
+
+
+class Table(Item):
+    """`table ax_max(v: m/s) -> m/s^2 = linear clamp | 0 m/s: 6 m/s^2 | ... |`."""
+
+    name: str
+    argument: str
+    unit: str
+    result: str
+    rows: tuple[tuple[Expr, Expr], ...]
+    source: str | None = None
+    span: Span = NOWHERE
+
+
+class Place(Item):
+    """`zone pit_lane = polygon (..) (..)` or `line start_line = (..) (..)`."""
+
+    kind: str
+    name: str
+    text: str
+    points: tuple[tuple[Expr, Expr], ...]
+    span: Span = NOWHERE
+
+
+class Parameter(Node):
+    """A parameter of a definition: a unit (number), a record shape, or a kind of signal."""
+
+    name: str
+    type: str
+    span: Span = NOWHERE
+
+
+class Define(Item):
+    """`define f(a: m) -> m = ...` (a number) or `predicate f(a: body) = ...` (a formula)."""
+
+    keyword: str
+    name: str
+    parameters: tuple[Parameter, ...]
+    result: str | None
+    body: Expr
+    span: Span = NOWHERE
+
+
+class Assume(Item):
+    """An assumption on the inputs, with its monitor."""
+
+    name: str
+    title: str
+    clauses: tuple[Clause, ...]
+    span: Span = NOWHERE
+
+
+class Rule(Item):
+    """A rule: what is demanded, of what, why, and what it traces to."""
+
+    name: str
+    title: str
+    clauses: tuple[Clause, ...]
+    span: Span = NOWHERE
+
+
+class Transition(Node):
+    """`becomes offence when ...`."""
+
+    state: str
+    condition: Expr
+    span: Span = NOWHERE
+
+
+class State(Item):
+    """`state role for each o in objects starts neutral becomes ...`: memory over the run."""
+
+    name: str
+    binder: str
+    domain: str
+    start: str
+    transitions: tuple[Transition, ...]
+    span: Span = NOWHERE
+
+
+class Chain(Node):
+    """`a ~ b > c`: rule names, and the relation after each but the last."""
+
+    names: tuple[Name, ...]
+    relations: tuple[str, ...]
+    span: Span = NOWHERE
+
+
+class Rulebook(Item):
+    """A pre-order of rules."""
+
+    name: str
+    title: str
+    chains: tuple[Chain, ...]
+    span: Span = NOWHERE
+
+
+class Change(Node):
+    """`v[3] = nan` after `with`, in a test; no index changes the whole column."""
+
+    field: str
+    index: str | None
+    value: Expr
+    span: Span = NOWHERE
+
+
+class Given(Node):
+    """`given plan = arc(radius: 60 m, v: 20 m/s) with v[3] = nan`."""
+
+    name: str
+    value: Expr
+    changes: tuple[Change, ...] = ()
+    span: Span = NOWHERE
+
+
+class Expect(Node):
+    """`expect satisfied, margin about 4784 N within 1 N, at p = 3`."""
+
+    verdict: str
+    margin: Expr | None = None
+    tolerance: Expr | None = None
+    binder: str | None = None
+    at: str | None = None
+    span: Span = NOWHERE
+
+
+class Test(Item):
+    """A worked case of one rule."""
+
+    rule: str
+    title: str
+    givens: tuple[Given, ...]
+    expect: Expect
+    span: Span = NOWHERE
+
+
+class Module(Node):
+    """A whole file: its declarations in order, and whether it is written with mathematical signs."""
+
+    items: tuple[Item, ...]
+    unicode: bool = False
+    span: Span = NOWHERE

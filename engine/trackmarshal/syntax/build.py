@@ -1,0 +1,357 @@
+"""Parse tree to syntax tree: one method a grammar rule."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lark import Token, Tree
+from lark.tree import Meta
+
+from trackmarshal.source import SourceFile, Span
+from trackmarshal.syntax import ast
+from trackmarshal.syntax.names import spelled
+
+#: Signs beside their ASCII forms.
+_PLAIN = {
+    "≤": "<=", "≥": ">=", "≠": "!=", "·": "*", "−": "-", "∧": "and", "∨": "or", "¬": "not", "→": "implies", "↔": "iff",
+    "²": "^2", "³": "^3",
+}  # fmt: skip
+
+
+def plain(text: str) -> str:
+    """An operator's or a unit's ASCII form."""
+    return _PLAIN.get(text, str(text))
+
+
+def plain_unit(text: str) -> str:
+    """A unit with ASCII exponents and products."""
+    return str(text).replace("²", "^2").replace("³", "^3").replace("·", "*")
+
+
+def unquoted(token: Any) -> str:
+    """The text of a string token, or the empty string where it is absent."""
+    return "" if token is None else str(token)[1:-1].replace('\\"', '"').replace("\\\\", "\\")
+
+
+class DeeperThanLimit(Exception):
+    """The tree nests deeper than people, or later passes, can follow."""
+
+    def __init__(self, start: int, end: int) -> None:
+        super().__init__(start, end)
+        self.start = start
+        self.end = end
+
+
+class Builder:
+    """Builds the tree of one declaration that stands at offset `base` of `file`."""
+
+    def __init__(self, file: SourceFile, base: int, limit: int) -> None:
+        self._file = file
+        self._base = base
+        self._limit = limit
+
+    def build(self, tree: Tree[Token], depth: int = 0) -> Any:
+        """The node of a parse tree; raises DeeperThanLimit."""
+        if depth > self._limit:
+            raise DeeperThanLimit(self._base + tree.meta.start_pos, self._base + tree.meta.end_pos)
+        children = [self.build(c, depth + 1) if isinstance(c, Tree) else c for c in tree.children]
+        return getattr(self, tree.data)(tree.meta, children)
+
+    def _span(self, meta: Meta) -> Span:
+        if meta.empty:
+            return Span(self._file, self._base, self._base)
+        return Span(self._file, self._base + meta.start_pos, self._base + meta.end_pos)
+
+    def _at(self, token: Token) -> Span:
+        start = self._base + (token.start_pos or 0)
+        return Span(self._file, start, start + len(token))
+
+    def _name(self, token: Token) -> ast.Name:
+        return ast.Name(spelled(token), self._at(token))
+
+    # Declarations ---------------------------------------------------------------------------------------
+
+    def item(self, meta: Meta, c: list[Any]) -> ast.Item:
+        return c[0]  # type: ignore[no-any-return]
+
+    def place(self, meta: Meta, c: list[Any]) -> ast.Place:
+        return c[0]  # type: ignore[no-any-return]
+
+    def dotted(self, meta: Meta, c: list[Any]) -> str:
+        return ".".join(spelled(part) for part in c)
+
+    def module(self, meta: Meta, c: list[Any]) -> ast.ModuleName:
+        return ast.ModuleName(c[0], self._span(meta))
+
+    def use(self, meta: Meta, c: list[Any]) -> ast.Use:
+        return ast.Use(c[0], self._span(meta))
+
+    def reference(self, meta: Meta, c: list[Any]) -> ast.Reference:
+        return ast.Reference(spelled(c[0]), unquoted(c[1]), self._span(meta))
+
+    def kind(self, meta: Meta, c: list[Any]) -> str:
+        return str(c[0])
+
+    field_type = parameter_type = kind
+
+    def fields(self, meta: Meta, c: list[Any]) -> tuple[ast.Field, ...]:
+        return tuple(item for item in c if item is not None)
+
+    def field(self, meta: Meta, c: list[Any]) -> ast.Field:
+        return ast.Field(spelled(c[0]), plain_unit(c[1]), c[2] is not None, c[3], c[4], self._span(meta))
+
+    def range(self, meta: Meta, c: list[Any]) -> ast.Range:
+        return ast.Range(c[0], c[1], self._span(meta))
+
+    def default(self, meta: Meta, c: list[Any]) -> ast.Expr:
+        return c[0]  # type: ignore[no-any-return]
+
+    def infinite(self, meta: Meta, c: list[Any]) -> ast.Expr:
+        return ast.Name("inf", self._span(meta))
+
+    def bound(self, meta: Meta, c: list[Any]) -> ast.Expr:
+        return c[1] if c[0] is None else ast.Unary("-", c[1], self._span(meta))
+
+    def signal(self, meta: Meta, c: list[Any]) -> ast.Signal:
+        return ast.Signal(spelled(c[0]), c[2], c[1] is not None, c[3] or (), self._span(meta))
+
+    def event(self, meta: Meta, c: list[Any]) -> ast.Event:
+        return ast.Event(spelled(c[0]), unquoted(c[1]), self._span(meta))
+
+    def param(self, meta: Meta, c: list[Any]) -> ast.Param:
+        return ast.Param(spelled(c[0]), plain_unit(c[1]), c[2], c[3], c[4], self._span(meta))
+
+    def source_text(self, meta: Meta, c: list[Any]) -> str:
+        return unquoted(c[0])
+
+    def constrain(self, meta: Meta, c: list[Any]) -> ast.Constrain:
+        return ast.Constrain(c[0], c[1].text if c[1] else None, self._span(meta))
+
+    def row(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ast.Expr]:
+        return (c[0], c[1])
+
+    point = row
+
+    def table(self, meta: Meta, c: list[Any]) -> ast.Table:
+        rows = tuple(c[4:-1])
+        return ast.Table(spelled(c[0]), spelled(c[1]), plain_unit(c[2]), plain_unit(c[3]), rows, c[-1], self._span(meta))
+
+    def zone(self, meta: Meta, c: list[Any]) -> ast.Place:
+        return ast.Place("zone", spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))
+
+    def line(self, meta: Meta, c: list[Any]) -> ast.Place:
+        return ast.Place("line", spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))
+
+    def parameter(self, meta: Meta, c: list[Any]) -> ast.Parameter:
+        return ast.Parameter(spelled(c[0]), plain_unit(c[1]), self._span(meta))
+
+    def parameters(self, meta: Meta, c: list[Any]) -> tuple[ast.Parameter, ...]:
+        return tuple(c)
+
+    def define(self, meta: Meta, c: list[Any]) -> ast.Define:
+        result = None if c[2] is None else plain_unit(c[2])
+        return ast.Define("define", spelled(c[0]), c[1] or (), result, c[3], self._span(meta))
+
+    def predicate(self, meta: Meta, c: list[Any]) -> ast.Define:
+        return ast.Define("predicate", spelled(c[0]), c[1] or (), None, c[2], self._span(meta))
+
+    def label(self, meta: Meta, c: list[Any]) -> ast.Name:
+        return self._name(c[0])
+
+    def assume(self, meta: Meta, c: list[Any]) -> ast.Assume:
+        return ast.Assume(c[0].name, unquoted(c[1]), tuple(c[2:]), self._span(meta))
+
+    def rule(self, meta: Meta, c: list[Any]) -> ast.Rule:
+        return ast.Rule(c[0].name, unquoted(c[1]), tuple(c[2:]), self._span(meta))
+
+    # Clauses ------------------------------------------------------------------------------------------------
+
+    def satisfies(self, meta: Meta, c: list[Any]) -> ast.Satisfies:
+        return ast.Satisfies(tuple(c), self._span(meta))
+
+    def assuming(self, meta: Meta, c: list[Any]) -> ast.Assuming:
+        return ast.Assuming(tuple(c), self._span(meta))
+
+    def locator(self, meta: Meta, c: list[Any]) -> tuple[str, bool]:
+        if str(c[0]).startswith('"'):
+            return unquoted(c[0]), True
+        return f"{c[0]} {', '.join(c[1:])}", False
+
+    def source(self, meta: Meta, c: list[Any]) -> ast.SourceClause:
+        if str(c[0]).startswith('"'):
+            return ast.SourceClause(None, unquoted(c[0]), True, self._span(meta))
+        locator, quoted = c[1] or ("", False)
+        return ast.SourceClause(self._name(c[0]), locator, quoted, self._span(meta))
+
+    def because(self, meta: Meta, c: list[Any]) -> ast.Because:
+        return ast.Because(unquoted(c[0]), self._span(meta))
+
+    def severity(self, meta: Meta, c: list[Any]) -> ast.Severity:
+        return ast.Severity(str(c[0]), self._span(meta))
+
+    def evidence(self, meta: Meta, c: list[Any]) -> ast.Evidence:
+        return ast.Evidence(unquoted(c[0]), self._span(meta))
+
+    def owner(self, meta: Meta, c: list[Any]) -> ast.Owner:
+        return ast.Owner(unquoted(c[0]), self._span(meta))
+
+    def quantifier(self, meta: Meta, c: list[Any]) -> str:
+        return "exists" if str(c[0]) in ("exists", "∃") else "for all"
+
+    def where(self, meta: Meta, c: list[Any]) -> ast.Expr:
+        return c[0]  # type: ignore[no-any-return]
+
+    def bind(self, meta: Meta, c: list[Any]) -> ast.Bind:
+        names = tuple(spelled(name) for name in c[2:-2])
+        return ast.Bind(c[0], c[1] is not None, names, c[-2], c[-1], self._span(meta))
+
+    def except_(self, meta: Meta, c: list[Any]) -> ast.Except:
+        return ast.Except(c[0], unquoted(c[1]), self._span(meta))
+
+    def let(self, meta: Meta, c: list[Any]) -> ast.Let:
+        return ast.Let(spelled(c[0]), c[1], self._span(meta))
+
+    def along(self, meta: Meta, c: list[Any]) -> ast.Along:
+        return ast.Along(self._name(c[0]), spelled(c[1]), self._span(meta))
+
+    def whenever(self, meta: Meta, c: list[Any]) -> ast.Whenever:
+        return ast.Whenever(c[0], self._span(meta))
+
+    def within(self, meta: Meta, c: list[Any]) -> ast.WithinTime:
+        return ast.WithinTime(c[0], self._span(meta))
+
+    def require(self, meta: Meta, c: list[Any]) -> ast.Require:
+        return ast.Require("require", c[0], self._span(meta))
+
+    def monitor(self, meta: Meta, c: list[Any]) -> ast.Require:
+        return ast.Require("monitor", c[0], self._span(meta))
+
+    def state(self, meta: Meta, c: list[Any]) -> ast.State:
+        binder, domain = ("" if c[1] is None else spelled(c[1])), ("" if c[2] is None else spelled(c[2]))
+        return ast.State(spelled(c[0]), binder, domain, spelled(c[3]), tuple(c[4:]), self._span(meta))
+
+    def transition(self, meta: Meta, c: list[Any]) -> ast.Transition:
+        return ast.Transition(spelled(c[0]), c[1], self._span(meta))
+
+    def rulebook(self, meta: Meta, c: list[Any]) -> ast.Rulebook:
+        return ast.Rulebook(spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))
+
+    def chain(self, meta: Meta, c: list[Any]) -> ast.Chain:
+        return ast.Chain(tuple(c[0::2]), tuple(str(token) for token in c[1::2]), self._span(meta))
+
+    # Tests ----------------------------------------------------------------------------------------------------
+
+    def test(self, meta: Meta, c: list[Any]) -> ast.Test:
+        return ast.Test(c[0].name, unquoted(c[1]), tuple(c[2:-1]), c[-1], self._span(meta))
+
+    def given(self, meta: Meta, c: list[Any]) -> ast.Given:
+        return ast.Given(spelled(c[0]), c[1], c[2] or (), self._span(meta))
+
+    def with_changes(self, meta: Meta, c: list[Any]) -> tuple[ast.Change, ...]:
+        return tuple(c)
+
+    def change(self, meta: Meta, c: list[Any]) -> ast.Change:
+        return ast.Change(spelled(c[0]), None if c[1] is None else str(c[1]), c[2], self._span(meta))
+
+    def at_value(self, meta: Meta, c: list[Any]) -> str:
+        return str(c[0])
+
+    def expect(self, meta: Meta, c: list[Any]) -> ast.Expect:
+        binder = None if c[3] is None else spelled(c[3])
+        return ast.Expect(str(c[0]), c[1], c[2], binder, c[4], self._span(meta))
+
+    def entry(self, meta: Meta, c: list[Any]) -> tuple[str, ast.Expr]:
+        return spelled(c[0]), c[1]
+
+    def record(self, meta: Meta, c: list[Any]) -> ast.RecordValue:
+        entries = [entry for entry in c if entry is not None]
+        return ast.RecordValue(tuple(e[0] for e in entries), tuple(e[1] for e in entries), self._span(meta))
+
+    def list(self, meta: Meta, c: list[Any]) -> ast.ListValue:
+        return ast.ListValue(tuple(value for value in c if value is not None), self._span(meta))
+
+    # Expressions ----------------------------------------------------------------------------------------------
+
+    def literal(self, meta: Meta, c: list[Any]) -> ast.Number:
+        text = str(c[0])
+        if c[0].type == "NUMBER":
+            return ast.Number(text, "", self._span(meta))
+        stop = max(i for i, char in enumerate(text) if char in "0123456789." and _is_number(text[: i + 1]))
+        return ast.Number(text[: stop + 1], plain_unit(text[stop + 1 :].strip()), self._span(meta))
+
+    def name(self, meta: Meta, c: list[Any]) -> ast.Name:
+        return self._name(c[0])
+
+    def true(self, meta: Meta, c: list[Any]) -> ast.Boolean:
+        return ast.Boolean(True, self._span(meta))
+
+    def false(self, meta: Meta, c: list[Any]) -> ast.Boolean:
+        return ast.Boolean(False, self._span(meta))
+
+    def binary(self, meta: Meta, c: list[Any]) -> ast.Binary:
+        return ast.Binary(plain(c[1]), c[0], c[2], self._span(meta))
+
+    def prefix(self, meta: Meta, c: list[Any]) -> ast.Unary:
+        return ast.Unary(plain(c[0]), c[1], self._span(meta))
+
+    def power(self, meta: Meta, c: list[Any]) -> ast.Binary:
+        return ast.Binary("^", c[0], c[1], self._span(meta))
+
+    def superscript(self, meta: Meta, c: list[Any]) -> ast.Binary:
+        digit = ast.Number("2" if c[1] == "²" else "3", "", self._at(c[1]))
+        return ast.Binary("^", c[0], digit, self._span(meta))
+
+    def root(self, meta: Meta, c: list[Any]) -> ast.Call:
+        return ast.Call("sqrt", (c[0],), ("",), self._span(meta))
+
+    def named_argument(self, meta: Meta, c: list[Any]) -> tuple[str, ast.Expr]:
+        return spelled(c[0]), c[1]
+
+    def arguments(self, meta: Meta, c: list[Any]) -> list[tuple[str, ast.Expr]]:
+        return [item if isinstance(item, tuple) else ("", item) for item in c]
+
+    def call(self, meta: Meta, c: list[Any]) -> ast.Call:
+        args = c[1] or []
+        return ast.Call(spelled(c[0]), tuple(a[1] for a in args), tuple(a[0] for a in args), self._span(meta))
+
+    def attribute(self, meta: Meta, c: list[Any]) -> ast.Attribute:
+        return ast.Attribute(c[0], spelled(c[1]), self._span(meta))
+
+    def if_else(self, meta: Meta, c: list[Any]) -> ast.IfElse:
+        return ast.IfElse(c[0], c[1], c[2], self._span(meta))
+
+    def in_range(self, meta: Meta, c: list[Any]) -> ast.Within:
+        return ast.Within(c[0], c[1], c[2], self._span(meta))
+
+    def in_zone(self, meta: Meta, c: list[Any]) -> ast.InZone:
+        return ast.InZone(c[0], spelled(c[1]), self._span(meta))
+
+    def infix(self, meta: Meta, c: list[Any]) -> ast.Infix:
+        return ast.Infix(c[0], spelled(c[1]), c[2], self._span(meta))
+
+    def window(self, meta: Meta, c: list[Any]) -> ast.Window:
+        return ast.Window(c[0], c[1], self._span(meta))
+
+    def temporal(self, meta: Meta, c: list[Any]) -> ast.Temporal:
+        return ast.Temporal(str(c[0]), c[2], c[1], False, self._span(meta))
+
+    def step(self, meta: Meta, c: list[Any]) -> ast.Temporal:
+        return ast.Temporal(str(c[0]), c[1], None, False, self._span(meta))
+
+    def weak_step(self, meta: Meta, c: list[Any]) -> ast.Temporal:
+        return ast.Temporal(str(c[1]), c[2], None, True, self._span(meta))
+
+    def until(self, meta: Meta, c: list[Any]) -> ast.Until:
+        return ast.Until(str(c[1]), c[0], c[3], c[2], self._span(meta))
+
+    def quantified(self, meta: Meta, c: list[Any]) -> ast.Quantified:
+        names = tuple(spelled(name) for name in c[2:-3])
+        return ast.Quantified(c[0], c[1] is not None, names, c[-3], c[-2], c[-1], self._span(meta))
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,23 @@
+"""Greek letters and their spelled names: κ and kappa are one identifier, mu_left and μ_left are one too."""
+
+from __future__ import annotations
+
+GREEK = {
+    "α": "alpha", "β": "beta", "γ": "gamma", "δ": "delta", "ε": "epsilon", "ζ": "zeta", "η": "eta", "θ": "theta",
+    "ι": "iota", "κ": "kappa", "λ": "lambda", "μ": "mu", "ν": "nu", "ξ": "xi", "ο": "omicron", "π": "pi",
+    "ρ": "rho", "ς": "sigma", "σ": "sigma", "τ": "tau", "υ": "upsilon", "φ": "phi", "χ": "chi", "ψ": "psi", "ω": "omega",
+    "Δ": "Delta", "Θ": "Theta", "Λ": "Lambda", "Σ": "Sigma", "Φ": "Phi", "Ψ": "Psi", "Ω": "Omega",
+}  # fmt: skip
+_LETTERS = {name: letter for letter, name in GREEK.items()}
+
+
+def spelled(name: str) -> str:
+    """The identifier with every Greek letter spelled out."""
+    if name.isascii():
+        return str(name)
+    return "".join(GREEK.get(char, char) for char in name)
+
+
+def lettered(name: str) -> str:
+    """The identifier with every part (between underscores) that names a Greek letter as that letter."""
+    return "_".join(_LETTERS.get(part, part) for part in name.split("_"))

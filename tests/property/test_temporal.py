@@ -1,0 +1,169 @@
+"""The numpy kernels equal the literal reference, to the bit, on any samples and windows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from trackmarshal.backends.numpy import temporal
+from trackmarshal.backends.numpy.temporal import blocks
+from trackmarshal.backends.reference import temporal as reference
+
+ROWS = 2
+MARGINS = st.one_of(
+    st.sampled_from([0.0, -0.0, math.inf, -math.inf, 1.0, -1.0, 5e-324, 1e308]),
+    st.integers(-9, 9).map(float),
+    st.floats(allow_nan=False),
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A timeline, bounds, and values of p and q on ROWS rows."""
+
+    t: list[float]
+    lower: float | None
+    upper: float | None
+    p: list[tuple[list[bool], list[float]]]
+    q: list[tuple[list[bool], list[float]]]
+    block: int
+
+
+@st.composite
+def times(draw: st.DrawFn) -> list[float]:
+    """Equidistant times (exact and rounded ones), multiples of a quarter, or anything that increases."""
+    n = draw(st.integers(0, 40))
+    kind = draw(st.sampled_from(["product", "sum", "quarters", "any"]))
+    if kind == "any":
+        value = st.floats(-1e6, 1e6)
+        return sorted(draw(st.lists(value, min_size=n, max_size=n, unique=True)))
+    if kind == "quarters":
+        steps = draw(st.lists(st.integers(1, 12), min_size=n, max_size=n))
+        return [0.25 * sum(steps[: k + 1]) for k in range(n)]
+    start, period = draw(st.sampled_from([0.0, -3.3, 1e5])), draw(st.sampled_from([1.0, 0.1, 0.01, 1 / 3]))
+    if kind == "product":
+        return [start + k * period for k in range(n)]
+    return np.cumsum(np.full(n, period)).tolist()  # type: ignore[no-any-return]
+
+
+@st.composite
+def cases(draw: st.DrawFn) -> Case:
+    """Bounds are often differences of times, so that edges fall on samples; or equal, absent, beyond the trace."""
+    t = draw(times())
+    span = t[-1] - t[0] if t else 1.0
+    sources = [st.just(None), st.just(0.0), st.floats(0.0, 2 * span + 1), st.just(math.inf)]
+    if len(t) > 1:
+        sample = st.integers(0, len(t) - 1)
+        sources.insert(0, st.tuples(sample, sample).map(lambda pair: abs(t[pair[0]] - t[pair[1]])))
+    lower, upper = draw(st.one_of(sources)), draw(st.one_of(sources))
+    if draw(st.booleans()) and draw(st.booleans()):
+        upper = lower
+    if lower is not None and upper is not None and lower > upper:
+        lower, upper = upper, lower
+    values = st.tuples(
+        st.lists(st.booleans(), min_size=len(t), max_size=len(t)),
+        st.lists(MARGINS, min_size=len(t), max_size=len(t)),
+    )
+    p, q = ([draw(values) for _ in range(ROWS)] for _ in "pq")
+    return Case(t, lower, upper, p, q, draw(st.sampled_from([1, 2, 3, 8, 16384])))
+
+
+def stacked(bounds: list[tuple[list[bool], list[float]]]) -> tuple[Any, Any]:
+    """Rows of values as arrays (ROWS, n)."""
+    return (
+        np.array([sat for sat, _ in bounds], dtype=np.bool_),
+        np.array([margin for _, margin in bounds], dtype=np.float64),
+    )
+
+
+def assert_same(found: tuple[Any, Any], expected: list[tuple[list[bool], list[float]]]) -> None:
+    """Equal shapes, types, Booleans, and margins to the bit (0.0 is not -0.0)."""
+    sat, margin = found
+    want_sat, want = stacked(expected)
+    assert sat.dtype == np.bool_
+    assert margin.dtype == np.float64
+    assert sat.tolist() == want_sat.tolist()
+    assert margin.shape == want.shape
+    assert margin.tobytes() == want.tobytes(), (margin, want)
+
+
+@given(cases(), st.booleans())
+def test_windows(case: Case, past: bool) -> None:
+    w = temporal.windows(np.array(case.t, dtype=np.float64), case.lower, case.upper, past)
+    expected = reference.windows(case.t, case.lower, case.upper, past)
+    members = [list(range(start, stop)) for start, stop in zip(w.start.tolist(), w.stop.tolist())]
+    assert members == [list(window) for window in expected]
+    assert w.longest == max(map(len, expected), default=0)
+
+
+@given(cases(), st.booleans(), st.sampled_from(["always", "eventually"]))
+def test_extrema(case: Case, past: bool, operator: str) -> None:
+    w = temporal.windows(np.array(case.t, dtype=np.float64), case.lower, case.upper, past)
+    spelled_out = reference.windows(case.t, case.lower, case.upper, past)
+    with mock.patch.object(blocks, "BLOCK", case.block):
+        found = getattr(temporal, operator)(*stacked(case.p), w)
+    assert_same(found, [getattr(reference, operator)(*p, spelled_out) for p in case.p])
+
+
+@given(cases(), st.booleans())
+def test_until_and_since(case: Case, past: bool) -> None:
+    operator = "since" if past else "until"
+    w = temporal.windows(np.array(case.t, dtype=np.float64), case.lower, case.upper, past)
+    spelled_out = reference.windows(case.t, case.lower, case.upper, past)
+    with mock.patch.object(blocks, "BLOCK", case.block):
+        found = getattr(temporal, operator)(*stacked(case.p), *stacked(case.q), w)
+    expected = [getattr(reference, operator)(*p, *q, spelled_out) for p, q in zip(case.p, case.q)]
+    assert_same(found, expected)
+
+
+@given(cases(), st.sampled_from([-1, 1]), st.booleans())
+def test_shift(case: Case, step: int, weak: bool) -> None:
+    found = temporal.shift(*stacked(case.p), step, weak)
+    assert_same(found, [reference.shift(*p, step, weak) for p in case.p])
+
+
+@given(cases(), st.sampled_from(["rising", "falling"]))
+def test_edges(case: Case, operator: str) -> None:
+    found = getattr(temporal, operator)(*stacked(case.p), *stacked(case.q))
+    assert_same(found, [getattr(reference, operator)(*p, *q) for p, q in zip(case.p, case.q)])
+
+
+@given(cases(), st.booleans())
+def test_until_is_what_it_says(case: Case, past: bool) -> None:
+    """The reference against the definition in one expression: slices of p instead of a running minimum."""
+    w = reference.windows(case.t, case.lower, case.upper, past)
+    (_, p), (_, q) = case.p[0], case.q[0]
+    _, margin = (reference.since if past else reference.until)(*case.p[0], *case.q[0], w)
+    assert margin == [
+        max((min([q[j], *(p[j + 1 : k + 1] if past else p[k:j])]) for j in window), default=-math.inf)
+        for k, window in enumerate(w)
+    ]
+
+
+@pytest.mark.parametrize("period", [1.0, 0.01, 1 / 3])
+@pytest.mark.parametrize("jitter", [0.0, 0.3])
+def test_long_timelines_cross_blocks(period: float, jitter: float) -> None:
+    rng = np.random.default_rng(5)
+    n = 2 * blocks.BLOCK + 777
+    t = np.arange(n) * period + period * jitter * rng.random(n)
+    margin = rng.integers(-50, 50, n).astype(np.float64)
+    other = rng.integers(-50, 50, n).astype(np.float64)
+    for lower, upper in ((0.0, 20.0), (3.0, 21.5)):
+        for past in (False, True):
+            w = temporal.windows(t, lower * period, upper * period, past)
+            literal = reference.windows(t.tolist(), lower * period, upper * period, past)
+            held = "since" if past else "until"
+            p, q = (margin >= 0, margin), (other >= 0, other)
+            lists = [x.tolist() for x in (*p, *q)]
+            for name, operands, spelled in (("always", p, lists[:2]), (held, (*p, *q), lists)):
+                sat, found = getattr(temporal, name)(*operands, w)
+                want_sat, want = getattr(reference, name)(*spelled, literal)
+                assert sat.tolist() == want_sat
+                assert found.tolist() == want

@@ -1,0 +1,172 @@
+"""Temporal operators on examples small enough to work out by hand; both evaluators."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from trackmarshal.backends.numpy import temporal
+from trackmarshal.backends.reference import temporal as reference
+
+INF = math.inf
+T = [0.0, 1.0, 2.0, 3.0]
+#: Boundaries where the sign of a margin says nothing: 0 can be true (<=) or false (<).
+P = ([True, False, False, True], [2.0, 0.0, -1.0, 0.0])
+Q = ([False, False, True, False], [-3.0, -0.5, 4.0, -2.0])
+
+
+class Evaluator:
+    """The operators of one evaluator, on lists."""
+
+    def __init__(self, module: Any) -> None:
+        self.module = module
+        self.on_arrays = module is temporal
+
+    def __call__(self, name: str, *values: Any, window: Any = None, **options: Any) -> Any:
+        if self.on_arrays:
+            values = tuple(np.array(value) for value in values)
+        if window is not None:
+            t = np.array(T) if self.on_arrays else T
+            values = (*values, self.module.windows(t, *window))
+        sat, margin = getattr(self.module, name)(*values, **options)
+        return (sat.tolist(), margin.tolist()) if self.on_arrays else (sat, margin)
+
+
+@pytest.fixture(params=[reference, temporal], ids=["reference", "numpy"])
+def run(request: pytest.FixtureRequest) -> Evaluator:
+    return Evaluator(request.param)
+
+
+def test_always_is_the_minimum_and_every_one(run: Evaluator) -> None:
+    assert run("always", *P, window=(0.0, 1.0, False)) == (
+        [False, False, False, True],
+        [0.0, -1.0, -1.0, 0.0],
+    )
+
+
+def test_eventually_is_the_maximum_and_any(run: Evaluator) -> None:
+    assert run("eventually", *P, window=(0.0, 1.0, False)) == (
+        [True, False, True, True],
+        [2.0, 0.0, 0.0, 0.0],
+    )
+
+
+def test_historically_and_once_look_back(run: Evaluator) -> None:
+    assert run("always", *P, window=(0.0, 1.0, True)) == ([True, False, False, False], [2.0, 0.0, -1.0, -1.0])
+    assert run("eventually", *P, window=(1.0, 2.0, True)) == (
+        [False, True, True, False],
+        [-INF, 2.0, 2.0, 0.0],
+    )
+
+
+def test_unbounded_operators_reach_the_ends(run: Evaluator) -> None:
+    assert run("always", *P, window=(None, None, False)) == (
+        [False, False, False, True],
+        [-1.0, -1.0, -1.0, 0.0],
+    )
+    assert run("eventually", *P, window=(None, None, True)) == ([True] * 4, [2.0] * 4)
+
+
+def test_empty_windows_are_neutral(run: Evaluator) -> None:
+    for past in (False, True):
+        beyond = (7.0, 9.0, past)
+        assert run("always", *P, window=beyond) == ([True] * 4, [INF] * 4)
+        assert run("eventually", *P, window=beyond) == ([False] * 4, [-INF] * 4)
+        assert run("since" if past else "until", *P, *Q, window=beyond) == ([False] * 4, [-INF] * 4)
+
+
+def test_until_needs_p_before_q_only(run: Evaluator) -> None:
+    # At 0: q at 2 has p = min(2, 0) before it; at 2: q itself, whatever p is there.
+    assert run("until", *P, *Q, window=(0.0, 2.0, False)) == (
+        [False, False, True, False],
+        [0.0, 0.0, 4.0, -2.0],
+    )
+    assert run("until", *P, *Q, window=(None, None, False)) == (
+        [False, False, True, False],
+        [0.0, 0.0, 4.0, -2.0],
+    )
+
+
+def test_until_needs_p_before_its_window_too(run: Evaluator) -> None:
+    assert run("until", *P, *Q, window=(2.0, 3.0, False)) == ([False] * 4, [0.0, -2.0, -INF, -INF])
+    assert run("until", [True] * 4, [9.0] * 4, *Q, window=(2.0, 3.0, False)) == (
+        [True, False, False, False],
+        [4.0, -2.0, -INF, -INF],
+    )
+    assert run("until", *P, *Q, window=(1.0, None, False)) == ([False] * 4, [0.0, 0.0, -1.0, -INF])
+
+
+def test_since_needs_p_after_q_only(run: Evaluator) -> None:
+    assert run("since", *P, *Q, window=(0.0, 2.0, True)) == (
+        [False, False, True, True],
+        [-3.0, -0.5, 4.0, 0.0],
+    )
+    assert run("since", *P, *Q, window=(1.0, 1.0, True)) == (
+        [False, False, False, True],
+        [-INF, -3.0, -1.0, 0.0],
+    )
+
+
+def test_next_and_previous_are_strong_or_weak_outside(run: Evaluator) -> None:
+    assert run("shift", *P, step=1, weak=False) == ([False, False, True, False], [0.0, -1.0, 0.0, -INF])
+    assert run("shift", *P, step=1, weak=True) == ([False, False, True, True], [0.0, -1.0, 0.0, INF])
+    assert run("shift", *P, step=-1, weak=False) == ([False, True, False, False], [-INF, 2.0, 0.0, -1.0])
+    assert run("shift", *P, step=-1, weak=True) == ([True, True, False, False], [INF, 2.0, 0.0, -1.0])
+
+
+def test_rising_is_false_before_the_start(run: Evaluator) -> None:
+    assert run("rising", *P, *P) == ([True, False, False, True], [2.0, -2.0, -1.0, 0.0])
+
+
+def test_falling_is_true_before_the_start(run: Evaluator) -> None:
+    assert run("falling", *P, *P) == ([False, True, False, False], [-2.0, 0.0, 0.0, -1.0])
+
+
+def test_edges_negate_the_opposite_bound(run: Evaluator) -> None:
+    # The middle sample is undefined: pessimistically false, optimistically true. Neither edge may be claimed.
+    low = ([False, False, True], [-1.0, -INF, 1.0])
+    high = ([False, True, True], [-1.0, INF, 1.0])
+    assert run("rising", *low, *high) == ([False, False, False], [-1.0, -INF, -INF])
+    assert run("rising", *high, *low) == ([False, True, True], [-1.0, 1.0, 1.0])
+    assert run("falling", *low, *high) == ([True, False, False], [1.0, -INF, -INF])
+    assert run("falling", *high, *low) == ([True, False, False], [1.0, -1.0, -1.0])
+
+
+def test_zeros_come_out_positive(run: Evaluator) -> None:
+    zero = ([False] * 4, [-0.0] * 4)
+    window = (0.0, 1.0, False)
+    values = [
+        run("always", *zero, window=window),
+        run("eventually", *zero, window=(None, None, False)),
+        run("until", *zero, *zero, window=window),
+        run("shift", *zero, step=1, weak=True),
+        run("rising", *zero, *zero),
+        run("falling", [True] * 4, [0.0] * 4, [True] * 4, [0.0] * 4),
+    ]
+    assert all(math.copysign(1.0, value) == 1.0 for _, margin in values for value in margin)
+
+
+def test_a_step_of_two_is_refused(run: Evaluator) -> None:
+    with pytest.raises(ValueError, match="step"):
+        run("shift", *P, step=2, weak=True)
+
+
+def test_the_direction_of_windows_is_checked() -> None:
+    sat, margin = np.array(P[0]), np.array(P[1])
+    past, future = (temporal.windows(np.array(T), 0.0, 1.0, past) for past in (True, False))
+    with pytest.raises(ValueError, match="until"):
+        temporal.until(sat, margin, sat, margin, past)
+    with pytest.raises(ValueError, match="since"):
+        temporal.since(sat, margin, sat, margin, future)
+
+
+def test_arrays_of_another_type_or_length_are_refused() -> None:
+    w = temporal.windows(np.array(T), 0.0, 1.0, False)
+    sat, margin = np.array(P[0]), np.array(P[1])
+    with pytest.raises(TypeError):
+        temporal.always(sat[:3], margin[:3], w)
+    with pytest.raises(TypeError):
+        temporal.always(margin, sat, w)
