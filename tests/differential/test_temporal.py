@@ -39,7 +39,7 @@ ARITHMETIC = {"+": np.add, "-": np.subtract, "*": np.multiply, "abs": np.abs}
 
 
 class Walker:
-    """Evaluates a formula tree: point by point with numpy, temporal operators with the evaluator under test."""
+    """Evaluates a formula tree: temporal operators with the evaluator under test, all others with numpy."""
 
     def __init__(self, evaluator: Any, trace: dict[str, list[float]]) -> None:
         self.evaluator = evaluator

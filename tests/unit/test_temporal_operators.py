@@ -96,7 +96,7 @@ def test_until_needs_p_before_its_window_too(run: Evaluator) -> None:
         [True, False, False, False],
         [4.0, -2.0, -INF, -INF],
     )
-    assert run("until", *P, *Q, window=(1.0, None, False)) == ([False] * 4, [0.0, 0.0, -1.0, -INF])
+    assert run("until", *P, *Q, window=(1.0, None, False)) == ([False] * 4, [0.0, 0.0, -2.0, -INF])
 
 
 def test_since_needs_p_after_q_only(run: Evaluator) -> None:
@@ -170,3 +170,39 @@ def test_arrays_of_another_type_or_length_are_refused() -> None:
         temporal.always(sat[:3], margin[:3], w)
     with pytest.raises(TypeError):
         temporal.always(margin, sat, w)
+
+
+def test_leading_axes_are_a_batch() -> None:
+    rng = np.random.default_rng(3)
+    t = np.cumsum(rng.random(9) + 0.1)
+    p, q = rng.normal(size=(2, 3, 9)), rng.normal(size=9)
+    for past in (False, True):
+        w = temporal.windows(t, 0.5, 2.0, past)
+        held = temporal.since if past else temporal.until
+        sat, margin = held(p >= 0, p, q >= 0, q, w)
+        assert margin.shape == p.shape
+        for row in np.ndindex(2, 3):
+            alone_sat, alone = held(p[row] >= 0, p[row], q >= 0, q, w)
+            assert sat[row].tolist() == alone_sat.tolist()
+            assert margin[row].tolist() == alone.tolist()
+
+
+def test_a_nan_never_vanishes() -> None:
+    holed = np.array([1.0, math.nan, 3.0, 4.0])
+    sat = np.array([True] * 4)
+    w = temporal.windows(np.array(T), 0.0, 1.0, False)
+    for _, margin in (
+        temporal.always(sat, holed, w),
+        temporal.eventually(sat, holed, w),
+        temporal.until(sat, holed, sat, holed, w),
+    ):
+        assert np.isnan(margin[:2]).all()
+        assert not np.isnan(margin[2:]).any()
+
+
+def test_inputs_are_left_as_they_were() -> None:
+    values = [np.array(column) for column in (*P, *Q)]
+    w = temporal.windows(np.array(T), 0.0, 2.0, False)
+    temporal.until(values[0], values[1], values[2], values[3], w)
+    temporal.always(values[0], values[1], w)
+    assert [column.tolist() for column in values] == [*P, *Q]

@@ -64,7 +64,7 @@ def test_a_window_beyond_the_horizon_is_empty(members: MakeWindows) -> None:
 
 
 def test_edges_are_what_the_float_sum_says(members: MakeWindows) -> None:
-    # 0.1 + 0.2 is 0.30000000000000004 and so reaches past 0.3; 0.3 - 0.1 is 0.19999999999999998 and misses 0.2.
+    # 0.1 + 0.2 is 0.30000000000000004, past 0.3, and 0.3 - 0.1 is 0.19999999999999998, which misses 0.2.
     assert members([0.1, 0.3], 0.2, 0.2, False) == [[], []]
     assert members([0.1, 0.3], 0.0, 0.2, False) == [[0, 1], [1]]
     assert members([0.2, 0.3], 0.1, 1.0, True) == [[], []]

@@ -68,9 +68,9 @@ class Diagnostics(TrackmarshalError):
         super().__init__(first.code, first.message, file=first.span.file.path, line=first.span.line, help=first.help or None)
 
 
-def close_matches(word: str, known: Iterable[str]) -> str:
+def close_matches(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """A "did you mean" sentence, or the empty string."""
-    found = get_close_matches(word, list(known), n=3, cutoff=0.6)
+    found = get_close_matches(word, list(known), n=3, cutoff=cutoff)
     if not found:
         return ""
     return "did you mean " + " or ".join(f"`{name}`" for name in found) + "?"

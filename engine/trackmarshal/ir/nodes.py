@@ -6,6 +6,7 @@ compute alike is computed once. Evaluators must handle every class here and rais
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, TypeVar
 
 from trackmarshal.node import Node
@@ -257,6 +258,18 @@ FUNCTIONS = {
 }  # fmt: skip
 
 T = TypeVar("T", bound=IR)
+
+
+def below(root: IR) -> Iterator[IR]:
+    """A node and all below it, each shared one once."""
+    seen: set[IR] = set()
+    stack: list[IR] = [root]
+    while stack:
+        node = stack.pop()
+        if node not in seen:
+            seen.add(node)
+            yield node
+            stack.extend(child for child in node.children() if isinstance(child, IR))
 
 
 class Interner:

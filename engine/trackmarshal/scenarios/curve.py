@@ -15,13 +15,16 @@ _GAUSS = (
 _PANEL = 0.5
 
 
-def advance(
-    x: float, y: float, heading: float, kappa: float, sharpness: float, ds: float
-) -> tuple[float, float, float]:
-    """The pose (m, m, rad) after ds m from a pose with curvature kappa that changes by `sharpness` 1/m^2.
+#: x and y in m, heading in rad.
+Pose = tuple[float, float, float]
+
+
+def advance(pose: Pose, kappa: float, sharpness: float, ds: float) -> Pose:
+    """The pose after ds m (negative: before) on a curve with curvature kappa that changes by `sharpness` 1/m^2.
 
     Lines and arcs in closed form, clothoids by quadrature to rounding. The heading is not normalised.
     """
+    x, y, heading = pose
     turn = kappa * ds + 0.5 * sharpness * ds * ds
     if sharpness == 0.0:
         half = 0.5 * turn

@@ -232,14 +232,7 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
 def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
     """Which fields of which signals a formula reads."""
     result: set[tuple[str, str]] = set()
-    seen: set[int] = set()
-    stack: list[object] = [formula] if formula is not None else []
-    while stack:
-        node = stack.pop()
-        if not isinstance(node, ir.IR) or id(node) in seen:
-            continue
-        seen.add(id(node))
-        stack.extend(node.children())
+    for node in ir.below(formula) if formula is not None else ():
         match node:
             case ir.Column():
                 result.add((node.axis.signal, node.field))

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from lark import Token, Tree
 from lark.tree import Meta
 
+from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.errors import TooDeep, UnknownClause
+from trackmarshal.syntax.keywords import CLAUSES
 from trackmarshal.syntax.names import spelled
+
+#: All words that start a clause.
+CLAUSE_WORDS = tuple(dict.fromkeys(word for words in CLAUSES.values() for word in words))
+
+_NUMBER = re.compile(r"(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 #: Signs beside their ASCII forms.
 _PLAIN = {
@@ -19,7 +28,7 @@ _PLAIN = {
 
 
 def plain(text: str) -> str:
-    """An operator's or a unit's ASCII form."""
+    """An operator's ASCII form."""
     return _PLAIN.get(text, str(text))
 
 
@@ -33,13 +42,12 @@ def unquoted(token: Any) -> str:
     return "" if token is None else str(token)[1:-1].replace('\\"', '"').replace("\\\\", "\\")
 
 
-class DeeperThanLimit(Exception):
-    """The tree nests deeper than people, or later passes, can follow."""
+class Refused(Exception):
+    """The grammar accepts the text and the language does not."""
 
-    def __init__(self, start: int, end: int) -> None:
-        super().__init__(start, end)
-        self.start = start
-        self.end = end
+    def __init__(self, diagnostic: Diagnostic) -> None:
+        super().__init__(diagnostic)
+        self.diagnostic = diagnostic
 
 
 class Builder:
@@ -51,9 +59,9 @@ class Builder:
         self._limit = limit
 
     def build(self, tree: Tree[Token], depth: int = 0) -> Any:
-        """The node of a parse tree; raises DeeperThanLimit."""
+        """The node of a parse tree; raises Refused."""
         if depth > self._limit:
-            raise DeeperThanLimit(self._base + tree.meta.start_pos, self._base + tree.meta.end_pos)
+            raise Refused(TooDeep(self._span(tree.meta), self._limit))
         children = [self.build(c, depth + 1) if isinstance(c, Tree) else c for c in tree.children]
         return getattr(self, tree.data)(tree.meta, children)
 
@@ -175,7 +183,7 @@ class Builder:
     def locator(self, meta: Meta, c: list[Any]) -> tuple[str, bool]:
         if str(c[0]).startswith('"'):
             return unquoted(c[0]), True
-        return f"{c[0]} {', '.join(c[1:])}", False
+        return f"{spelled(c[0])} {', '.join(c[1:])}", False
 
     def source(self, meta: Meta, c: list[Any]) -> ast.SourceClause:
         if str(c[0]).startswith('"'):
@@ -187,7 +195,7 @@ class Builder:
         return ast.Because(unquoted(c[0]), self._span(meta))
 
     def severity(self, meta: Meta, c: list[Any]) -> ast.Severity:
-        return ast.Severity(str(c[0]), self._span(meta))
+        return ast.Severity(spelled(c[0]), self._span(meta))
 
     def evidence(self, meta: Meta, c: list[Any]) -> ast.Evidence:
         return ast.Evidence(unquoted(c[0]), self._span(meta))
@@ -258,7 +266,7 @@ class Builder:
 
     def expect(self, meta: Meta, c: list[Any]) -> ast.Expect:
         binder = None if c[3] is None else spelled(c[3])
-        return ast.Expect(str(c[0]), c[1], c[2], binder, c[4], self._span(meta))
+        return ast.Expect(spelled(c[0]), c[1], c[2], binder, c[4], self._span(meta))
 
     def entry(self, meta: Meta, c: list[Any]) -> tuple[str, ast.Expr]:
         return spelled(c[0]), c[1]
@@ -276,8 +284,10 @@ class Builder:
         text = str(c[0])
         if c[0].type == "NUMBER":
             return ast.Number(text, "", self._span(meta))
-        stop = max(i for i, char in enumerate(text) if char in "0123456789." and _is_number(text[: i + 1]))
-        return ast.Number(text[: stop + 1], plain_unit(text[stop + 1 :].strip()), self._span(meta))
+        number = _NUMBER.match(text)
+        if number is None:
+            raise AssertionError(f"a quantity without a number: {text}")
+        return ast.Number(number.group(), plain_unit(text[number.end() :].strip()), self._span(meta))
 
     def name(self, meta: Meta, c: list[Any]) -> ast.Name:
         return self._name(c[0])
@@ -327,6 +337,12 @@ class Builder:
         return ast.InZone(c[0], spelled(c[1]), self._span(meta))
 
     def infix(self, meta: Meta, c: list[Any]) -> ast.Infix:
+        where = self._at(c[1])
+        if not self._file.text[self._file.text.rfind("\n", 0, where.start) + 1 : where.start].strip():
+            # The first word of a line is where a clause starts: `requier x < 3` is not about a predicate `requier`.
+            hint = close_matches(c[1], CLAUSE_WORDS, 0.75)
+            if hint:
+                raise Refused(UnknownClause(where, str(c[1]), hint))
         return ast.Infix(c[0], spelled(c[1]), c[2], self._span(meta))
 
     def window(self, meta: Meta, c: list[Any]) -> ast.Window:
@@ -347,11 +363,3 @@ class Builder:
     def quantified(self, meta: Meta, c: list[Any]) -> ast.Quantified:
         names = tuple(spelled(name) for name in c[2:-3])
         return ast.Quantified(c[0], c[1] is not None, names, c[-3], c[-2], c[-1], self._span(meta))
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

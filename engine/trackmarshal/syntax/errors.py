@@ -27,23 +27,29 @@ class UnexpectedEnd(Diagnostic):
     code = "E102"
     title = "the declaration is not finished"
     text = "the declaration ends too early"
-    label = "expected {expected}"
+    label = "expected {expected} after this"
+    remedy = "{hint}"
     explanation = "The next declaration, or the end of the file, comes before this one is complete."
 
     span: Span
     expected: str
+    hint: str = ""
 
 
 class StrayText(Diagnostic):
     code = "E103"
-    title = "text before the first declaration"
-    text = "`{word}` does not start a declaration"
-    label = "a declaration starts with its keyword in column 1"
+    title = "this does not start a declaration"
+    text = "{found} does not start a declaration"
+    label = "{expected}"
     remedy = "{hint}"
-    explanation = "Before the first declaration there may be comments only. Declarations start with their keyword in column 1."
+    explanation = (
+        "Declarations start with their keyword in column 1. Before the first one there may be comments only, and a line that "
+        "reads `word name` in column 1 is taken for a declaration with a misspelt keyword. Continued lines are indented."
+    )
 
     span: Span
-    word: str
+    found: str
+    expected: str
     hint: str = ""
 
 
@@ -61,10 +67,63 @@ class TooDeep(Diagnostic):
 
 class BadText(Diagnostic):
     code = "E105"
-    title = "a string that does not end"
-    text = "this string does not end on its line"
-    label = "starts here"
-    remedy = 'close it with "; inside a string, write \\" for a quote'
-    explanation = "Strings stand on one line, between double quotes."
+    title = "a string that cannot be read"
+    text = "{problem}"
+    label = "{pointed}"
+    remedy = "{hint}"
+    explanation = (
+        'Strings stand on one line, between double quotes. Inside, a quote is written \\" and a backslash \\\\; there are no '
+        "other escapes."
+    )
 
     span: Span
+    problem: str
+    pointed: str
+    hint: str = ""
+
+
+class UnknownUnit(Diagnostic):
+    code = "E106"
+    title = "unknown unit"
+    text = "unknown unit `{unit}`"
+    label = "not a unit"
+    remedy = "{hint}"
+    explanation = (
+        "Units are a closed list: m, km, cm, mm, s, ms, us, min, h, kg, t, N, kN, J, W, kW, Hz, rad, deg, %, each with an exponent "
+        "if need be, and quotients of them without blanks (`5 m/s^2`). To divide a quantity by a name, put blanks around `/`."
+    )
+
+    span: Span
+    unit: str
+    hint: str = ""
+
+
+class UnknownClause(Diagnostic):
+    code = "E107"
+    title = "unknown clause"
+    text = "unknown clause `{word}`"
+    label = "no clause starts with this word"
+    remedy = "{hint}"
+    explanation = (
+        "A line inside a declaration starts with a word that is almost, but not quite, the keyword of a clause. It is refused "
+        "even where it could be read as the name of a predicate."
+    )
+
+    span: Span
+    word: str
+    hint: str
+
+
+class Unclosed(Diagnostic):
+    code = "E108"
+    title = "a bracket that is not closed"
+    text = "`{bracket}` is not closed"
+    label = "opened here"
+    other_label = "expected {expected} {where}"
+    explanation = "Every (, [ and { has its closing counterpart in the same clause."
+
+    span: Span
+    bracket: str
+    expected: str
+    where: str
+    other: Span

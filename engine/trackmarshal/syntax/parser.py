@@ -12,20 +12,26 @@ from typing import TYPE_CHECKING
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
-from trackmarshal.syntax.errors import BadText, StrayText, TooDeep, UnexpectedEnd, UnexpectedText
+from trackmarshal.syntax.errors import StrayText
+from trackmarshal.syntax.keywords import DECLARATIONS, RESERVED
+from trackmarshal.syntax.names import GREEK
 
 if TYPE_CHECKING:
     from lark import Lark
 
-#: The words that start a declaration, in column 1.
-KEYWORDS = (
-    "module", "use", "reference", "signal", "event", "param", "constrain", "table", "zone", "line", "define",
-    "predicate", "assume", "rule", "state", "rulebook", "test",
-)  # fmt: skip
-_START = re.compile(rf"^(?:{'|'.join(KEYWORDS)})\b", re.MULTILINE)
+# Where a declaration starts: its keyword in column 1, or what looks like one with a misspelt keyword.
+_START = re.compile(
+    rf"^(?:(?P<keyword>{'|'.join(DECLARATIONS)})\b"
+    rf'|(?!(?:{"|".join(sorted(RESERVED))})\b)(?P<word>[A-Za-z_][A-Za-z0-9_]*)[ \t]+["A-Za-z_])',
+    re.MULTILINE,
+)
 _BLANK = re.compile(r"(?:[ \t\n]+|--[^\n]*)*")
-_UNICODE = re.compile(r"[≤≥≠·²³√∀∃∈∧∨¬→↔−\u0370-\u03FF]")
-_ASCII = re.compile(r"<=|>=|!=|\^[23]\b|\b(?:sqrt|and|or|not|implies|iff|exists)\b|\bfor[ \t]+all\b|\bin\b")
+
+# The signs and the words that tell the two styles of writing apart; each has a counterpart in the other style.
+_NOT_CODE = re.compile(r'"(?:[^"\\\n]|\\.)*"|--[^\n]*|^(?:module|use)\b[^\n]*|\b[A-Z][A-Za-z0-9]*-[A-Za-z0-9-]+', re.MULTILINE)
+_LETTER = f"[A-Za-z0-9{''.join(GREEK)}]"
+_SIGN = re.compile(rf"[≤≥≠·²³√∀∃∈∧∨¬→↔]|(?<!{_LETTER})[{''.join(GREEK)}](?!{_LETTER})")
+_WORD = re.compile(r"<=|>=|!=|\^[23](?![\w.]|[ \t]+[A-Za-z1%])|\b(?:and|or|not|implies|iff|exists)\b|\bfor[ \t]+all\b|\bin\b")
 
 #: Deepest nesting of an expression. Every later pass may recurse this far.
 MAX_DEPTH = 120
@@ -33,51 +39,79 @@ MAX_DEPTH = 120
 
 def parse(file: SourceFile) -> tuple[ast.Module, list[Diagnostic]]:
     """Parse a whole file; a declaration with an error is left out of the tree and reported."""
-    text, items, found = file.text, [], []
-    starts = [match.start() for match in _START.finditer(text)]
-    head = _BLANK.match(text, 0)
+    text = file.text
+    items: list[ast.Item] = []
+    found: list[Diagnostic] = []
+    starts = list(_START.finditer(text))
+    head = _BLANK.match(text)
     first = head.end() if head else 0
-    if first < (starts[0] if starts else len(text)):
-        word = re.match(r"\S+", text[first:])
-        shown = word.group() if word else text[first]
-        found.append(StrayText(Span(file, first, first + len(shown)), shown, close_matches(shown, KEYWORDS)))
-    for start, end in zip(starts, [*starts[1:], len(text)]):
-        item = parse_item(file, start, end, found)
+    if first < (starts[0].start() if starts else len(text)):
+        found.append(_stray(file, first))
+    stray = False
+    for match, end in zip(starts, [*(m.start() for m in starts[1:]), len(text)]):
+        if match["keyword"] is None:
+            hint = close_matches(match["word"], DECLARATIONS)
+            if hint or not stray:  # of a pasted paragraph, one line is reported
+                found.append(_stray(file, match.start()))
+            stray = True
+            continue
+        stray = False
+        item = parse_item(file, match.start(), end, found)
         if item is not None:
             items.append(item)
-    return ast.Module(tuple(items), _is_unicode(text), Span(file, 0, len(text))), found
+    return ast.Module(tuple(items), is_unicode(text), Span(file, 0, len(text))), found
 
 
 def parse_item(file: SourceFile, start: int, end: int, found: list[Diagnostic]) -> ast.Item | None:
     """Parse the declaration between two offsets; errors go into `found`."""
     from lark.exceptions import UnexpectedInput
 
-    from trackmarshal.syntax.build import Builder, DeeperThanLimit
+    from trackmarshal.syntax.build import Builder, Refused
 
     try:
-        tree = _parser().parse(file.text[start:end])
+        tree = parser().parse(file.text[start:end])
         item = Builder(file, start, MAX_DEPTH).build(tree)
     except UnexpectedInput as error:
-        found.append(_explained(error, file, start, end))
+        from trackmarshal.syntax.mistakes import explained
+
+        found.append(explained(error, file, start, end))
         return None
-    except DeeperThanLimit as error:
-        found.append(TooDeep(Span(file, error.start, error.end), MAX_DEPTH))
+    except Refused as error:
+        found.append(error.diagnostic)
         return None
     if not isinstance(item, ast.Item):
         raise AssertionError(f"the grammar built a {type(item).__name__}")
     return item
 
 
+def _stray(file: SourceFile, start: int) -> StrayText:
+    match = re.compile(r"[A-Za-z_][A-Za-z0-9_]*|[^\s\w]+|\S").match(file.text, start)
+    word = match.group() if match else file.text[start]
+    span = Span(file, start, start + len(word))
+    column_1 = "a declaration starts with its keyword in column 1"
+    if word in DECLARATIONS:
+        if span.column == 1:
+            return StrayText(span, f"`{file.text[start:].split(maxsplit=1)[0]}`", column_1)
+        return StrayText(span, f"an indented `{word}`", column_1, "remove the blanks before it")
+    hint = "a comment starts with `--`" if word.startswith(("#", "//", "/*")) else close_matches(word, DECLARATIONS)
+    return StrayText(span, f"`{word}`", column_1, hint or f"the keywords are {', '.join(DECLARATIONS)}")
+
+
 @cache
-def _parser() -> Lark:
+def parser() -> Lark:
+    """The parser of one declaration, from the user's cache where there is one."""
     return make_parser(_cache_file())
 
 
 def grammar() -> str:
-    """The grammar's text with the closed list of units put in."""
+    """The grammar's text as lark reads it: words end at word ends, units and reserved words are closed lists."""
     from trackmarshal.units import UNIT_PATTERN
 
-    return (Path(__file__).with_name("spec.lark")).read_text("utf-8").replace("@U", UNIT_PATTERN)
+    text = (Path(__file__).with_name("spec.lark")).read_text("utf-8")
+    words = sorted(set(re.findall(r'"([a-z]+)"', re.sub(r"//[^\n]*", "", text))))
+    text = re.sub(r'"([a-z]+)"', lambda match: f"_{match[1].upper()}", text)
+    text += "".join(f"_{word.upper()}.1: /{word}\\b/\n" for word in words)
+    return text.replace("@U", UNIT_PATTERN).replace("@G", "".join(GREEK)).replace("@R", "|".join(sorted(RESERVED)))
 
 
 def make_parser(cache_file: str | None = None, strict: bool = False) -> Lark:
@@ -119,78 +153,8 @@ def _cache_file() -> str | None:
     return str(target)
 
 
-def _is_unicode(text: str) -> bool:
+def is_unicode(text: str) -> bool:
     """Whether mathematical signs come first in the file; the formatter keeps one style throughout."""
-    code = re.sub(r'"(?:[^"\\\n]|\\.)*"|--[^\n]*', "", text)
-    sign, word = _UNICODE.search(code), _ASCII.search(code)
+    code = _NOT_CODE.sub("", text)
+    sign, word = _SIGN.search(code), _WORD.search(code)
     return sign is not None and (word is None or sign.start() < word.start())
-
-
-def _explained(error: Exception, file: SourceFile, base: int, end: int) -> Diagnostic:
-    """What Lark says, in words for rule authors."""
-    from lark.exceptions import UnexpectedCharacters, UnexpectedEOF, UnexpectedToken
-
-    if isinstance(error, UnexpectedToken) and error.token.type != "$END":
-        start = base + (error.token.start_pos or 0)
-        span = Span(file, start, start + len(error.token))
-        expected = _spoken(error.accepts or error.expected)
-        hint = ""
-        if span.column == 1:
-            hint = close_matches(str(error.token), KEYWORDS)
-        elif error.token.type == "NAME":
-            hint = close_matches(str(error.token), _words(error.accepts or error.expected))
-        return UnexpectedText(span, f"`{error.token}`", expected, hint)
-    if isinstance(error, UnexpectedCharacters):
-        start = base + error.pos_in_stream
-        if file.text[start] == '"':
-            return BadText(Span(file, start, start + 1))
-        return UnexpectedText(Span(file, start, start + 1), f"`{file.text[start]}`", _spoken(error.allowed or set()), _known_slips(file, start))
-    if isinstance(error, (UnexpectedToken, UnexpectedEOF)):
-        stop = base + len(file.text[base:end].rstrip())
-        return UnexpectedEnd(Span(file, max(base, stop - 1), stop), _spoken(getattr(error, "accepts", None) or error.expected))
-    raise error
-
-
-def _known_slips(file: SourceFile, start: int) -> str:
-    rest = file.text[start : start + 2]
-    if rest.startswith("="):
-        return "write `==` to compare"
-    if rest in ("&&", "||"):
-        return "write `and`, `or`"
-    if rest.startswith("!"):
-        return "write `not`"
-    if rest.startswith(("#", "//")):
-        return "a comment starts with `--`"
-    return ""
-
-
-_SPOKEN = {
-    "NAME": "a name", "NUMBER": "a number", "QUANTITY": "a quantity", "STRING": "a string", "UNIT": "a unit", "ID": "an id",
-    "COMPARE": "a comparison", "RPAR": "`)`", "LPAR": "`(`", "LSQB": "`[`", "RSQB": "`]`", "LBRACE": "`{`", "RBRACE": "`}`",
-    "COLON": "`:`", "COMMA": "`,`", "EQUAL": "`=`", "VBAR": "`|`", "DOT": "`.`", "RELATION": "`>` or `~`",
-    "__FOR_ALL": "`for all`", "_FOR_ALL": "`for all`", "_EXISTS": "`exists`", "_IN": "`in`", "SET": "`set of`",
-    "PLUS": "an operator", "MINUS": "an operator", "TIMES": "an operator", "DIVIDE": "an operator",
-    "SUPERSCRIPT": "an operator", "CIRCUMFLEX": "an operator",
-    "AND": "`and`", "OR": "`or`", "IMPLIES": "`implies`", "IFF": "`iff`", "XOR": "`xor`", "NOT": "`not`",
-    "UNTIL": "`until` or `since`", "TEMPORAL": "`always`, `eventually`, ...", "STEP": "`next` or `previous`",
-    "$END": "the end of the declaration", "√": "`√`",
-}  # fmt: skip
-_OPERATORS = {"PLUS", "MINUS", "TIMES", "DIVIDE", "SUPERSCRIPT", "CIRCUMFLEX", "COMPARE", "IFF", "XOR", "IMPLIES", "OR", "AND",
-              "UNTIL", "_IN", "DOT"}  # fmt: skip
-
-
-def _words(terminals: set[str]) -> list[str]:
-    return [name.lower() for name in terminals if name not in _SPOKEN]
-
-
-def _spoken(terminals: set[str]) -> str:
-    """A set of grammar terminals as words; the many operators of an expression as one."""
-    if {"NUMBER", "QUANTITY", "NAME", "LPAR"} <= terminals:
-        return "an expression"
-    names = set(terminals)
-    if len(names & _OPERATORS) > 3:
-        names = (names - _OPERATORS - {"NAME"}) | {"PLUS"}
-    spoken = sorted({_SPOKEN.get(name, f"`{name.lower().lstrip('_')}`") for name in names})
-    if len(spoken) > 6:
-        spoken = [*spoken[:6], "..."]
-    return ", ".join(spoken[:-1]) + (" or " if len(spoken) > 1 else "") + spoken[-1] if spoken else "something else"

@@ -1,0 +1,1 @@
+"""Tests inside specs: the signals that they build, and what they cover."""

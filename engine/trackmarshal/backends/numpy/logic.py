@@ -1,0 +1,117 @@
+"""Formulas as arrays: worst case and best case, each a Boolean array and a margin array.
+
+A value without anything undefined has the same arrays for both, and everything is computed once.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+INF = np.inf
+
+
+class Side(NamedTuple):
+    """The worst or the best case: whether the formula holds, and its margin."""
+
+    sat: Array
+    margin: Array
+
+
+class Value(NamedTuple):
+    """A formula's value; `best is worst` where nothing is undefined."""
+
+    worst: Side
+    best: Side
+
+
+def defined(sat: Array, margin: Array) -> Value:
+    side = Side(sat, margin)
+    return Value(side, side)
+
+
+def partly(sat: Array, margin: Array, known: Array) -> Value:
+    """A value that is undefined wherever `known` is false."""
+    worst = Side(sat & known, np.where(known, margin, -INF))
+    return Value(worst, Side(sat | ~known, np.where(known, margin, INF)))
+
+
+def least(a: Side, b: Side) -> Side:
+    return Side(a.sat & b.sat, np.minimum(a.margin, b.margin))
+
+
+def greatest(a: Side, b: Side) -> Side:
+    return Side(a.sat | b.sat, np.maximum(a.margin, b.margin))
+
+
+def _opposite(side: Side) -> Side:
+    return Side(~side.sat, -side.margin)
+
+
+def negate(value: Value) -> Value:
+    worst = _opposite(value.best)
+    return Value(worst, worst if value.best is value.worst else _opposite(value.worst))
+
+
+def connect(op: str, a: Value, b: Value) -> Value:
+    """and, or, implies, iff, xor."""
+    if op in ("and", "or"):
+        join = least if op == "and" else greatest
+        worst = join(a.worst, b.worst)
+        if a.best is a.worst and b.best is b.worst:
+            return Value(worst, worst)
+        return Value(worst, join(a.best, b.best))
+    if op == "implies":
+        return connect("or", negate(a), b)
+    if op == "xor":
+        return _differ(a, b)
+    if op == "iff":
+        return negate(_differ(a, b))
+    raise AssertionError(f"unknown connective {op}")
+
+
+def _differ(a: Value, b: Value) -> Value:
+    surely = (a.worst.sat & ~b.best.sat) | (b.worst.sat & ~a.best.sat)
+    surely_not = (a.worst.sat & b.worst.sat) | ~(a.best.sat | b.best.sat)
+    apart = np.maximum(
+        np.maximum(0.0, _difference(a.worst.margin, b.best.margin)), _difference(b.worst.margin, a.best.margin)
+    )
+    at_most = np.maximum(_difference(a.best.margin, b.worst.margin), _difference(b.best.margin, a.worst.margin))
+    worst = Side(surely, apart)
+    if a.best is a.worst and b.best is b.worst:
+        return Value(worst, worst)
+    return Value(worst, Side(~surely_not, at_most))
+
+
+def _difference(x: Array, y: Array) -> Array:
+    """x - y, where equal infinities do not differ."""
+    return np.where(x == y, 0.0, x - y)
+
+
+def reduce(value: Value, quantifier: str, axis: int, in_worst: Array | None, in_best: Array | None) -> Value:
+    """`for all` or `exists` along an array axis, over the elements that are in range in the worst and in the best case."""
+    worst = _reduce_side(value.worst, quantifier, axis, in_worst)
+    if value.best is value.worst and in_best is in_worst:
+        return Value(worst, worst)
+    return Value(worst, _reduce_side(value.best, quantifier, axis, in_best))
+
+
+def _reduce_side(side: Side, quantifier: str, axis: int, inside: Array | None) -> Side:
+    every = quantifier == "for all"
+    sat, margin = side
+    if inside is None:
+        if sat.ndim == 0 or sat.shape[axis] == 1:
+            return side  # nothing varies along the axis, and it is not empty
+    else:
+        neutral = INF if every else -INF
+        sat = (sat | ~inside) if every else (sat & inside)
+        margin = np.where(inside, margin, neutral)
+        if sat.shape[axis] == 0:
+            shape = tuple(1 if i == axis else n for i, n in enumerate(sat.shape))
+            return Side(np.full(shape, every), np.full(shape, neutral))
+    if every:
+        return Side(np.logical_and.reduce(sat, axis=axis, keepdims=True), np.minimum.reduce(margin, axis=axis, keepdims=True))
+    return Side(np.logical_or.reduce(sat, axis=axis, keepdims=True), np.maximum.reduce(margin, axis=axis, keepdims=True))

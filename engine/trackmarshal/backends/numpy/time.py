@@ -1,0 +1,83 @@
+"""Temporal operators on a batch: each case by itself along its own times, worst and best case."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from trackmarshal.backends.numpy import temporal
+from trackmarshal.backends.numpy.batch import Batch
+from trackmarshal.backends.numpy.logic import Side, Value
+from trackmarshal.ir import nodes as ir
+
+
+def operator(batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, operands: Sequence[Value]) -> Value:
+    """The value of a temporal formula at every sample of every case."""
+    pairs = [(value.worst, value.best) for value in operands]
+    single = all(worst is best for worst, best in pairs)
+    blocked = [case.blocks([(node.axis.signal, "t")]) for case in batch.cases]
+    worst = _side(batch, node, [w for w, _ in pairs], [b for _, b in pairs], blocked, False)
+    if single and not any(blocked):
+        return Value(worst, worst)
+    return Value(worst, _side(batch, node, [b for _, b in pairs], [w for w, _ in pairs], blocked, True))
+
+
+def _side(
+    batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, sides: list[Side], others: list[Side], blocked: list[bool], best: bool
+) -> Side:  # fmt: skip
+    axis = 1 + node.axis.level
+    size = batch.count(node.axis)
+    lengths = batch.lengths(node.axis.signal)
+    shape = np.broadcast_shapes(*(s.sat.shape for s in sides), (batch.size,) + (1,) * (batch.rank - 1))
+    shape = (*shape[:axis], size, *shape[axis + 1 :])
+    inputs = [_last(side, shape, axis) for side in sides]
+    opposite = [_last(side, shape, axis) for side in others] if isinstance(node, ir.Edge) else []
+    rows: list[tuple[Any, Any]] = []
+    for index in range(batch.size):
+        n = int(lengths[index])
+        if blocked[index]:  # its times mean nothing: undefined
+            rows.append((np.full(inputs[0].sat[index].shape, best), np.full(inputs[0].margin[index].shape, np.inf if best else -np.inf)))
+            continue
+        cut = [Side(s.sat[index, ..., :n], s.margin[index, ..., :n]) for s in inputs]
+        cut_other = [Side(s.sat[index, ..., :n], s.margin[index, ..., :n]) for s in opposite]
+        rows.append(_kernel(batch, node, index, n, cut, cut_other))
+    if batch.size == 1:
+        sat, margin = rows[0][0][None], rows[0][1][None]
+    else:
+        sat, margin = np.zeros(inputs[0].sat.shape, dtype=bool), np.zeros(inputs[0].margin.shape)
+        for index, (row_sat, row_margin) in enumerate(rows):
+            sat[index, ..., : row_sat.shape[-1]] = row_sat
+            margin[index, ..., : row_margin.shape[-1]] = row_margin
+    return Side(np.moveaxis(sat, -1, axis), np.moveaxis(margin, -1, axis))
+
+
+def _last(side: Side, shape: tuple[int, ...], axis: int) -> Side:
+    """A side in full shape with its time axis last."""
+    return Side(np.moveaxis(np.broadcast_to(side.sat, shape), axis, -1), np.moveaxis(np.broadcast_to(side.margin, shape), axis, -1))
+
+
+def _kernel(
+    batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, index: int, n: int, sides: list[Side], others: list[Side]
+) -> tuple[Any, Any]:  # fmt: skip
+    match node:
+        case ir.Temporal():
+            windows = temporal.windows(_times(batch, node, index, n), node.lower, node.upper, node.op in ("historically", "once"))
+            kernel = temporal.always if node.op in ("always", "historically") else temporal.eventually
+            return kernel(*sides[0], windows)
+        case ir.Until():
+            windows = temporal.windows(_times(batch, node, index, n), node.lower, node.upper, node.op == "since")
+            held = temporal.until if node.op == "until" else temporal.since
+            return held(*sides[0], *sides[1], windows)
+        case ir.Shift():
+            return temporal.shift(*sides[0], node.step, node.weak)
+        case ir.Edge():
+            edge = temporal.rising if node.op == "rising" else temporal.falling
+            return edge(*sides[0], *others[0])
+        case _:
+            raise AssertionError(f"unknown temporal operator {type(node).__name__}")
+
+
+def _times(batch: Batch, node: ir.Temporal | ir.Until, index: int, n: int) -> Any:
+    return batch.table(node.axis.signal, "t")[index, :n]

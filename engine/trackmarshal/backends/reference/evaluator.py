@@ -1,0 +1,266 @@
+"""The reference evaluator: every node by its definition, one case, plain Python. Slow, and meant to be obviously right."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+
+from trackmarshal.backends.reference import geometry, temporal
+from trackmarshal.backends.results import case_result
+from trackmarshal.ir import arithmetic
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.case import Case, Point
+from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, known, least, negate
+from trackmarshal.runtime.verdict import Bound, CaseResult, Truth
+
+#: The index of the variable of each axis that is bound, by the axis's level.
+Env = dict[int, int]
+
+
+class Reference:
+    """Values of the nodes of a spec for one case; each (node, indices) is computed once."""
+
+    def __init__(self, spec: Spec, case: Case) -> None:
+        self.spec = spec
+        self.case = case
+        self._truths: dict[tuple[int, tuple[tuple[int, int], ...]], Truth] = {}
+        self._series: dict[tuple[int, tuple[tuple[int, int], ...]], list[Truth]] = {}
+        self._lines: dict[int, tuple[list[Point], bool]] = {}
+
+    # Numbers --------------------------------------------------------------------------------------------------
+
+    def number(self, node: ir.Num, env: Env) -> float:
+        """The number that a node stands for; NaN where it has none."""
+        match node:
+            case ir.Const():
+                return node.value
+            case ir.Param():
+                return self.case.params.get(node.name, self.spec.params[node.name].value)
+            case ir.Column():
+                column = self.case.columns[node.axis.signal][node.field]
+                return float(column[max(0, env[node.axis.level] + node.offset)])
+            case ir.Sample():
+                return float(self.case.columns[node.signal][node.field][node.index])
+            case ir.Scalar():
+                return float(self.case.scalars[node.signal][node.field])
+            case ir.Arith():
+                return arithmetic.arith(node.op, self.number(node.left, env), self.number(node.right, env))
+            case ir.Neg():
+                return -self.number(node.operand, env)
+            case ir.Func():
+                return arithmetic.apply(node.name, [self.number(arg, env) for arg in node.args])
+            case ir.Choose():
+                verdict = self.truth(node.condition, env).verdict
+                if verdict == "undefined":
+                    return math.nan
+                return self.number(node.then if verdict == "satisfied" else node.otherwise, env)
+            case ir.Lookup():
+                table = self.spec.tables[node.table]
+                knots, values = self.case.tables.get(node.table, (table.knots, table.values))
+                return arithmetic.interpolate(knots, values, self.number(node.argument, env))
+            case ir.Along():
+                return self._along(node, [self.number(arg, env) for arg in node.args])
+            case _:
+                raise AssertionError(f"unknown number {type(node).__name__}")
+
+    def _along(self, node: ir.Along, args: list[float]) -> float:
+        points, closed = self.line(node.line)
+        if node.what == "station_gap":
+            return geometry.station_gap(points, args[0], args[1], closed)
+        if node.what == "distance":
+            return geometry.distance_to_line(args[0], args[1], points, closed)
+        station, offset, direction = geometry.project(args[0], args[1], points, closed)
+        return {"station": station, "offset": offset, "direction": direction}[node.what]
+
+    def line(self, line: ir.Line) -> tuple[list[Point], bool]:
+        """The points of a line, and whether it is closed."""
+        if id(line) not in self._lines:
+            self._lines[id(line)] = self._line(line)
+        return self._lines[id(line)]
+
+    def _line(self, line: ir.Line) -> tuple[list[Point], bool]:
+        case = self.case
+        match line.kind:
+            case "place":
+                return list(case.places.get(line.name, self.spec.places[line.name].points)), False
+            case "signal":
+                return list(case.lines[line.name, line.field]), case.closed.get(line.name, False)
+            case "path":
+                columns = case.columns[line.name]
+                return list(zip(columns["x"], columns["y"])), False
+            case "centre":
+                left, right, closed = self.corridor(line.name)
+                return geometry.centre_line(left, right), closed
+            case _:
+                raise AssertionError(f"unknown line {line.kind}")
+
+    def corridor(self, name: str) -> tuple[Sequence[Point], Sequence[Point], bool]:
+        return self.case.lines[name, "left"], self.case.lines[name, "right"], self.case.closed.get(name, False)
+
+    # Formulas -------------------------------------------------------------------------------------------------
+
+    def truth(self, node: ir.Formula, env: Env) -> Truth:
+        """The value of a formula between its worst and its best case."""
+        key = (id(node), tuple(env.items()))
+        value = self._truths.get(key)
+        if value is None:
+            value = self._truths[key] = self._truth(node, env)
+        return value
+
+    def _truth(self, node: ir.Formula, env: Env) -> Truth:
+        match node:
+            case ir.Truth():
+                return TRUE if node.value else FALSE
+            case ir.Flag():
+                return self._flag(node, env)
+            case ir.Compare():
+                a, b = self.number(node.left, env), self.number(node.right, env)
+                if not (math.isfinite(a) and math.isfinite(b)):
+                    return UNDEFINED
+                return known(arithmetic.compare(node.op, a, b), arithmetic.margin(node.op, a, b))
+            case ir.Geometry():
+                margin = self._geometry(node, [self.number(arg, env) for arg in node.args])
+                return UNDEFINED if math.isnan(margin) else known(margin >= 0.0, margin)
+            case ir.Not():
+                return negate(self.truth(node.operand, env))
+            case ir.Connective():
+                return connect(node.op, self.truth(node.left, env), self.truth(node.right, env))
+            case ir.Quantify():
+                return self._quantify(node, env)
+            case ir.Guarded():
+                guard, body = self.truth(node.guard, env), self.truth(node.body, env)
+                return Truth(body.worst if guard.best.sat else TRUE.worst, body.best if guard.worst.sat else TRUE.best)
+            case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+                return self.series(node, env)[env[node.axis.level]]
+            case ir.First():
+                return self.truth(node.operand, {**env, node.axis.level: 0})
+            case _:
+                raise AssertionError(f"unknown formula {type(node).__name__}")
+
+    def _flag(self, node: ir.Flag, env: Env) -> Truth:
+        if node.axis is not None:
+            assert node.field is not None
+            value = self.case.columns[node.signal][node.field][max(0, env[node.axis.level] + node.offset)]
+        else:
+            value = self.case.scalars[node.signal][node.field or ""]
+        if value is None:
+            return UNDEFINED
+        return TRUE if value else FALSE
+
+    def _geometry(self, node: ir.Geometry, args: list[float]) -> float:
+        if node.what == "in_area":
+            assert node.area is not None
+            return geometry.in_zone_margin(args[0], args[1], self.zone(node.area))
+        pose0, pose1, length, width = tuple(args[0:3]), tuple(args[3:6]), args[6], args[7]
+        if node.what == "swept_clear":
+            return geometry.clear_margin(pose0, pose1, length, width, tuple(args[8:11]), args[11], args[12])
+        if node.what == "swept_inside":
+            assert node.area is not None
+            if node.area.kind == "zone":
+                return geometry.hull_in_polygon_margin(self.zone(node.area), pose0, pose1, length, width)
+            left, right, closed = self.corridor(node.area.name)
+            return geometry.hull_inside_margin(left, right, closed, pose0, pose1, length, width)
+        raise AssertionError(f"unknown predicate {node.what}")
+
+    def zone(self, area: ir.Area) -> Sequence[Point]:
+        return self.case.places.get(area.name, self.spec.places[area.name].points)
+
+    def count(self, axis: ir.Axis) -> int:
+        """How many values the variable of an axis takes."""
+        return max(0, self.case.counts[axis.signal] - axis.width + 1)
+
+    def _quantify(self, node: ir.Quantify, env: Env) -> Truth:
+        join = least if node.quantifier == "for all" else greatest
+        value = TRUE if node.quantifier == "for all" else FALSE
+        worst, best = value.worst, value.best
+        for index in range(self.count(node.axis)):
+            inner = {**env, node.axis.level: index}
+            guard = TRUE if node.guard is None else self.truth(node.guard, inner)
+            body = self.truth(node.body, inner)
+            # In the worst case every element that may be in range counts against a `for all`, and only those
+            # that surely are count for an `exists`; in the best case the other way round.
+            in_worst, in_best = guard.best.sat, guard.worst.sat
+            if node.quantifier == "exists":
+                in_worst, in_best = in_best, in_worst
+            worst = join(worst, body.worst) if in_worst else worst
+            best = join(best, body.best) if in_best else best
+        return Truth(worst, best)
+
+    def series(self, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, env: Env) -> list[Truth]:
+        """The value of a temporal formula at every sample of its timeline."""
+        key = (id(node), tuple(item for item in env.items() if item[0] != node.axis.level))
+        values = self._series.get(key)
+        if values is None:
+            values = self._series[key] = self._temporal(node, env)
+        return values
+
+    def along(self, node: ir.Formula, axis: ir.Axis, env: Env) -> list[Truth]:
+        """The value of any formula at every sample of a timeline."""
+        return [self.truth(node, {**env, axis.level: k}) for k in range(self.count(axis))]
+
+    def _temporal(self, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, env: Env) -> list[Truth]:
+        axis = node.axis
+        match node:
+            case ir.Temporal():
+                operand = self.along(node.operand, axis, env)
+                past = node.op in ("historically", "once")
+                windows = temporal.windows(self.times(axis), node.lower, node.upper, past)
+                kernel = temporal.always if node.op in ("always", "historically") else temporal.eventually
+                return _both(lambda side: kernel(*side(operand), windows))
+            case ir.Until():
+                left, right = self.along(node.left, axis, env), self.along(node.right, axis, env)
+                windows = temporal.windows(self.times(axis), node.lower, node.upper, node.op == "since")
+                held = temporal.until if node.op == "until" else temporal.since
+                return _both(lambda side: held(*side(left), *side(right), windows))
+            case ir.Shift():
+                operand = self.along(node.operand, axis, env)
+                return _both(lambda side: temporal.shift(*side(operand), node.step, node.weak))
+            case ir.Edge():
+                operand = self.along(node.operand, axis, env)
+                edge = temporal.rising if node.op == "rising" else temporal.falling
+                return _both(lambda side: edge(*side(operand), *_OTHER[side](operand)))
+            case _:
+                raise AssertionError(f"unknown temporal operator {type(node).__name__}")
+
+    # What witnesses and results ask -------------------------------------------------------------------------
+
+    def times(self, axis: ir.Axis) -> Sequence[float]:
+        """The times of a timeline's samples."""
+        return self.case.columns[axis.signal]["t"]
+
+    def name(self, axis: ir.Axis, index: int) -> int | str:
+        """What reports call a sample or an element: its number, or an object's id."""
+        return self.case.names[axis.signal][index] if axis.kind == "elements" else index
+
+    def geometry_fault(self, formula: ir.Formula) -> str | None:
+        """What makes a corridor or zone that a formula reads unusable."""
+        for node in ir.below(formula):
+            if isinstance(node, ir.Area):
+                fault = geometry.zone_fault(self.zone(node)) if node.kind == "zone" else geometry.corridor_fault(*self.corridor(node.name))
+                if fault is not None:
+                    return fault
+        return None
+
+
+def evaluate(spec: Spec, rules: Sequence[RuleInfo], cases: Iterable[Case], series: bool = False) -> Iterator[CaseResult]:
+    """Evaluate rules on cases, one after the other."""
+    for case in cases:
+        yield case_result(rules, case, Reference(spec, case), series)
+
+
+def _worst(values: list[Truth]) -> tuple[list[bool], list[float]]:
+    return [v.worst.sat for v in values], [v.worst.margin for v in values]
+
+
+def _best(values: list[Truth]) -> tuple[list[bool], list[float]]:
+    return [v.best.sat for v in values], [v.best.margin for v in values]
+
+
+_OTHER = {_worst: _best, _best: _worst}
+
+
+def _both(kernel) -> list[Truth]:  # type: ignore[no-untyped-def]
+    """Run a kernel on the worst cases and on the best ones."""
+    worst, best = kernel(_worst), kernel(_best)
+    return [Truth(Bound(a, b), Bound(c, d)) for a, b, c, d in zip(*worst, *best)]

@@ -1,0 +1,1 @@
+"""The command: one module a verb; each imports its heavy parts when it is called."""

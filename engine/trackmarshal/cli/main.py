@@ -1,0 +1,100 @@
+"""`trackmarshal VERB`: finds the verb's module, runs it, and turns outcomes into exit statuses."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+
+from trackmarshal.errors import TrackmarshalError
+
+#: Verbs and what they do; each is a module of this package with `configure(parser)` and `run(args) -> int`.
+VERBS = {
+    "check": "parse, resolve names, check dimensions and links",
+    "fmt": "the one layout",
+    "test": "run the tests written in specs, with rule coverage",
+    "eval": "evaluate rules on given data",
+    "replay": "run the Supervisor's rules over a recording",
+    "explain": "what an error code means; why a rule said what it said",
+    "trace": "traceability matrix and coverage",
+    "assess": "all of it: check, test, replay, evidence, matrix, report",
+    "scenario": "generate a recording from its declaration",
+    "bench": "the benchmarks",
+}
+OK, FINDINGS, UNUSABLE, INTERNAL = 0, 1, 2, 3
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run the command; 0 all well, 1 findings, 2 unusable input or arguments, 3 internal error."""
+    arguments = sys.argv[1:] if argv is None else argv
+    try:
+        status = _dispatch(arguments)
+        sys.stdout.flush()
+        return status
+    except SystemExit as stop:
+        return UNUSABLE if stop.code not in (0, None) else OK
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        # The reader of our output went away; that is its business, not an error.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OK
+    except TrackmarshalError as error:
+        from trackmarshal.cli.output import print_problem
+
+        print_problem(error)
+        return UNUSABLE
+    except RecursionError:
+        print("error[E104]: the input is nested too deeply", file=sys.stderr)
+        return UNUSABLE
+    except Exception as error:
+        if os.environ.get("TRACKMARSHAL_DEBUG"):
+            raise
+        print(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
+        print("  This is a defect of trackmarshal. Set TRACKMARSHAL_DEBUG=1 for the details and report it.", file=sys.stderr)
+        return INTERNAL
+
+
+def _dispatch(arguments: list[str]) -> int:
+    verb = next((a for a in arguments if not a.startswith("-")), None)
+    if verb not in VERBS:
+        return _overview(verb, arguments)
+    module = importlib.import_module(f"trackmarshal.cli.{_module(verb)}")
+    parser = argparse.ArgumentParser(prog=f"trackmarshal {verb}", description=module.__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--project", metavar="DIR", help="the project to work on (default: the one this folder is in)")
+    parser.add_argument("--quiet", action="store_true", help="no progress, only results")
+    module.configure(parser)
+    rest = list(arguments)
+    rest.remove(verb)
+    status: int = module.run(parser.parse_args(rest))
+    return status
+
+
+def _module(verb: str) -> str:
+    return {"eval": "evaluate", "test": "run_tests"}.get(verb, verb)
+
+
+def _overview(verb: str | None, arguments: list[str]) -> int:
+    if "--version" in arguments:
+        from trackmarshal import __version__
+
+        print(f"trackmarshal {__version__}")
+        return OK
+    lines = ["usage: trackmarshal VERB ...", ""]
+    lines += [f"  {name:<10} {text}" for name, text in VERBS.items()]
+    lines += ["", "`trackmarshal VERB --help` says more."]
+    if verb is None:
+        print("\n".join(lines))
+        return OK if "--help" in arguments or "-h" in arguments else UNUSABLE
+    from trackmarshal.diagnostics.base import close_matches
+
+    hint = close_matches(verb, VERBS)
+    print(f"error: unknown verb `{verb}`" + (f"; {hint}" if hint else ""), file=sys.stderr)
+    print("\n".join(lines), file=sys.stderr)
+    return UNUSABLE
+
+
+if __name__ == "__main__":
+    sys.exit(main())

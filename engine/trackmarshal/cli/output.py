@@ -1,0 +1,75 @@
+"""What verbs print: strict JSON lines, problems on standard error, progress on a terminal."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from time import monotonic
+from typing import Any, TypeVar
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.verdict import RuleResult
+
+
+def number(value: float) -> float | str:
+    """A float for strict JSON: non-finite ones as words."""
+    if math.isfinite(value):
+        return value
+    return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
+
+
+def rule_json(result: RuleResult) -> dict[str, Any]:
+    """A rule's result as `eval` and `replay` write it."""
+    entry: dict[str, Any] = {"verdict": result.verdict, "margin": number(result.margin), "unit": result.unit}
+    witness = result.witness
+    entry["witness"] = witness.binders if witness is not None else {}
+    if witness is not None:
+        if witness.span is not None:
+            entry["span"] = str(witness.span)
+        entry["decides"] = {"margin": number(witness.margin), "unit": witness.unit}
+    if result.reason:
+        entry["reason"] = result.reason
+    if result.series is not None:
+        verdicts, margins = result.series
+        entry["series"] = {"verdict": verdicts, "margin": [number(m) for m in margins]}
+    return entry
+
+
+def dump(value: object) -> str:
+    """One line of strict JSON."""
+    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+
+
+def print_problem(error: TrackmarshalError) -> None:
+    """An error for a person, on standard error, with its excerpt where there is one."""
+    from trackmarshal.diagnostics.text import render
+
+    print(render([error], colour=sys.stderr.isatty()), file=sys.stderr)
+
+
+T = TypeVar("T")
+
+
+def progress(items: Sequence[T], what: str, quiet: bool) -> Iterator[T]:
+    """The items; on a terminal, after a second, with a bar on standard error."""
+    if quiet or not sys.stderr.isatty():
+        yield from items
+        return
+    start, shown = monotonic(), False
+    for index, item in enumerate(items):
+        if monotonic() - start > 1.0:
+            done = 30 * index // max(1, len(items))
+            print(f"\r{what} [{'#' * done}{'.' * (30 - done)}] {index}/{len(items)}", end="", file=sys.stderr, flush=True)
+            shown = True
+        yield item
+    if shown:
+        print("\r" + " " * 70 + "\r", end="", file=sys.stderr, flush=True)
+
+
+def table(rows: Iterable[Sequence[str]], head: Sequence[str]) -> str:
+    """Aligned columns for a terminal."""
+    lines = [list(head), *[list(row) for row in rows]]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(head))]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines)

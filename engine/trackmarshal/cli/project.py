@@ -1,0 +1,36 @@
+"""The project a verb works on: the folder with `requirements/v-model.yaml`, searched upwards as git does."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from trackmarshal.errors import TrackmarshalError
+
+CODES = {
+    "E410": (
+        "no project here",
+        "A project is a folder with requirements/v-model.yaml. Verbs without a PATH work on the project that the current folder is in; "
+        "`--project DIR` names another.",
+    ),
+}
+MARKER = Path("requirements") / "v-model.yaml"
+
+
+def find_project(args: argparse.Namespace) -> Path:
+    """The project's folder; raises E410 when there is none."""
+    project = optional_project(args)
+    if project is None:
+        raise TrackmarshalError("E410", f"no {MARKER} in {Path.cwd()} or above", help="go into a project, or name one with --project DIR")
+    return project
+
+
+def optional_project(args: argparse.Namespace) -> Path | None:
+    """The project's folder, or None; a folder named with --project must be one."""
+    if args.project is not None:
+        root = Path(args.project)
+        if not (root / MARKER).is_file():
+            raise TrackmarshalError("E410", f"{root} has no {MARKER}", help="--project names a project's folder")
+        return root.resolve()
+    here = Path.cwd()
+    return next((folder for folder in (here, *here.parents) if (folder / MARKER).is_file()), None)

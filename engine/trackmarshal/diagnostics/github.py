@@ -1,0 +1,44 @@
+"""Findings as workflow commands, which GitHub shows beside the changed lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from trackmarshal.diagnostics.base import Diagnostic
+from trackmarshal.diagnostics.finding import Finding, findings
+from trackmarshal.errors import TrackmarshalError
+
+_COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
+
+
+def render(items: Iterable[Diagnostic | TrackmarshalError]) -> str:
+    """One line a finding."""
+    return "".join(_line(found) + "\n" for found in findings(items))
+
+
+def _line(found: Finding) -> str:
+    place = found.place
+    properties: dict[str, object] = {}
+    if place.file is not None:
+        properties["file"] = place.file
+    if place.line is not None:
+        properties["line"] = place.line
+    if place.end_line is not None:
+        properties["endLine"] = place.end_line
+        if place.end_line == place.line:  # columns of different lines say nothing there
+            properties["col"] = place.column
+            properties["endColumn"] = place.end_column
+    properties["title"] = f"{found.code} {found.title}".rstrip()
+    shown = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
+    lines = [found.message, place.label]
+    lines += [f"{':'.join(str(part) for part in (o.file, o.line) if part is not None)}: {o.label}" for o in found.related]
+    lines.append(f"help: {found.help}" if found.help else "")
+    return f"::{_COMMANDS[found.level]} {shown}::{_data(chr(10).join(line for line in lines if line))}"
+
+
+def _data(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _data(text).replace(":", "%3A").replace(",", "%2C")

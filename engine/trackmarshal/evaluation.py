@@ -1,0 +1,143 @@
+"""Specs on data: load a spec, choose rules and a backend, evaluate cases. The engine behind `eval` and `replay`."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from trackmarshal.diagnostics.base import close_matches
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
+from trackmarshal.runtime.case import Case, CaseReader
+from trackmarshal.runtime.verdict import CaseResult
+
+#: Evaluators by name, the default first.
+BACKENDS = ("numpy", "reference")
+#: Cases that are evaluated together.
+CHUNK = 500
+
+CODES = {
+    "E401": ("unknown rule", "`--rule` names a rule or an assumption of the spec."),
+    "E402": (
+        "a configuration that does not fit",
+        "A configuration is a module whose parameters, tables, zones and lines replace those of the same name in the spec; each "
+        "must exist there, with the same unit's dimension, and lie inside the range that the spec declares.",
+    ),
+    "E403": ("constraints of the spec do not hold", "The parameters as configured break a `constrain` of the spec; its rules would be unsound."),
+}
+
+
+class Evaluator:
+    """Chosen rules of a spec, ready for data."""
+
+    def __init__(self, spec: Spec, names: Sequence[str] | None = None, backend: str = "numpy") -> None:
+        from trackmarshal.backends.results import chosen_rules
+
+        for name in names or ():
+            if spec.rule(name) is None:
+                known = [rule.name for rule in spec.rules]
+                raise TrackmarshalError("E401", f"the spec has no rule `{name}`", help=close_matches(name, known) or ", ".join(known))
+        self.spec = spec
+        self.rules: list[RuleInfo] = chosen_rules(spec, names)
+        self.backend = backend
+        self.reader = CaseReader(spec, {pair for rule in self.rules for pair in rule.reads})
+        self._program: Any = None
+        if backend not in BACKENDS:
+            raise AssertionError(f"unknown backend {backend}")
+
+    def read(self, raw: object) -> Case:
+        """A case from plain data; raises TrackmarshalError."""
+        return self.reader.read(raw)
+
+    def evaluate(self, cases: Sequence[Case], series: bool = False) -> Iterator[CaseResult]:
+        """The results of cases, in order."""
+        if self.backend == "reference":
+            from trackmarshal.backends.reference.evaluator import evaluate
+
+            yield from evaluate(self.spec, self.rules, cases, series)
+            return
+        for start in range(0, len(cases), CHUNK):
+            yield from self.program.run(cases[start : start + CHUNK]).results(series)
+
+    @property
+    def program(self) -> Any:
+        """The rules compiled for numpy; the same program serves every batch."""
+        if self._program is None:
+            from trackmarshal.backends.numpy.program import Program
+
+            self._program = Program(self.spec, self.rules)
+        return self._program
+
+    def broken_constraints(self, case: Case | None = None) -> list[str]:
+        """Constraints that do not hold with a case's parameters, or with the spec's own."""
+        from trackmarshal.backends.reference.evaluator import Reference
+
+        values = Reference(self.spec, case or Case())
+        broken = []
+        for constraint in self.spec.constraints:
+            if values.truth(constraint.formula, {}).verdict != "satisfied":
+                because = f": {constraint.because}" if constraint.because else ""
+                broken.append(f"{constraint.span} `{constraint.span.text.split('because')[0].strip()}` does not hold{because}")
+        return broken
+
+
+def load(paths: Iterable[Path], configuration: Iterable[Path] = (), shown_from: Path | None = None) -> Spec:
+    """Compile files and folders, with the values of configuration modules put in; raises Diagnostics."""
+    from trackmarshal.semantics.compile import compile_paths
+
+    compiled = compile_paths(paths, shown_from)
+    compiled.raise_errors()
+    spec = compiled.spec
+    for path in configuration:
+        settings = compile_paths([path], shown_from)
+        settings.raise_errors()
+        spec = configure(spec, settings.spec)
+    return spec
+
+
+def configure(spec: Spec, settings: Spec) -> Spec:
+    """The spec with the values of another module's parameters, tables and places in place of its own."""
+    params, tables, places = dict(spec.params), dict(spec.tables), dict(spec.places)
+    for kind, target, source in (("parameter", params, settings.params), ("table", tables, settings.tables), ("place", places, settings.places)):
+        for name, info in source.items():
+            _replace(kind, target, name, info)  # type: ignore[arg-type]
+    digest = hashlib.sha256(spec.fingerprint.encode())
+    for info in [*params.values(), *tables.values(), *places.values()]:
+        digest.update(repr(info).encode())
+    return Spec(spec.signals, spec.events, params, tables, places, spec.constraints, spec.rules, digest.hexdigest())
+
+
+def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | TableInfo | PlaceInfo) -> None:
+    from trackmarshal.units import parse_unit
+
+    short = name.rpartition(".")[2]
+    matches = [known for known in target if known.rpartition(".")[2] == short]
+    place = f"{info.span.file.path}"
+    if not matches:
+        shorts = [known.rpartition(".")[2] for known in target]
+        raise TrackmarshalError("E402", f"the spec declares no {kind} `{short}`", file=place, line=info.span.line, help=close_matches(short, shorts) or None)
+    for match in matches:
+        old = target[match]
+        problem = ""
+        if isinstance(info, ParamInfo):
+            low, high = old.lower, old.upper
+            if parse_unit(info.unit)[2] != parse_unit(old.unit)[2]:
+                problem = f"`{short}` is in {info.unit}, the spec declares it in {old.unit}"
+            elif (low is not None and info.value < low) or (high is not None and info.value > high):
+                problem = f"`{short}` is outside the range declared at {old.span}"
+            new: Any = ParamInfo(match, info.value, old.unit, low, high, info.source, info.span)
+        elif isinstance(info, TableInfo):
+            if [parse_unit(u)[2] for u in info.units] != [parse_unit(u)[2] for u in old.units]:
+                problem = f"table `{short}` has other units than the one declared at {old.span}"
+            new = TableInfo(match, info.knots, info.values, old.units, info.span)
+        elif isinstance(info, PlaceInfo):
+            if info.kind != old.kind:
+                problem = f"`{short}` is a {info.kind}, the spec declares a {old.kind}"
+            new = PlaceInfo(match, info.kind, info.points, info.span)
+        else:
+            raise AssertionError(f"unknown setting {type(info).__name__}")
+        if problem:
+            raise TrackmarshalError("E402", problem, file=place, line=info.span.line)
+        target[match] = new

@@ -1,0 +1,1 @@
+"""Inputs, geometry, verdicts: what evaluation needs at run time."""

@@ -1,0 +1,351 @@
+"""One case: the values of all signals at one moment, in SI, with everything that breaks the input contract (S-2-C)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from trackmarshal.diagnostics.base import close_matches
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.spec import FieldType, ParamInfo, PlaceInfo, SignalType, Spec, TableInfo
+from trackmarshal.units import from_si, to_si
+
+NAN = math.nan
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One breach of the input contract: which field, which sample or element, and what is wrong."""
+
+    code: str
+    signal: str
+    field: str
+    index: int | None
+    message: str
+
+    def __str__(self) -> str:
+        place = self.signal + (f".{self.field}" if self.field else "") + ("" if self.index is None else f"[{self.index}]")
+        return f"{self.code} {place}: {self.message}"
+
+
+@dataclass(slots=True)
+class Case:
+    """Values in SI; NaN stands for a missing number, None for a missing Boolean.
+
+    `columns[signal][field]` holds timelines and sets, one entry a sample or element; `scalars[signal][field]` single
+    records; `lines[signal, field]` polylines. `unusable` names (signal, field) pairs ("" for a whole signal):
+    rules that read one of them are undefined, whatever they compute.
+    """
+
+    id: object = None
+    params: dict[str, float] = field(default_factory=dict)
+    tables: dict[str, tuple[Sequence[float], Sequence[float]]] = field(default_factory=dict)
+    places: dict[str, Sequence[Point]] = field(default_factory=dict)
+    columns: dict[str, dict[str, Sequence[Any]]] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+    names: dict[str, Sequence[str]] = field(default_factory=dict)
+    scalars: dict[str, dict[str, Any]] = field(default_factory=dict)
+    lines: dict[tuple[str, str], Sequence[Point]] = field(default_factory=dict)
+    closed: dict[str, bool] = field(default_factory=dict)
+    faults: list[Fault] = field(default_factory=list)
+    unusable: set[tuple[str, str]] = field(default_factory=set)
+
+    def fault(self, code: str, signal: str, field_: str, index: int | None, message: str, unusable: bool = True) -> None:
+        self.faults.append(Fault(code, signal, field_, index, message))
+        if unusable:
+            self.unusable.add((signal, field_))
+
+    def blocks(self, reads: Iterable[tuple[str, str]]) -> bool:
+        """Whether one of these (signal, field) pairs cannot be used."""
+        if not self.unusable:
+            return False
+        return any(pair in self.unusable or (pair[0], "") in self.unusable for pair in reads)
+
+
+class CaseReader:
+    """Reads cases for one spec; `reads` are the (signal, field) pairs that the chosen rules need."""
+
+    def __init__(self, spec: Spec, reads: Iterable[tuple[str, str]]) -> None:
+        self.spec = spec
+        self._needed: dict[str, set[str]] = {}
+        for signal, name in reads:
+            self._needed.setdefault(signal, set()).add(name)
+        self._params = _by_short_name(spec.params)
+        self._tables = _by_short_name(spec.tables)
+        self._places = _by_short_name(spec.places)
+        self._lines: dict[int, tuple[object, list[Point]]] = {}
+
+    def read(self, raw: object) -> Case:
+        """A case from plain data as `cli.md` describes it; raises TrackmarshalError D201 to D204."""
+        data = _mapping(raw, "the case")
+        case = Case(id=data.get("id"))
+        self._overrides(case, data)
+        signals = _mapping(data.get("signals", {}), "`signals`")
+        for name, needed in self._needed.items():
+            if name in self.spec.events:
+                self._event(case, name, signals.get(name))
+                continue
+            signal = self.spec.signals[name]
+            if signals.get(name) is None:
+                case.fault("D211", name, "", None, "the signal is missing")
+                _poison(case, signal, needed)
+            elif signal.many:
+                self._set(case, signal, needed, signals[name])
+            elif signal.sequence:
+                self._timeline(case, signal, needed, signals[name])
+            elif signal.kind == "state":
+                self._state(case, signal, needed, signals[name])
+            else:
+                self._lines_of(case, signal, needed, signals[name])
+        return case
+
+    # Overrides ------------------------------------------------------------------------------------------------
+
+    def _overrides(self, case: Case, data: Mapping[str, Any]) -> None:
+        for name, value in _mapping(data.get("params") or {}, "`params`").items():
+            info = _find(self._params, name, "parameter")
+            case.params[info.name] = check_param(info, _number(value, f"params.{name}"))
+        for name, rows in _mapping(data.get("tables") or {}, "`tables`").items():
+            table = _find(self._tables, name, "table")
+            case.tables[table.name] = check_table(table, rows)
+        for name, points in _mapping(data.get("places") or {}, "`places`").items():
+            place = _find(self._places, name, "place")
+            case.places[place.name] = _points(points, f"places.{name}")
+
+    # Signals --------------------------------------------------------------------------------------------------
+
+    def _event(self, case: Case, name: str, value: object) -> None:
+        if value is not None and not isinstance(value, bool):
+            raise TrackmarshalError("D202", f"event `{name}` is true, false or null, not {value!r}")
+        if value is None:
+            case.fault("D211", name, "", None, "the event is missing")
+        case.scalars[name] = {"": value}
+
+    def _state(self, case: Case, signal: SignalType, needed: set[str], raw: object) -> None:
+        data = _mapping(raw, f"signal `{signal.name}`")
+        values: dict[str, Any] = {}
+        for kind in _wanted(signal, needed):
+            value = data.get(kind.name, self._default(kind))
+            if kind.name not in data and kind.default is None:
+                case.fault("D211", signal.name, kind.name, None, "the field is missing")
+            values[kind.name] = self._value(case, signal, kind, value, None)
+        case.scalars[signal.name] = values
+
+    def _set(self, case: Case, signal: SignalType, needed: set[str], raw: object) -> None:
+        elements = _sequence(raw, f"signal `{signal.name}`")
+        records = [_mapping(element, f"{signal.name}[{i}]") for i, element in enumerate(elements)]
+        case.counts[signal.name] = len(records)
+        case.names[signal.name] = [str(record.get("id", i)) for i, record in enumerate(records)]
+        columns: dict[str, Sequence[Any]] = {}
+        for kind in _wanted(signal, needed):
+            column = []
+            for index, record in enumerate(records):
+                if kind.name not in record and kind.default is None:
+                    case.fault("D211", signal.name, kind.name, index, "the field is missing")
+                column.append(self._value(case, signal, kind, record.get(kind.name, self._default(kind)), index))
+            columns[kind.name] = column
+        case.columns[signal.name] = columns
+
+    def _timeline(self, case: Case, signal: SignalType, needed: set[str], raw: object) -> None:
+        data = _mapping(raw, f"signal `{signal.name}`")
+        kinds = _wanted(signal, needed)
+        given = {k.name: _sequence(data[k.name], f"{signal.name}.{k.name}") for k in kinds if data.get(k.name) is not None}
+        lengths = {name: len(column) for name, column in given.items()}
+        count = max(lengths.values(), default=1)
+        if len(set(lengths.values())) > 1:
+            spoken = ", ".join(f"{name} {length}" for name, length in sorted(lengths.items()))
+            case.fault("D212", signal.name, "", None, f"the columns have different lengths: {spoken}")
+            count = min(lengths.values())
+        least = 2 if signal.kind == "trajectory" else 1
+        if lengths and min(lengths.values()) < least:
+            case.fault("D213", signal.name, "", None, f"{min(lengths.values())} samples, at least {least} are needed")
+            count = max(count, 1)
+        columns: dict[str, Sequence[Any]] = {}
+        for kind in kinds:
+            column = given.get(kind.name)
+            if column is None:
+                if kind.default is None:
+                    case.fault("D211", signal.name, kind.name, None, "the column is missing")
+                columns[kind.name] = [NAN if kind.default is None else kind.default] * count
+                continue
+            values = [self._value(case, signal, kind, value, i) for i, value in enumerate(column[:count])]
+            values += [None if kind.kind == "bool" else NAN] * (count - len(values))
+            if kind.increasing:
+                for i, (before, after) in enumerate(zip(values, values[1:])):
+                    if not before < after:  # NaN too
+                        case.fault("D214", signal.name, kind.name, i + 1, f"{after!r} follows {before!r}", False)
+                        case.unusable.add((signal.name, ""))
+                        break
+            columns[kind.name] = values
+        case.columns[signal.name] = columns
+        case.counts[signal.name] = count
+
+    def _lines_of(self, case: Case, signal: SignalType, needed: set[str], raw: object) -> None:
+        if signal.kind == "polyline":
+            case.lines[signal.name, ""] = self._line(case, signal.name, "", raw)
+            return
+        data = _mapping(raw, f"signal `{signal.name}`")
+        closed = data.get("closed", False)
+        if not isinstance(closed, bool):
+            raise TrackmarshalError("D202", f"{signal.name}.closed is true or false, not {closed!r}")
+        case.closed[signal.name] = closed
+        for name in {kind.name for kind in signal.fields_ if kind.kind == "polyline"} & (needed | {"left", "right"}):
+            if data.get(name) is None:
+                case.fault("D211", signal.name, name, None, "the line is missing")
+                case.lines[signal.name, name] = []
+            else:
+                case.lines[signal.name, name] = self._line(case, signal.name, name, data[name])
+
+    def _line(self, case: Case, signal: str, name: str, raw: object) -> list[Point]:
+        """Points of a line; the same object (a track shared by many cases) is read once."""
+        known = self._lines.get(id(raw))
+        if known is not None and known[0] is raw:
+            return known[1]
+        points = _points(raw, f"{signal}.{name}" if name else signal)
+        for index, (x, y) in enumerate(points):
+            if not (math.isfinite(x) and math.isfinite(y)):
+                case.fault("D215", signal, name, index, "a point is not finite")
+                return points
+        if len(points) < 2:
+            case.fault("D217", signal, name, None, f"{len(points)} points, at least 2 are needed")
+            return points
+        self._lines[id(raw)] = (raw, points)
+        return points
+
+    @staticmethod
+    def _default(kind: FieldType) -> float | None:
+        """The declared default, in the unit that data comes in."""
+        return None if kind.default is None else from_si(kind.default, kind.unit)
+
+    def _value(self, case: Case, signal: SignalType, kind: FieldType, value: object, index: int | None) -> Any:
+        if kind.kind == "bool":
+            if value is None:
+                case.fault("D215", signal.name, kind.name, index, "the value is missing", False)
+            elif not isinstance(value, bool):
+                raise TrackmarshalError("D202", f"{signal.name}.{kind.name} is true, false or null, not {value!r}")
+            return value
+        number = _number(value, signal.name, kind.name, index)
+        if kind.unit not in _SI:
+            number = to_si(number, kind.unit)
+        if not math.isfinite(number):
+            case.fault("D215", signal.name, kind.name, index, "not finite", False)
+            return NAN
+        if (kind.lower is not None and number < kind.lower) or (kind.upper is not None and number > kind.upper):
+            message = f"{value!r} {kind.unit} is outside its range"
+            case.fault("D216", signal.name, kind.name, index, message, False)
+        return number
+
+
+#: Units whose numbers need no conversion; the rest take a multiplication.
+_SI = {"1", "m", "s", "kg", "rad", "m/s", "m/s^2", "1/m", "N"}
+
+
+def check_param(info: ParamInfo, value: float) -> float:
+    """An override in the declared unit to SI; raises D204 when it is not finite or outside the declared range."""
+    number = to_si(value, info.unit)
+    short = info.name.rpartition(".")[2]
+    if not math.isfinite(number):
+        raise TrackmarshalError("D204", f"parameter `{short}` is not finite")
+    if (info.lower is not None and number < info.lower) or (info.upper is not None and number > info.upper):
+        help_ = f"the range is declared at {info.span}"
+        raise TrackmarshalError("D204", f"parameter `{short}` = {value!r} {info.unit} is outside its range", help=help_)
+    return number
+
+
+def check_table(info: TableInfo, rows: object) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Rows [x, y] in the declared units to knots and values in SI; raises D202 or D204."""
+    short = info.name.rpartition(".")[2]
+    pairs = [(to_si(x, info.units[0]), to_si(y, info.units[1])) for x, y in _points(rows, f"tables.{short}")]
+    if not pairs or any(not (math.isfinite(x) and math.isfinite(y)) for x, y in pairs):
+        raise TrackmarshalError("D204", f"table `{short}` has no rows, or a value that is not finite")
+    if any(not a[0] < b[0] for a, b in zip(pairs, pairs[1:])):
+        raise TrackmarshalError("D204", f"the knots of table `{short}` do not ascend")
+    return tuple(p[0] for p in pairs), tuple(p[1] for p in pairs)
+
+
+def _wanted(signal: SignalType, needed: set[str]) -> list[FieldType]:
+    return [kind for kind in signal.fields_ if kind.name in needed and kind.kind != "polyline"]
+
+
+def _poison(case: Case, signal: SignalType, needed: set[str]) -> None:
+    """One sample or element of nothing, so that whatever reads the signal is undefined."""
+    if signal.many or signal.sequence:
+        case.columns[signal.name] = {k.name: [None if k.kind == "bool" else NAN] for k in _wanted(signal, needed)}
+        case.counts[signal.name] = 1
+        case.names[signal.name] = ["?"]
+    elif signal.kind == "state":
+        case.scalars[signal.name] = {k.name: None if k.kind == "bool" else NAN for k in _wanted(signal, needed)}
+    else:
+        for kind in signal.fields_:
+            case.lines[signal.name, kind.name] = []
+        case.lines[signal.name, ""] = []
+
+
+Info = ParamInfo | TableInfo | PlaceInfo
+
+
+def _by_short_name(infos: Mapping[str, Any]) -> dict[str, list[Any]]:
+    """Declarations by qualified name, and by the last part of it."""
+    result: dict[str, list[Any]] = {}
+    for name, info in infos.items():
+        result.setdefault(name, []).append(info)
+        result.setdefault(name.rpartition(".")[2], []).append(info)
+    return result
+
+
+def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
+    found = known.get(name, [])
+    if not found:
+        raise TrackmarshalError("D203", f"the spec declares no {what} `{name}`", help=close_matches(name, known) or None)
+    if len({info.name for info in found}) > 1:
+        choices = " or ".join(f"`{info.name}`" for info in found)
+        raise TrackmarshalError("D203", f"{what} `{name}` is declared in several modules", help=f"write {choices}")
+    return found[0]
+
+
+def _mapping(raw: object, what: str) -> Mapping[str, Any]:
+    if not isinstance(raw, Mapping):
+        raise TrackmarshalError("D201" if what == "the case" else "D202", f"{what} is an object, not {_type(raw)}")
+    return raw
+
+
+def _sequence(raw: object, what: str) -> Sequence[Any]:
+    if hasattr(raw, "tolist"):
+        raw = raw.tolist()
+    if not isinstance(raw, (list, tuple)):
+        raise TrackmarshalError("D202", f"{what} is a list, not {_type(raw)}")
+    return raw
+
+
+def _number(value: object, *where: object) -> float:
+    if type(value) is float:
+        return value
+    if value is None:
+        return NAN
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        place = ".".join(str(part) for part in where if part is not None)
+        if value in ("nan", "inf", "-inf"):
+            return float(str(value))
+        raise TrackmarshalError("D202", f"{place} is a number or null, not {_type(value)}")
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _points(raw: object, what: str) -> list[Point]:
+    points = []
+    for index, row in enumerate(_sequence(raw, what)):
+        pair = _sequence(row, f"{what}[{index}]")
+        if len(pair) != 2:
+            raise TrackmarshalError("D202", f"{what}[{index}] has {len(pair)} entries, not 2")
+        points.append((_number(pair[0], what, index), _number(pair[1], what, index)))
+    return points
+
+
+def _type(raw: object) -> str:
+    names = {dict: "an object", list: "a list", str: "a string", bool: "a Boolean", type(None): "null"}
+    return names.get(type(raw), "a number" if isinstance(raw, (int, float)) else f"a {type(raw).__name__}")

@@ -1,0 +1,86 @@
+"""What an evaluation says: verdict, margin, and which comparison decided it, where."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from trackmarshal.source import Span
+
+VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
+#: Verdicts that make a trajectory unsafe. `open` is decided later; until then it does not make it safe either.
+UNSAFE = ("violated", "undefined", "open")
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """One side of a value: whether the formula holds, and its margin."""
+
+    sat: bool
+    margin: float
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """The value of a formula between its worst and its best case over everything undefined in it.
+
+    An undefined comparison may hold or not, by any margin: its worst case is (False, -inf), its best (True, +inf).
+    Conjunction, disjunction and the rest are applied to both sides; that is strong Kleene logic.
+    """
+
+    worst: Bound
+    best: Bound
+
+    @property
+    def verdict(self) -> str:
+        if self.worst.sat:
+            return "satisfied"
+        return "undefined" if self.best.sat else "violated"
+
+    @property
+    def margin(self) -> float:
+        """The margin that is sure: the worst case of what holds, the best case of what doesn't, else NaN."""
+        if self.worst.sat:
+            return self.worst.margin
+        return math.nan if self.best.sat else self.best.margin
+
+
+@dataclass(frozen=True, slots=True)
+class Witness:
+    """The comparison that decided, with the sample, object or element at which it did."""
+
+    binders: dict[str, int | str]
+    margin: float
+    unit: str
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class RuleResult:
+    """The outcome of one rule for one case."""
+
+    rule: str
+    verdict: str
+    margin: float
+    unit: str
+    witness: Witness | None = None
+    #: Why a rule is undefined although it could be computed: its inputs break the contract.
+    reason: str = ""
+    series: tuple[list[str], list[float]] | None = None
+
+    @property
+    def unsafe(self) -> bool:
+        return self.verdict in UNSAFE
+
+
+@dataclass(frozen=True, slots=True)
+class CaseResult:
+    """All chosen rules on one case; safe only when none is violated or undefined and the input contract holds."""
+
+    id: object
+    rules: dict[str, RuleResult]
+    faults: tuple[str, ...] = field(default=())
+
+    @property
+    def safe(self) -> bool:
+        return not self.faults and not any(result.unsafe for result in self.rules.values())

@@ -1,0 +1,101 @@
+"""The trajectories that a planner offers in a cycle: driving on as declared, and braking to rest on the same path."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.scenarios.generate.knots import linear
+from trackmarshal.scenarios.generate.motion import Motion
+from trackmarshal.scenarios.recording import Columns
+
+#: Step in which the braking is integrated, s.
+STEP = 0.01
+
+
+class Braking(NamedTuple):
+    """How the emergency trajectory brakes: at most at `deceleration`, with at most `grip` in total, m/s^2."""
+
+    points: int
+    deceleration: float
+    grip: float
+
+
+def driving(motion: Motion, t: float, points: int, horizon: float) -> Columns:
+    """The next `horizon` s of the declared motion, samples equally long apart."""
+    times = [t + horizon * i / (points - 1) for i in range(points)]
+    _, _, begin = motion.profile.at(t)
+    speeds = [motion.profile.at(time) for time in times]
+    columns = _on_path(motion, times)
+    columns["t"] = [time - t for time in times]
+    columns["s"] = [way - begin for _, _, way in speeds]
+    columns["v"] = [v for _, v, _ in speeds]
+    columns["a"] = [a for a, _, _ in speeds]
+    return columns
+
+
+def emergency(motion: Motion, t: float, braking: Braking, kappa: Callable[[float], float]) -> Columns:
+    """Braking from time t to rest on the path of the declared motion; samples equally long apart, the last at rest.
+
+    `kappa` gives the path's curvature by distance driven. Raises D152 where the bend leaves no grip to brake with, or
+    the declared motion ends before the car is at rest.
+    """
+    _, v, begin = motion.profile.at(t)
+    steps = [(0.0, 0.0, v, 0.0)]  # time, distance, speed, acceleration until the next step
+    while v > 0.0:
+        time, way, v, _ = steps[-1]
+        left = braking.grip**2 - (v * v * kappa(begin + way)) ** 2
+        a = -min(braking.deceleration, math.sqrt(left)) if left > 0.0 else 0.0
+        if a > -0.1:
+            message = f"no grip to brake with at t = {t + time:.2f} s: the bend takes {v * v * kappa(begin + way):.1f} m/s^2"
+            raise TrackmarshalError(
+                "D152", message, help="drive slower, or raise the emergency's share of grip"
+            )
+        steps[-1] = (time, way, v, a)
+        h = min(STEP, -v / a)
+        v = v + a * h if h == STEP else 0.0
+        steps.append((time + h, way + h * (steps[-1][2] + v) / 2.0, v, a))
+    _, _, most = motion.profile.at(motion.end)
+    if begin + steps[-1][1] > most:
+        message = f"the braking from t = {t:.2f} s is longer than the driving trajectory"
+        raise TrackmarshalError("D152", message, help="lengthen the plan's horizon")
+    stop, last = steps[-1][0], braking.points - 1
+    times = [stop * i / last for i in range(last)]
+    samples = [_between(steps, time) for time in times] + [(steps[-1][1], 0.0, steps[-1][3])]
+    ends = [motion.profile.time_at(begin + way, t, motion.end) for way, _, _ in samples]
+    columns = _on_path(motion, ends)
+    columns["t"] = [*times, stop]
+    columns["s"] = [way for way, _, _ in samples]
+    columns["v"] = [speed for _, speed, _ in samples]
+    columns["a"] = [a for _, _, a in samples]
+    return columns
+
+
+def _between(steps: list[tuple[float, float, float, float]], time: float) -> tuple[float, float, float]:
+    """Distance, speed and acceleration at a time before the stop."""
+    t0, way, v, a = steps[min(int(time / STEP), len(steps) - 2)]
+    h = time - t0
+    return way + h * (v + a * h / 2.0), v + a * h, a
+
+
+def _on_path(motion: Motion, times: list[float]) -> Columns:
+    """The geometry of the path at these times of the declared motion; headings go on without a jump."""
+    states = [motion.at(time) for time in times]
+    return {
+        "t": [],
+        "s": [],
+        "x": [state.x for state in states],
+        "y": [state.y for state in states],
+        "heading": [state.heading for state in states],
+        "kappa": [state.kappa for state in states],
+    }
+
+
+def path_curvature(motion: Motion) -> Callable[[float], float]:
+    """The path's curvature by distance driven, linear between states 0.1 s apart: for the braking's grip only."""
+    count = max(1, math.ceil(motion.end / 0.1))
+    times = [motion.end * i / count for i in range(count + 1)]
+    return partial(linear, [[motion.profile.at(t)[2], motion.at(t).kappa] for t in times])

@@ -1,0 +1,71 @@
+"""What a vehicle can do, and whether a generated motion stays within it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.scenarios.generate.knots import linear
+from trackmarshal.scenarios.generate.motion import State
+from trackmarshal.scenarios.recording import Columns
+
+#: Roundings of the generated numbers are no violations.
+TOLERANCE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    """length, width, turn_radius in m; brake (largest deceleration) and grip (in every direction) in m/s^2.
+
+    drive: rows of speed m/s and largest acceleration m/s^2, linear between them, constant beyond their ends.
+    """
+
+    length: float
+    width: float
+    turn_radius: float
+    brake: float
+    grip: float
+    drive: list[list[float]]
+
+    @property
+    def params(self) -> dict[str, float]:
+        """What a recording of this vehicle overrides in the spec's parameters."""
+        return {"length": self.length, "width": self.width, "R_min": self.turn_radius}
+
+    @property
+    def tables(self) -> dict[str, list[list[float]]]:
+        """What a recording of this vehicle overrides in the spec's tables, named as those of .saa recordings are."""
+        ends = (self.drive[0][0], self.drive[-1][0])
+        return {"ax_max": self.drive, "grip": [[v, self.grip] for v in dict.fromkeys(ends)]}
+
+    def extents(self, tilt: float) -> tuple[float, float]:
+        """Half the extents along and across the road of the rectangle that is turned by `tilt`, m."""
+        cos, sin = abs(math.cos(tilt)), abs(math.sin(tilt))
+        return (self.length * cos + self.width * sin) / 2.0, (self.length * sin + self.width * cos) / 2.0
+
+    def check(self, who: str, v: float, a: float, kappa: float) -> None:
+        """Friction, turn radius, drive and brakes at one sample; raises D152."""
+        total = math.hypot(a, v * v * kappa)
+        for what, value, limit in (
+            ("total acceleration", total, self.grip),
+            ("curvature", abs(kappa), 1.0 / self.turn_radius),
+            ("acceleration", a, linear(self.drive, v)),
+            ("deceleration", -a, self.brake),
+        ):
+            if value > limit + TOLERANCE:
+                message = f"{who}: {what} {value:.3f} beyond the vehicle's {limit:.3f} at {v:.1f} m/s"
+                raise TrackmarshalError("D152", message, help="drive slower or smoother")
+
+    def check_plan(self, who: str, plan: Columns) -> None:
+        """All samples of a trajectory; raises D152."""
+        for v, a, kappa in zip(plan["v"], plan["a"], plan["kappa"]):
+            self.check(who, v, a, kappa)
+
+    def check_state(self, who: str, state: State, road_width: float) -> None:
+        """One state of a motion, and that the whole vehicle is on the road; raises D152."""
+        self.check(who, state.v, state.a, state.kappa)
+        _, side = self.extents(state.tilt)
+        if abs(state.d) + side > road_width / 2.0:
+            message = f"{who}: leaves the road at s = {state.s:.1f} m, d = {state.d:.2f} m"
+            raise TrackmarshalError("D152", message, help="keep |d| smaller, or widen the road")

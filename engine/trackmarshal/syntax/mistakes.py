@@ -1,0 +1,213 @@
+"""What the parser stumbles over, in words for rule authors. Read only when there is an error."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from trackmarshal.diagnostics.base import Diagnostic, close_matches
+from trackmarshal.source import SourceFile, Span
+from trackmarshal.syntax.build import CLAUSE_WORDS
+from trackmarshal.syntax.errors import BadText, Unclosed, UnexpectedEnd, UnexpectedText, UnknownClause, UnknownUnit
+from trackmarshal.syntax.expectation import spoken
+from trackmarshal.syntax.keywords import CLAUSES, DECLARATIONS, RESERVED
+from trackmarshal.syntax.slips import hint_for
+from trackmarshal.units import UNITS
+
+if TYPE_CHECKING:
+    from lark.exceptions import UnexpectedInput
+
+_NOT_CODE = re.compile(r'"(?:[^"\\\n]|\\.)*"|--[^\n]*')
+_WORD = re.compile(r"[^\W\d]\w*")
+_UNIT_TEXT = re.compile(r"[^\W\d_]+(?:\^-?[0-9]+|[²³])?(?:[/*·][^\W\d_]+(?:\^-?[0-9]+|[²³])?)*")
+_AFTER_NUMBER = re.compile(r"(?<![\w.])(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*(?=[^\W\d_])")
+_ONE_UNIT = re.compile(r"[^\W\d_]+")
+
+#: Units that authors reach for, and what to write.
+_FOREIGN = {
+    "mph": "1 mph = 1.609344 km/h", "kph": "write `km/h`", "kmh": "write `km/h`", "kmph": "write `km/h`", "mps": "write `m/s`",
+    "sec": "write `s`", "secs": "write `s`", "second": "write `s`", "seconds": "write `s`", "hr": "write `h`", "hrs": "write `h`",
+    "hour": "write `h`", "hours": "write `h`", "minute": "write `min`", "minutes": "write `min`", "meter": "write `m`",
+    "meters": "write `m`", "metre": "write `m`", "metres": "write `m`", "ft": "1 ft = 0.3048 m", "yd": "1 yd = 0.9144 m",
+    "mi": "1 mi = 1.609344 km", "mile": "1 mile = 1.609344 km", "miles": "1 mile = 1.609344 km", "inch": "1 inch = 2.54 cm",
+    "kn": "the kilonewton is `kN`, one knot 0.514444 m/s", "g": "1000 g = 1 kg; standard gravity is 9.80665 m/s^2",
+    "lb": "1 lb = 0.45359237 kg", "lbs": "1 lb = 0.45359237 kg", "degree": "write `deg`", "degrees": "write `deg`",
+    "radian": "write `rad`", "radians": "write `rad`", "percent": "write `%`", "hz": "write `Hz`", "nm": "write `N*m`, or `J`",
+    "Nm": "write `N*m`, or `J`", "ton": "write `t`", "tons": "write `t`", "hp": "1 hp = 0.7457 kW", "S": "write `s`",
+    "M": "write `m`",
+}  # fmt: skip
+
+
+def explained(error: UnexpectedInput, file: SourceFile, base: int, end: int) -> Diagnostic:
+    """The diagnostic for what lark met between two offsets of a file."""
+    from lark.exceptions import UnexpectedCharacters, UnexpectedEOF, UnexpectedToken
+
+    if isinstance(error, UnexpectedToken) and error.token.type != "$END":
+        start = base + (error.token.start_pos or 0)
+        found = str(error.token)
+    elif isinstance(error, UnexpectedCharacters):
+        start = base + error.pos_in_stream
+        word = _WORD.match(file.text, start)
+        found = word.group() if word else file.text[start]
+    elif isinstance(error, (UnexpectedToken, UnexpectedEOF)):
+        start, found = end, ""
+    else:
+        raise error
+    return Mistake(file, base, start, found).diagnostic()
+
+
+class Mistake:
+    """A text that does not parse: `found` at offset `start`, or the end of a declaration where it is empty."""
+
+    def __init__(self, file: SourceFile, base: int, start: int, found: str) -> None:
+        self.file = file
+        self.base = base
+        self.start = start
+        self.found = found
+        #: The declaration up to the error, without its strings and comments, which become blanks.
+        self.before = _NOT_CODE.sub(lambda m: " " * len(m.group()), file.text[base:start])
+        self.expected = _accepted(file.text[base:start])
+
+    def diagnostic(self) -> Diagnostic:
+        """What is wrong, the most telling explanation first."""
+        special = self._string() or self._unit() or self._clause() or self._bracket()
+        if special is not None:
+            return special
+        hint = hint_for(self.file.text, self.start, self.found, self.before, self.expected)
+        if not self.found:
+            return UnexpectedEnd(self._last_code(), spoken(self.expected), hint)
+        shown = self.found if self.found.isprintable() and self.found != "\u00a0" else f"U+{ord(self.found[0]):04X}"
+        span = Span(self.file, self.start, self.start + len(self.found))
+        return UnexpectedText(span, f"`{shown}`", spoken(self.expected), hint or self._misspelt(span))
+
+    def _last_code(self) -> Span:
+        """The last word or sign before the error."""
+        code = re.search(r"(\w+|\S)\s*\Z", _comments_blanked(self.file.text[self.base : self.start]))
+        if code is None:
+            return Span(self.file, self.base, self.base + 1)
+        return Span(self.file, self.base + code.start(1), self.base + code.end(1))
+
+    def _string(self) -> Diagnostic | None:
+        if not self.found.startswith('"') or len(self.found) > 1:
+            return None
+        line = self.file.text[self.start : self._line_end()]
+        closed = re.match(r'"(?:[^"\\]|\\.)*"', line)
+        if closed is None:
+            span = Span(self.file, self.start, self.start + len(line.rstrip()))
+            return BadText(span, "this string does not end on its line", 'no closing `"`', 'close it with `"`')
+        bad = re.search(r'\\[^"\\]', re.sub(r'\\["\\]', "xx", closed.group()))
+        if bad is None:
+            return None
+        at = self.start + bad.start()
+        hint = 'inside a string, write `\\\\` for a backslash and `\\"` for a quote'
+        return BadText(Span(self.file, at, at + 2), f"unknown escape `{bad.group()}` in a string", "not an escape", hint)
+
+    def _unit(self) -> Diagnostic | None:
+        """A number followed by a word that is no unit, or no unit where a declaration wants one."""
+        line_start = self.file.text.rfind("\n", 0, self.start) + 1
+        if self.expected == {"UNIT"} or {"UNIT", "_POLYLINE"} <= self.expected:
+            match = _UNIT_TEXT.match(self.file.text, self.start)
+            return self._unit_in(match, bare=False) if match else None
+        for number in _AFTER_NUMBER.finditer(self.file.text, line_start, self._line_end()):
+            match = _UNIT_TEXT.match(self.file.text, number.end())
+            if match and max(number.start(), self.base) <= self.start <= match.end() and self._is_code(number.start()):
+                return self._unit_in(match, bare=True)
+        # A word after a number may be taken for a predicate, and the error is noticed one word later.
+        tail = re.search(r"(?<![\w.])[0-9.]+[ \t]*([^\W\d_]\w*)\s*\Z", self.before)
+        if tail and self.before and tail[1] not in RESERVED:
+            return self._unit_in(_UNIT_TEXT.match(self.file.text, self.base + tail.start(1)), bare=True)
+        tail = re.search(r"(?::|->)[ \t]*([^\W\d_][^\s,)}]*)\Z", self.before + self.found)
+        if tail and "/" in tail[1]:
+            return self._unit_in(_UNIT_TEXT.match(self.file.text, self.base + tail.start(1)), bare=False)
+        return None
+
+    def _unit_in(self, match: re.Match[str] | None, bare: bool) -> Diagnostic | None:
+        if match is None:
+            return None
+        for part in _ONE_UNIT.finditer(match.group()):
+            name = part.group()
+            if name in RESERVED and bare:
+                return None
+            if name not in UNITS:
+                at = match.start() + part.start()
+                return UnknownUnit(Span(self.file, at, at + len(name)), name, self._unit_hint(name, match.group()))
+        return None
+
+    def _unit_hint(self, name: str, whole: str) -> str:
+        known = [unit for unit in UNITS if unit.lower() == name.lower()]
+        hint = _FOREIGN.get(name) or (f"write `{known[0]}`" if known else close_matches(name, UNITS))
+        if not hint:
+            hint = f"the units are {', '.join(UNITS)}"
+        if "/" in whole and name != whole.split("/")[0] and _FOREIGN.get(name) is None:
+            hint += f"; to divide by a quantity called `{name}`, put blanks around `/`"
+        return hint
+
+    def _clause(self) -> Diagnostic | None:
+        """A misspelt clause keyword, which the parser may have taken for a predicate."""
+        line_start = self.file.text.rfind("\n", 0, self.start) + 1
+        word = re.compile(r"[ \t]*([^\W\d]\w*)").match(self.file.text, line_start)
+        first_line = line_start <= self.base
+        if word is None or first_line or word.start(1) > self.start or word[1] in RESERVED:
+            return None
+        span = Span(self.file, *word.span(1))
+        keyword = self.file.text[self.base :].split(maxsplit=1)[0]
+        hint = close_matches(word[1], CLAUSES.get(keyword, ()), 0.7)
+        if not hint and word.start(1) == self.start and keyword in CLAUSES and spoken(self.expected).startswith("a clause"):
+            hint = f"the clauses of `{keyword}` are {', '.join(CLAUSES[keyword])}"
+        return UnknownClause(span, word[1], hint) if hint and span.column > 1 else None
+
+    def _bracket(self) -> Diagnostic | None:
+        """An opening bracket whose closing one is missing where a clause or the declaration ends."""
+        if self.found and self.found not in CLAUSE_WORDS and self.found not in DECLARATIONS and self.found not in ")]}":
+            return None
+        stack: list[tuple[str, int]] = []
+        for offset, char in enumerate(self.before):
+            if char in "([{":
+                stack.append((char, offset))
+            elif char in ")]}" and stack:
+                stack.pop()
+        if not stack:
+            return None
+        bracket, offset = stack[-1]
+        closing = {"(": ")", "[": "]", "{": "}"}[bracket]
+        if self.found == closing or (self.expected and not self.expected & _CLOSING):
+            return None
+        opened = Span(self.file, self.base + offset, self.base + offset + 1)
+        if not self.found:
+            return Unclosed(opened, bracket, f"`{closing}`", "after this", self._last_code())
+        here = Span(self.file, self.start, self.start + len(self.found))
+        return Unclosed(opened, bracket, f"`{closing}`", "before this", here)
+
+    def _misspelt(self, span: Span) -> str:
+        if span.column == 1:
+            return close_matches(self.found, DECLARATIONS)
+        words = [name.lstrip("_").lower() for name in self.expected if name.startswith("_") and name[1:].isalpha()]
+        return close_matches(self.found, words) if self.found.isidentifier() else ""
+
+    def _is_code(self, offset: int) -> bool:
+        return offset >= self.start or self.before[offset - self.base] == self.file.text[offset]
+
+    def _line_end(self) -> int:
+        stop = self.file.text.find("\n", self.start)
+        return len(self.file.text) if stop < 0 else stop
+
+
+_CLOSING = {"RPAR", "RSQB", "RBRACE"}
+
+
+def _comments_blanked(text: str) -> str:
+    return _NOT_CODE.sub(lambda m: " " * len(m.group()) if m.group().startswith("--") else m.group(), text)
+
+
+def _accepted(before: str) -> set[str]:
+    """The grammar's terminals that could follow a text; exact, where the parser's own tables overestimate."""
+    from lark.exceptions import UnexpectedInput
+
+    from trackmarshal.syntax.parser import parser
+
+    interactive = parser().parse_interactive(before)
+    try:
+        interactive.exhaust_lexer()
+    except UnexpectedInput as error:
+        return set(getattr(error, "accepts", None) or getattr(error, "allowed", None) or ())
+    return set(interactive.accepts())

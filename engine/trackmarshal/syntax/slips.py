@@ -1,0 +1,121 @@
+"""Habits from other languages and common slips, each with what to write instead."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+from trackmarshal.syntax.keywords import CLAUSES, DECLARATIONS, RESERVED
+
+#: Texts that start where the error is, longest first, and what to write.
+_HERE = {
+    "&&": "write `and`", "||": "write `or`", "=>": "write `implies` for a consequence, `>=` to compare",
+    "=<": "write `<=`", "//": "a comment starts with `--`", "/*": "a comment starts with `--` and ends with its line",
+    "#": "a comment starts with `--`", "->": "write `implies` for a consequence", ":=": "write `=`",
+    "&": "write `and`", "|": "write `or`", "!": "write `not`", "~": "write `not`",
+    ";": "nothing ends a declaration or a clause but the next one", "'": "strings stand between double quotes",
+    "`": "strings stand between double quotes", "?": "write `if CONDITION then A else B`", "@": "names have letters, digits and `_`",
+    "$": "names have letters, digits and `_`", "\\": "a long expression goes on in the next line by itself",
+    "≦": "write `≤` or `<=`", "≧": "write `≥` or `>=`", "⩽": "write `≤` or `<=`", "⩾": "write `≥` or `>=`",
+    "⇒": "write `→` or `implies`", "⟹": "write `→` or `implies`", "⇔": "write `↔` or `iff`", "⟺": "write `↔` or `iff`",
+    "⊕": "write `xor`", "×": "write `·` or `*`", "⋅": "write `·` or `*`", "∙": "write `·` or `*`", "÷": "write `/`", "∕": "write `/`",
+    "–": "write `-`", "—": "write `-`, or `--` for a comment", "‐": "write `-`", "“": 'write "', "”": 'write "', "„": 'write "',
+    "’": 'write "', "‘": 'write "', "°": "write `deg`", "∞": "write `inf`", "∉": "write `¬ (x ∈ [a, b])`",
+    "∄": "write `¬ ∃`", "⁻": "write the exponent as `^-1`", "¹": "an exponent 1 says nothing", "⁴": "write `^4`",
+    "\u00a0": "this is a no-break space; write a blank", "\ufeff": "a byte order mark belongs to the start of the file only",
+}  # fmt: skip
+
+#: Texts whose second half the parser stumbles over.
+_ACROSS = {
+    "<>": "write `!=`", "**": "write `^` for a power", "==": "write `=` once, to name a value", "^^": "write `^` once",
+    "++": "write `+` once", "--": "a comment starts with `--`", "..": "write `[a, b]` for a range", "!!": "write `not`",
+}  # fmt: skip
+
+#: Words before the error, on its line.
+_WORDS = {
+    "forall": "write `for all`", "foreach": "write `for all`", "every": "write `for all`", "each": "write `for all`",
+    "any": "write `exists`", "some": "write `exists`", "elif": "write `else (if ...)`", "elseif": "write `else (if ...)`",
+    "mod": "there is no remainder", "equals": "write `==`", "is": "write `==`, or name a predicate",
+}  # fmt: skip
+
+
+def hint_for(text: str, start: int, found: str, before: str, expected: set[str]) -> str:
+    """What would mend an error at `start`, or the empty string; `before` is the declaration's code up to it."""
+    line = before.rpartition("\n")[2]
+    return (
+        _sign(text, start, found, expected)
+        or _word(found, line, expected)
+        or _structure(found, before, line, expected)
+        or _strange(found)
+    )
+
+
+def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
+    if found == "=" and text[start + 1 : start + 2] not in "=<>" and "COMPARE" in expected:
+        return "write `==` to compare"
+    if found == "==" and "EQUAL" in expected:
+        return "write `=` to name a value; `==` compares"
+    if found == "=" and text[max(0, start - 2) : start] == "==":
+        return "write `==` to compare"
+    if found in ("<", "<=", ">", ">=", "==", "!=", "≤", "≥", "≠") and text[start - 1 : start + 1] != "<>":
+        if expected & {"AND", "OR"} and "COMPARE" not in expected:
+            return "comparisons do not chain: write `a < b and b < c`, or `b in [a, c]`"
+        return ""
+    for length in (2, 1):
+        hint = _HERE.get(text[start : start + length])
+        if hint and (found != "|" or "AND" in expected) and (found != "~" or "NOT" in expected):
+            return hint
+    return _ACROSS.get(text[max(0, start - 1) : start + 1], "") if found else ""
+
+
+def _word(found: str, line: str, expected: set[str]) -> str:
+    if found == "for":
+        return "write `for all NAME in DOMAIN`" if expected & {"_FOR_ALL", "NOT"} else ""
+    if found in RESERVED and expected <= {"NAME", "ID", "CONSECUTIVE"} and expected:
+        return f"`{found}` is a word of the language and cannot be a name"
+    if found in DECLARATIONS and "NAME" not in expected:
+        return f"a declaration starts in column 1: remove the blanks before `{found}`, if it is one"
+    if found in RESERVED and "$END" in expected and not expected & {f"_{found.upper()}"}:
+        owners = [keyword for keyword, words in CLAUSES.items() if found in words]
+        if owners:
+            return f"`{found}` is a clause of {' and '.join(f'`{keyword}`' for keyword in owners)}"
+    for word in re.findall(r"[a-z]+", f"{line} {found}"):
+        if word in _WORDS:
+            return _WORDS[word]
+    return ""
+
+
+def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
+    keyword = before.split(maxsplit=1)[0] if before.split() else ""
+    clause = line.split(maxsplit=1)[0] if line.split() else ""
+    if keyword == "param" and "COLON" in expected and found == "=":
+        return "a parameter states its unit: `param mass: kg = 1160 kg`; the unit of a plain number is 1"
+    if expected == {"UNIT"}:
+        return "the unit of a plain number is 1"
+    if expected == {"STRING"} or (clause == "source" and "STRING" in expected):
+        return "put the text between double quotes" if found and found not in RESERVED else ""
+    if clause == "except" and "STRING" in expected and "AND" in expected:
+        return 'an exception says why: `except CONDITION "reason"`'
+    if found == "-" and not expected & {"MINUS"}:
+        lower = re.search(r"\b([a-z])\w*\Z", line)
+        if lower and clause in ("satisfies", "assuming", "assume"):
+            return "an id starts with a capital letter: `S-1-A-4`"
+        return "names have letters, digits and `_`" if expected & {"DOT", "EQUAL", "STRING", "$END"} else ""
+    if "LSQB" in expected and "_ZONE" in expected and found.isidentifier():
+        return f"for a range write `in [a, b]`, for a place `in zone {found}`"
+    if found in ("{", "}") and keyword in ("rule", "assume", "state", "test"):
+        return "clauses stand without braces"
+    if found == "[" and "LPAR" not in expected and "DOT" in expected:
+        return "a column is not indexed: bind its samples with `for all p in plan`"
+    if found == "." and re.search(r"[0-9]\Z", line):
+        return "a number with a point has digits after it"
+    if found == ":" and re.search(r"\b(for[ \t]+all|exists)\b", line) is None and "EQUAL" in expected:
+        return "write `=`"
+    return ""
+
+
+def _strange(found: str) -> str:
+    if not found or found.isascii():
+        return ""
+    name = unicodedata.name(found[0], "")
+    return f"the character is U+{ord(found[0]):04X} {name}".rstrip()
