@@ -104,6 +104,11 @@ def test_windows(case: Case, past: bool) -> None:
     members = [list(range(start, stop)) for start, stop in zip(w.start.tolist(), w.stop.tolist())]
     assert members == [list(window) for window in expected]
     assert w.longest == max(map(len, expected), default=0)
+    lead = w.lead()
+    before = [list(range(start, stop)) for start, stop in zip(lead.start.tolist(), lead.stop.tolist())]
+    edges = w.stop.tolist() if past else w.start.tolist()
+    assert before == [list(range(e, k + 1) if past else range(k, e)) for k, e in enumerate(edges)]
+    assert lead.longest == max(map(len, before), default=0)
 
 
 @unhurried

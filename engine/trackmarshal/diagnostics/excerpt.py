@@ -35,7 +35,11 @@ def width(text: str) -> int:
 def _cell(char: str) -> str:
     if char == "\t":
         return TAB
-    return "\N{REPLACEMENT CHARACTER}" if unicodedata.category(char) in ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp") else char
+    return (
+        "\N{REPLACEMENT CHARACTER}"
+        if unicodedata.category(char) in ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
+        else char
+    )
 
 
 def _width(char: str) -> int:

@@ -51,7 +51,11 @@ def findings(items: Iterable[Diagnostic | TrackmarshalError]) -> list[Finding]:
             found += map(_of_diagnostic, item.items)
         elif isinstance(item, TrackmarshalError):
             place = Place(None if item.file is None else _encodable(item.file), item.line)
-            found.append(Finding(item.code, "error", "", _encodable(item.message), place, (), _encodable(item.help or "")))
+            found.append(
+                Finding(
+                    item.code, "error", "", _encodable(item.message), place, (), _encodable(item.help or "")
+                )
+            )
         else:
             raise TypeError(f"not a diagnostic: {type(item).__name__}")
     return found
@@ -62,7 +66,16 @@ def _of_diagnostic(item: Diagnostic) -> Finding:
         raise ValueError(f"{item.code} has the unknown level {item.level!r}")
     related = tuple(_place(span, label) for span, label in item.related)
     message, help_ = _encodable(item.message), _encodable(item.help)
-    return Finding(item.code, item.level, item.title, message, _place(item.span, item.pointer), related, help_, item.explanation)
+    return Finding(
+        item.code,
+        item.level,
+        item.title,
+        message,
+        _place(item.span, item.pointer),
+        related,
+        help_,
+        item.explanation,
+    )
 
 
 def _place(span: Span, label: str) -> Place:

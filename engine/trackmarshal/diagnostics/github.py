@@ -31,7 +31,10 @@ def _line(found: Finding) -> str:
     properties["title"] = f"{found.code} {found.title}".rstrip()
     shown = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
     lines = [found.message, place.label]
-    lines += [f"{':'.join(str(part) for part in (o.file, o.line) if part is not None)}: {o.label}" for o in found.related]
+    lines += [
+        f"{':'.join(str(part) for part in (o.file, o.line) if part is not None)}: {o.label}"
+        for o in found.related
+    ]
     lines.append(f"help: {found.help}" if found.help else "")
     return f"::{_COMMANDS[found.level]} {shown}::{_data(chr(10).join(line for line in lines if line))}"
 

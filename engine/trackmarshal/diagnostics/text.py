@@ -34,7 +34,9 @@ class _Text:
 
     def text(self) -> str:
         found = self._finding
-        head = self._painted(self._level, f"{found.level}[{found.code}]") + self._painted(_BOLD, f": {_lines(found.message)}")
+        head = self._painted(self._level, f"{found.level}[{found.code}]") + self._painted(
+            _BOLD, f": {_lines(found.message)}"
+        )
         lines = [head]
         place = found.place
         if place.file is not None:
@@ -66,9 +68,13 @@ class _Text:
         lines.append(self._margin() + bar)
         for number, sign, shown in excerpt(marks, self._width - self._gutter - 3):
             if number is not None:
-                lines.append(f"{self._painted(_BLUE, str(number).rjust(self._gutter))} {bar} {shown}".rstrip())
+                lines.append(
+                    f"{self._painted(_BLUE, str(number).rjust(self._gutter))} {bar} {shown}".rstrip()
+                )
             elif sign:
-                lines.append(f"{self._margin()}{bar} " + self._painted(self._level if sign == "^" else _CYAN, shown))
+                lines.append(
+                    f"{self._margin()}{bar} " + self._painted(self._level if sign == "^" else _CYAN, shown)
+                )
             else:
                 lines.append(self._painted(_BLUE, "..."))
         return lines

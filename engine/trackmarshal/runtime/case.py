@@ -154,6 +154,8 @@ class CaseReader:
         kinds = _wanted(signal, needed)
         given = {k.name: _sequence(data[k.name], f"{signal.name}.{k.name}") for k in kinds if data.get(k.name) is not None}
         lengths = {name: len(column) for name, column in given.items()}
+        if not kinds:  # a rule may ask only how many samples there are
+            lengths = {k.name: len(_sequence(data[k.name], f"{signal.name}.{k.name}")) for k in signal.fields_ if data.get(k.name) is not None}
         count = max(lengths.values(), default=1)
         if len(set(lengths.values())) > 1:
             spoken = ", ".join(f"{name} {length}" for name, length in sorted(lengths.items()))

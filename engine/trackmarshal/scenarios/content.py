@@ -61,11 +61,12 @@ def gunzip(data: bytes, shown: str) -> bytes:
 
 def text(data: bytes, shown: str) -> str:
     """UTF-8 to text, a byte order mark taken off; raises D126 with the line."""
-    if not data.strip(b"\xef\xbb\xbf \t\r\n"):
-        raise TrackmarshalError("D126", "the file is empty", file=shown, line=1, help="was it cut off?")
     try:
-        return data.decode("utf-8-sig")
+        decoded = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         message = f"byte {data[error.start]:#04x} at offset {error.start} is not UTF-8"
         raise TrackmarshalError("D126", message, file=shown, line=line, help="save it as UTF-8") from error
+    if not decoded.strip():
+        raise TrackmarshalError("D126", "the file is empty", file=shown, line=1, help="was it cut off?")
+    return decoded

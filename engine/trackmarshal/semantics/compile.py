@@ -10,10 +10,10 @@ from pathlib import Path
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.arithmetic import apply, arith
 from trackmarshal.ir.spec import ConstraintInfo, FieldType, ParamInfo, PlaceInfo, RuleInfo, SignalType, Spec, TableInfo
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.constants import constant_value
 from trackmarshal.semantics.errors import BadValue, Duplicate, SignalConflict, WrongDimension
 from trackmarshal.semantics.expressions import Context, Expressions, Poison
 from trackmarshal.semantics.modules import Library
@@ -214,19 +214,10 @@ class _Compiler:
 
     def _constant(self, node: ir.Num, span: Span) -> float:
         """The value of a number made of literals and parameters declared before."""
-        match node:
-            case ir.Const():
-                return node.value
-            case ir.Param() if node.name in self.params:
-                return self.params[node.name].value
-            case ir.Arith():
-                return arith(node.op, self._constant(node.left, span), self._constant(node.right, span))
-            case ir.Neg():
-                return -self._constant(node.operand, span)
-            case ir.Func():
-                return apply(node.name, [self._constant(arg, span) for arg in node.args])
-            case _:
-                self.x.fail(BadValue(span, "this is not constant", None, "use literals and parameters that are declared before"))
+        value = constant_value(node, lambda name: self.params[name].value if name in self.params else None)
+        if value is None:
+            self.x.fail(BadValue(span, "this is not constant", None, "use literals and parameters that are declared before"))
+        return value
 
     def _tables(self, module: str) -> None:
         for item in self._own(module, ast.Table):

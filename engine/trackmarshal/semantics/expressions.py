@@ -245,7 +245,7 @@ class Expressions:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
             return
-        texts = [f"{v.spoken} [{show(v.dimension)}]" if v.spoken != show(v.dimension) else v.spoken for v in (left, right)]
+        texts = [v.spoken if v.spoken == show(v.dimension) or v.dimension == NUMBER else f"{v.spoken} [{show(v.dimension)}]" for v in (left, right)]
         hint = ""
         for value, other in ((left, right), (right, left)):
             if value.dimension == NUMBER and isinstance(value.node, ir.Const):
@@ -374,12 +374,11 @@ class Expressions:
         body = self.formula(expr.body, inner).node
         return FormulaValue(self.make(ir.Quantify, expr.quantifier, axis, guard, body, expr.names), expr.span)
 
-    def check_used(self, names: tuple[str, ...], parts: tuple[ast.Node | None, ...], span: Span) -> None:
-        """Warn of variables that nothing below mentions."""
+    def check_used(self, names: tuple[str, ...], parts: tuple[Node | None, ...], span: Span) -> None:
+        """Warn of a quantifier none of whose variables is mentioned below."""
         used = {node.name for part in parts if part is not None for node in part.walk() if isinstance(node, ast.Name)}
-        for name in names:
-            if name not in used:
-                self.found.append(UnusedVariable(span, name))
+        if used.isdisjoint(names):
+            self.found.append(UnusedVariable(span, "`, `".join(names)))
 
 
 _COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")

@@ -275,7 +275,7 @@ class Builder:
         entries = [entry for entry in c if entry is not None]
         return ast.RecordValue(tuple(e[0] for e in entries), tuple(e[1] for e in entries), self._span(meta))
 
-    def list(self, meta: Meta, c: list[Any]) -> ast.ListValue:
+    def list_value(self, meta: Meta, c: list[Any]) -> ast.ListValue:
         return ast.ListValue(tuple(value for value in c if value is not None), self._span(meta))
 
     # Expressions ----------------------------------------------------------------------------------------------

@@ -59,7 +59,9 @@ class TooDeep(Diagnostic):
     text = "this expression is nested more than {limit} levels deep"
     label = "too deep"
     remedy = "name its parts with `let` or `define`"
-    explanation = "Deeply nested expressions cannot be read by people, and a bound keeps every pass predictable."
+    explanation = (
+        "Deeply nested expressions cannot be read by people, and a bound keeps every pass predictable."
+    )
 
     span: Span
     limit: int

@@ -19,7 +19,20 @@ _OPERATORS = {
     "_IN", "DOT",
 }  # fmt: skip
 _CLAUSES = {f"_{word.upper()}" for words in CLAUSES.values() for word in words} | {"_FOR_ALL", "_EXISTS"}
-_SHAPES = {"_POINT", "_POSE", "_MOVING", "_BODY", "_VEHICLE", "_TRAJECTORY", "_CORRIDOR", "_POLYLINE", "_BOOL", "_SERIES", "_STATE", "_OBJECT"}
+_SHAPES = {
+    "_POINT",
+    "_POSE",
+    "_MOVING",
+    "_BODY",
+    "_VEHICLE",
+    "_TRAJECTORY",
+    "_CORRIDOR",
+    "_POLYLINE",
+    "_BOOL",
+    "_SERIES",
+    "_STATE",
+    "_OBJECT",
+}
 
 
 def spoken(terminals: set[str]) -> str:

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax.build import CLAUSE_WORDS
-from trackmarshal.syntax.errors import BadText, Unclosed, UnexpectedEnd, UnexpectedText, UnknownClause, UnknownUnit
+from trackmarshal.syntax.errors import (
+    BadText,
+    Unclosed,
+    UnexpectedEnd,
+    UnexpectedText,
+    UnknownClause,
+    UnknownUnit,
+)
 from trackmarshal.syntax.expectation import spoken
 from trackmarshal.syntax.keywords import CLAUSES, DECLARATIONS, RESERVED
 from trackmarshal.syntax.slips import hint_for
@@ -20,7 +27,9 @@ if TYPE_CHECKING:
 _NOT_CODE = re.compile(r'"(?:[^"\\\n]|\\.)*"|--[^\n]*')
 _WORD = re.compile(r"[^\W\d]\w*")
 _UNIT_TEXT = re.compile(r"[^\W\d_]+(?:\^-?[0-9]+|[²³])?(?:[/*·][^\W\d_]+(?:\^-?[0-9]+|[²³])?)*")
-_AFTER_NUMBER = re.compile(r"(?<![\w.])(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*(?=[^\W\d_])")
+_AFTER_NUMBER = re.compile(
+    r"(?<![\w.])(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*(?=[^\W\d_])"
+)
 _ONE_UNIT = re.compile(r"[^\W\d_]+")
 
 #: Units that authors reach for, and what to write.
@@ -46,7 +55,7 @@ def explained(error: UnexpectedInput, file: SourceFile, base: int, end: int) -> 
         start = base + (error.token.start_pos or 0)
         found = str(error.token)
     elif isinstance(error, UnexpectedCharacters):
-        start = base + error.pos_in_stream
+        start = base + (error.pos_in_stream or 0)
         word = _WORD.match(file.text, start)
         found = word.group() if word else file.text[start]
     elif isinstance(error, (UnexpectedToken, UnexpectedEOF)):
@@ -76,7 +85,11 @@ class Mistake:
         hint = hint_for(self.file.text, self.start, self.found, self.before, self.expected)
         if not self.found:
             return UnexpectedEnd(self._last_code(), spoken(self.expected), hint)
-        shown = self.found if self.found.isprintable() and self.found != "\u00a0" else f"U+{ord(self.found[0]):04X}"
+        shown = (
+            self.found
+            if self.found.isprintable() and self.found != "\u00a0"
+            else f"U+{ord(self.found[0]):04X}"
+        )
         span = Span(self.file, self.start, self.start + len(self.found))
         return UnexpectedText(span, f"`{shown}`", spoken(self.expected), hint or self._misspelt(span))
 
@@ -94,13 +107,17 @@ class Mistake:
         closed = re.match(r'"(?:[^"\\]|\\.)*"', line)
         if closed is None:
             span = Span(self.file, self.start, self.start + len(line.rstrip()))
-            return BadText(span, "this string does not end on its line", 'no closing `"`', 'close it with `"`')
+            return BadText(
+                span, "this string does not end on its line", 'no closing `"`', 'close it with `"`'
+            )
         bad = re.search(r'\\[^"\\]', re.sub(r'\\["\\]', "xx", closed.group()))
         if bad is None:
             return None
         at = self.start + bad.start()
         hint = 'inside a string, write `\\\\` for a backslash and `\\"` for a quote'
-        return BadText(Span(self.file, at, at + 2), f"unknown escape `{bad.group()}` in a string", "not an escape", hint)
+        return BadText(
+            Span(self.file, at, at + 2), f"unknown escape `{bad.group()}` in a string", "not an escape", hint
+        )
 
     def _unit(self) -> Diagnostic | None:
         """A number followed by a word that is no unit, or no unit where a declaration wants one."""
@@ -110,7 +127,11 @@ class Mistake:
             return self._unit_in(match, bare=False) if match else None
         for number in _AFTER_NUMBER.finditer(self.file.text, line_start, self._line_end()):
             match = _UNIT_TEXT.match(self.file.text, number.end())
-            if match and max(number.start(), self.base) <= self.start <= match.end() and self._is_code(number.start()):
+            if (
+                match
+                and max(number.start(), self.base) <= self.start <= match.end()
+                and self._is_code(number.start())
+            ):
                 return self._unit_in(match, bare=True)
         # A word after a number may be taken for a predicate, and the error is noticed one word later.
         tail = re.search(r"(?<![\w.])[0-9.]+[ \t]*([^\W\d_]\w*)\s*\Z", self.before)
@@ -130,7 +151,9 @@ class Mistake:
                 return None
             if name not in UNITS:
                 at = match.start() + part.start()
-                return UnknownUnit(Span(self.file, at, at + len(name)), name, self._unit_hint(name, match.group()))
+                return UnknownUnit(
+                    Span(self.file, at, at + len(name)), name, self._unit_hint(name, match.group())
+                )
         return None
 
     def _unit_hint(self, name: str, whole: str) -> str:
@@ -138,7 +161,7 @@ class Mistake:
         hint = _FOREIGN.get(name) or (f"write `{known[0]}`" if known else close_matches(name, UNITS))
         if not hint:
             hint = f"the units are {', '.join(UNITS)}"
-        if "/" in whole and name != whole.split("/")[0] and _FOREIGN.get(name) is None:
+        if "/" in whole and name != whole.split("/", maxsplit=1)[0] and _FOREIGN.get(name) is None:
             hint += f"; to divide by a quantity called `{name}`, put blanks around `/`"
         return hint
 
@@ -152,13 +175,23 @@ class Mistake:
         span = Span(self.file, *word.span(1))
         keyword = self.file.text[self.base :].split(maxsplit=1)[0]
         hint = close_matches(word[1], CLAUSES.get(keyword, ()), 0.7)
-        if not hint and word.start(1) == self.start and keyword in CLAUSES and spoken(self.expected).startswith("a clause"):
+        if (
+            not hint
+            and word.start(1) == self.start
+            and keyword in CLAUSES
+            and spoken(self.expected).startswith("a clause")
+        ):
             hint = f"the clauses of `{keyword}` are {', '.join(CLAUSES[keyword])}"
         return UnknownClause(span, word[1], hint) if hint and span.column > 1 else None
 
     def _bracket(self) -> Diagnostic | None:
         """An opening bracket whose closing one is missing where a clause or the declaration ends."""
-        if self.found and self.found not in CLAUSE_WORDS and self.found not in DECLARATIONS and self.found not in ")]}":
+        if (
+            self.found
+            and self.found not in CLAUSE_WORDS
+            and self.found not in DECLARATIONS
+            and self.found not in ")]}"
+        ):
             return None
         stack: list[tuple[str, int]] = []
         for offset, char in enumerate(self.before):
@@ -181,7 +214,9 @@ class Mistake:
     def _misspelt(self, span: Span) -> str:
         if span.column == 1:
             return close_matches(self.found, DECLARATIONS)
-        words = [name.lstrip("_").lower() for name in self.expected if name.startswith("_") and name[1:].isalpha()]
+        words = [
+            name.lstrip("_").lower() for name in self.expected if name.startswith("_") and name[1:].isalpha()
+        ]
         return close_matches(self.found, words) if self.found.isidentifier() else ""
 
     def _is_code(self, offset: int) -> bool:
@@ -210,4 +245,4 @@ def _accepted(before: str) -> set[str]:
         interactive.exhaust_lexer()
     except UnexpectedInput as error:
         return set(getattr(error, "accepts", None) or getattr(error, "allowed", None) or ())
-    return set(interactive.accepts())
+    return set(interactive.accepts())  # type: ignore[no-untyped-call]

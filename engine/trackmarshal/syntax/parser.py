@@ -28,10 +28,14 @@ _START = re.compile(
 _BLANK = re.compile(r"(?:[ \t\n]+|--[^\n]*)*")
 
 # The signs and the words that tell the two styles of writing apart; each has a counterpart in the other style.
-_NOT_CODE = re.compile(r'"(?:[^"\\\n]|\\.)*"|--[^\n]*|^(?:module|use)\b[^\n]*|\b[A-Z][A-Za-z0-9]*-[A-Za-z0-9-]+', re.MULTILINE)
+_NOT_CODE = re.compile(
+    r'"(?:[^"\\\n]|\\.)*"|--[^\n]*|^(?:module|use)\b[^\n]*|\b[A-Z][A-Za-z0-9]*-[A-Za-z0-9-]+', re.MULTILINE
+)
 _LETTER = f"[A-Za-z0-9{''.join(GREEK)}]"
 _SIGN = re.compile(rf"[≤≥≠·²³√∀∃∈∧∨¬→↔]|(?<!{_LETTER})[{''.join(GREEK)}](?!{_LETTER})")
-_WORD = re.compile(r"<=|>=|!=|\^[23](?![\w.]|[ \t]+[A-Za-z1%])|\b(?:and|or|not|implies|iff|exists)\b|\bfor[ \t]+all\b|\bin\b")
+_WORD = re.compile(
+    r"<=|>=|!=|\^[23](?![\w.]|[ \t]+[A-Za-z1%])|\b(?:and|or|not|implies|iff|exists)\b|\bfor[ \t]+all\b|\bin\b"
+)
 
 #: Deepest nesting of an expression. Every later pass may recurse this far.
 MAX_DEPTH = 120
@@ -93,7 +97,11 @@ def _stray(file: SourceFile, start: int) -> StrayText:
         if span.column == 1:
             return StrayText(span, f"`{file.text[start:].split(maxsplit=1)[0]}`", column_1)
         return StrayText(span, f"an indented `{word}`", column_1, "remove the blanks before it")
-    hint = "a comment starts with `--`" if word.startswith(("#", "//", "/*")) else close_matches(word, DECLARATIONS)
+    hint = (
+        "a comment starts with `--`"
+        if word.startswith(("#", "//", "/*"))
+        else close_matches(word, DECLARATIONS)
+    )
     return StrayText(span, f"`{word}`", column_1, hint or f"the keywords are {', '.join(DECLARATIONS)}")
 
 
@@ -111,7 +119,11 @@ def grammar() -> str:
     words = sorted(set(re.findall(r'"([a-z]+)"', re.sub(r"//[^\n]*", "", text))))
     text = re.sub(r'"([a-z]+)"', lambda match: f"_{match[1].upper()}", text)
     text += "".join(f"_{word.upper()}.1: /{word}\\b/\n" for word in words)
-    return text.replace("@U", UNIT_PATTERN).replace("@G", "".join(GREEK)).replace("@R", "|".join(sorted(RESERVED)))
+    return (
+        text.replace("@U", UNIT_PATTERN)
+        .replace("@G", "".join(GREEK))
+        .replace("@R", "|".join(sorted(RESERVED)))
+    )
 
 
 def make_parser(cache_file: str | None = None, strict: bool = False) -> Lark:

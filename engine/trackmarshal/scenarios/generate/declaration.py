@@ -109,7 +109,8 @@ def _driver(item: Item, vehicle: Vehicle) -> Driver:
         found = move.fields(("begin", "end", "to"))
         begin, end = found["begin"].number(0.0), found["end"].number(0.0)
         if end <= begin or (moves and begin < moves[-1].end):
-            raise move.wrong(f"from {begin:g} s to {end:g} s", "moves follow each other and take time")
+            message = f"a move from {begin:g} s to {end:g} s does not fit in"
+            raise move.wrong(message, "moves follow each other and take time")
         moves.append(Move(begin, end, found["to"].number(-100.0, 100.0)))
     return Driver(
         id=fields["id"].text() if "id" in fields else "ego",

@@ -35,7 +35,8 @@ def run(declared: Declaration, shown: str) -> Recording:
                 "driving": driving(ego, t, declared.points, declared.horizon),
                 "emergency": emergency(ego, t, declared.braking, kappa),
             }
-            declared.ego.vehicle.check_state("the car under test", state, declared.road.width)
+            for place in (state, ego.at(t + declared.horizon)):
+                declared.ego.vehicle.check_state("the car under test", place, declared.road.width)
             for name, plan in plans.items():
                 declared.ego.vehicle.check_plan(f"the {name} trajectory at t = {t:g} s", plan)
         except TrackmarshalError as error:

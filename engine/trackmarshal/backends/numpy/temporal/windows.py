@@ -121,11 +121,11 @@ def _edge(t: FloatArray, bound: float, *, closed: bool) -> Edge:
         at = 2 + guess + shift
         return before(padded[at : at + count], reach[:count])
 
-    tail_is_over = count == n or bool(before(t[-1], reach[count]))
     near, far = passed(-1), passed(0)
-    if tail_is_over and near.all() and not far.any():
+    if near.all() and not far.any():
         return guess
-    if tail_is_over and passed(-2).all() and not passed(1).any():
+    all_passed_later = count == n or bool(before(t[-1], reach[count]))
+    if all_passed_later and passed(-2).all() and not passed(1).any():
         edge = np.full(n, n, dtype=np.intp)
         np.add(np.arange(guess - 1, guess - 1 + count), near, out=edge[:count])
         edge[:count] += far

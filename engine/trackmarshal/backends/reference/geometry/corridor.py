@@ -1,0 +1,135 @@
+"""Corridors and polygons as regions: their rings, and what makes them unusable."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+
+from trackmarshal.backends.reference.geometry.points import (
+    LIMIT,
+    Point,
+    Pose,
+    distinct,
+    folds_back,
+    meet,
+    meeting_place,
+    usable,
+)
+from trackmarshal.backends.reference.geometry.quads import union_of_quads
+from trackmarshal.backends.reference.geometry.region import Region, hull_margin, odd_crossings, point_margin
+
+Side = tuple[Point, Point]
+Points = Sequence[Sequence[float]]
+
+LEFT, RIGHT, CAP, POLYGON = "left border", "right border", "end of the corridor", "polygon"
+
+
+def hull_inside_margin(
+    left: Points, right: Points, closed: bool, pose0: Pose, pose1: Pose, length: float, width: float
+) -> float:
+    """The signed margin [m] of what a vehicle sweeps between two poses inside a corridor; NaN for an unusable one."""
+    region = corridor_region(_frozen(left), _frozen(right), closed)
+    return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width)
+
+
+def hull_in_polygon_margin(points: Points, pose0: Pose, pose1: Pose, length: float, width: float) -> float:
+    """The signed margin [m] of what a vehicle sweeps between two poses inside a simple polygon."""
+    region = polygon_region(_frozen(points))
+    return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width)
+
+
+def in_zone_margin(x: float, y: float, points: Points) -> float:
+    """The signed distance [m] of a point from the border of a simple polygon, positive inside."""
+    region = polygon_region(_frozen(points))
+    return math.nan if isinstance(region, str) else point_margin(region, x, y)
+
+
+def corridor_fault(left: Points, right: Points, closed: bool) -> str | None:
+    """What makes a corridor unusable, with the place; None for a usable one."""
+    region = corridor_region(_frozen(left), _frozen(right), closed)
+    return region if isinstance(region, str) else None
+
+
+def zone_fault(points: Points) -> str | None:
+    """What makes a polygon unusable, with the place; None for a usable one."""
+    region = polygon_region(_frozen(points))
+    return region if isinstance(region, str) else None
+
+
+def _frozen(points: Points) -> tuple[Point, ...]:
+    return tuple((float(x), float(y)) for x, y in points)
+
+
+@lru_cache(maxsize=64)
+def corridor_region(left: tuple[Point, ...], right: tuple[Point, ...], closed: bool) -> Region | str:
+    """The region between two borders, or what is wrong with them.
+
+    Open: the ring of the left border and the reversed right one, so with straight ends. Closed: what lies between two
+    rings, either of which may be the outer one; or, where borders of equally many points cross as those of a figure of
+    eight do, the union of the quadrilaterals between paired points.
+    """
+    for name, points in ((LEFT, left), (RIGHT, right)):
+        fault = _coordinates_fault(name, points, 3 if closed else 2, closed)
+        if fault:
+            return fault
+    lefts, rights = distinct(left, closed), distinct(right, closed)
+    if not closed:
+        names = [LEFT] * (len(lefts) - 1) + [CAP] + [RIGHT] * (len(rights) - 1) + [CAP]
+        ring = lefts + rights[::-1]
+        sides = [(a, b, name) for a, b, name in zip(ring, [*ring[1:], ring[0]], names) if a != b]
+        fault = _crossing_fault([sides])
+        plain = tuple((a, b) for a, b, _ in sides)
+        return fault or Region(plain, (plain,))
+    rings = [
+        [(a, b, name) for a, b in zip(points, [*points[1:], points[0]])]
+        for name, points in ((LEFT, lefts), (RIGHT, rights))
+    ]
+    fault = _crossing_fault(rings)
+    if fault:
+        return union_of_quads(left, right) or fault
+    outlines = [tuple((a, b) for a, b, _ in ring) for ring in rings]
+    if not odd_crossings(*lefts[0], outlines[1]) and not odd_crossings(*rights[0], outlines[0]):
+        return f"neither border encloses the other: the left one begins at {_place(lefts[0])}, the right one at {_place(rights[0])}"
+    between = outlines[0] + outlines[1]
+    return Region(between, (between,))
+
+
+@lru_cache(maxsize=64)
+def polygon_region(points: tuple[Point, ...]) -> Region | str:
+    """The inside of a simple polygon, or what is wrong with it."""
+    fault = _coordinates_fault(POLYGON, points, 3, True)
+    if fault:
+        return fault
+    corners = distinct(points, True)
+    sides = list(zip(corners, [*corners[1:], corners[0]]))
+    return _crossing_fault([[(a, b, POLYGON) for a, b in sides]]) or Region(tuple(sides), (tuple(sides),))
+
+
+def _coordinates_fault(name: str, points: Sequence[Point], least: int, closed: bool) -> str | None:
+    for index, (x, y) in enumerate(points):
+        if not usable(x, y):
+            return f"{name}: point {index} is ({x:g}, {y:g}), not finite or beyond {LIMIT:g} m"
+    if len(distinct(points, closed)) < least:
+        return f"{name} has fewer than {least} distinct points"
+    return None
+
+
+def _crossing_fault(rings: Sequence[Sequence[tuple[Point, Point, str]]]) -> str | None:
+    """The first place where rings touch, cross or fold back; segments that follow each other share their common point."""
+    sides = [(*side, ring, index) for ring, ring_sides in enumerate(rings) for index, side in enumerate(ring_sides)]
+    for i, (a, b, first, ring, at) in enumerate(sides):
+        count = len(rings[ring])
+        following = rings[ring][(at + 1) % count]
+        if folds_back(a, b, following[1]):
+            return f"{first} folds back on itself near {_place(b)}"
+        for c, d, second, other, place in sides[i + 1 :]:
+            neighbours = ring == other and (place - at in (1, count - 1))
+            if not neighbours and meet(a, b, c, d):
+                where = _place(meeting_place(a, b, c, d))
+                return f"{first} crosses itself near {where}" if first == second else f"{first} meets {second} near {where}"
+    return None
+
+
+def _place(point: Point) -> str:
+    return f"({point[0]:.3f}, {point[1]:.3f})"

@@ -1,0 +1,103 @@
+"""A region and its border: is a point in it, and by how much is a swept footprint inside it?"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from trackmarshal.backends.reference.geometry.footprint import convex_hull, depth, swept_corners
+from trackmarshal.backends.reference.geometry.points import Point, Pose, Segment, chain, distance, segment, side, usable
+
+#: The margin of a hull that the border enters by less than any measure below can show.
+LEAST = -2.2250738585072014e-308
+
+
+@dataclass(frozen=True)
+class Region:
+    """A closed region of the plane: its border, segment by segment, and simple polygons whose union (or, for the
+    first and an inner second one, difference) it is."""
+
+    border: tuple[tuple[Point, Point], ...]
+    #: A point is inside when a ray from it crosses these an odd number of times; several groups unite.
+    groups: tuple[tuple[tuple[Point, Point], ...], ...]
+
+    def holds(self, x: float, y: float) -> bool:
+        """Whether a point that is not on the border lies inside."""
+        return any(odd_crossings(x, y, group) for group in self.groups)
+
+
+def odd_crossings(x: float, y: float, sides: Sequence[tuple[Point, Point]]) -> bool:
+    """Whether the ray from a point along +x crosses the sides an odd number of times."""
+    inside = False
+    for a, b in sides:
+        low, high = (a, b) if a[1] < b[1] else (b, a)  # one direction, so that neighbours agree on a shared side
+        if low[1] <= y < high[1] and side(segment(low, high), x, y) > 0.0:
+            inside = not inside
+    return inside
+
+
+def point_margin(region: Region, x: float, y: float) -> float:
+    """The signed distance [m] of a point from the border, positive inside."""
+    if not usable(x, y):
+        return math.nan
+    reach = min(distance(x, y, segment(a, b)) for a, b in region.border)
+    return reach if reach == 0.0 or region.holds(x, y) else -reach
+
+
+def hull_margin(region: Region, pose0: Pose, pose1: Pose, length: float, width: float) -> float:
+    """The signed margin [m] of `what a vehicle sweeps between two poses lies inside a region`.
+
+    Inside: its distance from the border. Otherwise minus the largest of: the distance from the border of each corner of
+    the two footprints outside the region, and the depth inside the hull of each border vertex strictly inside it.
+    Where neither exists (the border passes through between corners), minus the depth of the middle of the longest
+    stretch of a border segment inside the hull. NaN for a pose or a size that is none.
+    """
+    if not usable(*pose0, *pose1, length, width) or length <= 0.0 or width <= 0.0:
+        return math.nan
+    x0, y0 = pose0[0], pose0[1]
+    corners = swept_corners(pose0, pose1, length, width)
+    hull = chain(convex_hull(corners), True)
+    border = [segment(a, b, (x0, y0)) for a, b in region.border]
+    entering = [s for s in border if enters(s, hull)]
+    if not entering and region.holds((x0 + pose1[0]) / 2, (y0 + pose1[1]) / 2):
+        return gap(corners, hull, border)
+    worst = 0.0
+    for x, y in corners:
+        reach = min(distance(x, y, s) for s in border)
+        if reach > 0.0 and not region.holds(x + x0, y + y0):
+            worst = max(worst, reach)
+    for s in border:
+        worst = max(worst, depth(s.ax, s.ay, hull))
+    if worst == 0.0:
+        worst = max((depth(*middle(s, hull), hull) for s in entering), default=0.0)
+    return min(LEAST, -worst)
+
+
+def enters(s: Segment, hull: Sequence[Segment]) -> bool:
+    """Whether a segment has a point strictly inside a convex polygon: no side and no line of its own separates them."""
+    for edge in hull:
+        if side(edge, s.ax, s.ay) <= 0.0 and side(edge, s.bx, s.by) <= 0.0:
+            return False
+    turns = [side(s, edge.ax, edge.ay) for edge in hull]
+    return min(turns) < 0.0 < max(turns)
+
+
+def gap(corners: Sequence[Point], hull: Sequence[Segment], border: Sequence[Segment]) -> float:
+    """The distance of a hull from a border that does not enter it: a corner of one is nearest to a side of the other."""
+    from_corners = min(distance(x, y, s) for x, y in corners for s in border)
+    from_border = min(distance(s.ax, s.ay, edge) for s in border for edge in hull)
+    return min(from_corners, from_border)
+
+
+def middle(s: Segment, hull: Sequence[Segment]) -> Point:
+    """The middle of the part of a segment inside a convex polygon that it enters."""
+    first, last = 0.0, 1.0
+    for edge in hull:
+        start, end = side(edge, s.ax, s.ay), side(edge, s.bx, s.by)
+        if start < end:
+            first = max(first, start / (start - end))
+        elif start > end:
+            last = min(last, start / (start - end))
+    t = (first + last) / 2
+    return s.ax + t * s.ex, s.ay + t * s.ey

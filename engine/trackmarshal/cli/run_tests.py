@@ -1,0 +1,55 @@
+"""Run the tests written in specs, with every evaluator, and say which sides of each rule's boundary they cover.
+
+A rule is covered when tests stand on both sides of its boundary and exactly on it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from trackmarshal.cli.output import dump, table
+from trackmarshal.cli.project import find_project, optional_project
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)")
+    parser.add_argument("--format", choices=("text", "json"), default="text")
+
+
+def run(args: argparse.Namespace) -> int:
+    from trackmarshal.diagnostics.text import render
+    from trackmarshal.semantics.compile import compile_paths
+    from trackmarshal.testing.cases import prepare
+    from trackmarshal.testing.run import coverage, has_boundary, run_tests
+
+    paths = [Path(p) for p in args.paths] or [find_project(args) / "specs"]
+    compiled = compile_paths(paths, optional_project(args))
+    compiled.raise_errors()
+    tests, found = prepare(compiled)
+    if found:
+        print(render(found, colour=sys.stderr.isatty()), file=sys.stderr)
+    outcomes = list(run_tests(compiled.spec, tests))
+    covered = coverage(compiled.spec, tests)
+    bad = [o for o in outcomes if o.outcome != "passed"]
+    partial = [c for c in covered if not c.complete]
+    if args.format == "json":
+        print(dump({
+            "tests": [{"rule": o.test.rule.name, "title": o.test.title, "outcome": o.outcome, "message": o.message,
+                       "file": o.test.span.file.path, "line": o.test.span.line} for o in outcomes],
+            "coverage": [{"rule": c.rule.name, "tests": c.tests, "satisfied": c.satisfied, "violated": c.violated, "boundary": c.boundary}
+                         for c in covered],
+        }))  # fmt: skip
+    else:
+        for outcome in bad:
+            print(f"{outcome.outcome}: {outcome.test.span}: {outcome.test.rule.name}: {outcome.test.title}\n  {outcome.message}")
+        rows = [[c.rule.name, str(c.tests), _mark(c.satisfied), _mark(c.violated), _mark(c.boundary) if has_boundary(c.rule) else "n/a"] for c in partial]
+        if rows:
+            print("rules whose boundary is not covered:\n" + table(rows, ["rule", "tests", "inside", "outside", "on it"]))
+        print(f"{len(outcomes) - len(bad)} passed, {len(bad)} failed; {len(covered) - len(partial)} of {len(covered)} rules covered")
+    return 1 if bad or found or partial else 0
+
+
+def _mark(there: bool) -> str:
+    return "yes" if there else "NO"

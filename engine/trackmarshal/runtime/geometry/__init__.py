@@ -1,0 +1,1 @@
+"""Swept footprints, corridors, clearances and curvilinear coordinates over numpy arrays."""

@@ -1,0 +1,315 @@
+"""Declarations as pieces, each on lines of its own: a header, clauses, fields, rows, points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from trackmarshal.node import Node
+from trackmarshal.syntax import ast
+from trackmarshal.syntax.notation import EXPRESSION, SUM, Notation, quoted
+from trackmarshal.syntax.wrapping import WIDTH, Wrapping, end_column, new_line
+
+#: Where the bodies of clauses start, in rules and assumptions, and in tests.
+CLAUSE_COLUMN = 12
+TEST_COLUMN = 9
+#: A value wider than this does not push the ranges of its neighbours to the right.
+WIDEST_VALUE = 40
+
+
+class Piece(NamedTuple):
+    """A text that comments stand before and after; `start` and `end` are its place in the source, -1 if not known."""
+
+    text: str
+    indent: int = 2
+    start: int = -1
+    end: int = -1
+
+
+class Laid(NamedTuple):
+    """A declaration: its pieces, and a denser text for when no comment stands between them."""
+
+    pieces: list[Piece]
+    compact: str | None = None
+
+
+class Columns(NamedTuple):
+    """Widths that neighbours share."""
+
+    name: int = 0
+    unit: int = 0
+    value: int = 0
+
+
+class Layout:
+    """Lays out declarations in one notation."""
+
+    def __init__(self, notation: Notation) -> None:
+        self._n = notation
+        self._w = Wrapping(notation)
+
+    def lay(self, item: ast.Item, columns: Columns) -> Laid:
+        """The pieces of a declaration; raises TypeError for a node that has no layout."""
+        handler = _ITEMS.get(type(item))
+        if handler is None:
+            raise TypeError(f"no layout for a {type(item).__name__}")
+        laid = handler(self, item, columns)
+        return laid if isinstance(laid, Laid) else Laid([Piece(laid, 0)])
+
+    def columns(self, run: Sequence[ast.Item]) -> Columns:
+        """The common widths of declarations of one kind that follow each other without a blank line."""
+        name = max(
+            (len(self._n.name(item.name)) for item in run if isinstance(item, (ast.Param, ast.Signal))),
+            default=0,
+        )
+        params = [item for item in run if isinstance(item, ast.Param)]
+        unit = max((len(self._n.unit(item.unit)) for item in params), default=0)
+        values = [
+            len(self._n.expr(item.value, SUM))
+            for item in params
+            if item.range is not None or item.source is not None
+        ]
+        return Columns(name, unit, max((width for width in values if width <= WIDEST_VALUE), default=0))
+
+    # Declarations of one piece --------------------------------------------------------------------------------
+
+    def _module(self, item: ast.ModuleName, columns: Columns) -> str:
+        return f"module {item.name}"
+
+    def _use(self, item: ast.Use, columns: Columns) -> str:
+        return f"use {item.name}"
+
+    def _reference(self, item: ast.Reference, columns: Columns) -> str:
+        return f"reference {self._n.name(item.name)} = {quoted(item.text)}"
+
+    def _titled(self, keyword: str, name: str, title: str) -> str:
+        return f"{keyword} {self._n.name(name)}" + (f" {quoted(title)}" if title else "")
+
+    def _event(self, item: ast.Event, columns: Columns) -> str:
+        return self._titled("event", item.name, item.text)
+
+    def _param(self, item: ast.Param, columns: Columns) -> str:
+        name, unit = self._n.name(item.name).ljust(columns.name), self._n.unit(item.unit).ljust(columns.unit)
+        head = f"param {name} : {unit} = "
+        value = self._w.lay(item.value, SUM, len(head))
+        rest = [] if item.range is None else [self._n.range(item.range.lower, item.range.upper)]
+        rest += [] if item.source is None else [f"source {quoted(item.source)}"]
+        text = head + (value.ljust(columns.value) if rest else value)
+        for more in rest:
+            text = self._w.append(text, 0, more, 2)
+        return text
+
+    def _constrain(self, item: ast.Constrain, columns: Columns) -> str:
+        head = "constrain "
+        text = head + self._w.lay(item.condition, EXPRESSION, len(head))
+        return text if item.because is None else self._w.append(text, 0, f"because {quoted(item.because)}", 2)
+
+    def _define(self, item: ast.Define, columns: Columns) -> str:
+        head = f"{item.keyword} {self._n.name(item.name)}"
+        if item.parameters:
+            parameters = [(f"{self._n.name(p.name)}: {self._n.unit(p.type)}", None) for p in item.parameters]
+            head += f"({self._w.fill(parameters, len(head) + 1, 4, 12)})"
+        head += " =" if item.result is None else f" -> {self._n.unit(item.result)} ="
+        level = SUM if item.keyword == "define" else EXPRESSION
+        flat = self._n.expr(item.body, level)
+        if end_column(head, 0) + 1 + len(flat) <= WIDTH:
+            return f"{head} {flat}"
+        return f"{head}{new_line(2)}{self._w.lay(item.body, level, 2)}"
+
+    # Declarations that hold lists -----------------------------------------------------------------------------
+
+    def _signal(self, item: ast.Signal, columns: Columns) -> Laid:
+        head = f"signal {self._n.name(item.name).ljust(columns.name)} : {'set of ' if item.many else ''}{item.kind}"
+        if not item.fields_:
+            return Laid([Piece(head, 0)])
+        fields = [self._field(field) for field in item.fields_]
+        pieces = [Piece(f"{head} {{", 0)]
+        pieces += [_placed(f"{text},", field) for text, field in zip(fields, item.fields_)]
+        pieces.append(Piece("}", 0, item.span.end - 1, item.span.end))
+        opened = f"{head} {{ "
+        return Laid(
+            pieces,
+            opened + self._w.fill([(text, None) for text in fields], len(opened), len(opened), 2) + " }",
+        )
+
+    def _field(self, field: ast.Field) -> str:
+        text = f"{self._n.name(field.name)}: {self._n.unit(field.type)}"
+        text += " increasing" if field.increasing else ""
+        text += "" if field.range is None else f" {self._n.range(field.range.lower, field.range.upper)}"
+        return text + ("" if field.default is None else f" default {self._n.expr(field.default)}")
+
+    def _table(self, item: ast.Table, columns: Columns) -> Laid:
+        head = f"table {self._n.name(item.name)}({self._n.name(item.argument)}: {self._n.unit(item.unit)})"
+        head += f" -> {self._n.unit(item.result)} = linear clamp"
+        rows = [f"| {self._n.expr(key)}: {self._n.expr(value)}" for key, value in item.rows]
+        pieces = [Piece(head, 0), *(_between(text, row) for text, row in zip(rows, item.rows))]
+        pieces[-1] = pieces[-1]._replace(text=f"{pieces[-1].text} |")
+        filled = self._w.fill([(row, None) for row in rows], 2, 2, 2, "")
+        compact = f"{head}{new_line(2)}{filled} |"
+        if item.source is not None:
+            source = f"source {quoted(item.source)}"
+            pieces.append(Piece(source, 2, item.span.end - len(quoted(item.source)), item.span.end))
+            compact += new_line(2) + source
+        return Laid(pieces, compact)
+
+    def _place(self, item: ast.Place, columns: Columns) -> Laid:
+        head = self._titled(item.kind, item.name, item.text) + (" = polygon" if item.kind == "zone" else " =")
+        points = [f"({self._n.expr(x)}, {self._n.expr(y)})" for x, y in item.points]
+        pieces = [Piece(head, 0), *(_between(text, point) for text, point in zip(points, item.points))]
+        return Laid(
+            pieces, f"{head} " + self._w.fill([(point, None) for point in points], len(head) + 1, 2, 0, "")
+        )
+
+    # Declarations with clauses --------------------------------------------------------------------------------
+
+    def _assume(self, item: ast.Assume, columns: Columns) -> Laid:
+        return self._with_clauses(self._titled("assume", item.name, item.title), item.clauses)
+
+    def _rule(self, item: ast.Rule, columns: Columns) -> Laid:
+        return self._with_clauses(self._titled("rule", item.name, item.title), item.clauses)
+
+    def _with_clauses(self, head: str, clauses: tuple[ast.Clause, ...]) -> Laid:
+        return Laid([Piece(head, 0), *(_placed(self.clause(clause), clause) for clause in clauses)])
+
+    def clause(self, clause: ast.Clause) -> str:
+        """A clause of a rule or an assumption; raises TypeError for a node that has no layout."""
+        handler = _CLAUSES.get(type(clause))
+        if handler is None:
+            raise TypeError(f"no layout for a {type(clause).__name__}")
+        keyword, body = handler(self, clause)
+        return keyword.ljust(CLAUSE_COLUMN - 2) + body
+
+    def _satisfies(self, clause: ast.Satisfies) -> tuple[str, str]:
+        return "satisfies", self._ids(clause.ids)
+
+    def _assuming(self, clause: ast.Assuming) -> tuple[str, str]:
+        return "assuming", self._ids(clause.ids)
+
+    def _ids(self, ids: tuple[ast.Name, ...]) -> str:
+        return self._w.fill(
+            [(self._n.name(name.name), None) for name in ids], CLAUSE_COLUMN, CLAUSE_COLUMN, 0
+        )
+
+    def _source(self, clause: ast.SourceClause) -> tuple[str, str]:
+        if clause.reference is None:
+            return "source", quoted(clause.locator)
+        name = self._n.name(clause.reference.name)
+        if clause.quoted:
+            return "source", f"{name} {quoted(clause.locator)}"
+        word, blank, numbers = clause.locator.partition(" ")
+        return "source", f"{name} {self._n.name(word)}{blank}{numbers}".rstrip()
+
+    def _because(self, clause: ast.Because) -> tuple[str, str]:
+        return "because", quoted(clause.text)
+
+    def _severity(self, clause: ast.Severity) -> tuple[str, str]:
+        return "severity", self._n.name(clause.word)
+
+    def _evidence(self, clause: ast.Evidence) -> tuple[str, str]:
+        return "evidence", quoted(clause.path)
+
+    def _owner(self, clause: ast.Owner) -> tuple[str, str]:
+        return "owner", quoted(clause.text)
+
+    def _bind(self, clause: ast.Bind) -> tuple[str, str]:
+        text = self._n.bound(clause)
+        if clause.where is not None:
+            text = self._w.where(text, clause.where, CLAUSE_COLUMN, CLAUSE_COLUMN + 2, 0)
+        return self._n.sign(clause.quantifier), text
+
+    def _except(self, clause: ast.Except) -> tuple[str, str]:
+        text = self._w.lay(clause.condition, EXPRESSION, CLAUSE_COLUMN)
+        return "except", self._w.append(text, CLAUSE_COLUMN, quoted(clause.reason), CLAUSE_COLUMN + 2)
+
+    def _let(self, clause: ast.Let) -> tuple[str, str]:
+        head = f"{self._n.name(clause.name)} = "
+        return "let", head + self._w.lay(clause.value, EXPRESSION, CLAUSE_COLUMN + len(head))
+
+    def _along(self, clause: ast.Along) -> tuple[str, str]:
+        return "along", f"{self._n.name(clause.signal.name)} as {self._n.name(clause.name)}"
+
+    def _whenever(self, clause: ast.Whenever) -> tuple[str, str]:
+        return "whenever", self._w.lay(clause.condition, EXPRESSION, CLAUSE_COLUMN)
+
+    def _within(self, clause: ast.WithinTime) -> tuple[str, str]:
+        return "within", self._w.lay(clause.bound, SUM, CLAUSE_COLUMN)
+
+    def _require(self, clause: ast.Require) -> tuple[str, str]:
+        return clause.keyword, self._w.lay(clause.condition, EXPRESSION, CLAUSE_COLUMN)
+
+    def _state(self, item: ast.State, columns: Columns) -> Laid:
+        head = f"state {self._n.name(item.name)}"
+        if item.binder:
+            head += f" for each {self._n.name(item.binder)} {self._n.sign('in')} {self._n.name(item.domain)}"
+        pieces = [Piece(f"{head} starts {self._n.name(item.start)}", 0)]
+        width = max(len(self._n.name(transition.state)) for transition in item.transitions)
+        for transition in item.transitions:
+            start = f"becomes {self._n.name(transition.state).ljust(width)} when "
+            text = start + self._w.lay(transition.condition, EXPRESSION, 2 + len(start))
+            pieces.append(_placed(text, transition))
+        return Laid(pieces)
+
+    def _rulebook(self, item: ast.Rulebook, columns: Columns) -> Laid:
+        pieces = [Piece(self._titled("rulebook", item.name, item.title), 0)]
+        for number, chain in enumerate(item.chains):
+            names = [self._n.name(name.name) for name in chain.names]
+            parts = [f"{name} {relation}" for name, relation in zip(names, chain.relations)] + names[-1:]
+            comma = "," if number < len(item.chains) - 1 else ""
+            text = self._w.fill([(part, None) for part in parts], 2, 4, len(comma), "")
+            pieces.append(_placed(text + comma, chain))
+        return Laid(pieces)
+
+    def _test(self, item: ast.Test, columns: Columns) -> Laid:
+        pieces = [Piece(self._titled("test", item.rule, item.title), 0)]
+        pieces += [_placed(self._given(given), given) for given in item.givens]
+        return Laid([*pieces, _placed(self._expect(item.expect), item.expect)])
+
+    def _given(self, given: ast.Given) -> str:
+        start = f"given  {self._n.name(given.name)} = "
+        text = start + self._w.lay(given.value, EXPRESSION, 2 + len(start))
+        if not given.changes:
+            return text
+        changes: list[tuple[str, ast.Expr | None]] = []
+        for change in given.changes:
+            index = "" if change.index is None else f"[{change.index}]"
+            changes.append((f"{self._n.name(change.field)}{index} = {self._n.expr(change.value, SUM)}", None))
+        flat = ", ".join(prefix for prefix, _ in changes)
+        if end_column(text, 2) + len(" with ") + len(flat) <= WIDTH:
+            return f"{text} with {flat}"
+        indent = TEST_COLUMN + 2
+        return f"{text}{new_line(indent)}with " + self._w.fill(changes, indent + 5, indent + 5, 0)
+
+    def _expect(self, expect: ast.Expect) -> str:
+        parts = [f"expect {self._n.name(expect.verdict)}"]
+        if expect.margin is not None:
+            margin = self._n.expr(expect.margin, SUM)
+            about = "about " if expect.tolerance is not None or margin.startswith("about") else ""
+            within = "" if expect.tolerance is None else f" within {self._n.expr(expect.tolerance, SUM)}"
+            parts.append(f"margin {about}{margin}{within}")
+        if expect.binder is not None:
+            parts.append(f"at {self._n.name(expect.binder)} = {expect.at}")
+        return self._w.fill([(part, None) for part in parts], 2, TEST_COLUMN, 0)
+
+
+def _placed(text: str, node: Node) -> Piece:
+    span = node.__dict__["span"]
+    return Piece(text, 2, span.start, span.end)
+
+
+def _between(text: str, pair: tuple[ast.Expr, ast.Expr]) -> Piece:
+    return Piece(text, 2, pair[0].__dict__["span"].start, pair[1].__dict__["span"].end)
+
+
+_ITEMS: dict[type[ast.Item], Callable[[Layout, Any, Columns], Laid | str]] = {
+    ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Event: Layout._event,
+    ast.Param: Layout._param, ast.Constrain: Layout._constrain, ast.Define: Layout._define, ast.Signal: Layout._signal,
+    ast.Table: Layout._table, ast.Place: Layout._place, ast.Assume: Layout._assume, ast.Rule: Layout._rule,
+    ast.State: Layout._state, ast.Rulebook: Layout._rulebook, ast.Test: Layout._test,
+}  # fmt: skip
+
+_CLAUSES: dict[type[ast.Clause], Callable[[Layout, Any], tuple[str, str]]] = {
+    ast.Satisfies: Layout._satisfies, ast.Assuming: Layout._assuming, ast.SourceClause: Layout._source,
+    ast.Because: Layout._because, ast.Severity: Layout._severity, ast.Evidence: Layout._evidence, ast.Owner: Layout._owner,
+    ast.Bind: Layout._bind, ast.Except: Layout._except, ast.Let: Layout._let, ast.Along: Layout._along,
+    ast.Whenever: Layout._whenever, ast.WithinTime: Layout._within, ast.Require: Layout._require,
+}  # fmt: skip

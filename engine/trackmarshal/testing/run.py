@@ -1,0 +1,111 @@
+"""Running inline tests, with both evaluators, and which rules they cover."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.testing.cases import PreparedTest
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of a test: passed, failed (with what was found instead) or error."""
+
+    test: PreparedTest
+    outcome: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Coverage:
+    """Which sides of a rule's boundary its tests stand on."""
+
+    rule: RuleInfo
+    tests: int
+    satisfied: bool
+    violated: bool
+    boundary: bool
+
+    @property
+    def complete(self) -> bool:
+        return self.satisfied and self.violated and (self.boundary or not has_boundary(self.rule))
+
+
+def has_boundary(rule: RuleInfo) -> bool:
+    """Whether a rule compares numbers, so that a case can lie exactly on its boundary."""
+    return rule.unit != "1" or "Compare" in {type(n).__name__ for n in _nodes(rule)}
+
+
+def _nodes(rule: RuleInfo) -> Iterator[object]:
+    from trackmarshal.ir.nodes import below
+
+    return below(rule.formula) if rule.formula is not None else iter(())
+
+
+def run_tests(spec: Spec, tests: Iterable[PreparedTest], backends: tuple[str, ...] = ("reference", "numpy")) -> Iterator[Outcome]:
+    """Run each test with each evaluator; it passes when all of them say what it expects."""
+    evaluators: dict[tuple[str, str], Evaluator] = {}
+    for test in tests:
+        message = ""
+        outcome = "passed"
+        for backend in backends:
+            key = (test.rule.name, backend)
+            if key not in evaluators:
+                evaluators[key] = Evaluator(spec, [test.rule.name], backend)
+            try:
+                evaluator = evaluators[key]
+                case = evaluator.read(test.case)
+                result = next(iter(evaluator.evaluate([case]))).rules[test.rule.name]
+            except TrackmarshalError as error:
+                outcome, message = "error", f"{backend}: {error.message}"
+                break
+            problem = mismatch(test, result)
+            if problem:
+                outcome, message = "failed", f"{backend}: {problem}"
+                break
+        yield Outcome(test, outcome, message)
+
+
+def mismatch(test: PreparedTest, result: RuleResult) -> str:
+    """What differs from what the test expects; empty when nothing does."""
+    margin = f", margin {result.margin:.9g} {result.unit}"
+    if result.verdict != test.verdict:
+        reason = f" ({result.reason})" if result.reason else ""
+        return f"expected {test.verdict}, got {result.verdict}{margin}{reason}"
+    if test.margin is not None and not _close(result.margin, test.margin, test.tolerance):
+        within = f" within {test.tolerance:g}" if test.tolerance else ""
+        return f"expected margin {test.margin:.9g}{within}, got {result.margin!r} {result.unit}"
+    if test.binder is not None:
+        binders = result.witness.binders if result.witness is not None else {}
+        if str(binders.get(test.binder)) != test.at:
+            return f"expected {test.binder} = {test.at} to decide, got {binders or 'nothing'}"
+    return ""
+
+
+def _close(value: float, wanted: float, tolerance: float) -> bool:
+    if math.isnan(wanted):
+        return math.isnan(value)
+    return value == wanted or abs(value - wanted) <= tolerance
+
+
+def coverage(spec: Spec, tests: Iterable[PreparedTest]) -> list[Coverage]:
+    """Every rule and monitor with what its tests show, in the order of the spec."""
+    by_rule: dict[str, list[PreparedTest]] = {}
+    for test in tests:
+        by_rule.setdefault(test.rule.name, []).append(test)
+    result = []
+    for rule in spec.rules:
+        if rule.formula is None:
+            continue
+        own = by_rule.get(rule.name, [])
+        verdicts = {test.verdict for test in own}
+        result.append(
+            Coverage(rule, len(own), "satisfied" in verdicts, "violated" in verdicts, any(test.boundary for test in own))
+        )
+    return result
