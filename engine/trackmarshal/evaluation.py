@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -100,12 +100,15 @@ def load(paths: Iterable[Path], configuration: Iterable[Path] = (), shown_from: 
 def configure(spec: Spec, settings: Spec) -> Spec:
     """The spec with the values of another module's parameters, tables and places in place of its own."""
     params, tables, places = dict(spec.params), dict(spec.tables), dict(spec.places)
-    for kind, target, source in (("parameter", params, settings.params), ("table", tables, settings.tables), ("place", places, settings.places)):
+    kinds: tuple[tuple[str, dict[str, Any], Mapping[str, Any]], ...] = (
+        ("parameter", params, settings.params), ("table", tables, settings.tables), ("place", places, settings.places)
+    )  # fmt: skip
+    for kind, target, source in kinds:
         for name, info in source.items():
-            _replace(kind, target, name, info)  # type: ignore[arg-type]
+            _replace(kind, target, name, info)
     digest = hashlib.sha256(spec.fingerprint.encode())
-    for info in [*params.values(), *tables.values(), *places.values()]:
-        digest.update(repr(info).encode())
+    for setting in (*params.values(), *tables.values(), *places.values()):
+        digest.update(repr(setting).encode())
     return Spec(spec.signals, spec.events, params, tables, places, spec.constraints, spec.rules, digest.hexdigest())
 
 

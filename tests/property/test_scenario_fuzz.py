@@ -166,6 +166,9 @@ def recordings(draw: st.DrawFn) -> Recording:
         params=draw(st.dictionaries(names, finite, max_size=2)),
         tables={name: [[x, 0.5] for x in xs] for name in draw(st.lists(names, max_size=2))},
         ground_truth={name: draw(truth) for name in draw(st.lists(st.sampled_from(TRUTHS), unique=True))},
+        obstacles=[
+            {"id": name, "x": draw(numbers)} for name in draw(st.lists(names, unique=True, max_size=2))
+        ],
         use=tuple(draw(st.lists(names, max_size=2))),
         notes=tuple(draw(st.lists(names, max_size=2))),
     )

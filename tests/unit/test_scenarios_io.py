@@ -41,6 +41,7 @@ def sample() -> Recording:
         params={"R_min": 11.0},
         tables={"ax_max": [[0.0, 6.0], [72.0, 2.5]]},
         ground_truth={"dynamic": (True, None), "static": (False, True)},
+        obstacles=[{"id": "cone", "x": 5.0, "y": 4.0, "heading": 0.0, "length": 0.4, "width": 0.4}],
         use=("vehicle.devbot",),
         notes=("by hand",),
     )
@@ -131,6 +132,7 @@ BAD_FIELDS = [
     ("0/params/R_min", "11", "params.R_min"),
     ("0/params", [], "params"),
     ("0/tables/ax_max", [], "ax_max"),
+    ("0/obstacles", [{"x": 1}], "obstacles[0].id"),
     ("0/use", "vehicle", "use"),
     ("1/t", "gone", "`t` is missing"),
     ("1/t", None, "t: has to be finite"),

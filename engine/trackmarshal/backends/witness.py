@@ -34,14 +34,17 @@ class Descent:
     def __init__(self, values: Values) -> None:
         self._values = values
         self._names: dict[int, tuple[ir.Axis, tuple[str, ...]]] = {}
+        #: The deciding comparison that was found last, and where it was evaluated.
+        self.decisive: tuple[ir.Formula, Env] | None = None
 
     def find(self, node: ir.Formula | None) -> Witness | None:
         """The witness of a closed formula; None where nothing decides (an empty range, a constant)."""
-        self._names = {}
+        self._names, self.decisive = {}, None
         env: Env = {}
         while node is not None:
             step = self._step(node, env)
             if isinstance(step, Witness):
+                self.decisive = (node, env)
                 return step
             if step is None:
                 return None

@@ -42,7 +42,7 @@ class Recording:
     """Cycles on one track, with parameters and tables that override the spec's, and ground truth.
 
     ground_truth has one entry a cycle: True is safe, False is unsafe, None leaves any verdict free (the paper,
-    section V-D). `use` names configuration specs to apply. `source`, the path as given, is no part of equality.
+    section V-D). obstacles stand still for the whole run: text `id`, x, y, heading, length, width. `use` names configuration specs to apply. `source`, the path as given, is no part of equality.
     """
 
     name: str
@@ -52,13 +52,14 @@ class Recording:
     params: dict[str, float] = field(default_factory=dict)
     tables: dict[str, list[list[float]]] = field(default_factory=dict)
     ground_truth: dict[str, tuple[bool | None, ...]] = field(default_factory=dict)
+    obstacles: list[dict[str, Any]] = field(default_factory=list)
     use: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     def signals(self, cycle: Cycle, candidate: str) -> dict[str, Any]:
-        """The signals of one check: plan, ego, objects, track and whether the plan is the emergency one.
+        """The signals of one check: plan, ego, objects, obstacles, track, and whether it is the emergency plan.
 
-        Nothing is copied, and `track` is the same object for every cycle. Raises D144.
+        Nothing is copied; `track` and `obstacles` are the same objects for every cycle. Raises D144.
         """
         plan = cycle.candidates.get(candidate)
         if plan is None:
@@ -69,6 +70,7 @@ class Recording:
             "plan": plan,
             "ego": cycle.ego,
             "objects": cycle.objects,
+            "obstacles": self.obstacles,
             "track": self.track,
             "emergency": candidate == "emergency",
         }

@@ -15,7 +15,7 @@ from trackmarshal.scenarios.recording import CANDIDATES, COLUMNS, TRUTHS, Column
 from trackmarshal.scenarios.trajectory import arc_length
 
 _SPELT = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
-_HEADER = ("format", "version", "name", "track", "params", "tables", "use", "notes")
+_HEADER = ("format", "version", "name", "track", "params", "tables", "obstacles", "use", "notes")
 _CYCLE = ("t", "ego", "objects", "candidates", "ground_truth")
 
 
@@ -33,6 +33,7 @@ def header(value: dict[str, Any]) -> dict[str, Any]:
         "track": _track(value["track"]),
         "params": {name: _finite(item, f"params.{name}") for name, item in params.items()},
         "tables": {name: _table(item, f"tables.{name}") for name, item in tables.items()},
+        "obstacles": _objects(value.get("obstacles", []), "obstacles"),
         "use": tuple(_text(item, "use") for item in _list(value.get("use", []), "use")),
         "notes": tuple(_text(item, "notes") for item in _list(value.get("notes", []), "notes")),
     }
@@ -42,9 +43,7 @@ def cycle(value: dict[str, Any]) -> tuple[Cycle, dict[str, bool | None]]:
     """A cycle and its ground truth. Raises Wrong."""
     _keys(value, "cycle", needed=_CYCLE[:-1], known=_CYCLE)
     ego = _mapping(value["ego"], "ego")
-    objects = [_object(item, f"objects[{i}]") for i, item in enumerate(_list(value["objects"], "objects"))]
-    if len({item["id"] for item in objects}) != len(objects):
-        raise Wrong("objects: an id stands twice in one cycle")
+    objects = _objects(value["objects"], "objects")
     candidates = _mapping(value["candidates"], "candidates")
     _keys(candidates, "candidates", needed=(), known=CANDIDATES)
     if not candidates:
@@ -112,6 +111,13 @@ def _finite(value: Any, where: str) -> float:
     if not math.isfinite(result):
         raise Wrong(f"{where}: has to be finite")
     return result
+
+
+def _objects(value: Any, where: str) -> list[dict[str, Any]]:
+    objects = [_object(item, f"{where}[{i}]") for i, item in enumerate(_list(value, where))]
+    if len({item["id"] for item in objects}) != len(objects):
+        raise Wrong(f"{where}: an id stands twice")
+    return objects
 
 
 def _object(value: Any, where: str) -> dict[str, Any]:

@@ -83,7 +83,7 @@ class _Compiler:
             for module in self.order:
                 step(module)
         rules = self._rules()
-        names = {rule.name for rule in rules} | {i.name for i in self._items(ast.Rule, ast.Assume)}
+        names = {rule.name for rule in rules} | {i.__dict__["name"] for i in self._items(ast.Rule, ast.Assume)}
         for rulebook in self._items(ast.Rulebook):
             check_rulebook(rulebook, names, self.found)
         for state in self._items(ast.State):

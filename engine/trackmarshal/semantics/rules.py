@@ -78,10 +78,10 @@ class RuleBuilder:
         requires = [c for c in item.clauses if isinstance(c, ast.Require)]
         if kind == "rule" and not requires:
             self.x.found.append(ClauseProblem(_headline(item.span), f"rule `{item.name}` requires nothing", "add a `require` clause"))
-        for clause in requires:
-            if (clause.keyword == "monitor") != (kind == "assume"):
+        for require in requires:
+            if (require.keyword == "monitor") != (kind == "assume"):
                 right = "monitor" if kind == "assume" else "require"
-                self._problem(clause, f"a {kind} states its condition with `{right}`", f"write `{right}`")
+                self._problem(require, f"a {kind} states its condition with `{right}`", f"write `{right}`")
         if kind == "rule":
             for clause in item.clauses:
                 if isinstance(clause, (ast.Evidence, ast.Owner)):

@@ -18,6 +18,7 @@ from trackmarshal.syntax.errors import (
 )
 from trackmarshal.syntax.expectation import spoken
 from trackmarshal.syntax.keywords import CLAUSES, DECLARATIONS, RESERVED
+from trackmarshal.syntax.names import GREEK
 from trackmarshal.syntax.slips import hint_for
 from trackmarshal.units import UNITS
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from lark.exceptions import UnexpectedInput
 
 _NOT_CODE = re.compile(r'"(?:[^"\\\n]|\\.)*"|--[^\n]*')
-_WORD = re.compile(r"[^\W\d]\w*")
+_WORD = re.compile(rf"[A-Za-z_{''.join(GREEK)}][A-Za-z0-9_{''.join(GREEK)}]*")
 _UNIT_TEXT = re.compile(r"[^\W\d_]+(?:\^-?[0-9]+|[²³])?(?:[/*·][^\W\d_]+(?:\^-?[0-9]+|[²³])?)*")
 _AFTER_NUMBER = re.compile(
     r"(?<![\w.])(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*(?=[^\W\d_])"

@@ -118,12 +118,11 @@ def grammar() -> str:
     text = (Path(__file__).with_name("spec.lark")).read_text("utf-8")
     words = sorted(set(re.findall(r'"([a-z]+)"', re.sub(r"//[^\n]*", "", text))))
     text = re.sub(r'"([a-z]+)"', lambda match: f"_{match[1].upper()}", text)
-    text += "".join(f"_{word.upper()}.1: /{word}\\b/\n" for word in words)
-    return (
-        text.replace("@U", UNIT_PATTERN)
-        .replace("@G", "".join(GREEK))
-        .replace("@R", "|".join(sorted(RESERVED)))
-    )
+    text += "".join(f"_{word.upper()}.1: /{word}@B/\n" for word in words)
+    letters, reserved = "".join(GREEK), "|".join(sorted(RESERVED))
+    # Spelled out: \w and \b take ² for a letter.
+    text = text.replace("@B", "(?![A-Za-z0-9_@G])").replace("@R", reserved)
+    return text.replace("@U", UNIT_PATTERN).replace("@G", letters)
 
 
 def make_parser(cache_file: str | None = None, strict: bool = False) -> Lark:

@@ -115,7 +115,7 @@ def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
 
 
 def _strange(found: str) -> str:
-    if not found or found.isascii():
+    if len(found) != 1 or found.isascii():
         return ""
     name = unicodedata.name(found[0], "")
     return f"the character is U+{ord(found[0]):04X} {name}".rstrip()

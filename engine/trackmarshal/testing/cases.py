@@ -55,7 +55,13 @@ def prepare(compiled: Compiled) -> tuple[list[PreparedTest], list[Diagnostic]]:
                 found.append(UnknownRuleOfTest(_head(item.span), item.rule))
                 continue
             if (item.rule, item.title) in titles:
-                found.append(BadGiven(_head(item.span), "another test of this rule has the same title", "say what this one shows"))
+                found.append(
+                    BadGiven(
+                        _head(item.span),
+                        "another test of this rule has the same title",
+                        "say what this one shows",
+                    )
+                )
             titles[item.rule, item.title] = item.span
             try:
                 prepared.append(_Preparation(compiled, module, found).test(item, rule))
@@ -99,8 +105,16 @@ class _Preparation:
         symbol = self._scope.find(entry.name)
         item = symbol.item if symbol is not None else None
         if symbol is None or not isinstance(item, (ast.Signal, ast.Event, ast.Param, ast.Table, ast.Place)):
-            known = [n for n in self._scope.names() if isinstance(getattr(self._scope.find(n), "item", None), (ast.Signal, ast.Event, ast.Param))]
-            self.fail(entry.span, f"`{entry.name}` is no signal, event, parameter, table or place", close_matches(entry.name, known))
+            known = [
+                n
+                for n in self._scope.names()
+                if isinstance(getattr(self._scope.find(n), "item", None), (ast.Signal, ast.Event, ast.Param))
+            ]
+            self.fail(
+                entry.span,
+                f"`{entry.name}` is no signal, event, parameter, table or place",
+                close_matches(entry.name, known),
+            )
             return
         if entry.changes and not (isinstance(item, ast.Signal) and self._spec.signals[item.name].sequence):
             self.fail(entry.changes[0].span, "`with` changes columns of a timeline")
@@ -119,7 +133,9 @@ class _Preparation:
                 units = self._spec.tables[symbol.qualified].units
                 case["tables"][symbol.qualified] = [self._pair(row, units) for row in self._list(entry.value)]
             case ast.Place():
-                case["places"][symbol.qualified] = [self._pair(row, ("m", "m")) for row in self._list(entry.value)]
+                case["places"][symbol.qualified] = [
+                    self._pair(row, ("m", "m")) for row in self._list(entry.value)
+                ]
 
     def _signal(self, signal: SignalType, entry: ast.Given) -> Any:
         if signal.many:
@@ -155,7 +171,11 @@ class _Preparation:
                     columns[field.name] = [from_si(number, field.unit) for number in built[field.name]]
             return columns
         if not isinstance(value, ast.RecordValue):
-            self.fail(_span(value), "a timeline is built, or given as { column: [...] }", "for example `line(v: 20 m/s)`")
+            self.fail(
+                _span(value),
+                "a timeline is built, or given as { column: [...] }",
+                "for example `line(v: 20 m/s)`",
+            )
         assert isinstance(value, ast.RecordValue)
         given = {}
         for column, content in zip(value.names, value.values):
@@ -166,7 +186,11 @@ class _Preparation:
     def _change(self, signal: SignalType, columns: dict[str, Any], change: ast.Change) -> None:
         field = self._field(signal, change.field, change.span)
         count = max((len(column) for column in columns.values()), default=0)
-        column = list(columns.get(change.field, [None if field.default is None else from_si(field.default, field.unit)] * count))
+        column = list(
+            columns.get(
+                change.field, [None if field.default is None else from_si(field.default, field.unit)] * count
+            )
+        )
         value = self._scalar(field, change.value)
         if change.index is None:
             column = [value] * count
@@ -188,7 +212,11 @@ class _Preparation:
         try:
             return builder.build(**arguments)
         except Exception as error:
-            self.fail(call.span, f"{builder.name}: {getattr(error, 'message', error)}", getattr(error, "help", None) or "")
+            self.fail(
+                call.span,
+                f"{builder.name}: {getattr(error, 'message', error)}",
+                getattr(error, "help", None) or "",
+            )
             raise AssertionError from error
 
     def _arguments(self, call: ast.Call, builder: Builder) -> dict[str, float]:
@@ -196,8 +224,16 @@ class _Preparation:
         for argument, value in zip(call.names, call.args):
             parameter = builder.parameters.get(argument)
             if parameter is None:
-                hint = close_matches(argument, builder.parameters) or "it takes " + ", ".join(builder.parameters)
-                self.fail(_span(value), f"`{builder.name}` has no argument `{argument}`" if argument else "arguments of builders are named", hint)
+                hint = close_matches(argument, builder.parameters) or "it takes " + ", ".join(
+                    builder.parameters
+                )
+                self.fail(
+                    _span(value),
+                    f"`{builder.name}` has no argument `{argument}`"
+                    if argument
+                    else "arguments of builders are named",
+                    hint,
+                )
             assert parameter is not None
             arguments[argument] = self._number(value, parameter.unit)
         missing = [n for n, p in builder.parameters.items() if p.required and n not in arguments]
@@ -209,13 +245,19 @@ class _Preparation:
         if not isinstance(value, ast.RecordValue):
             self.fail(_span(value), f"`{signal.name}` takes a record", "for example `{ x: 0 m, y: 0 m }`")
         assert isinstance(value, ast.RecordValue)
-        return {n: self._scalar(self._field(signal, n, _span(v)), v) for n, v in zip(value.names, value.values)}
+        return {
+            n: self._scalar(self._field(signal, n, _span(v)), v) for n, v in zip(value.names, value.values)
+        }
 
     def _field(self, signal: SignalType, field: str, span: Span) -> FieldType:
         kind = signal.field(field)
         if kind is None:
             names = [f.name for f in signal.fields_]
-            self.fail(span, f"`{signal.name}` has no field `{field}`", close_matches(field, names) or "it has " + ", ".join(names))
+            self.fail(
+                span,
+                f"`{signal.name}` has no field `{field}`",
+                close_matches(field, names) or "it has " + ", ".join(names),
+            )
         assert kind is not None
         return kind
 
@@ -253,7 +295,11 @@ class _Preparation:
             self._move()
             raise
         if checked.dimension != dimension:
-            hint = f"write `{_span(value).text.strip()} {show(dimension)}`" if checked.dimension == NUMBER else ""
+            hint = (
+                f"write `{_span(value).text.strip()} {show(dimension)}`"
+                if checked.dimension == NUMBER
+                else ""
+            )
             self.fail(_span(value), f"{what} is needed, this is {checked.spoken}", hint)
         params = self._spec.params
         number = constant_value(checked.node, lambda q: params[q].value if q in params else None)
@@ -272,13 +318,22 @@ class _Preparation:
         self, expect: ast.Expect, rule: RuleInfo, item: ast.Test
     ) -> tuple[str, float | None, float, str | None, str | None]:  # fmt: skip
         if expect.verdict not in VERDICTS:
-            self._wrong(expect.span, f"`{expect.verdict}` is no verdict", close_matches(expect.verdict, VERDICTS) or ", ".join(VERDICTS))
+            self._wrong(
+                expect.span,
+                f"`{expect.verdict}` is no verdict",
+                close_matches(expect.verdict, VERDICTS) or ", ".join(VERDICTS),
+            )
         margin, tolerance = None, 0.0
         if expect.margin is not None:
             margin = self._margin(expect.margin, rule)
             tolerance = 0.0 if expect.tolerance is None else self._margin(expect.tolerance, rule)
         at = expect.at.strip('"') if expect.at is not None else None
-        if at is not None and expect.at is not None and not expect.at.startswith('"') and float(at) != int(float(at)):
+        if (
+            at is not None
+            and expect.at is not None
+            and not expect.at.startswith('"')
+            and float(at) != int(float(at))
+        ):
             self._wrong(expect.span, "an index is a whole number")
         return expect.verdict, margin, tolerance, expect.binder, at
 
@@ -287,7 +342,9 @@ class _Preparation:
         if special is not None:
             return special
         if rule.unit == "mixed":
-            self._wrong(_span(value), f"the margins of `{rule.name}` have several dimensions; expect the verdict only")
+            self._wrong(
+                _span(value), f"the margins of `{rule.name}` have several dimensions; expect the verdict only"
+            )
         dimension = LENGTH if rule.unit == "m" else _dimension(rule.unit)
         return self._si(value, dimension, f"{name(dimension)} (the margin of `{rule.name}`)")
 

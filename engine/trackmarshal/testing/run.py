@@ -48,7 +48,9 @@ def _nodes(rule: RuleInfo) -> Iterator[object]:
     return below(rule.formula) if rule.formula is not None else iter(())
 
 
-def run_tests(spec: Spec, tests: Iterable[PreparedTest], backends: tuple[str, ...] = ("reference", "numpy")) -> Iterator[Outcome]:
+def run_tests(
+    spec: Spec, tests: Iterable[PreparedTest], backends: tuple[str, ...] = ("reference", "numpy")
+) -> Iterator[Outcome]:
     """Run each test with each evaluator; it passes when all of them say what it expects."""
     evaluators: dict[tuple[str, str], Evaluator] = {}
     for test in tests:
@@ -106,6 +108,12 @@ def coverage(spec: Spec, tests: Iterable[PreparedTest]) -> list[Coverage]:
         own = by_rule.get(rule.name, [])
         verdicts = {test.verdict for test in own}
         result.append(
-            Coverage(rule, len(own), "satisfied" in verdicts, "violated" in verdicts, any(test.boundary for test in own))
+            Coverage(
+                rule,
+                len(own),
+                "satisfied" in verdicts,
+                "violated" in verdicts,
+                any(test.boundary for test in own),
+            )
         )
     return result

@@ -59,7 +59,7 @@ class Batch:
         """(cases, longest): a Boolean column as 1, 0 and NaN for a missing value."""
         key = (signal, field)
         if key not in self._columns:
-            columns = [[np.nan if v is None else float(v) for v in case.columns[signal][field]] for case in self.cases]
+            columns: list[Sequence[Any]] = [[np.nan if v is None else float(v) for v in case.columns[signal][field]] for case in self.cases]
             self._columns[key] = self._stack(columns, self.lengths(signal))
         return self._columns[key]
 

@@ -15,10 +15,10 @@ INF = np.inf
 
 
 class Side(NamedTuple):
-    """The worst or the best case: whether the formula holds, and its margin."""
+    """The worst or the best case: whether the formula holds, and its margin; arrays, or numpy scalars."""
 
-    sat: Array
-    margin: Array
+    sat: Any
+    margin: Any
 
 
 class Value(NamedTuple):
@@ -28,7 +28,7 @@ class Value(NamedTuple):
     best: Side
 
 
-def defined(sat: Array, margin: Array) -> Value:
+def defined(sat: Any, margin: Any) -> Value:
     side = Side(sat, margin)
     return Value(side, side)
 

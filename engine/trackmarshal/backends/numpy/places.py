@@ -68,7 +68,7 @@ def fault(batch: Batch, index: int, area: ir.Area) -> str | None:
 
 def _by_case(batch: Batch, args: Sequence[Any], method: Callable[[int], Callable[..., Any]], parts: int = 1) -> Any:
     """Call a prepared object's method on flattened arguments, case by case unless all cases share the object."""
-    arrays = np.broadcast_arrays(*args)
+    arrays = list(np.broadcast_arrays(*args))
     shape = arrays[0].shape
     methods = [method(index) for index in range(batch.size)]
     owners = {id(getattr(m, "__self__", m)) for m in methods}

@@ -82,7 +82,8 @@ class Run:
     def verdicts(self, rule: RuleInfo) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """(cases,) verdict names and (cases,) margins of a rule, without witnesses."""
         size = self.batch.size
-        value: Value = self.of(rule.formula) if rule.formula is not None else logic.defined(np.True_, np.float64(np.inf))
+        assert rule.formula is not None
+        value: Value = self.of(rule.formula)
         worst = np.broadcast_to(np.ravel(value.worst.sat), (size,))
         best = np.broadcast_to(np.ravel(value.best.sat), (size,))
         verdict = np.where(worst, "satisfied", np.where(best, "undefined", "violated"))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from trackmarshal.backends.reference import geometry, temporal
 from trackmarshal.backends.results import case_result
@@ -152,9 +152,10 @@ class Reference:
         if node.what == "in_area":
             assert node.area is not None
             return geometry.in_zone_margin(args[0], args[1], self.zone(node.area))
-        pose0, pose1, length, width = tuple(args[0:3]), tuple(args[3:6]), args[6], args[7]
+        pose0, pose1 = (args[0], args[1], args[2]), (args[3], args[4], args[5])
+        length, width = args[6], args[7]
         if node.what == "swept_clear":
-            return geometry.clear_margin(pose0, pose1, length, width, tuple(args[8:11]), args[11], args[12])
+            return geometry.clear_margin(pose0, pose1, length, width, (args[8], args[9], args[10]), args[11], args[12])
         if node.what == "swept_inside":
             assert node.area is not None
             if node.area.kind == "zone":
@@ -207,15 +208,15 @@ class Reference:
                 past = node.op in ("historically", "once")
                 windows = temporal.windows(self.times(axis), node.lower, node.upper, past)
                 kernel = temporal.always if node.op in ("always", "historically") else temporal.eventually
-                return _both(lambda side: kernel(*side(operand), windows))
+                return _both(lambda side: kernel(side(operand)[0], side(operand)[1], windows))
             case ir.Until():
                 left, right = self.along(node.left, axis, env), self.along(node.right, axis, env)
                 windows = temporal.windows(self.times(axis), node.lower, node.upper, node.op == "since")
                 held = temporal.until if node.op == "until" else temporal.since
-                return _both(lambda side: held(*side(left), *side(right), windows))
+                return _both(lambda side: held(side(left)[0], side(left)[1], side(right)[0], side(right)[1], windows))
             case ir.Shift():
                 operand = self.along(node.operand, axis, env)
-                return _both(lambda side: temporal.shift(*side(operand), node.step, node.weak))
+                return _both(lambda side: temporal.shift(side(operand)[0], side(operand)[1], node.step, node.weak))
             case ir.Edge():
                 operand = self.along(node.operand, axis, env)
                 edge = temporal.rising if node.op == "rising" else temporal.falling
@@ -257,10 +258,14 @@ def _best(values: list[Truth]) -> tuple[list[bool], list[float]]:
     return [v.best.sat for v in values], [v.best.margin for v in values]
 
 
-_OTHER = {_worst: _best, _best: _worst}
 
 
-def _both(kernel) -> list[Truth]:  # type: ignore[no-untyped-def]
+Sides = tuple[list[bool], list[float]]
+Pick = Callable[[list[Truth]], Sides]
+_OTHER: dict[Pick, Pick] = {_worst: _best, _best: _worst}
+
+
+def _both(kernel: Callable[[Pick], Sides]) -> list[Truth]:
     """Run a kernel on the worst cases and on the best ones."""
     worst, best = kernel(_worst), kernel(_best)
-    return [Truth(Bound(a, b), Bound(c, d)) for a, b, c, d in zip(*worst, *best)]
+    return [Truth(Bound(a, b), Bound(c, d)) for a, b, c, d in zip(worst[0], worst[1], best[0], best[1])]

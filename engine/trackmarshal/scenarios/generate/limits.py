@@ -12,6 +12,7 @@ from trackmarshal.scenarios.recording import Columns
 
 #: Roundings of the generated numbers are no violations.
 TOLERANCE = 1e-6
+GRAVITY = 9.81
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,14 +31,25 @@ class Vehicle:
 
     @property
     def params(self) -> dict[str, float]:
-        """What a recording of this vehicle overrides in the spec's parameters."""
-        return {"length": self.length, "width": self.width, "R_min": self.turn_radius}
+        """What a recording of this vehicle overrides in the parameters of the shipped specs' vehicles.
+
+        Its limits hold as they are: no share of the drive beyond the table's, no drag.
+        """
+        return {
+            "length": self.length,
+            "width": self.width,
+            "R_min": self.turn_radius,
+            "b_max": self.brake,
+            "mu": self.grip / GRAVITY,
+            "g": GRAVITY,
+            "drag": 0.0,
+            "drive_factor": 1.0,
+        }
 
     @property
     def tables(self) -> dict[str, list[list[float]]]:
-        """What a recording of this vehicle overrides in the spec's tables, named as those of .saa recordings are."""
-        ends = (self.drive[0][0], self.drive[-1][0])
-        return {"ax_max": self.drive, "grip": [[v, self.grip] for v in dict.fromkeys(ends)]}
+        """What it overrides in their tables."""
+        return {"ax_max": self.drive}
 
     def extents(self, tilt: float) -> tuple[float, float]:
         """Half the extents along and across the road of the rectangle that is turned by `tilt`, m."""

@@ -1,1 +1,29 @@
-"""The definitions of docs/geometry.md one by one, in plain Python: the oracle of `runtime.geometry`."""
+"""The definitions of docs/geometry.md one by one, in plain Python: the oracle of `trackmarshal.runtime.geometry`."""
+
+from trackmarshal.backends.reference.geometry.corridor import (
+    corridor_fault,
+    hull_in_polygon_margin,
+    hull_inside_margin,
+    in_zone_margin,
+    zone_fault,
+)
+from trackmarshal.backends.reference.geometry.curvilinear import (
+    centre_line,
+    distance_to_line,
+    line_fault,
+    project,
+    station_gap,
+)
+from trackmarshal.backends.reference.geometry.footprint import (
+    clear_margin,
+    convex_clearance,
+    footprint,
+    swept,
+    swept_clearance,
+)
+
+__all__ = [
+    "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "distance_to_line", "footprint",
+    "hull_in_polygon_margin", "hull_inside_margin", "in_zone_margin", "line_fault", "project", "station_gap", "swept",
+    "swept_clearance", "zone_fault",
+]  # fmt: skip

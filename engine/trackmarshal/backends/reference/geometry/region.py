@@ -15,11 +15,10 @@ LEAST = -2.2250738585072014e-308
 
 @dataclass(frozen=True)
 class Region:
-    """A closed region of the plane: its border, segment by segment, and simple polygons whose union (or, for the
-    first and an inner second one, difference) it is."""
+    """A closed region of the plane: its border, segment by segment, and how to tell its inside."""
 
     border: tuple[tuple[Point, Point], ...]
-    #: A point is inside when a ray from it crosses these an odd number of times; several groups unite.
+    #: A point is inside when a ray from it crosses the sides of any one group an odd number of times.
     groups: tuple[tuple[tuple[Point, Point], ...], ...]
 
     def holds(self, x: float, y: float) -> bool:

@@ -1,0 +1,40 @@
+# Everything below sets up what it needs: a virtual environment with pinned dependencies.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.ready
+
+.PHONY: assess test acceptance bench lint format clean
+
+assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/index.html
+	$(BIN)/trackmarshal assess --out out/assess
+
+test: $(STAMP) lint  ## everything that CI runs
+	$(BIN)/python -m pytest
+
+acceptance: $(STAMP) lint  ## every "Done when" point that can be a command; takes longer than CI
+	TRACKMARSHAL_GENERATED=10000 HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -m "acceptance or not acceptance"
+	$(BIN)/trackmarshal bench
+
+bench: $(STAMP)  ## CPU times, medians, as ratios where a yardstick is at hand
+	$(BIN)/trackmarshal bench
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: $(STAMP)
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	$(BIN)/trackmarshal fmt specs engine/trackmarshal/prelude
+
+clean:
+	rm -rf $(VENV) out build dist .mypy_cache .ruff_cache .pytest_cache
+
+$(STAMP): pyproject.toml constraints.txt
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or later is needed; set PYTHON=")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	touch $@

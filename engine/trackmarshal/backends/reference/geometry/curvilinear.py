@@ -1,0 +1,108 @@
+"""Curvilinear coordinates: where along a line, and how far beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from trackmarshal.backends.reference.geometry.points import (
+    Point,
+    Segment,
+    along,
+    between,
+    chain,
+    distance,
+    distinct,
+    side,
+    square,
+    usable,
+)
+
+Points = Sequence[Sequence[float]]
+NOWHERE = (math.nan, math.nan, math.nan)
+
+
+def line_fault(points: Points, closed: bool = False) -> str | None:
+    """What makes a line unusable; None for a usable one."""
+    for index, (x, y) in enumerate(points):
+        if not usable(x, y):
+            return f"line: point {index} is ({x:g}, {y:g}), not finite or beyond 1e+09 m"
+    least = 3 if closed else 2
+    return f"line has fewer than {least} distinct points" if len(distinct(points, closed)) < least else None
+
+
+def project(x: float, y: float, points: Points, closed: bool = False) -> tuple[float, float, float]:
+    """Station [m], offset [m, positive to the left] and direction [rad] of a point along a line.
+
+    The nearest segment wins, of equally near ones the first. Beyond the ends of an open line its first and last segment
+    go on as rays, so the station runs on below 0 and above the length. On a closed line it is in [0, length).
+    """
+    if line_fault(points, closed) or not usable(x, y):
+        return NOWHERE
+    segments = chain(distinct(points, closed), closed)
+    reaches = [distance(x, y, s) for s in segments]
+    nearest = reaches.index(min(reaches))
+    s = segments[nearest]
+    length = math.sqrt(square(s))
+    advance, offset = along(s, x, y) / length, side(s, x, y) / length
+    before = advance <= 0.0 and (closed or nearest > 0)
+    after = along(s, x, y) >= square(s) and (closed or nearest < len(segments) - 1)
+    if before or after:
+        advance = 0.0 if before else length
+        offset = math.copysign(reaches[nearest], offset)
+    station = stations(segments)[nearest] + advance
+    if closed and station >= stations(segments)[-1]:
+        station = 0.0
+    return station, offset, math.atan2(s.ey, s.ex)
+
+
+def stations(segments: Sequence[Segment]) -> list[float]:
+    """The station [m] of each point of a line; the last one is its length."""
+    reached = [0.0]
+    for s in segments:
+        reached.append(reached[-1] + math.sqrt(square(s)))
+    return reached
+
+
+def station_gap(points: Points, s_from: float, s_to: float, closed: bool = False) -> float:
+    """How far `s_to` lies ahead of `s_from` [m]; on a closed line the shorter way round, in (-length/2, length/2]."""
+    if line_fault(points, closed) or not (math.isfinite(s_from) and math.isfinite(s_to)):
+        return math.nan
+    gap = s_to - s_from
+    if closed:
+        length = stations(chain(distinct(points, True), True))[-1]
+        gap -= length * math.ceil(gap / length - 0.5)
+    return gap
+
+
+def distance_to_line(x: float, y: float, points: Points, closed: bool = False) -> float:
+    """The distance [m] of a point from a line; of a line that is a single point, from that point."""
+    if not usable(x, y) or not all(usable(*point) for point in points) or not points:
+        return math.nan
+    kept = distinct(points, closed)
+    if len(kept) == 1:
+        return between(x, y, *kept[0])
+    return min(distance(x, y, s) for s in chain(kept, closed))
+
+
+def centre_line(left: Points, right: Points, closed: bool = False) -> list[Point]:
+    """The line midway between two borders: midpoints of paired points, or else from each left point to the right border."""
+    lefts, rights = [(p[0], p[1]) for p in left], [(p[0], p[1]) for p in right]
+    if len(lefts) == len(rights):
+        return [((p[0] + q[0]) / 2, (p[1] + q[1]) / 2) for p, q in zip(lefts, rights)]
+    if not all(usable(*point) for point in lefts + rights):
+        return []
+    kept = distinct(rights, closed)
+    if len(kept) < 2:
+        return []
+    border = chain(kept, closed)
+    feet = (foot(*p, min(border, key=lambda s: distance(*p, s))) for p in lefts)
+    return [((p[0] + q[0]) / 2, (p[1] + q[1]) / 2) for p, q in zip(lefts, feet)]
+
+
+def foot(x: float, y: float, s: Segment) -> Point:
+    """The point of a segment nearest to a point."""
+    t = along(s, x, y) / square(s)
+    if 0.0 < t < 1.0:
+        return s.ax + t * s.ex, s.ay + t * s.ey
+    return (s.ax, s.ay) if between(x, y, s.ax, s.ay) <= between(x, y, s.bx, s.by) else (s.bx, s.by)

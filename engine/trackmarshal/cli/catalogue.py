@@ -1,0 +1,31 @@
+"""All error codes of all rooms, for `explain` and for SARIF."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+#: Modules whose diagnostics or CODES belong to the catalogue.
+_SOURCES = (
+    "trackmarshal.source", "trackmarshal.syntax.errors", "trackmarshal.semantics.errors", "trackmarshal.testing.errors",
+    "trackmarshal.evaluation", "trackmarshal.cli.project", "trackmarshal.cli.evaluate", "trackmarshal.cli.replay",
+    "trackmarshal.cli.explain", "trackmarshal.runtime.codes", "trackmarshal.scenarios.codes",
+    "trackmarshal.backends.reference.temporal", "trackmarshal.trace.codes",
+)  # fmt: skip
+
+
+def catalogue() -> dict[str, tuple[str, str]]:
+    """Code -> (title, explanation), sorted by code; raises on a code that two rooms claim."""
+    from trackmarshal.diagnostics.base import Diagnostic
+
+    found: dict[str, tuple[str, str]] = {}
+    for name in _SOURCES:
+        module = import_module(name)
+        own: dict[str, tuple[str, str]] = dict(getattr(module, "CODES", {}))
+        for item in vars(module).values():
+            if isinstance(item, type) and issubclass(item, Diagnostic) and item.code and item.__module__ == name:
+                own[item.code] = (item.title, item.explanation)
+        for code, entry in own.items():
+            if code in found and found[code] != entry:
+                raise AssertionError(f"code {code} is claimed twice")
+            found[code] = entry
+    return dict(sorted(found.items()))

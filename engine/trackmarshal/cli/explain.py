@@ -1,0 +1,132 @@
+"""What an error code means, or why a rule said what it said in one cycle of a recording, with the numbers.
+
+  trackmarshal explain E301
+  trackmarshal explain run.tmrec.jsonl --rule friction --at 2.6
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.backends.reference.evaluator import Reference
+    from trackmarshal.evaluation import Evaluator
+    from trackmarshal.ir import nodes as ir
+    from trackmarshal.runtime.verdict import RuleResult
+
+CODES = {
+    "E441": ("unknown code", "`explain` takes a code as messages show it: a letter and three digits, such as E301."),
+    "E442": ("what to explain is not clear", "To explain a verdict, name the rule and the time: `explain RECORDING --rule R --at T`. T is the time of a cycle."),
+}  # fmt: skip
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("what", metavar="CODE|RECORDING", help="an error code, or a recording")
+    parser.add_argument("--rule", metavar="R")
+    parser.add_argument("--at", metavar="T", type=float, help="time of the cycle in s")
+    parser.add_argument("--candidate", choices=("driving", "emergency"), help="default: both")
+    parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
+    parser.add_argument("--with", dest="settings", action="append", default=[], metavar="FILE")
+
+
+def run(args: argparse.Namespace) -> int:
+    if re.fullmatch(r"[A-Za-z]\d{3}", args.what) and not Path(args.what).exists():
+        return _code(args.what.upper())
+    if args.rule is None or args.at is None:
+        raise TrackmarshalError("E442", f"`{args.what}` is no code", help="for a recording, add --rule R --at T")
+    return _verdict(args)
+
+
+def _code(code: str) -> int:
+    from trackmarshal.cli.catalogue import catalogue
+    from trackmarshal.diagnostics.base import close_matches
+
+    known = catalogue()
+    if code not in known:
+        raise TrackmarshalError("E441", f"there is no code {code}", help=close_matches(code, known) or None)
+    title, text = known[code]
+    print(f"{code}: {title}\n")
+    print(textwrap.fill(text, 88))
+    return 0
+
+
+def _verdict(args: argparse.Namespace) -> int:
+    from trackmarshal.backends.reference.evaluator import Reference
+    from trackmarshal.backends.results import rule_result
+    from trackmarshal.cli.replay import default_spec, evaluator_for
+    from trackmarshal.scenarios import load
+    from trackmarshal.scenarios.replay import known_tables
+
+    spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
+    recording = load(args.what)
+    evaluator = evaluator_for(recording, spec_path, [Path(p) for p in args.settings], optional_project(args), [args.rule], "reference")
+    cycle = min(recording.cycles, key=lambda c: abs(c.t - args.at))
+    if abs(cycle.t - args.at) > 1e-6:
+        raise TrackmarshalError("E442", f"no cycle at t = {args.at:g} s", help=f"the nearest is at {cycle.t:g} s")
+    tables, _ = known_tables(recording, evaluator.spec)
+    for candidate in [args.candidate] if args.candidate else list(cycle.candidates):
+        signals = recording.signals(cycle, candidate)
+        case = evaluator.read({"params": recording.params, "tables": tables, "signals": signals})
+        values = Reference(evaluator.spec, case)
+        result = rule_result(evaluator.rules[0], case, values)
+        print("\n".join(_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}")))
+    return 0
+
+
+def _told(evaluator: Evaluator, result: RuleResult, values: Reference, heading: str) -> list[str]:
+    """The verdict, the rule's text, the deciding comparison and every number in it."""
+    from trackmarshal.backends.witness import Descent
+
+    rule = evaluator.rules[0]
+    lines = [heading, f"{rule.name}: {rule.title}", f"  {result.verdict}, margin {_figure(result.margin)} {result.unit}"]
+    lines.append(f"  satisfies {', '.join(name for name, _ in rule.satisfies) or 'nothing'}; declared at {rule.span}")
+    if result.reason:
+        lines.append(f"  {result.reason}")
+    descent = Descent(values)
+    witness = None if rule.formula is None or values.case.blocks(rule.reads) else descent.find(rule.formula)
+    if witness is None or descent.decisive is None:
+        return lines
+    node, env = descent.decisive
+    if witness.binders:
+        lines.append("  decided at " + ", ".join(f"{name} = {index}" for name, index in witness.binders.items()))
+    if witness.span is not None:
+        lines.append(f"  by {witness.span}: {' '.join(witness.span.text.split())}")
+    lines += [f"    {text} = {_figure(value)}" for text, value in _numbers(node, env, values)]
+    return lines
+
+
+def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[tuple[str, float]]:
+    """Both sides of a comparison, and each input, parameter and table value in them."""
+    from trackmarshal.ir import nodes as ir
+
+    rows: list[tuple[str, float]] = []
+    if isinstance(node, ir.Compare):
+        rows += [("left side", values.number(node.left, env)), ("right side", values.number(node.right, env))]
+    leaves: dict[str, float] = {}
+    for part in ir.below(node):
+        if isinstance(part, ir.Column):
+            leaves[f"{part.axis.signal}[{env[part.axis.level] + part.offset}].{part.field}"] = values.number(part, env)
+        elif isinstance(part, ir.Scalar):
+            leaves[f"{part.signal}.{part.field}"] = values.number(part, env)
+        elif isinstance(part, ir.Sample):
+            leaves[f"{part.signal}.{'first' if part.index == 0 else 'last'}.{part.field}"] = values.number(part, env)
+        elif isinstance(part, ir.Param):
+            leaves[part.name] = values.number(part, env)
+        elif isinstance(part, ir.Lookup):
+            leaves[f"{part.table}({_figure(values.number(part.argument, env))})"] = values.number(part, env)
+        elif isinstance(part, ir.Along):
+            inside = ", ".join(_figure(values.number(arg, env)) for arg in part.args)
+            leaves[f"{part.what} along {part.line.name} of ({inside})"] = values.number(part, env)
+    return rows + sorted(leaves.items())
+
+
+def _figure(value: float) -> str:
+    return f"{value:.9g}" if math.isfinite(value) else str(value)

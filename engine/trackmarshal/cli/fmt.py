@@ -1,0 +1,68 @@
+"""Lay out spec files in the one layout. Comments stay; nothing else of the meaning changes.
+
+With --check nothing is written, and files that would change are named.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+from trackmarshal.cli.output import print_problem
+from trackmarshal.cli.project import find_project
+from trackmarshal.errors import TrackmarshalError
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 when a file would change")
+
+
+def run(args: argparse.Namespace) -> int:
+    from trackmarshal.semantics.modules import spec_files
+    from trackmarshal.source import read
+    from trackmarshal.syntax.format import format_text
+
+    paths = [Path(p) for p in args.paths] or [find_project(args) / "specs"]
+    status, changed, seen = 0, 0, 0
+    for path in (file for given in paths for file in spec_files(given)):
+        seen += 1
+        try:
+            text = format_text(read(path, _shown(path)))
+        except TrackmarshalError as error:
+            print_problem(error)
+            status = 1
+            continue
+        if text.encode() == path.read_bytes():
+            continue
+        changed += 1
+        if args.check:
+            print(f"would lay out {_shown(path)}")
+            status = 1
+        else:
+            _replace(path, text)
+            if not args.quiet:
+                print(f"laid out {_shown(path)}")
+    if not args.quiet and not changed and not status:
+        print(f"{seen} files, nothing to change", file=sys.stderr)
+    return status
+
+
+def _shown(path: Path) -> str:
+    return str(path)
+
+
+def _replace(path: Path, text: str) -> None:
+    """Write beside the file and swap, so that an interruption leaves the old or the new text."""
+    descriptor, name = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        os.chmod(name, path.stat().st_mode & 0o777)
+        os.replace(name, path)
+    except BaseException:
+        os.unlink(name)
+        raise

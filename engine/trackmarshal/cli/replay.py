@@ -1,0 +1,157 @@
+"""Run the rules over recordings: both candidates of every cycle, what is driven, and the ground truth.
+
+Recordings are `.tmrec.jsonl` (this tool's own format) or `.saa` (ScenarioArchitect). With --out, results are kept as
+evidence for the traceability matrix.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trackmarshal.cli.output import dump, number, progress, rule_json, table
+from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.evaluation import Evaluator
+    from trackmarshal.ir.spec import Spec
+    from trackmarshal.scenarios.recording import Recording
+    from trackmarshal.scenarios.replay import Replay
+
+CODES = {
+    "E431": ("a configuration that a recording names is not there", "A recording's `use` names configuration modules (a vehicle, a track) by their path from the project, or from the recording's own folder."),
+}  # fmt: skip
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="recordings: .tmrec.jsonl or .saa")
+    parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
+    parser.add_argument("--with", dest="settings", action="append", default=[], metavar="FILE", help="a configuration module (a vehicle, a track)")
+    parser.add_argument("--rule", action="append", metavar="R", help="evaluate only these rules (repeatable)")
+    parser.add_argument("--backend", choices=("numpy", "reference"), default="numpy")
+    parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")
+    parser.add_argument("--format", choices=("text", "jsonl"), default="text")
+
+
+def run(args: argparse.Namespace) -> int:
+    from trackmarshal.scenarios import load as load_recording
+
+    spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
+    project = optional_project(args)
+    status = 0
+    for path in args.scenarios:
+        recording = load_recording(path)
+        evaluator = evaluator_for(recording, spec_path, [Path(p) for p in args.settings], project, args.rule, args.backend)
+        outcome = run_one(recording, evaluator, args.quiet)
+        lines = json_lines(outcome)
+        if args.format == "jsonl":
+            for line in lines:
+                print(line)
+        else:
+            print(summary(outcome, evaluator))
+        if args.out:
+            from trackmarshal.cli.evidence import write_run
+
+            write_run(Path(args.out), outcome, evaluator, json_lines(outcome))
+        if outcome.fired:
+            status = 1
+    return status
+
+
+def default_spec(project: Path) -> Path:
+    """The spec that the project's v-model names for replay."""
+    from trackmarshal.trace.requirements import load_requirements
+
+    return project / load_requirements(project).settings.spec
+
+
+def evaluator_for(
+    recording: Recording, spec_path: Path, settings: list[Path], project: Path | None, rules: list[str] | None, backend: str
+) -> Evaluator:
+    """The chosen rules with the vehicle and track that the recording and the command line name."""
+    from trackmarshal.evaluation import Evaluator, load
+
+    used = [_setting(name, recording, project) for name in recording.use]
+    spec: Spec = load([spec_path], [*used, *settings], project)
+    evaluator = Evaluator(spec, rules, backend)
+    broken = evaluator.broken_constraints()
+    if broken:
+        raise TrackmarshalError("E403", broken[0])
+    return evaluator
+
+
+def _setting(name: str, recording: Recording, project: Path | None) -> Path:
+    folders = [Path(recording.source).parent, *([project] if project else [])]
+    for folder in folders:
+        if (folder / name).is_file():
+            return folder / name
+    raise TrackmarshalError("E431", f"`{name}` is neither beside the recording nor in the project", file=recording.source)
+
+
+def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
+    """Replay with a progress bar."""
+    from trackmarshal.scenarios.replay import replay
+
+    outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet))
+    for name in outcome.ignored:
+        if not quiet:
+            print(f"note: {recording.name}: its table `{name}` is unknown to the spec", file=sys.stderr)
+    return outcome
+
+
+def json_lines(outcome: Replay) -> list[str]:
+    """One line a cycle and candidate, as `cli.md` describes."""
+    lines = []
+    for cycle in outcome.cycles:
+        for candidate, result in cycle.results.items():
+            entry: dict[str, Any] = {
+                "scenario": outcome.recording.name, "t": number(cycle.t), "candidate": candidate, "safe": result.safe,
+                "rules": {name: rule_json(rule) for name, rule in result.rules.items()},
+                "decision": cycle.decision, "decision_from": cycle.decision_from,
+            }  # fmt: skip
+            if result.faults:
+                entry["faults"] = list(result.faults)
+            lines.append(dump(entry))
+    return lines
+
+
+def summary(outcome: Replay, evaluator: Evaluator) -> str:
+    """Which rules fired when, what was driven, and how that compares with the ground truth."""
+    from trackmarshal.scenarios.replay import DRIVE, NOTHING, PREVIOUS, intervals
+
+    times = [cycle.t for cycle in outcome.cycles]
+    rows = []
+    for rule in evaluator.rules:
+        for candidate in ("driving", "emergency"):
+            unsafe = [c for c in outcome.cycles if candidate in c.results and c.results[candidate].rules[rule.name].unsafe]
+            if not unsafe:
+                continue
+            worst = min(unsafe, key=lambda c: c.results[candidate].rules[rule.name].margin)
+            result = worst.results[candidate].rules[rule.name]
+            spans = ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals([c.t for c in unsafe], times))
+            verdicts = "/".join(sorted({c.results[candidate].rules[rule.name].verdict for c in unsafe}))
+            satisfies = ", ".join(name for name, _ in rule.satisfies)
+            where = str(result.witness.span) if result.witness and result.witness.span else result.reason
+            rows.append([rule.name, candidate, verdicts, spans, f"{result.margin:.4g} {result.unit} at {worst.t:g} s", satisfies, where])
+    count = {kind: sum(c.decision == kind for c in outcome.cycles) for kind in (DRIVE, PREVIOUS, NOTHING)}
+    lines = [f"{outcome.recording.name}: {len(times)} cycles, " + ", ".join(f"{n} {kind}" for kind, n in count.items() if n)]
+    if rows:
+        lines.append(table(rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"]))
+    else:
+        lines.append("every trajectory is safe")
+    faults = sorted({f for c in outcome.cycles for r in c.results.values() for f in r.faults})
+    lines += [f"input: {fault}" for fault in faults[:10]] + ([f"input: ... {len(faults) - 10} more"] if len(faults) > 10 else [])
+    for truth in outcome.truths:
+        judged = f"{truth.judged} cycles judged"
+        if truth.inside:
+            lines.append(f"ground truth, {truth.kind}: inside ({judged})")
+        else:
+            lines.append(f"ground truth, {truth.kind}: OUTSIDE ({judged}); missed at {_list(truth.missed)}, false alarm at {_list(truth.false_alarms)}")
+    return "\n".join(lines)
+
+
+def _list(times: tuple[float, ...]) -> str:
+    return ", ".join(f"{t:g}" for t in times) or "none"

@@ -1,0 +1,27 @@
+"""Generate recordings from their declarations: the same declaration gives the same recording, byte for byte.
+
+  trackmarshal scenario specs/scenarios/cut_in.yaml --out specs/scenarios/cut_in.tmrec.jsonl
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("declaration", metavar="YAML")
+    parser.add_argument("--out", metavar="FILE", help="default: the declaration's name with .tmrec.jsonl")
+
+
+def run(args: argparse.Namespace) -> int:
+    from trackmarshal.scenarios.generate import generate
+    from trackmarshal.scenarios.recording_io import write
+
+    declaration = Path(args.declaration)
+    target = Path(args.out) if args.out else declaration.with_suffix(".tmrec.jsonl")
+    recording = generate(declaration)
+    write(recording, target)
+    if not args.quiet:
+        print(f"{target}: {len(recording.cycles)} cycles")
+    return 0

@@ -1,0 +1,367 @@
+"""The small records that the engine writes and `trackmarshal.trace` reads: specs, tests and runs as facts.
+
+They travel as JSON in a results folder (by default `out/results/*.json`), one `ResultsFile` a file. Files are UTF-8,
+strict JSON; paths in them are relative to the project, with forward slashes; times are ISO 8601 with an offset.
+Fields are added over time and never renamed: readers ignore fields that they do not know and refuse files of a newer
+version. Nothing here imports more than the standard library.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple, TypeVar
+
+from trackmarshal.errors import TrackmarshalError
+
+FORMAT = "trackmarshal-results"
+VERSION = 1
+#: The largest results file that is read.
+MAX_BYTES = 64_000_000
+
+CODES = {
+    "T290": (
+        "a results file that cannot be read",
+        "A file in the results folder is not what `test`, `replay` and `assess` write: no JSON, another format, a newer version, or a "
+        "record with a field missing or of the wrong kind. Its contents count for nothing. Delete it, or write it again.",
+    ),
+}  # fmt: skip
+
+ITEM_KINDS = ("rule", "assume")
+VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
+OUTCOMES = ("passed", "failed", "error")
+
+
+class Ref(NamedTuple):
+    """A name that a spec mentions, and where: line and column from 1."""
+
+    id: str
+    line: int
+    column: int
+
+
+@dataclass(frozen=True, slots=True)
+class SpecItem:
+    """A rule or an assumption of a spec, as far as traceability is concerned."""
+
+    kind: str  #: "rule" or "assume"
+    name: str
+    title: str
+    satisfies: tuple[Ref, ...]
+    assuming: tuple[Ref, ...]
+    file: str
+    line: int
+    column: int
+    fingerprint: str  #: sha256 of the normalised text and of all it is made of
+    severity: str = ""
+    source: str = ""
+    owner: str = ""  #: assumptions: who answers for it
+    evidence: str = ""  #: assumptions: path of the record that backs it
+    monitored: bool = True  #: whether something is evaluated: always for rules, with a `monitor` for assumptions
+    compares: bool = True  #: whether it compares numbers, so that a test can sit exactly on its boundary
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "kind": self.kind, "name": self.name, "title": self.title,
+            "satisfies": [list(ref) for ref in self.satisfies], "assuming": [list(ref) for ref in self.assuming],
+            "file": self.file, "line": self.line, "column": self.column, "fingerprint": self.fingerprint,
+            "severity": self.severity, "source": self.source, "owner": self.owner, "evidence": self.evidence,
+            "monitored": self.monitored, "compares": self.compares,
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: object) -> SpecItem:
+        f = _Fields(data, "spec item")
+        return cls(
+            f.word("kind", ITEM_KINDS), f.text("name"), f.text("title", ""), f.refs("satisfies"), f.refs("assuming"),
+            f.text("file"), f.count("line"), f.count("column"), f.text("fingerprint"), f.text("severity", ""),
+            f.text("source", ""), f.text("owner", ""), f.text("evidence", ""), f.flag("monitored", True), f.flag("compares", True),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class SpecTest:
+    """A test written in a spec, not yet run."""
+
+    rule: str
+    title: str
+    expects: str  #: a verdict
+    boundary: bool  #: whether it expects a margin of about 0
+    file: str
+    line: int
+    column: int
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "rule": self.rule, "title": self.title, "expects": self.expects, "boundary": self.boundary,
+            "file": self.file, "line": self.line, "column": self.column,
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: object) -> SpecTest:
+        f = _Fields(data, "spec test")
+        return cls(
+            f.text("rule"), f.text("title", ""), f.word("expects", VERDICTS), f.flag("boundary", False),
+            f.text("file"), f.count("line"), f.count("column"),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class TestResult:
+    """What a test came to, and of which text of its rule; empty `spec_fingerprint`: not known."""
+
+    __test__ = False  # for pytest: not a test class
+
+    rule: str
+    title: str
+    outcome: str  #: "passed", "failed" or "error"
+    fingerprint: str  #: of the rule that was tested
+    message: str
+    file: str
+    line: int
+    spec_fingerprint: str = ""  #: of all rules, parameters, tables and places
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "rule": self.rule, "title": self.title, "outcome": self.outcome, "fingerprint": self.fingerprint,
+            "message": self.message, "file": self.file, "line": self.line, "spec_fingerprint": self.spec_fingerprint,
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: object) -> TestResult:
+        f = _Fields(data, "test result")
+        return cls(
+            f.text("rule"), f.text("title", ""), f.word("outcome", OUTCOMES), f.text("fingerprint"), f.text("message", ""),
+            f.text("file"), f.count("line"), f.text("spec_fingerprint", ""),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class RuleFacts:
+    """What one rule said in one run: per candidate how often each verdict, and when it was first violated (s)."""
+
+    rule: str
+    fingerprint: str
+    counts: Mapping[str, Mapping[str, int]]
+    first_violation: float | None = None
+
+    def number(self, *verdicts: str) -> int:
+        """How many evaluations came to one of these verdicts, over all candidates."""
+        return sum(count.get(verdict, 0) for count in self.counts.values() for verdict in verdicts)
+
+    def to_json(self) -> dict[str, Any]:
+        counts = {candidate: dict(count) for candidate, count in self.counts.items()}
+        first = self.first_violation
+        return {"rule": self.rule, "fingerprint": self.fingerprint, "counts": counts, "first_violation": first}
+
+    @classmethod
+    def from_json(cls, data: object) -> RuleFacts:
+        f = _Fields(data, "rule facts")
+        counts: dict[str, dict[str, int]] = {}
+        for candidate, value in f.table("counts").items():
+            inner = _Fields(value, f"rule facts: counts of `{candidate}`")
+            counts[candidate] = {inner.verdict(verdict): inner.count(verdict) for verdict in inner.data}
+        return cls(f.text("rule"), f.text("fingerprint"), counts, f.time("first_violation"))
+
+
+@dataclass(frozen=True, slots=True)
+class TruthFacts:
+    """How a run compares with one kind of its ground truth (`dynamic`, `static`)."""
+
+    inside: bool
+    violations: tuple[str, ...] = ()  #: where verdict and ground truth contradict each other, one sentence each
+    rules: tuple[str, ...] = ()  #: the rules that this truth judges; empty: all
+
+    def to_json(self) -> dict[str, Any]:
+        return {"inside": self.inside, "violations": list(self.violations), "rules": list(self.rules)}
+
+    @classmethod
+    def from_json(cls, data: object) -> TruthFacts:
+        f = _Fields(data, "ground truth")
+        return cls(f.flag("inside"), f.texts("violations"), f.texts("rules"))
+
+
+@dataclass(frozen=True, slots=True)
+class RunSummary:
+    """A replayed scenario: what was run, with which spec, and what came of it."""
+
+    scenario: str  #: path relative to the project, as v-model.yaml declares it
+    source_hash: str  #: sha256 of the scenario file's bytes
+    spec_fingerprint: str
+    cycles: int
+    rules: tuple[RuleFacts, ...]
+    ground_truth: Mapping[str, TruthFacts]
+    fired: bool  #: whether any cycle was rated unsafe
+    created: str
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "scenario": self.scenario, "source_hash": self.source_hash, "spec_fingerprint": self.spec_fingerprint,
+            "cycles": self.cycles, "rules": [facts.to_json() for facts in self.rules],
+            "ground_truth": {kind: truth.to_json() for kind, truth in self.ground_truth.items()},
+            "fired": self.fired, "created": self.created,
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: object) -> RunSummary:
+        f = _Fields(data, "run summary")
+        return cls(
+            f.text("scenario"), f.text("source_hash"), f.text("spec_fingerprint"), f.count("cycles"),
+            tuple(RuleFacts.from_json(item) for item in f.array("rules")),
+            {kind: TruthFacts.from_json(item) for kind, item in f.table("ground_truth").items()},
+            f.flag("fired"), f.text("created"),
+        )  # fmt: skip
+
+
+Record = SpecItem | SpecTest | TestResult | RunSummary
+
+_READERS: dict[str, Callable[[object], Record]] = {
+    "spec_items": SpecItem.from_json,
+    "spec_tests": SpecTest.from_json,
+    "test_results": TestResult.from_json,
+    "runs": RunSummary.from_json,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class ResultsFile:
+    """The envelope of a results file: `items` are all of the one kind that `holds` names."""
+
+    holds: str  #: "spec_items", "spec_tests", "test_results" or "runs"
+    items: tuple[Record, ...]
+    tool_version: str
+    created: str
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "format": FORMAT, "version": VERSION, "tool_version": self.tool_version, "created": self.created,
+            "holds": self.holds, "items": [item.to_json() for item in self.items],
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: object) -> ResultsFile:
+        f = _Fields(data, "results file")
+        if f.text("format", "") != FORMAT:
+            raise _refused(f"not a results file: its format is not `{FORMAT}`")
+        version = f.count("version")
+        if version > VERSION:
+            raise _refused(f"version {version} is newer than this program, which reads up to {VERSION}")
+        holds = f.word("holds", tuple(_READERS))
+        items = tuple(_READERS[holds](item) for item in f.array("items"))
+        return cls(holds, items, f.text("tool_version"), f.text("created"))
+
+
+def save(path: Path, file: ResultsFile) -> None:
+    """Write a results file, whole or not at all, creating its folder."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(file.to_json(), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    draft.write_text(text, encoding="utf-8")
+    draft.replace(path)
+
+
+def load(path: Path, shown: str | None = None) -> ResultsFile:
+    """Read a results file; raises T290. `shown` is the path that reports print."""
+    name = shown or str(path)
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise _refused(f"larger than {MAX_BYTES // 1_000_000} MB")
+        data = json.loads(path.read_bytes().decode("utf-8"), parse_constant=_no_constant)
+        return ResultsFile.from_json(data)
+    except TrackmarshalError as error:
+        raise TrackmarshalError("T290", error.message, file=name, help=_HELP) from error
+    except OSError as error:
+        raise TrackmarshalError("T290", error.strerror or str(error), file=name, help=_HELP) from error
+    except (ValueError, RecursionError) as error:
+        line = error.lineno if isinstance(error, json.JSONDecodeError) else None
+        reason = error.msg if isinstance(error, json.JSONDecodeError) else type(error).__name__
+        raise TrackmarshalError("T290", f"not strict JSON: {reason}", file=name, line=line, help=_HELP) from error
+
+
+_HELP = "delete it, or write it again with `trackmarshal test` or `trackmarshal replay`"
+T = TypeVar("T")
+_REQUIRED: Any = object()
+
+
+class _Fields:
+    """Typed access to a JSON object; raises T290 for what is missing or of the wrong kind."""
+
+    def __init__(self, data: object, what: str) -> None:
+        if not isinstance(data, dict):
+            raise _refused(f"{what}: an object is expected, not {_kind(data)}")
+        self.data: dict[str, Any] = data
+        self.what = what
+
+    def text(self, name: str, default: str = _REQUIRED) -> str:
+        return self._get(name, default, str, "a text")
+
+    def word(self, name: str, known: Sequence[str]) -> str:
+        value = self.text(name)
+        if value not in known:
+            raise _refused(f"{self.what}: `{name}` is `{value}`, known are {', '.join(known)}")
+        return value
+
+    def verdict(self, name: str) -> str:
+        if name not in VERDICTS:
+            raise _refused(f"{self.what}: `{name}` is no verdict")
+        return name
+
+    def flag(self, name: str, default: bool = _REQUIRED) -> bool:
+        return self._get(name, default, bool, "true or false")
+
+    def count(self, name: str) -> int:
+        value: int = self._get(name, _REQUIRED, int, "a whole number")
+        if isinstance(value, bool) or value < 0:
+            raise _refused(f"{self.what}: `{name}` must be a whole number from 0")
+        return value
+
+    def time(self, name: str) -> float | None:
+        value = self.data.get(name)
+        if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
+            raise _refused(f"{self.what}: `{name}` must be a number or null, not {_kind(value)}")
+        return None if value is None else float(value)
+
+    def array(self, name: str) -> list[Any]:
+        value: list[Any] = self._get(name, [], list, "a list")
+        return value
+
+    def table(self, name: str) -> dict[str, Any]:
+        value: dict[str, Any] = self._get(name, _REQUIRED, dict, "an object")
+        return value
+
+    def texts(self, name: str) -> tuple[str, ...]:
+        items = self.array(name)
+        if not all(isinstance(item, str) for item in items):
+            raise _refused(f"{self.what}: `{name}` must be a list of texts")
+        return tuple(items)
+
+    def refs(self, name: str) -> tuple[Ref, ...]:
+        items = self.array(name)
+        for item in items:
+            if not (isinstance(item, list) and [type(part) for part in item] == [str, int, int]):
+                raise _refused(f"{self.what}: `{name}` must be a list of [id, line, column]")
+        return tuple(Ref(*item) for item in items)
+
+    def _get(self, name: str, default: T, kind: type[T], said: str) -> T:
+        value = self.data.get(name, default)
+        if value is _REQUIRED:
+            raise _refused(f"{self.what}: `{name}` is missing")
+        if not isinstance(value, kind):
+            raise _refused(f"{self.what}: `{name}` must be {said}, not {_kind(value)}")
+        return value
+
+
+def _kind(value: object) -> str:
+    names = {dict: "an object", list: "a list", str: "a text", bool: "a Boolean", int: "a number", float: "a number"}
+    return names.get(type(value), "null")
+
+
+def _refused(message: str) -> TrackmarshalError:
+    return TrackmarshalError("T290", message, help=_HELP)
+
+
+def _no_constant(word: str) -> float:
+    raise ValueError(f"{word} is not strict JSON")

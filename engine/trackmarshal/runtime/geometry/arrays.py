@@ -1,0 +1,64 @@
+"""Names of array types, and the checks of coordinates that every prepared shape makes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+Ints = NDArray[np.intp]
+Bools = NDArray[np.bool_]
+
+#: Numbers beyond this are no position: the spacing of doubles there exceeds a tenth of a micrometre.
+LIMIT = 1e9
+#: How much farther than the nearest a segment may seem and still be looked at exactly [m].
+SLACK = 1e-6
+
+
+def as_points(points: ArrayLike | Sequence[Sequence[float]]) -> Floats:
+    """Points as an (n, 2) array of its own, that cannot be written to."""
+    array = np.array(points, dtype=np.float64).reshape(-1, 2)
+    array.flags.writeable = False
+    return array
+
+
+def coordinates_fault(name: str, points: Floats, least: int, closed: bool) -> str | None:
+    """What makes a chain of points unusable: a coordinate that is none, or too few distinct points."""
+    bad = np.flatnonzero(~(np.abs(points) <= LIMIT).all(axis=1))
+    if bad.size:
+        x, y = points[bad[0]].tolist()
+        return f"{name}: point {bad[0]} is ({x:g}, {y:g}), not finite or beyond {LIMIT:g} m"
+    if len(distinct(points, closed)) < least:
+        return f"{name} has fewer than {least} distinct points"
+    return None
+
+
+def distinct(points: Floats, closed: bool) -> Floats:
+    """The points without repetitions of the one before; of a closed chain also without its repeated first point."""
+    if len(points) < 2:
+        return points
+    kept = np.concatenate([[True], (points[1:] != points[:-1]).any(axis=1)])
+    points = points[kept]
+    while closed and len(points) > 1 and (points[-1] == points[0]).all():
+        points = points[:-1]
+    return points
+
+
+def place(x: float, y: float) -> str:
+    """A point in a message."""
+    return f"({x:.3f}, {y:.3f})"
+
+
+def vector(values: Any) -> Floats:
+    """A number or numbers as a one-dimensional array."""
+    return np.atleast_1d(np.asarray(values, dtype=np.float64))
+
+
+def starts_of(rows: Ints) -> Ints:
+    """Where each run of equal numbers begins."""
+    starts: Ints = np.flatnonzero(np.concatenate([[True], rows[1:] != rows[:-1]]))
+    return starts

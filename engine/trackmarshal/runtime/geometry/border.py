@@ -1,0 +1,112 @@
+"""Directed segments in chains, and which of them are nearest to points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, starts_of
+
+#: Consecutive segments that share a bounding disc.
+BLOCK = 16
+#: Distances that are held at once while blocks are searched.
+AT_ONCE = 1 << 19
+
+
+class Border:
+    """Segments of open or closed chains of distinct points; immutable once built.
+
+    Segment k runs from (ax, ay) by (ex, ey) to (bx, by), of length `length`. (nx, ny) is the sum of the unit normals, to
+    the left, of the two segments that meet at its start: a point whose nearest border point is that start lies left of the
+    border where its direction from there has a positive product with (nx, ny).
+    """
+
+    def __init__(self, chains: Sequence[Floats], closed: bool) -> None:
+        starts = [chain if closed else chain[:-1] for chain in chains]
+        ends = [np.roll(chain, -1, axis=0) if closed else chain[1:] for chain in chains]
+        self.ax, self.ay = np.ascontiguousarray(np.concatenate(starts).T)
+        self.bx, self.by = np.ascontiguousarray(np.concatenate(ends).T)
+        self.size = self.ax.size
+        self.ex, self.ey = self.bx - self.ax, self.by - self.ay
+        self.square = self.ex * self.ex + self.ey * self.ey
+        self.length = np.sqrt(self.square)
+        firsts = np.cumsum([0, *(len(start) for start in starts)])
+        index = np.arange(self.size)
+        self.next, before = index + 1, index - 1
+        for first, last in zip(firsts[:-1], firsts[1:]):
+            self.next[last - 1], before[first] = first, last - 1
+        nx, ny = -self.ey / self.length, self.ex / self.length
+        self.nx, self.ny = nx + nx[before], ny + ny[before]
+        #: Rows ax, ay, ex, ey, square, length: what the distance of a hull takes of a segment, in one read.
+        self.table = np.stack([self.ax, self.ay, self.ex, self.ey, self.square, self.length])
+        self._blocks(firsts)
+        for array in (self.ax, self.ay, self.bx, self.by, self.ex, self.ey, self.square, self.length, self.table):
+            array.flags.writeable = False
+
+    def _blocks(self, firsts: Ints) -> None:
+        """Bounding discs of runs of segments, each centred at a point of the border."""
+        runs = []
+        for first, last in zip(firsts[:-1], firsts[1:]):
+            begins = np.arange(first, last, BLOCK)
+            runs.append(np.minimum(begins[:, None] + np.arange(BLOCK), last - 1))
+        self.runs = np.concatenate(runs)
+        middle = self.runs[:, BLOCK // 2]
+        self.disc_x, self.disc_y = self.ax[middle], self.ay[middle]
+        dx = np.stack([self.ax[self.runs], self.bx[self.runs]]) - self.disc_x[:, None]
+        dy = np.stack([self.ay[self.runs], self.by[self.runs]]) - self.disc_y[:, None]
+        self.disc_radius = np.sqrt(dx * dx + dy * dy).max(axis=(0, 2)) + SLACK
+
+    def distance(self, x: Floats, y: Floats, k: Ints) -> Floats:
+        """The distance of points from segments: to the line where the foot lies within, else to the nearer end."""
+        return self.distance_from(x - self.ax[k], y - self.ay[k], x - self.bx[k], y - self.by[k], k)
+
+    def distance_from(self, rx: Floats, ry: Floats, sx: Floats, sy: Floats, k: Ints) -> Floats:
+        """The same, of points as seen from the segment's start (rx, ry) and from its end (sx, sy)."""
+        ex, ey, square = self.ex[k], self.ey[k], self.square[k]
+        along = ex * rx + ey * ry
+        beside = (along > 0.0) & (along < square)
+        end = np.sqrt(np.minimum(rx * rx + ry * ry, sx * sx + sy * sy))
+        return np.where(beside, np.abs(ex * ry - ey * rx) / self.length[k], end)
+
+    def near(self, x: Floats, y: Floats, reach: float | Floats = 0.0) -> tuple[Ints, Ints, Floats]:
+        """All segments that are at most `reach` farther from a point than its nearest one.
+
+        Returns rows (which point, ascending), segments (ascending within a row, possibly repeated) and distances [m].
+        """
+        step = max(1, AT_ONCE // len(self.runs))
+        if x.size <= step:
+            return self._near(x, y, reach)
+        parts = []
+        for first in range(0, x.size, step):
+            chunk = slice(first, first + step)
+            rows, k, distance = self._near(x[chunk], y[chunk], reach if np.isscalar(reach) else np.asarray(reach)[chunk])
+            parts.append((rows + first, k, distance))
+        rows, k, distance = (np.concatenate(part) for part in zip(*parts))
+        return rows, k, distance
+
+    def _near(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints, Floats]:
+        dx, dy = x[:, None] - self.disc_x, y[:, None] - self.disc_y
+        centre = np.sqrt(dx * dx + dy * dy)
+        limit = centre.min(axis=1) + (reach + SLACK)
+        point, run = np.nonzero(centre - self.disc_radius <= limit[:, None])
+        k = self.runs[run]
+        distance = self.distance(x[point, None], y[point, None], k)
+        nearest = np.minimum.reduceat(distance.min(axis=1), starts_of(point)) + (reach + SLACK)
+        kept = np.flatnonzero(distance <= nearest[point, None])
+        return point[kept // BLOCK], k.ravel()[kept], distance.ravel()[kept]
+
+    def left_of(self, x: Floats, y: Floats, k: Ints) -> Bools:
+        """Whether points lie left of the border, each given a segment that is nearest to it."""
+        return self.left_from(x - self.ax[k], y - self.ay[k], x - self.bx[k], y - self.by[k], k)
+
+    def left_from(self, rx: Floats, ry: Floats, sx: Floats, sy: Floats, k: Ints) -> Bools:
+        """The same, of points as seen from the segment's start (rx, ry) and from its end (sx, sy)."""
+        ex, ey = self.ex[k], self.ey[k]
+        along = ex * rx + ey * ry
+        beside = (along > 0.0) & (along < self.square[k])
+        at_start = rx * rx + ry * ry <= sx * sx + sy * sy
+        vertex = np.where(at_start, k, self.next[k])
+        corner = np.where(at_start, rx, sx) * self.nx[vertex] + np.where(at_start, ry, sy) * self.ny[vertex]
+        left: Bools = np.where(beside, ex * ry - ey * rx, corner) > 0.0
+        return left

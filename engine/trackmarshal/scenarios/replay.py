@@ -1,0 +1,155 @@
+"""A recording through the rules: verdicts of both candidates in every cycle, what is driven, and the ground truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.verdict import CaseResult
+from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording
+
+#: What is driven: the planned trajectory, the last safe emergency trajectory, or nothing safe is known.
+DRIVE, PREVIOUS, NOTHING = "drive", "previous_emergency", "no_safe_trajectory"
+
+
+@dataclass(frozen=True, slots=True)
+class CycleOutcome:
+    """One cycle: the results of each candidate, the decision, and the time its trajectory is from."""
+
+    t: float
+    results: Mapping[str, CaseResult]
+    decision: str
+    decision_from: float | None
+
+    @property
+    def safe(self) -> bool:
+        return all(result.safe for result in self.results.values())
+
+
+@dataclass(frozen=True, slots=True)
+class TruthOutcome:
+    """Verdicts of one kind of rules against the recording's ground truth."""
+
+    kind: str
+    #: Times at which the truth says safe (unsafe) and the rules say otherwise.
+    missed: tuple[float, ...]
+    false_alarms: tuple[float, ...]
+    judged: int
+
+    @property
+    def inside(self) -> bool:
+        return not self.missed and not self.false_alarms
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """A whole run."""
+
+    recording: Recording
+    cycles: tuple[CycleOutcome, ...]
+    truths: tuple[TruthOutcome, ...]
+    #: Tables of the recording that the spec does not know.
+    ignored: tuple[str, ...]
+
+    @property
+    def fired(self) -> bool:
+        return not all(cycle.safe for cycle in self.cycles)
+
+    def unsafe_times(self, candidate: str, rule: str) -> list[float]:
+        """When a rule made a candidate unsafe."""
+        return [c.t for c in self.cycles if candidate in c.results and c.results[candidate].rules[rule].unsafe]
+
+
+def replay(recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter) -> Replay:
+    """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar)."""
+    spec = evaluator.spec
+    tables, ignored = known_tables(recording, spec)
+    inputs: list[tuple[int, str]] = []
+    cases = []
+    for number, cycle in enumerate(recording.cycles):
+        for candidate in CANDIDATES:
+            if candidate not in cycle.candidates:
+                continue
+            raw = {"id": f"{cycle.t:g} {candidate}", "params": recording.params, "tables": tables,
+                   "signals": recording.signals(cycle, candidate)}  # fmt: skip
+            inputs.append((number, candidate))
+            cases.append(evaluator.read(raw))
+    results: list[CaseResult] = []
+    chunks = [cases[i : i + _CHUNK] for i in range(0, len(cases), _CHUNK)]
+    for chunk in watch(chunks):
+        results += evaluator.evaluate(chunk)
+    by_cycle: list[dict[str, CaseResult]] = [{} for _ in recording.cycles]
+    for (number, candidate), result in zip(inputs, results):
+        by_cycle[number][candidate] = result
+    cycles = tuple(_decisions(recording, by_cycle))
+    return Replay(recording, cycles, tuple(_truths(recording, cycles, evaluator.rules, spec)), ignored)
+
+
+#: Cases that are evaluated together.
+_CHUNK = 250
+
+
+def known_tables(recording: Recording, spec: Spec) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The recording's tables that the spec declares; a recording brings all that its car had."""
+    short = {name.rpartition(".")[2] for name in spec.tables}
+    known = {name: rows for name, rows in recording.tables.items() if name in short}
+    return known, tuple(sorted(set(recording.tables) - set(known)))
+
+
+def _decisions(recording: Recording, results: list[dict[str, CaseResult]]) -> Iterator[CycleOutcome]:
+    """What the paper's section V-B lets be driven.
+
+    A candidate that is missing is not safe. The emergency trajectory that is kept is that of the last cycle in which both
+    candidates were safe: an emergency trajectory of another cycle starts where the car never was going to be.
+    """
+    kept: float | None = None
+    for cycle, found in zip(recording.cycles, results):
+        if len(found) == len(CANDIDATES) and all(result.safe for result in found.values()):
+            kept = cycle.t
+            yield CycleOutcome(cycle.t, found, DRIVE, cycle.t)
+        else:
+            yield CycleOutcome(cycle.t, found, NOTHING if kept is None else PREVIOUS, kept)
+
+
+def kind_of(rule: RuleInfo, spec: Spec) -> str:
+    """`dynamic` for a rule that reads moving objects (a set whose elements have a speed), else `static`."""
+    for signal, _ in rule.reads:
+        info = spec.signals.get(signal)
+        if info is not None and info.many and info.field("v") is not None:
+            return "dynamic"
+    return "static"
+
+
+def _truths(
+    recording: Recording, cycles: Sequence[CycleOutcome], rules: Sequence[RuleInfo], spec: Spec
+) -> Iterator[TruthOutcome]:  # fmt: skip
+    for kind in TRUTHS:
+        truth = recording.ground_truth.get(kind)
+        if truth is None or all(value is None for value in truth):
+            continue
+        names = [rule.name for rule in rules if kind_of(rule, spec) == kind]
+        missed, alarms = [], []
+        for cycle, safe in zip(cycles, truth):
+            unsafe = any(result.rules[name].unsafe for result in cycle.results.values() for name in names)
+            if safe is False and not unsafe:
+                missed.append(cycle.t)
+            if safe is True and unsafe:
+                alarms.append(cycle.t)
+        yield TruthOutcome(kind, tuple(missed), tuple(alarms), sum(value is not None for value in truth))
+
+
+def intervals(times: Sequence[float], all_times: Sequence[float]) -> list[tuple[float, float]]:
+    """Runs of consecutive cycles as (first, last) times."""
+    wanted = set(times)
+    result: list[tuple[float, float]] = []
+    open_run: list[float] = []
+    for t in [*all_times, None]:
+        if t is not None and t in wanted:
+            open_run.append(t)
+        elif open_run:
+            result.append((open_run[0], open_run[-1]))
+            open_run = []
+    return result

@@ -1,0 +1,200 @@
+"""YAML text to a tree with places, refusing whatever a requirements file has no need for.
+
+The parser's events are read one by one, so nothing is built before it has been judged: no anchors and aliases (and so
+no bombs of them), no tags (and so no objects), one document, no duplicate keys, bounded depth. Values stay text; what
+kind of value a place wants is the business of `shapes`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from trackmarshal.trace.findings import Finding, Place, error
+
+#: The largest requirements file that is read; 10,000 requirements are about 6 MB.
+MAX_BYTES = 16_000_000
+#: How deep lists and mappings may nest; the documents here need 7.
+MAX_DEPTH = 20
+
+
+class Node:
+    """A value with its place."""
+
+    __slots__ = ("column", "line")
+
+    def __init__(self, line: int, column: int) -> None:
+        self.line = line
+        self.column = column
+
+
+class Scalar(Node):
+    """Text; `plain` when it stands without quotes, so that YAML readers might take it for a number or a Boolean."""
+
+    __slots__ = ("plain", "text")
+
+    def __init__(self, text: str, plain: bool, line: int, column: int) -> None:
+        super().__init__(line, column)
+        self.text = text
+        self.plain = plain
+
+
+class Listing(Node):
+    """A list."""
+
+    __slots__ = ("items",)
+
+    def __init__(self, line: int, column: int) -> None:
+        super().__init__(line, column)
+        self.items: list[Node] = []
+
+
+class Mapping(Node):
+    """Keys, which are text, and values, in the order written."""
+
+    __slots__ = ("entries", "key", "keys")
+
+    def __init__(self, line: int, column: int) -> None:
+        super().__init__(line, column)
+        self.entries: dict[str, Node] = {}
+        self.keys: dict[str, Scalar] = {}
+        self.key: Scalar | None = None
+
+
+def read(path: Path, shown: str, found: list[Finding]) -> Node | None:
+    """The tree of a file, or None; what is wrong goes to `found` (T101 to T111)."""
+    try:
+        size = path.stat().st_size
+        if size > MAX_BYTES:
+            message = f"{size} bytes, the limit is {MAX_BYTES}"
+            found.append(error("T102", message, Place(shown), "split it into several files"))
+            return None
+        data = path.read_bytes()
+    except OSError as problem:
+        found.append(error("T101", problem.strerror or str(problem), Place(shown), "check the path and its permissions"))
+        return None
+    return parse(data, shown, found)
+
+
+def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
+    """The tree of a text in UTF-8 (byte order mark and CRLF allowed), or None."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        line = data.count(b"\n", 0, problem.start) + 1
+        message = f"byte {data[problem.start]:#04x} at offset {problem.start} is not UTF-8"
+        found.append(error("T104", message, Place(shown, line), "save the file as UTF-8"))
+        return None
+    if not text.strip():
+        found.append(error("T103", "the file is empty", Place(shown, 1), "start with `document: requirements`, or delete it"))
+        return None
+    try:
+        return _Builder(shown, found).build(yaml.parse(text, Loader=yaml.CSafeLoader))
+    except _TooDeep as stop:
+        message = f"nested more than {MAX_DEPTH} deep"
+        found.append(error("T110", message, stop.place, "no document here needs such depth"))
+    except yaml.reader.ReaderError as problem:
+        line = text.count("\n", 0, problem.position) + 1
+        message = f"a control character, {problem.character!r}, is no text"
+        found.append(error("T105", message, Place(shown, line), "is this a text file?"))
+    except yaml.MarkedYAMLError as problem:
+        mark = problem.problem_mark or problem.context_mark
+        place = Place(shown, mark.line + 1, mark.column + 1) if mark else Place(shown)
+        context = f" {problem.context}" if problem.context else ""
+        help_ = "indent with blanks; quote texts that hold `: ` or ` #`"
+        found.append(error("T105", f"not YAML: {problem.problem}{context}", place, help_))
+    return None
+
+
+class _TooDeep(Exception):  # noqa: N818 - it stops the reading, it is reported as a finding
+    def __init__(self, place: Place) -> None:
+        self.place = place
+
+
+class _Builder:
+    """Events to nodes, iteratively."""
+
+    def __init__(self, shown: str, found: list[Finding]) -> None:
+        self._shown = shown
+        self._found = found
+        self._stack: list[Listing | Mapping] = []
+        self._root: Node | None = None
+        self._documents = 0
+
+    def build(self, events: Iterator[Any]) -> Node | None:
+        for event in events:
+            kind = type(event).__name__
+            if kind == "ScalarEvent":
+                self._scalar(event)
+            elif kind in ("MappingStartEvent", "SequenceStartEvent"):
+                self._open(event, Mapping if kind == "MappingStartEvent" else Listing)
+            elif kind in ("MappingEndEvent", "SequenceEndEvent"):
+                self._stack.pop()
+            elif kind == "AliasEvent":
+                self._refuse(event, "T107", f"the alias `*{event.anchor}`", "write the value out")
+                self._add(Scalar("", False, event.start_mark.line + 1, event.start_mark.column + 1))
+            elif kind == "DocumentStartEvent":
+                self._documents += 1
+                if self._documents == 2:
+                    self._refuse(event, "T106", "a second document begins", "one file holds one document; split it at `---`")
+                    return None
+            elif kind not in ("StreamStartEvent", "StreamEndEvent", "DocumentEndEvent"):
+                raise RuntimeError(f"unknown YAML event {kind}")
+        if self._root is None:
+            self._found.append(error("T103", "the file holds nothing but comments", Place(self._shown, 1), "fill it, or delete it"))
+        return self._root
+
+    def _scalar(self, event: Any) -> None:
+        mark = event.start_mark
+        self._judge(event)
+        self._add(Scalar(event.value, not event.style, mark.line + 1, mark.column + 1))
+
+    def _open(self, event: Any, kind: type[Listing] | type[Mapping]) -> None:
+        mark = event.start_mark
+        self._judge(event)
+        if len(self._stack) >= MAX_DEPTH:
+            raise _TooDeep(Place(self._shown, mark.line + 1, mark.column + 1))
+        node = kind(mark.line + 1, mark.column + 1)
+        self._add(node)
+        self._stack.append(node)
+
+    def _judge(self, event: Any) -> None:
+        if event.anchor is not None:
+            self._refuse(event, "T107", f"the anchor `&{event.anchor}`", "write the value out at each place")
+        if event.tag is not None:
+            self._refuse(event, "T108", f"the tag `{event.tag}`", "remove the tag")
+
+    def _refuse(self, event: Any, code: str, message: str, help_: str) -> None:
+        mark = event.start_mark
+        self._found.append(error(code, message, Place(self._shown, mark.line + 1, mark.column + 1), help_))
+
+    def _add(self, node: Node) -> None:
+        if not self._stack:
+            self._root = node
+            return
+        parent = self._stack[-1]
+        if isinstance(parent, Listing):
+            parent.items.append(node)
+        elif parent.key is None:
+            parent.key = self._key(node)
+        else:
+            key, parent.key = parent.key, None
+            first = parent.keys.get(key.text)
+            if first is not None:
+                place = Place(self._shown, key.line, key.column)
+                also = ((Place(self._shown, first.line, first.column), "first given here"),)
+                message = f"the key `{key.text}` is given twice"
+                self._found.append(Finding("T109", "error", message, place, "keep one of them", "", also))
+            else:
+                parent.entries[key.text] = node
+                parent.keys[key.text] = key
+
+    def _key(self, node: Node) -> Scalar:
+        if isinstance(node, Scalar):
+            return node
+        place = Place(self._shown, node.line, node.column)
+        self._found.append(error("T111", "a key that is not a text", place, "keys are plain words"))
+        return Scalar("", False, node.line, node.column)
