@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 import sys
 from itertools import pairwise
@@ -223,6 +224,13 @@ def test_free_lap_is_safe_throughout() -> None:
     assert all(cycle.objects == [] for cycle in recording.cycles)
     assert set(recording.ground_truth["dynamic"]) == {True}
     assert max(abs(k) for plan in plans(recording) for k in plan["kappa"]) > 0.009  # there is a bend
+
+
+def test_overrides_are_known_to_the_shipped_vehicles(cut_in: Recording) -> None:
+    assert cut_in.params["mu"] * cut_in.params["g"] == pytest.approx(GRIP)
+    for vehicle in sorted((SPECS / "vehicles").glob("*.spec")):
+        declared = re.findall(r"^(?:param|table) +(\w+)", vehicle.read_text(), re.MULTILINE)
+        assert {*cut_in.params, *cut_in.tables} <= set(declared), vehicle
 
 
 def test_northfield_closes() -> None:

@@ -51,15 +51,18 @@ def _log(x: float) -> float:
 
 
 def _floor(x: float) -> float:
-    return x if math.isinf(x) else float(math.floor(x))
+    return x if math.isinf(x) or x == 0.0 else float(math.floor(x))  # the floor of -0.0 is -0.0
+
+
+# Which of two opposite zeros is the smaller one is up to the processor: `min` and `max` give 0.0 for both.
 
 
 def _least(a: float, b: float) -> float:
-    return min(b, a)
+    return min(a, b) + 0.0
 
 
 def _greatest(a: float, b: float) -> float:
-    return max(b, a)
+    return max(a, b) + 0.0
 
 
 def _pow(x: float, y: float) -> float:

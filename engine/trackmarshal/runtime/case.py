@@ -153,10 +153,12 @@ class CaseReader:
         data = _mapping(raw, f"signal `{signal.name}`")
         kinds = _wanted(signal, needed)
         given = {k.name: _sequence(data[k.name], f"{signal.name}.{k.name}") for k in kinds if data.get(k.name) is not None}
-        lengths = {name: len(column) for name, column in given.items()}
-        if not kinds:  # a rule may ask only how many samples there are
-            lengths = {k.name: len(_sequence(data[k.name], f"{signal.name}.{k.name}")) for k in signal.fields_ if data.get(k.name) is not None}
+        # Columns that no rule reads count too: where one is longer, samples are missing from the others.
+        present = [k.name for k in signal.fields_ if k.kind != "polyline" and data.get(k.name) is not None]
+        lengths = {name: _length(data[name], f"{signal.name}.{name}") for name in present}
         count = max(lengths.values(), default=1)
+        if not lengths:
+            case.fault("D211", signal.name, "", None, "the signal has no columns")
         if len(set(lengths.values())) > 1:
             spoken = ", ".join(f"{name} {length}" for name, length in sorted(lengths.items()))
             case.fault("D212", signal.name, "", None, f"the columns have different lengths: {spoken}")
@@ -169,13 +171,18 @@ class CaseReader:
         for kind in kinds:
             column = given.get(kind.name)
             if column is None:
-                if kind.default is None:
+                # A null is a missing value, not the wish for a default.
+                if kind.default is None or kind.name in data:
                     case.fault("D211", signal.name, kind.name, None, "the column is missing")
-                columns[kind.name] = [NAN if kind.default is None else kind.default] * count
+                    columns[kind.name] = [None if kind.kind == "bool" else NAN] * count
+                else:
+                    columns[kind.name] = [kind.default] * count
                 continue
             values = [self._value(case, signal, kind, value, i) for i, value in enumerate(column[:count])]
             values += [None if kind.kind == "bool" else NAN] * (count - len(values))
             if kind.increasing:
+                if math.isnan(values[0]):
+                    case.unusable.add((signal.name, ""))
                 for i, (before, after) in enumerate(zip(values, values[1:])):
                     if not before < after:  # NaN too
                         case.fault("D214", signal.name, kind.name, i + 1, f"{after!r} follows {before!r}", False)
@@ -320,6 +327,11 @@ def _sequence(raw: object, what: str) -> Sequence[Any]:
     if not isinstance(raw, (list, tuple)):
         raise TrackmarshalError("D202", f"{what} is a list, not {_type(raw)}")
     return raw
+
+
+def _length(raw: Any, what: str) -> int:
+    """How many entries a column has that need not be read otherwise."""
+    return len(raw) if getattr(raw, "ndim", 0) else len(_sequence(raw, what))
 
 
 def _number(value: object, *where: object) -> float:

@@ -69,12 +69,14 @@ class ModuleName(Diagnostic):
     title = "the module's name does not fit"
     text = "{problem}"
     label = "here"
+    other_label = "the other one is here"
     remedy = "{hint}"
     explanation = "A file starts with `module NAME`, once, and a module `a.b` lives in a/b.spec, so that `use a.b` finds it."
 
     span: Span
     problem: str
     hint: str = ""
+    other: Span | None = None
 
 
 class UnknownRequirement(Diagnostic):
@@ -108,13 +110,15 @@ class WrongArity(Diagnostic):
     code = "E209"
     title = "wrong number of arguments"
     text = "`{name}` takes {wanted}, not {given}"
-    label = "{given} given"
+    label = "{given} here"
+    other_label = "declared here"
     explanation = "The number of arguments differs from the number of parameters of the definition or the built-in function."
 
     span: Span
     name: str
     wanted: str
-    given: int
+    given: str
+    other: Span | None = None
 
 
 class UnknownField(Diagnostic):
@@ -149,8 +153,9 @@ class WrongKind(Diagnostic):
 class Recursive(Diagnostic):
     code = "E212"
     title = "a definition that needs itself"
-    text = "`{name}` is defined by itself: {cycle}"
-    label = "here"
+    text = "`{name}` is defined by itself"
+    label = "{cycle}"
+    remedy = "write it out without itself"
     explanation = "Definitions are written out where they are used, so that every evaluation is bounded; recursion has no bound."
 
     span: Span
@@ -163,15 +168,17 @@ class ClauseProblem(Diagnostic):
     title = "a clause is missing, double or misplaced"
     text = "{problem}"
     label = "here"
+    other_label = "the first one is here"
     remedy = "{hint}"
     explanation = (
-        "A rule has exactly one `require`, an assumption at most one `monitor`; `along` comes before all quantifiers and there is at "
-        "most one; `except` follows a quantifier or a `whenever`."
+        "A rule has exactly one `require`, an assumption at most one `monitor`, and the clauses that these are about come before "
+        "them: first `whenever` and `along`, at most one each, then quantifiers, each followed by its `except` clauses."
     )
 
     span: Span
     problem: str
     hint: str = ""
+    other: Span | None = None
 
 
 class SignalConflict(Diagnostic):
@@ -191,8 +198,9 @@ class SignalConflict(Diagnostic):
 class RulebookCycle(Diagnostic):
     code = "E216"
     title = "a rulebook that contradicts itself"
-    text = "`{name}` outranks itself: {cycle}"
-    label = "closed here"
+    text = "rule `{name}` outranks itself: {cycle}"
+    label = "this closes the circle"
+    remedy = "remove one of these relations, or give the rules equal rank with `~`"
     explanation = "`>` is strict: no rule may stand above itself, directly or over others of equal rank."
 
     span: Span
@@ -202,10 +210,11 @@ class RulebookCycle(Diagnostic):
 
 class StateProblem(Diagnostic):
     code = "E217"
-    title = "a state that cannot be reached"
+    title = "a state that never changes"
     text = "{problem}"
     label = "here"
-    explanation = "Every state of a `state` declaration is the start or is reached by a `becomes`."
+    remedy = "add a `becomes` that leads elsewhere, or remove the state"
+    explanation = "A `state` that never leaves the value it starts with remembers nothing."
 
     span: Span
     problem: str
@@ -282,17 +291,18 @@ class BadValue(Diagnostic):
     title = "a value that cannot stand here"
     text = "{problem}"
     label = "here"
-    other_label = "limited here"
+    other_label = "{about}"
     remedy = "{hint}"
     explanation = (
-        "Parameters lie inside their range, ranges run from low to high, table knots ascend, windows of temporal operators are constant, "
-        "not negative and run from low to high, exponents are whole constant numbers for quantities with a dimension."
+        "Numbers are finite, parameters lie inside their range, ranges run from low to high, table knots ascend, windows of temporal "
+        "operators are constant, not negative and run from low to high, exponents of quantities with a dimension are whole numbers."
     )
 
     span: Span
     problem: str
     other: Span | None = None
     hint: str = ""
+    about: str = "the range is declared here"
 
 
 class Unconstrained(Diagnostic):

@@ -90,7 +90,10 @@ class Expressions:
         span = _span(expr)
         match expr:
             case ast.Number():
-                return NumberValue(self.make(ir.Const, to_si(float(expr.text), expr.unit or "1")), parse_unit(expr.unit or "1")[2], span)
+                value = to_si(float(expr.text), expr.unit or "1")
+                if not math.isfinite(value):
+                    self.fail(BadValue(span, f"`{span.text.strip()}` is more than a double can hold"))
+                return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span)
             case ast.Boolean():
                 return FormulaValue(self.make(ir.Truth, expr.value), span)
             case ast.Name():

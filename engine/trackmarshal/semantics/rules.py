@@ -6,12 +6,13 @@ import hashlib
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.ir.spec import RuleInfo, SignalType
 from trackmarshal.semantics.errors import ClauseProblem, RunAxis, UnknownReference
 from trackmarshal.semantics.expressions import Context, Expressions, Poison
 from trackmarshal.semantics.values import FormulaValue, SignalValue
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
+from trackmarshal.units import TIME, parse_unit
 
 SEVERITIES = ("minor", "major", "critical")
 
@@ -126,7 +127,7 @@ class RuleBuilder:
                 match clause:
                     case ast.Along():
                         signal = self.x.value(clause.signal, ctx)
-                        if not isinstance(signal, SignalValue) or signal.signal.field("t") is None or not signal.signal.sequence:
+                        if not isinstance(signal, SignalValue) or not signal.signal.sequence or not _has_time(signal.signal):
                             hint = "a timeline has a column `t: s increasing`"
                             self.x.fail(ClauseProblem(clause.signal.span, f"`{clause.signal.name}` has no time column", hint))
                         axis, names = self.x.axis(clause.signal, (clause.name,), False, clause.span, ctx)
@@ -151,6 +152,8 @@ class RuleBuilder:
                     break  # names are missing from here on; more errors would only echo this one
         if failed or body is None:
             return None, None, None
+        # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
+        steps.sort(key=lambda step: not isinstance(step[0], ast.Along))
         return self._nest(_with_exceptions(steps, self.x), body)
 
     def _nest(
@@ -163,9 +166,12 @@ class RuleBuilder:
             if isinstance(clause, ast.Bind):
                 assert axis is not None
                 body = make(ir.Quantify, clause.quantifier, axis, guard, body, clause.names)
-                # An empty `for all` demands nothing; an empty `exists` has not found what it demands.
+                # An empty `for all` demands nothing; an empty `exists` has not found what it demands, and an
+                # element whose own demand is empty is found: whatever lies below an `exists`, it is never idle.
                 if clause.quantifier == "for all":
                     active = make(ir.Quantify, "exists", axis, guard, active or make(ir.Truth, True), clause.names)
+                else:
+                    active = None
             elif isinstance(clause, ast.Whenever):
                 assert guard is not None
                 body = make(ir.Guarded, guard, body)
@@ -177,6 +183,12 @@ class RuleBuilder:
             else:
                 raise AssertionError(f"unknown clause {type(clause).__name__}")
         return body, active, along
+
+
+def _has_time(signal: SignalType) -> bool:
+    """Whether a timeline has a column of times that the input contract holds to increase."""
+    field = signal.field("t")
+    return field is not None and field.kind == "number" and field.increasing and parse_unit(field.unit)[2] == TIME
 
 
 def _with_exceptions(

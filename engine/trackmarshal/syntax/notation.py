@@ -133,7 +133,7 @@ class Notation:
                 level_of(node.operand) < UNARY or level_of(node.operand) == COMPARISON
             )  # `not a in zone z` misleads
         # Two minus signs would start a comment.
-        return level_of(node.operand) < FACTOR or self.expr(node.operand).startswith("-")
+        return level_of(node.operand) <= FACTOR
 
     def _unary(self, node: ast.Unary) -> str:
         operand = self.expr(node.operand)

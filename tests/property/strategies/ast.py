@@ -28,7 +28,11 @@ def names() -> SearchStrategy[str]:
 @cache
 def ids() -> SearchStrategy[str]:
     part = st.text("Ab1o", min_size=1, max_size=3)
-    return st.builds(lambda head, parts: "-".join((head, *parts)), st.sampled_from(["S", "A", "RR", "Ab1"]), st.lists(part, min_size=1, max_size=3))
+    return st.builds(
+        lambda head, parts: "-".join((head, *parts)),
+        st.sampled_from(["S", "A", "RR", "Ab1"]),
+        st.lists(part, min_size=1, max_size=3),
+    )
 
 
 @cache
@@ -44,7 +48,9 @@ def dotted() -> SearchStrategy[str]:
 @cache
 def strings() -> SearchStrategy[str]:
     text = st.text(st.characters(exclude_characters="\n\r", exclude_categories=("Cs", "Cc")), max_size=20)
-    return st.one_of(text, st.sampled_from(["", "why", '\\"', "a -- b", "\\", 'say "no"', "rule x", "x" * 150]))
+    return st.one_of(
+        text, st.sampled_from(["", "why", '\\"', "a -- b", "\\", 'say "no"', "rule x", "x" * 150])
+    )
 
 
 @cache
@@ -73,7 +79,9 @@ def units() -> SearchStrategy[str]:
     """Units of declarations."""
     product = st.tuples(_unit_parts(), st.lists(st.tuples(st.sampled_from("*/"), _unit_parts()), max_size=2))
     return st.one_of(
-        st.just("1"), literal_units(), product.map(lambda pair: pair[0] + "".join(sign + part for sign, part in pair[1]))
+        st.just("1"),
+        literal_units(),
+        product.map(lambda pair: pair[0] + "".join(sign + part for sign, part in pair[1])),
     )
 
 
@@ -104,63 +112,99 @@ def _leaves() -> SearchStrategy[ast.Expr]:
 
 
 _BINARY = ("+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!=", "and", "or", "implies", "iff", "xor")
+_SHAPES: dict[str, int] = {
+    "leaf": 4, "binary": 8, "power": 1, "unary": 3, "attribute": 2, "call": 3, "infix": 2, "if": 1, "within": 1, "zone": 1,
+    "temporal": 2, "step": 1, "until": 1, "quantified": 2,
+}  # fmt: skip
+_WEIGHTED = [shape for shape, weight in _SHAPES.items() for _ in range(weight)]
 
 
-def _calls(inner: SearchStrategy[ast.Expr]) -> SearchStrategy[ast.Call]:
-    argument = st.one_of(st.tuples(st.just(""), inner), st.tuples(names(), st.one_of(inner, values(inner))))
-    function = st.one_of(names(), st.just("sqrt"))
-    return st.builds(
-        lambda function, args: ast.Call(function, tuple(a[1] for a in args), tuple(a[0] for a in args)),
-        function,
-        st.lists(argument, max_size=3),
+@st.composite
+def expressions(draw: st.DrawFn, depth: int = 3) -> ast.Expr:
+    """Expressions that nest up to `depth` operators deep. (`st.recursive` prints itself, at exponential length.)"""
+    shape = "leaf" if depth == 0 else draw(st.sampled_from(_WEIGHTED))
+
+    def inner() -> ast.Expr:
+        return draw(expressions(depth - 1))
+
+    match shape:
+        case "leaf":
+            return draw(_leaves())
+        case "binary":
+            return ast.Binary(draw(st.sampled_from(_BINARY)), inner(), inner())
+        case "power":
+            return ast.Binary("^", inner(), ast.Number(draw(st.sampled_from("23"))))
+        case "unary":
+            return ast.Unary(draw(st.sampled_from(["-", "not"])), inner())
+        case "attribute":
+            return ast.Attribute(inner(), draw(names()))
+        case "call":
+            return draw(_calls(depth))
+        case "infix":
+            return ast.Infix(inner(), draw(names()), inner())
+        case "if":
+            return ast.IfElse(inner(), inner(), inner())
+        case "within":
+            return ast.Within(inner(), inner(), inner())
+        case "zone":
+            return ast.InZone(inner(), draw(names()))
+        case "temporal":
+            op = draw(st.sampled_from(["always", "eventually", "historically", "once"]))
+            return ast.Temporal(op, inner(), draw(_windows(depth)))
+        case "step":
+            return ast.Temporal(
+                draw(st.sampled_from(["next", "previous"])), inner(), None, draw(st.booleans())
+            )
+        case "until":
+            return ast.Until(
+                draw(st.sampled_from(["until", "since"])), inner(), inner(), draw(_windows(depth))
+            )
+        case "quantified":
+            quantifier, consecutive = draw(st.sampled_from(["for all", "exists"])), draw(st.booleans())
+            where = inner() if draw(st.booleans()) else None
+            return ast.Quantified(quantifier, consecutive, draw(_binders()), inner(), where, inner())
+    raise AssertionError(shape)
+
+
+@cache
+def _binders() -> SearchStrategy[tuple[str, ...]]:
+    return st.lists(names(), min_size=1, max_size=3).map(tuple)
+
+
+@st.composite
+def _windows(draw: st.DrawFn, depth: int) -> ast.Window | None:
+    if draw(st.booleans()):
+        return None
+    return ast.Window(draw(expressions(depth - 1)), draw(expressions(depth - 1)))
+
+
+@st.composite
+def _calls(draw: st.DrawFn, depth: int) -> ast.Call:
+    function = draw(st.one_of(names(), st.just("sqrt")))
+    named = draw(st.lists(st.booleans(), max_size=3))
+    arguments = [draw(values(depth - 1)) if name else draw(expressions(depth - 1)) for name in named]
+    return ast.Call(function, tuple(arguments), tuple(draw(names()) if name else "" for name in named))
+
+
+@st.composite
+def values(draw: st.DrawFn, depth: int = 2) -> ast.Expr:
+    """Expressions, records and lists: what stands in tests and in named arguments."""
+    shape = (
+        "expression" if depth == 0 else draw(st.sampled_from(["expression", "expression", "record", "list"]))
     )
-
-
-def _windows(inner: SearchStrategy[ast.Expr]) -> SearchStrategy[ast.Window | None]:
-    return st.one_of(st.none(), st.builds(ast.Window, inner, inner))
-
-
-def _nested(inner: SearchStrategy[ast.Expr]) -> SearchStrategy[ast.Expr]:
-    bounded = st.sampled_from(["always", "eventually", "historically", "once"])
-    binder = (st.sampled_from(["for all", "exists"]), st.booleans(), st.lists(names(), min_size=1, max_size=3).map(tuple))
-    return st.one_of(
-        st.builds(ast.Binary, st.sampled_from(_BINARY), inner, inner),
-        st.builds(ast.Binary, st.just("^"), inner, st.sampled_from([ast.Number("2"), ast.Number("3")])),
-        st.builds(ast.Unary, st.sampled_from(["-", "not"]), inner),
-        st.builds(ast.Attribute, inner, names()),
-        _calls(inner),
-        st.builds(ast.Infix, inner, names(), inner),
-        st.builds(ast.IfElse, inner, inner, inner),
-        st.builds(ast.Within, inner, inner, inner),
-        st.builds(ast.InZone, inner, names()),
-        st.builds(ast.Temporal, bounded, inner, _windows(inner)),
-        st.builds(ast.Temporal, st.sampled_from(["next", "previous"]), inner, st.none(), st.booleans()),
-        st.builds(ast.Until, st.sampled_from(["until", "since"]), inner, inner, _windows(inner)),
-        st.builds(ast.Quantified, *binder, inner, st.one_of(st.none(), inner), inner),
-    )
-
-
-def expressions(max_leaves: int = 12) -> SearchStrategy[ast.Expr]:
-    return st.recursive(_leaves(), _nested, max_leaves=max_leaves)
-
-
-def values(inner: SearchStrategy[ast.Expr]) -> SearchStrategy[ast.Expr]:
-    """Records and lists, which stand in tests and in named arguments."""
-    return st.recursive(
-        inner,
-        lambda value: st.one_of(
-            st.lists(st.tuples(names(), value), max_size=3).map(
-                lambda entries: ast.RecordValue(tuple(e[0] for e in entries), tuple(e[1] for e in entries))
-            ),
-            st.builds(ast.ListValue, st.lists(value, max_size=3).map(tuple)),
-        ),
-        max_leaves=4,
+    if shape == "expression":
+        return draw(expressions(depth))
+    made = tuple(draw(st.lists(values(depth - 1), max_size=3)))
+    return (
+        ast.ListValue(made) if shape == "list" else ast.RecordValue(tuple(draw(names()) for _ in made), made)
     )
 
 
 @cache
 def _source_clauses() -> SearchStrategy[ast.SourceClause]:
-    numbered = st.builds(lambda word, n: f"{word} {', '.join(n)}", names(), st.lists(digits(), min_size=1, max_size=3))
+    numbered = st.builds(
+        lambda word, n: f"{word} {', '.join(n)}", names(), st.lists(digits(), min_size=1, max_size=3)
+    )
     return st.one_of(
         st.builds(ast.SourceClause, st.none(), strings(), st.just(True)),
         st.builds(ast.SourceClause, name_nodes(), st.one_of(st.just(""), numbered), st.just(False)),
@@ -172,7 +216,7 @@ def _source_clauses() -> SearchStrategy[ast.SourceClause]:
 def clauses() -> SearchStrategy[ast.Clause]:
     expr = expressions()
     id_lists = st.lists(label_nodes(), min_size=1, max_size=20).map(tuple)
-    binder = (st.sampled_from(["for all", "exists"]), st.booleans(), st.lists(names(), min_size=1, max_size=3).map(tuple))
+    binder = (st.sampled_from(["for all", "exists"]), st.booleans(), _binders())
     return st.one_of(
         st.builds(ast.Satisfies, id_lists),
         st.builds(ast.Assuming, id_lists),
@@ -210,8 +254,12 @@ def _pairs(least: int) -> SearchStrategy[tuple[tuple[ast.Expr, ast.Expr], ...]]:
 
 @cache
 def _definitions() -> SearchStrategy[ast.Define]:
-    shapes = st.sampled_from(["point", "pose", "moving", "body", "vehicle", "trajectory", "corridor", "polyline"])
-    parameters = st.lists(st.builds(ast.Parameter, names(), st.one_of(units(), shapes)), max_size=4).map(tuple)
+    shapes = st.sampled_from(
+        ["point", "pose", "moving", "body", "vehicle", "trajectory", "corridor", "polyline"]
+    )
+    parameters = st.lists(st.builds(ast.Parameter, names(), st.one_of(units(), shapes)), max_size=4).map(
+        tuple
+    )
     result = st.one_of(st.none(), units())
     return st.one_of(
         st.builds(ast.Define, st.just("define"), names(), parameters, result, expressions()),
@@ -221,9 +269,13 @@ def _definitions() -> SearchStrategy[ast.Define]:
 
 @cache
 def _states() -> SearchStrategy[ast.State]:
-    transitions = st.lists(st.builds(ast.Transition, names(), expressions()), min_size=1, max_size=3).map(tuple)
+    transitions = st.lists(st.builds(ast.Transition, names(), expressions()), min_size=1, max_size=3).map(
+        tuple
+    )
     binder = st.one_of(st.just(("", "")), st.tuples(names(), names()))
-    return st.builds(lambda name, bound, *rest: ast.State(name, *bound, *rest), names(), binder, names(), transitions)
+    return st.builds(
+        lambda name, bound, *rest: ast.State(name, *bound, *rest), names(), binder, names(), transitions
+    )
 
 
 @cache
@@ -238,10 +290,10 @@ def _rulebooks() -> SearchStrategy[ast.Rulebook]:
 
 @cache
 def _tests() -> SearchStrategy[ast.Test]:
-    expr = expressions(6)
+    expr = expressions(2)
     index = st.one_of(st.none(), st.integers(0, 99).map(str))
     changes = st.lists(st.builds(ast.Change, names(), index, expr), max_size=3).map(tuple)
-    givens = st.lists(st.builds(ast.Given, names(), values(expr), changes), max_size=3).map(tuple)
+    givens = st.lists(st.builds(ast.Given, names(), values(), changes), max_size=3).map(tuple)
     margin = st.one_of(st.just((None, None)), st.tuples(expr, st.one_of(st.none(), expr)))
     quoted_text = st.sampled_from(['"o1"', '""', '"a b"'])
     place = st.one_of(st.just((None, None)), st.tuples(names(), st.one_of(digits(), quoted_text)))

@@ -116,14 +116,20 @@ _ARITH: dict[str, Step] = {
 _FUNC: dict[str, Step] = {
     "abs": lambda b, x: np.abs(x), "sqrt": lambda b, x: np.sqrt(x), "sin": lambda b, x: np.sin(x), "cos": lambda b, x: np.cos(x),
     "tan": lambda b, x: np.tan(x), "exp": lambda b, x: np.exp(x), "log": lambda b, x: np.log(x), "floor": lambda b, x: np.floor(x),
-    "min": lambda b, x, y: np.minimum(x, y), "max": lambda b, x, y: np.maximum(x, y), "atan2": lambda b, x, y: np.arctan2(x, y),
-    "pow": lambda b, x, y: np.power(x, y),
+    # Adding 0.0 turns -0.0 into 0.0: see `ir.arithmetic`.
+    "min": lambda b, x, y: np.minimum(x, y) + 0.0, "max": lambda b, x, y: np.maximum(x, y) + 0.0,
+    "atan2": lambda b, x, y: np.arctan2(x, y), "pow": lambda b, x, y: _pow(x, y),
 }  # fmt: skip
 _COMPARE: dict[str, tuple[Step, Step]] = {
     "<": (np.less, lambda x, y: y - x), "<=": (np.less_equal, lambda x, y: y - x),
     ">": (np.greater, lambda x, y: x - y), ">=": (np.greater_equal, lambda x, y: x - y),
     "==": (np.equal, lambda x, y: -np.abs(x - y)), "!=": (np.not_equal, lambda x, y: np.abs(x - y)),
 }  # fmt: skip
+
+
+def _pow(x: Any, y: Any) -> Any:
+    """A power; NaN in, NaN out, where IEEE 754 says that anything to the 0 is 1, and 1 to anything."""
+    return np.where(np.isnan(x) | np.isnan(y), np.nan, np.power(x, y))
 
 
 def _step(node: ir.IR) -> Step:  # noqa: C901 - one case a node

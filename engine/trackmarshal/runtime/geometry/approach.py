@@ -72,14 +72,26 @@ class Approach:
         pairs = np.flatnonzero(turns)
         if not pairs.size:
             return pairs
-        outside = (self.depth[:, pairs] <= 0.0) & (self.end_depth(pairs) <= 0.0)
+        outside = (self.depth[:, pairs] <= 0.0) & (self.behind(pairs, self.border.bx, self.border.by) <= 0.0)
         return pairs[~outside.any(axis=0)]
 
-    def end_depth(self, pairs: Ints) -> Floats:
-        """The depth of the segment's end behind each side's line, for some pairs."""
-        rows, k = self.rows[pairs], self.k[pairs]
-        sides = self.sweeps.sides
-        dx = self.border.bx[k] - self.sweeps.x[rows] - sides[0][:, rows]
-        dy = self.border.by[k] - self.sweeps.y[rows] - sides[1][:, rows]
-        depth: Floats = (self.gx[:, pairs] * dy - self.gy[:, pairs] * dx) / self.length[:, pairs]
+    def middles(self, pairs: Ints) -> Floats:
+        """For segments that enter hulls: how deep in the hull the middle of the segment's part inside it is."""
+        border, k, rows = self.border, self.k[pairs], self.rows[pairs]
+        start, end = self.behind(pairs, border.ax, border.ay), self.behind(pairs, border.bx, border.by)
+        cut = start / np.where(start == end, 1.0, start - end)
+        first = np.maximum.reduce(np.where(start < end, cut, 0.0), axis=0, initial=0.0)
+        last = np.minimum.reduce(np.where(start > end, cut, 1.0), axis=0, initial=1.0)
+        t = (first + last) / 2.0
+        x, y = border.ax[k] - self.sweeps.x[rows] + t * border.ex[k], border.ay[k] - self.sweeps.y[rows] + t * border.ey[k]
+        depth: Floats = np.fmin.reduce(self._behind(pairs, x, y) / self.length[:, pairs], axis=0)
         return depth
+
+    def behind(self, pairs: Ints, x: Floats, y: Floats) -> Floats:
+        """On which side of the hull's sides a segment's start or end lies, positive inside: `depth` times length."""
+        k, rows = self.k[pairs], self.rows[pairs]
+        return self._behind(pairs, x[k] - self.sweeps.x[rows], y[k] - self.sweeps.y[rows])
+
+    def _behind(self, pairs: Ints, x: Floats, y: Floats) -> Floats:
+        corner_x, corner_y = self.sweeps.sides[0:2][:, :, self.rows[pairs]]
+        return self.gx[:, pairs] * (y - corner_y) - self.gy[:, pairs] * (x - corner_x)

@@ -76,7 +76,7 @@ class Sweeps:
         first_next = first.take(_NEXT, axis=1)
         to = np.where(at_second, second, second.take(_BEFORE, axis=1))
         np.subtract(np.where(at_first_next, first_next, to), first, out=vector[:, 0])
-        to = np.where(at_first_next, first_next, first)
+        to = np.where(at_first_next, first, first_next)
         np.subtract(np.where(at_second_next, to, second.take(_NEXT, axis=1)), second, out=vector[:, 1])
         vector = self.sides[2:4]
         square = np.add(vector[0] * vector[0], vector[1] * vector[1], out=self.sides[4])
@@ -122,6 +122,8 @@ def _quarter_turns(frame: Floats, turn_cos: Floats, turn_sin: Floats) -> tuple[F
         frame[1, :, 1, which] = (ahead * front + left * side).T
         frame[2, :, 1, which] = (ahead * side - left * front).T
         frame[3, :, 1, which] = np.stack([ahead * ux - left * uy, ahead * uy + left * ux]).T
-        turn_cos = np.where(turned, ahead * turn_cos - left * turn_sin, turn_cos)
-        turn_sin = np.where(turned, ahead * turn_sin + left * turn_cos, turn_sin)
+        turn_cos, turn_sin = (
+            np.where(turned, ahead * turn_cos - left * turn_sin, turn_cos),
+            np.where(turned, ahead * turn_sin + left * turn_cos, turn_sin),
+        )
     return turn_cos, turn_sin

@@ -29,7 +29,7 @@ def violation(border: Border, sweeps: Sweeps, approach: Approach, entering: Ints
     np.maximum.at(worst, approach.rows[pairs[inside]], depth[inside])
     slivers = entering[worst[approach.rows[entering]] == 0.0]
     if slivers.size:
-        np.maximum.at(worst, approach.rows[slivers], _middles(approach, slivers))
+        np.maximum.at(worst, approach.rows[slivers], approach.middles(slivers))
     return np.minimum(LEAST, -worst[bad])
 
 
@@ -48,14 +48,3 @@ def _corners_outside(border: Border, sweeps: Sweeps, bad: Ints) -> Floats:
     outside: Floats = np.where(left, 0.0, nearest).reshape(8, bad.size).max(axis=0)
     return outside
 
-
-def _middles(approach: Approach, pairs: Ints) -> Floats:
-    """How deep in its hull the middle of the part of a segment is that lies inside."""
-    start, end = approach.depth[:, pairs], approach.end_depth(pairs)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        cut = start / (start - end)
-    first = np.fmax.reduce(np.where(start < end, cut, 0.0), axis=0, initial=0.0)
-    last = np.fmin.reduce(np.where(start > end, cut, 1.0), axis=0, initial=1.0)
-    t = (first + last) / 2.0
-    ...
-    return t

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from trackmarshal.backends.reference.geometry.points import (
     Point,
+    along,
     distinct,
     meet,
     meeting_place,
@@ -33,7 +35,9 @@ def union_of_quads(left: Sequence[Point], right: Sequence[Point]) -> Region | No
     if not all(_simple(quad) for quad in corners):
         return None
     areas = [_area(quad) for quad in corners]
-    if not (min(areas) > 0.0 or max(areas) < 0.0):
+    if max(areas) < 0.0:
+        return union_of_quads(right, left)
+    if min(areas) <= 0.0:
         return None
     quads = tuple(tuple(zip(quad, [*quad[1:], quad[0]])) for quad in corners)
     border = _border(pairs, quads)
@@ -55,28 +59,29 @@ def paired(left: Sequence[Point], right: Sequence[Point]) -> list[tuple[Point, P
 
 def _border(pairs: Sequence[tuple[Point, Point]], quads: Sequence[Sequence[Side]]) -> tuple[Side, ...] | None:
     """The parts of both borders outside all quadrilaterals but their own, the region on their left."""
-    count = len(pairs)
-    following = [*pairs[1:], pairs[0]]
-    sides = [(r0, r1) for (_, r0), (_, r1) in zip(pairs, following)]
-    sides += [(l1, l0) for (l0, _), (l1, _) in zip(pairs, following)]
-    cuts: list[list[tuple[float, Point]]] = [[] for _ in sides]
-    for i, (a, b) in enumerate(sides):
+    steps = list(enumerate(zip(pairs, [*pairs[1:], pairs[0]])))
+    rights = [(r0, r1, i) for i, ((_, r0), (_, r1)) in steps if r0 != r1]
+    lefts = [(l1, l0, i) for i, ((l0, _), (l1, _)) in reversed(steps) if l0 != l1]
+    sides = rights + lefts
+    cuts: list[list[Point]] = [[] for _ in sides]
+    for i, (a, b, _) in enumerate(sides):
         for j in range(i + 1, len(sides)):
-            c, d = sides[j]
-            if a == b or c == d or {a, b} & {c, d} or not meet(a, b, c, d):
+            c, d, _ = sides[j]
+            count = len(rights) if j < len(rights) else len(lefts)
+            neighbours = (i < len(rights)) == (j < len(rights)) and j - i in (1, count - 1)
+            if neighbours or not meet(a, b, c, d):
                 continue
             if 0 in (orientation(a, b, c), orientation(a, b, d), orientation(c, d, a), orientation(c, d, b)):
                 return None
-            x, y = meeting_place(a, b, c, d)
-            for k in (i, j):
-                (px, py), (qx, qy) = sides[k]
-                cuts[k].append(((qx - px) * (x - px) + (qy - py) * (y - py), (x, y)))
+            cuts[i].append(meeting_place(a, b, c, d))
+            cuts[j].append(cuts[i][-1])
     pieces: list[Side] = []
-    for k, (a, b) in enumerate(sides):
-        points = distinct([a, *(point for _, point in sorted(cuts[k])), b], False)
-        for p, q in zip(points, points[1:]):
+    for (a, b, own), places in zip(sides, cuts):
+        way = segment(a, b)
+        points = distinct([a, *sorted(places, key=lambda p: along(way, *p)), b], False)
+        for p, q in pairwise(points):
             x, y = (p[0] + q[0]) / 2, (p[1] + q[1]) / 2
-            if not any(odd_crossings(x, y, quad) for i, quad in enumerate(quads) if i != k % count):
+            if not any(odd_crossings(x, y, quad) for i, quad in enumerate(quads) if i != own):
                 pieces.append((p, q))
     return tuple(pieces)
 
@@ -91,4 +96,4 @@ def _simple(corners: Sequence[Point]) -> bool:
 
 def _area(corners: Sequence[Point]) -> float:
     a = corners[0]
-    return sum(side(segment(a, p), *q) for p, q in zip(corners[1:], corners[2:]))
+    return sum(side(segment(a, p), *q) for p, q in pairwise(corners[1:]))

@@ -1,0 +1,141 @@
+"""Corridors and polygons: prepared once, asked many times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from trackmarshal.runtime.geometry.arrays import Floats, as_points, coordinates_fault, distinct, place, vector
+from trackmarshal.runtime.geometry.border import Border
+from trackmarshal.runtime.geometry.crossings import meeting_fault, meetings, turns
+from trackmarshal.runtime.geometry.polyline import Polyline, centre_line
+from trackmarshal.runtime.geometry.quads import union_of_quads
+from trackmarshal.runtime.geometry.region import Region
+
+Points = ArrayLike | Sequence[Sequence[float]]
+
+
+class Area:
+    """A region or what is wrong with it: with a `fault`, every margin is NaN. Immutable."""
+
+    def __init__(self, region: Region | str) -> None:
+        #: What makes the area unusable, with the place; None for a usable one.
+        self.fault = region if isinstance(region, str) else None
+        self._region = None if isinstance(region, str) else region
+
+    def margin_inside(
+        self,
+        x0: ArrayLike,
+        y0: ArrayLike,
+        heading0: ArrayLike,
+        x1: ArrayLike,
+        y1: ArrayLike,
+        heading1: ArrayLike,
+        length: ArrayLike,
+        width: ArrayLike,
+    ) -> Floats:
+        """By how much what a vehicle sweeps between two poses lies inside [m]: (N,), NaN where there is no answer.
+
+        Poses: numbers or (N,), in m and rad, of the centre of the vehicle's length x width rectangle. At least 0 where
+        the swept area lies in the (closed) region.
+        """
+        columns = np.broadcast_arrays(*(vector(column) for column in (x0, y0, heading0, x1, y1, heading1)))
+        poses = np.stack(columns)
+        if self._region is None:
+            return np.full(poses.shape[1], np.nan)
+        return self._region.margin_inside(poses, _size(length, poses), _size(width, poses))
+
+    def signed_distance(self, x: ArrayLike, y: ArrayLike) -> Floats:
+        """The distance of points from the border [m], positive inside: (N,)."""
+        columns = np.broadcast_arrays(vector(x), vector(y))
+        return np.full(columns[0].size, np.nan) if self._region is None else self._region.signed_distance(*columns)
+
+
+class Corridor(Area):
+    """The region between two borders, each (n, 2) points: with straight ends, or closed (two rings, or crossing borders
+    of equally many points, as of a figure of eight)."""
+
+    def __init__(self, left: Points, right: Points, closed: bool = False) -> None:
+        self.left, self.right, self.closed = as_points(left), as_points(right), bool(closed)
+        super().__init__(corridor_region(self.left, self.right, self.closed))
+
+    @cached_property
+    def centre(self) -> Polyline:
+        """The line midway between the borders; made when first asked for."""
+        return Polyline(centre_line(self.left, self.right, self.closed), self.closed)
+
+
+class Polygon(Area):
+    """The inside of a simple polygon, (n, 2) points in either direction."""
+
+    def __init__(self, points: Points) -> None:
+        self.points = as_points(points)
+        super().__init__(polygon_region(self.points))
+
+
+def corridor_region(left: Floats, right: Floats, closed: bool) -> Region | str:
+    """The region between two borders, or what is wrong with them."""
+    for name, points in (("left border", left), ("right border", right)):
+        fault = coordinates_fault(name, points, 3 if closed else 2, closed)
+        if fault:
+            return fault
+    lefts, rights = distinct(left, closed), distinct(right, closed)
+    if not closed:
+        ring = np.concatenate([lefts, rights[::-1]])
+        cap = ["end of the corridor"]
+        names = ["left border"] * (len(lefts) - 1) + cap + ["right border"] * (len(rights) - 1) + cap
+        real = (ring != np.roll(ring, -1, axis=0)).any(axis=1)
+        border = Border([distinct(ring, True)], closed=True)
+        fault = meeting_fault(border, [name for name, there in zip(names, real) if there], meetings(border))
+        return fault or Region([counter_clockwise(distinct(ring, True))])
+    border = Border([lefts, rights], closed=True)
+    pairs = meetings(border)
+    fault = meeting_fault(border, ["left border"] * len(lefts) + ["right border"] * len(rights), pairs)
+    if fault:
+        rings = union_of_quads(left, right)
+        return fault if rings is None else Region(rings)
+    lefts, rights = counter_clockwise(lefts), counter_clockwise(rights)
+    if inside_ring(lefts[0], rights):
+        return Region([rights, lefts[::-1].copy()])
+    if inside_ring(rights[0], lefts):
+        return Region([lefts, rights[::-1].copy()])
+    return (
+        f"neither border encloses the other: the left one begins at {place(*left[0])}, the right one at {place(*right[0])}"
+    )
+
+
+def polygon_region(points: Floats) -> Region | str:
+    """The inside of a simple polygon, or what is wrong with it."""
+    fault = coordinates_fault("polygon", points, 3, True)
+    if fault:
+        return fault
+    ring = distinct(points, True)
+    border = Border([ring], closed=True)
+    return meeting_fault(border, ["polygon"] * len(ring), meetings(border)) or Region([counter_clockwise(ring)])
+
+
+def counter_clockwise(ring: Floats) -> Floats:
+    """A simple ring, its inside on the left. Its leftmost (and of those, lowest) point turns as the whole does."""
+    lowest = np.lexsort((ring[:, 1], ring[:, 0]))[0]
+    around = ring[[lowest - 1, lowest, (lowest + 1) % len(ring)]]
+    return ring if turns(*around[..., None].reshape(6, 1))[0] > 0 else ring[::-1].copy()
+
+
+def inside_ring(point: Floats, ring: Floats) -> bool:
+    """Whether a point that is not on a ring lies inside it: an odd number of crossings of a ray along +x."""
+    end = np.roll(ring, -1, axis=0)
+    upward = (ring[:, 1] < end[:, 1])[:, None]
+    low, high = np.where(upward, ring, end), np.where(upward, end, ring)
+    across = (low[:, 1] <= point[1]) & (point[1] < high[:, 1])
+    low, high = low[across], high[across]
+    px, py = np.full(len(low), point[0]), np.full(len(low), point[1])
+    return bool((turns(*low.T, *high.T, px, py) > 0).sum() % 2)
+
+
+def _size(size: ArrayLike, poses: Floats) -> float | Floats:
+    """A length or width: a number as it is, numbers as (N,)."""
+    array = np.asarray(size, dtype=np.float64)
+    return float(array) if array.ndim == 0 else np.broadcast_to(array, poses.shape[1:])

@@ -1,0 +1,143 @@
+"""Lines: curvilinear coordinates of many points, and distances from many paths."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from trackmarshal.runtime.geometry.arrays import (
+    LIMIT,
+    Floats,
+    Ints,
+    as_points,
+    coordinates_fault,
+    distinct,
+    starts_of,
+    vector,
+)
+from trackmarshal.runtime.geometry.border import Border
+
+
+class Polyline:
+    """A line of (n, 2) points, open or closed, prepared once; immutable.
+
+    With a `fault` stations are NaN; distances still exist from a line that is a single point.
+    """
+
+    def __init__(self, points: ArrayLike | Sequence[Sequence[float]], closed: bool = False) -> None:
+        self.points, self.closed = as_points(points), bool(closed)
+        #: What makes the line unusable; None for a usable one.
+        self.fault = coordinates_fault("line", self.points, 3 if closed else 2, closed)
+        self.length = math.nan
+        self._point: Floats | None = None
+        self._border: Border | None = None
+        kept = distinct(self.points, closed)
+        if not (np.abs(kept) <= LIMIT).all() or not len(kept):
+            return
+        if len(kept) == 1:
+            self._point = kept[0]
+            return
+        border = self._border = Border([kept], closed)
+        #: The station at which each segment begins.
+        self._station = np.concatenate([[0.0], np.cumsum(border.length)])
+        self._direction = np.array([math.atan2(y, x) for x, y in zip(border.ex.tolist(), border.ey.tolist())])
+        if self.fault is None:
+            self.length = float(self._station[-1])
+
+    def project(self, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats, Floats]:
+        """Station [m], offset [m, positive to the left] and direction [rad] of points: three arrays (N,).
+
+        The nearest segment wins, of equally near ones the first. Beyond the ends of an open line its first and last
+        segment go on as rays; on a closed line the station is in [0, length).
+        """
+        px, py, fine = _points(x, y)
+        if self._border is None or self.fault is not None or not px.size:
+            nan = np.full(px.size, np.nan)
+            return nan, nan.copy(), nan.copy()
+        border = self._border
+        k, distance = self._nearest(px, py)
+        ex, ey, length = border.ex[k], border.ey[k], border.length[k]
+        rx, ry = px - border.ax[k], py - border.ay[k]
+        product = ex * rx + ey * ry
+        advance, offset = product / length, (ex * ry - ey * rx) / length
+        before, after = product <= 0.0, product >= border.square[k]
+        if not self.closed:
+            before &= k > 0
+            after &= k < border.size - 1
+        outer = before | after
+        if outer.any():
+            advance = np.where(before, 0.0, np.where(after, length, advance))
+            offset = np.where(outer, np.copysign(distance, offset), offset)
+        station = self._station[k] + advance
+        if self.closed:
+            station[station >= self.length] = 0.0
+        direction = self._direction[k]
+        if not fine.all():
+            station, offset, direction = (np.where(fine, part, np.nan) for part in (station, offset, direction))
+        return station, offset, direction
+
+    def distance(self, x: ArrayLike, y: ArrayLike) -> Floats:
+        """The distance of points from the line [m]: (N,)."""
+        px, py, fine = _points(x, y)
+        if self._border is not None and px.size:
+            distance = self._nearest(px, py)[1]
+        elif self._point is not None:
+            dx, dy = px - self._point[0], py - self._point[1]
+            distance = np.sqrt(dx * dx + dy * dy)
+        else:
+            return np.full(px.size, np.nan)
+        return np.where(fine, distance, np.nan)
+
+    def gap(self, s_from: ArrayLike, s_to: ArrayLike) -> Floats:
+        """How far `s_to` lies ahead of `s_from` [m]: (N,); on a closed line the shorter way, in (-length/2, length/2]."""
+        start, end = np.broadcast_arrays(vector(s_from), vector(s_to))
+        fine = np.isfinite(start) & np.isfinite(end)
+        gap = np.where(fine, end, np.nan) - np.where(fine, start, np.nan)
+        if self.closed:
+            gap -= self.length * np.ceil(gap / self.length - 0.5)
+        return gap if self.fault is None else np.full(gap.size, np.nan)
+
+    def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
+        """The nearest segment to each point, of equally near ones the first, and its distance."""
+        assert self._border is not None
+        rows, k, distance = self._border.near(x, y)
+        starts = starts_of(rows)
+        best = np.minimum.reduceat(distance, starts)
+        if starts.size < rows.size:
+            nearest = np.flatnonzero(distance == best[rows])
+            k = k[nearest[starts_of(rows[nearest])]]
+        return k, best
+
+
+def centre_line(left: Floats, right: Floats, closed: bool = False) -> Floats:
+    """The line midway between two borders: midpoints of paired points, or else from each left point to the right border."""
+    if len(left) == len(right):
+        return (left + right) / 2
+    border = Polyline(right, closed)
+    if border._border is None or not (np.abs(left) <= LIMIT).all() or not len(left):
+        return np.empty((0, 2))
+    x, y = left.T
+    k = border._nearest(x, y)[0]
+    line = border._border
+    t = (line.ex[k] * (x - line.ax[k]) + line.ey[k] * (y - line.ay[k])) / line.square[k]
+    t = np.minimum(1.0, np.maximum(0.0, t))
+    ...
+    return left
+
+
+def distance_to_paths(x: ArrayLike, y: ArrayLike, path_x: ArrayLike, path_y: ArrayLike, lengths: ArrayLike) -> Floats:
+    """Distances of points from paths, many cases at once [m]: (cases, points).
+
+    Points (cases, points) against the polylines of the first `lengths` columns of (cases, samples). A path of one sample is
+    a point; of none, or with an unusable sample, NaN.
+    """
+    ...
+    raise NotImplementedError
+
+
+def _points(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    ...
+    raise NotImplementedError

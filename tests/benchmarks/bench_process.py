@@ -1,0 +1,67 @@
+"""Whole commands from process start: CPU seconds of the child, and its peak memory."""
+
+from __future__ import annotations
+
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+RECORDED = ROOT.parent / "shared" / "data" / "scenarios" / "modena_T1_cutin_collision.saa"
+SHIPPED = ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl"
+
+LIMITS = {
+    "check of the shipped specs": 0.35,
+    "check of 10,000 lines": 3.0,
+    "check of 10,000 lines: peak memory": 200e6,
+    "replay of a recording": 2.0,
+}
+
+
+def command(*arguments: str) -> tuple[float, float]:
+    """CPU seconds (user and system) and peak memory in bytes of one run."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "trackmarshal.cli.main", *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode not in (0, 1):
+        raise RuntimeError(f"trackmarshal {' '.join(arguments)} ended with {process.returncode}")
+    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024.0
+
+
+def long_spec(lines: int) -> str:
+    """A spec of many rules, each different."""
+    head = "module long\nsignal plan : trajectory { t: s increasing, x: m, y: m, v: m/s, a: m/s^2, kappa: 1/m }\n"
+    rules = []
+    while 5 * len(rules) + 2 < lines:
+        n = len(rules)
+        rules.append(
+            f'rule limit_{n} "Limit number {n}"\n  because "a rule of many"\n  for all p in plan where p.x >= {n} m\n'
+            f"  let demand = sqrt(p.a^2 + (p.v^2 * p.kappa)^2)\n  require demand <= {10 + n / 1000} m/s^2 and p.v < {n % 80 + 1} m/s\n"
+        )
+    return head + "".join(rules)
+
+
+def measure() -> dict[str, float]:
+    """Medians of five runs, after one that fills the caches."""
+    recording = RECORDED if RECORDED.exists() else SHIPPED
+    results: dict[str, float] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "long.spec"
+        path.write_text(long_spec(10_000))
+        commands = {
+            "check of the shipped specs": ("check", "--quiet"),
+            "check of 10,000 lines": ("check", "--quiet", str(path)),
+            "replay of a recording": ("replay", "--quiet", str(recording)),
+        }
+        for name, arguments in commands.items():
+            command(*arguments)
+            runs = [command(*arguments) for _ in range(5)]
+            results[name] = statistics.median(seconds for seconds, _ in runs)
+            if name == "check of 10,000 lines":
+                results[f"{name}: peak memory"] = statistics.median(memory for _, memory in runs)
+    return results

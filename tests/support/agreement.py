@@ -1,0 +1,121 @@
+"""Whether the two evaluators agree on a generated subject, and what is true of every result."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from trackmarshal import evaluation
+from trackmarshal.backends.numpy import program
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir import arithmetic
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.case import Case
+from trackmarshal.runtime.verdict import CaseResult, RuleResult
+
+#: Functions of which the platform's libm and numpy's own code may give neighbouring doubles.
+INEXACT = frozenset({"sin", "cos", "tan", "exp", "log", "pow", "atan2"})
+
+
+def compiled(text: str) -> Spec:
+    """A spec from text; raises Diagnostics."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "made.spec"
+        path.write_text(text, encoding="utf-8")
+        return evaluation.load([path])
+
+
+def inexact(rule: RuleInfo) -> bool:
+    """Whether a rule computes with functions whose last digit is libm's."""
+    roots = [root for root in (rule.formula, rule.active) if root is not None]
+    return any(isinstance(node, ir.Func) and node.name in INEXACT for root in roots for node in ir.below(root))
+
+
+@contextmanager
+def one_libm() -> Iterator[None]:
+    """Within, the numpy evaluator takes inexact functions from Python's math module, number by number."""
+    before = dict(program._FUNC)
+    for name in INEXACT:
+        function = np.frompyfunc(lambda *args, name=name: arithmetic.apply(name, [float(a) for a in args]), ir.FUNCTIONS[name], 1)
+        program._FUNC[name] = lambda batch, *args, f=function: np.asarray(f(*args), dtype=np.float64)[()]
+    try:
+        yield
+    finally:
+        program._FUNC.update(before)
+
+
+def results(spec: Spec, cases: Sequence[Case], backend: str, series: bool = True) -> list[CaseResult]:
+    """All rules of a spec on all cases."""
+    return list(Evaluator(spec, None, backend).evaluate(cases, series))
+
+
+def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Case]:
+    """Cases that a spec can read; those that are refused are left out, as `eval` reports them and goes on."""
+    reader = Evaluator(spec)
+    cases = []
+    for case in raw:
+        try:
+            cases.append(reader.read(case))
+        except TrackmarshalError as error:
+            assert error.code.startswith("D2"), error
+    return cases
+
+
+def same(a: float, b: float) -> bool:
+    """The same double; all NaNs are one, and so are both zeros."""
+    return a == b or (math.isnan(a) and math.isnan(b))
+
+
+def differences(left: CaseResult, right: CaseResult) -> list[str]:
+    """Where two results of a case differ: verdicts, margins, units, witnesses, reasons, series."""
+    found = []
+    if left.rules.keys() != right.rules.keys() or left.faults != right.faults:
+        found.append(f"rules {list(left.rules)} {left.faults} | {list(right.rules)} {right.faults}")
+    for name, one in left.rules.items():
+        other = right.rules[name]
+        if one.verdict != other.verdict or not same(one.margin, other.margin):
+            found.append(f"case {left.id} {name}: {one.verdict} {one.margin!r} | {other.verdict} {other.margin!r}")
+        elif not same_witness(one, other):
+            found.append(f"case {left.id} {name}: witness {one.witness} | {other.witness}")
+        elif (one.unit, one.reason) != (other.unit, other.reason):
+            found.append(f"case {left.id} {name}: {one.unit} {one.reason} | {other.unit} {other.reason}")
+        elif not same_series(one, other):
+            found.append(f"case {left.id} {name}: series {one.series} | {other.series}")
+    return found
+
+
+def same_witness(one: RuleResult, other: RuleResult) -> bool:
+    """Whether two results name the same comparison at the same place, with the same margin."""
+    a, b = one.witness, other.witness
+    if a is None or b is None:
+        return a is b
+    return a.binders == b.binders and a.span == b.span and a.unit == b.unit and same(a.margin, b.margin)
+
+
+def same_series(one: RuleResult, other: RuleResult) -> bool:
+    if one.series is None or other.series is None:
+        return one.series is other.series
+    return one.series[0] == other.series[0] and len(one.series[1]) == len(other.series[1]) and all(map(same, one.series[1], other.series[1]))
+
+
+def check_sound(case: Case, result: CaseResult) -> list[str]:
+    """What no result may be, whatever the rules: safe on broken data, NaN on a verdict that has a margin."""
+    found = []
+    if result.safe and (case.faults or case.unusable):
+        found.append(f"case {case.id} is rated safe with faults {case.faults}")
+    for rule in result.rules.values():
+        if math.isnan(rule.margin) != (rule.verdict == "undefined"):
+            found.append(f"case {case.id} {rule.rule}: {rule.verdict} with margin {rule.margin!r}")
+        if rule.verdict not in ("satisfied", "violated", "undefined", "inactive"):
+            found.append(f"case {case.id} {rule.rule}: no such verdict {rule.verdict}")
+        if result.safe and rule.verdict not in ("satisfied", "inactive"):
+            found.append(f"case {case.id} {rule.rule}: {rule.verdict} is rated safe")
+    return found

@@ -1,0 +1,287 @@
+"""Numbers of a wanted dimension and formulas, as text, over the names in scope."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from support.generated.choices import Choices
+from support.generated.vocabulary import (
+    HUGE, LENGTH, NUMBER, PLAIN, SETS, SHAPES, TIME, TIMELINES, UNITS, DefineInfo, Dimension, World, spelled,
+)  # fmt: skip
+
+#: Functions whose last digit depends on the platform's libm.
+INEXACT = ("sin", "cos", "tan", "exp", "log", "pow", "atan2")
+_COMPARISONS = ("<=", "<", ">=", ">", "==", "!=", "≤", "≥", "≠")
+_CONNECTIVES = ("and", "or", "implies", "iff", "xor")
+_WINDOWED = ("always", "eventually", "historically", "once")
+_STEPS = ("next", "previous", "weak next", "weak previous")
+#: More axes than this make arrays, and the reference evaluator's loops, long without new combinations.
+DEEPEST = 4
+
+
+@dataclass(frozen=True)
+class Scope:
+    """The names an expression sees: records with their fields, numbers with their dimensions, formulas."""
+
+    records: tuple[tuple[str, dict[str, Dimension | None]], ...] = ()
+    numbers: tuple[tuple[str, Dimension], ...] = ()
+    formulas: tuple[str, ...] = ()
+    timeline: bool = False
+    #: Samples of a trajectory among the records (they have a predecessor).
+    samples: tuple[str, ...] = ()
+    axes: int = 0
+
+    def bind(self, name: str, fields: dict[str, Dimension | None], sample: bool) -> Scope:
+        return replace(
+            self, records=(*self.records, (name, fields)), samples=(*self.samples, name) if sample else self.samples
+        )
+
+
+class FormulaWriter:
+    """Writes expressions; `soft` numbers may use inexact functions, in places where an error stays small.
+
+    exact: "no" inexact functions at all, "gentle" ones only where errors don't grow, "any".
+    domains: the signals that inner quantifiers may range over. geometry: whether to use geometry.
+    """
+
+    def __init__(self, choices: Choices, world: World, inexact: str, geometry: bool) -> None:
+        self.choices = choices
+        self.world = world
+        self.inexact = inexact
+        self.geometry = geometry
+        self.domains = (*TIMELINES, *SETS)
+        self._names = 0
+
+    def fresh(self, stem: str) -> str:
+        self._names += 1
+        return f"{stem}{self._names}"
+
+    # Numbers --------------------------------------------------------------------------------------------------
+
+    def literal(self, dimension: Dimension) -> str:
+        """A number of the spec, in any of the dimension's units."""
+        huge = self.choices.chance(3)
+        value = self.choices.pick(HUGE if huge else PLAIN)
+        unit = UNITS[dimension][0] if huge else self.choices.pick(UNITS[dimension])
+        text = spelled(abs(value)) + ("" if unit == "1" else f" {unit}")
+        negative = value < 0 or (value == 0.0 and str(value) == "-0.0")
+        return f"(-{text})" if negative else text
+
+    def number(self, dimension: Dimension, depth: int, scope: Scope, soft: bool = True) -> str:
+        """A number of a dimension; `soft`: errors of inexact functions would stay small here."""
+        if depth <= 0 or self.choices.chance(25):
+            return self._leaf(dimension, scope)
+        ways: list[Callable[[], str]] = [
+            lambda: self._leaf(dimension, scope),
+            lambda: self._joined(self.choices.pick("+-"), dimension, depth, scope, soft),
+            lambda: self._product(dimension, depth, scope, soft),
+            lambda: self._quotient(dimension, depth, scope, soft),
+            lambda: f"(-{self.number(dimension, depth - 1, scope, soft)})",
+            lambda: f"abs({self.number(dimension, depth - 1, scope, soft)})",
+            lambda: self._extremum(dimension, depth, scope, soft),
+            lambda: self._choice(dimension, depth, scope, soft),
+            lambda: self._power(dimension, depth, scope, soft),
+        ]
+        squared = (2 * dimension[0], 2 * dimension[1])
+        if squared in UNITS:
+            ways.append(lambda: f"{self.choices.pick(('sqrt', '√'))}({self.number(squared, depth - 1, scope, self._any)})")
+        if dimension == NUMBER:
+            ways.append(lambda: f"floor({self.number(NUMBER, depth - 1, scope, self._any)})")
+            if self.inexact == "any" or (self.inexact == "gentle" and soft):
+                ways += [lambda: self._inexact(depth, scope)] * 3
+        ways += [lambda n=name: self._lookup(n, depth, scope) for name, t in self.world.tables.items() if t.result == dimension]
+        ways += [lambda n=n, d=d: self._call(n, d, depth, scope) for n, d in self._callable(scope) if d.result == dimension]
+        if self.geometry:
+            ways += [lambda w=way: w(depth, scope) for way in self._geometric(dimension)]
+        return self.choices.pick(ways)()
+
+    @property
+    def _any(self) -> bool:
+        return self.inexact == "any"
+
+    def _leaf(self, dimension: Dimension, scope: Scope) -> str:
+        leaves = [f"{name}.{field}" for name, fields in scope.records for field, d in fields.items() if d == dimension]
+        leaves += [name for name, d in scope.numbers if d == dimension] * 2
+        if not leaves or self.choices.chance(55):
+            leaves = [name for name, p in self.world.params.items() if p.dimension == dimension]
+            for name, signal in self.world.signals.items():
+                stems = [name] if signal.kind == "state" else [f"{name}.first", f"{name}.last"] if name in TIMELINES else []
+                leaves += [f"{stem}.{f}" for stem in stems for f, info in signal.fields.items() if info.dimension == dimension]
+            if not leaves or self.choices.chance(50):
+                return "pi" if dimension == NUMBER and self.choices.chance(10) else self.literal(dimension)
+        return self.choices.pick(leaves)
+
+    def _joined(self, op: str, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
+        return f"({self.number(dimension, depth - 1, scope, soft)} {op} {self.number(dimension, depth - 1, scope, soft)})"
+
+    def _product(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
+        parts = [a for a in UNITS if (dimension[0] - a[0], dimension[1] - a[1]) in UNITS]
+        left = self.choices.pick(parts)
+        right = (dimension[0] - left[0], dimension[1] - left[1])
+        return f"({self.number(left, depth - 1, scope, soft)} {self.choices.pick('*·')} {self.number(right, depth - 1, scope, soft)})"
+
+    def _quotient(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
+        parts = [b for b in UNITS if (dimension[0] + b[0], dimension[1] + b[1]) in UNITS]
+        below = self.choices.pick(parts)
+        above = (dimension[0] + below[0], dimension[1] + below[1])
+        return f"({self.number(above, depth - 1, scope, soft)} / {self.number(below, depth - 1, scope, self._any)})"
+
+    def _extremum(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
+        args = [self.number(dimension, depth - 1, scope, soft) for _ in range(self.choices.pick((2, 2, 3)))]
+        return f"{self.choices.pick(('min', 'max'))}({', '.join(args)})"
+
+    def _choice(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
+        condition = self.formula(depth - 1, scope, soft=self._any)
+        return (
+            f"(if {condition} then {self.number(dimension, depth - 1, scope, soft)} "
+            f"else {self.number(dimension, depth - 1, scope, soft)})"
+        )
+
+    def _power(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
+        exponents = [
+            e for e in (2, 3, -1, -2, 5) if dimension[0] % e == 0 and dimension[1] % e == 0 and (dimension[0] // e, dimension[1] // e) in UNITS
+        ]
+        if not exponents:
+            return self._leaf(dimension, scope)
+        exponent = self.choices.pick(exponents)
+        base = self.number((dimension[0] // exponent, dimension[1] // exponent), depth - 1, scope, soft and exponent > 0)
+        if exponent in (2, 3) and self.choices.chance(30):
+            return f"(({base}){'²' if exponent == 2 else '³'})"
+        return f"(({base})^{exponent})"
+
+    def _inexact(self, depth: int, scope: Scope) -> str:
+        name = self.choices.pick(INEXACT)
+        if name == "atan2":
+            dimension = self.choices.pick((NUMBER, LENGTH))
+            return f"atan2({self.number(dimension, depth - 1, scope, self._any)}, {self.number(dimension, depth - 1, scope, self._any)})"
+        argument = self.number(NUMBER, depth - 1, scope, self._any)
+        if name != "pow":
+            return f"{name}({argument})"
+        if self.choices.chance(40):
+            return f"pow({argument}, {self.number(NUMBER, depth - 1, scope, self._any)})"
+        return f"(({argument})^{self.choices.pick(('0.5', '(-0.5)', '0', '1.5', '9', f'({self._leaf(NUMBER, scope)})'))})"
+
+    def _lookup(self, name: str, depth: int, scope: Scope) -> str:
+        return f"{name}({self.number(self.world.tables[name].argument, depth - 1, scope, self._any)})"
+
+    # Definitions ----------------------------------------------------------------------------------------------
+
+    def _callable(self, scope: Scope) -> list[tuple[str, DefineInfo]]:
+        return [
+            (name, define) for name, define in self.world.defines.items()
+            if (scope.timeline or not define.temporal) and all(isinstance(t, tuple) or self._records(t, scope) for _, t in define.parameters)
+        ]  # fmt: skip
+
+    def _records(self, shape: str, scope: Scope) -> list[str]:
+        """Records in scope, and of the signals, that have a shape's fields."""
+        wanted = SHAPES[shape].items()
+        known = list(scope.records)
+        for name, signal in self.world.signals.items():
+            if signal.kind == "state":
+                known.append((name, signal.dimensions()))
+            elif name in TIMELINES:
+                known += [(f"{name}.first", signal.dimensions()), (f"{name}.last", signal.dimensions())]
+        return [name for name, fields in known if all(fields.get(f, "none") == d for f, d in wanted)]
+
+    def _argument(self, kind: Dimension | str, depth: int, scope: Scope) -> str:
+        if isinstance(kind, str):
+            return self.choices.pick(self._records(kind, scope))
+        return self.number(kind, depth - 1, scope, self._any)
+
+    def _call(self, name: str, define: DefineInfo, depth: int, scope: Scope) -> str:
+        args = [self._argument(kind, depth, scope) for _, kind in define.parameters]
+        if define.result is None and len(args) == 2 and self.choices.chance(60):
+            return f"({args[0]} {name} {args[1]})"
+        return f"{name}({', '.join(args)})" if args else name
+
+    # Formulas -------------------------------------------------------------------------------------------------
+
+    def formula(self, depth: int, scope: Scope, soft: bool = True) -> str:
+        """A formula."""
+        if depth <= 0 or self.choices.chance(15):
+            return self._atom(max(depth, 1), scope, soft)
+        ways: list[Callable[[], str]] = [
+            lambda: self._atom(depth, scope, soft),
+            lambda: self._connective(depth, scope, soft),
+            lambda: f"({self.choices.pick(('not', '¬'))} {self.formula(depth - 1, scope, soft)})",
+        ]
+        if scope.axes < DEEPEST and self.domains:
+            ways += [lambda: self._quantified(depth, scope, soft)] * 2
+        if scope.timeline:
+            ways += [lambda: self._temporal(depth, scope, soft)] * 4
+        ways += [lambda n=n, d=d: self._call(n, d, depth, scope) for n, d in self._callable(scope) if d.result is None]
+        return self.choices.pick(ways)()
+
+    def _atom(self, depth: int, scope: Scope, soft: bool) -> str:
+        flags = [f"{name}.{field}" for name, fields in scope.records for field, d in fields.items() if d is None]
+        flags += [*scope.formulas, *self.world.events]
+        flags += [f"{n}.{f}" for n, s in self.world.signals.items() if s.kind == "state" for f, i in s.fields.items() if i.dimension is None]
+        if flags and self.choices.chance(20):
+            return self.choices.pick(flags)
+        if self.choices.chance(3):
+            return self.choices.pick(("true", "false"))
+        if self.geometry and self.choices.chance(25):
+            return self._geometric_atom(depth, scope)
+        dimension = self.choices.pick(tuple(UNITS))
+        if self.choices.chance(12):
+            low, value, high = (self.number(dimension, depth - 1, scope, soft) for _ in range(3))
+            return f"({value} {self.choices.pick(('in', '∈'))} [{low}, {high}])"
+        left, right = self.number(dimension, depth, scope, soft), self.number(dimension, depth - 1, scope, soft)
+        return f"({left} {self.choices.pick(_COMPARISONS)} {right})"
+
+    def _connective(self, depth: int, scope: Scope, soft: bool) -> str:
+        left, right = self.formula(depth - 1, scope, soft), self.formula(depth - 1, scope, soft)
+        return f"({left} {self.choices.pick(_CONNECTIVES)} {right})"
+
+    def _quantified(self, depth: int, scope: Scope, soft: bool) -> str:
+        clause, inner = self.binder(depth, scope)
+        return f"({clause}: ({self.formula(depth - 1, inner, soft)}))"
+
+    def binder(self, depth: int, scope: Scope) -> tuple[str, Scope]:
+        """A quantifier with its variables and, perhaps, a `where`, and the scope below it."""
+        domain = self.choices.pick(self.domains)
+        fields = self.world.signals[domain].dimensions()
+        count = self.choices.integer(2, 4) if domain in TIMELINES and self.choices.chance(35) else 1
+        names = [self.fresh("q") for _ in range(count)]
+        inner = replace(scope, axes=scope.axes + 1)
+        for name in names:
+            inner = inner.bind(name, fields, domain == "plan")
+        text = self.choices.pick(("for all", "exists", "∀", "∃"))
+        text += " consecutive " if count > 1 else " "
+        text += ", ".join(names) + f" {self.choices.pick(('in', '∈'))} {domain}"
+        if self.choices.chance(35):
+            text += f" where {self.formula(depth - 1, inner, self._any)}"
+        return text, inner
+
+    def _temporal(self, depth: int, scope: Scope, soft: bool) -> str:
+        kind = self.choices.integer(0, 9)
+        operand = self.formula(depth - 1, scope, soft)
+        if kind < 4:
+            return f"({self.choices.pick(_WINDOWED)}{self.window()} {operand})"
+        if kind < 6:
+            other = self.formula(depth - 1, scope, soft)
+            return f"({operand} {self.choices.pick(('until', 'since'))}{self.window()} {other})"
+        if kind < 8:
+            return f"({self.choices.pick(_STEPS)} {operand})"
+        return f"{self.choices.pick(('rising', 'falling'))}({operand})"
+
+    def window(self) -> str:
+        """No window, or bounds in any unit of time, in order."""
+        if self.choices.chance(30):
+            return ""
+        low = self.choices.pick((0.0, 0.1, 0.25, 0.5, 1.0, 3.0))
+        high = low + self.choices.pick((0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 50.0))
+        texts = [self.choices.pick((f"{spelled(v)} s", f"{spelled(v * 1000)} ms")) for v in (low, high)]
+        return f"[{texts[0]}, {texts[1]}]"
+
+    # Geometry -------------------------------------------------------------------------------------------------
+
+    def _geometric(self, dimension: Dimension) -> list[Callable[[int, Scope], str]]:
+        raise NotImplementedError
+
+    def _geometric_atom(self, depth: int, scope: Scope) -> str:
+        raise NotImplementedError
+
+
+__all__ = ["DEEPEST", "INEXACT", "TIME", "FormulaWriter", "Scope"]

@@ -1,0 +1,175 @@
+"""The documents of a requirements folder, field by field; `requirements/schema.json` is written from these tables."""
+
+from __future__ import annotations
+
+from trackmarshal.trace.shapes import (
+    ASIL,
+    HASH,
+    ID,
+    INTERFACE,
+    PATH,
+    PATTERN,
+    SUBSYSTEM,
+    Count,
+    Date,
+    Field,
+    Flag,
+    Many,
+    Record,
+    Text,
+    Word,
+    optional,
+)
+
+TEXT = Text()
+REQUIREMENT_ID = Text(ID, "an id such as `S-1-A-4` or `RR-2`")
+INTERFACE_ID = Text(INTERFACE, "an interface such as `AV-RO`")
+SUBSYSTEM_ID = Text(SUBSYSTEM, "a subsystem such as `AV`")
+STAGE_ID = Text(ID, "a stage such as `S-2-B`")
+PATTERNS = Many(Text(PATTERN, "an id, or a pattern such as `S-1-A-*`"), 1)
+PROJECT_PATH = Text(PATH, "a path inside the project, relative to its folder, with forward slashes")
+NAME = Text(r"[A-Za-z_\u0370-\u03ff][A-Za-z0-9_\u0370-\u03ff-]*", "the name of a rule or an assumption")
+
+ISSUE = Record("issue", "One answer to the guiding question for an interface.", (
+    Field("id", Text(rf"{INTERFACE}\.[0-9]+", "an id such as `AV-RO.1`"), "The interface, a dot, a number."),
+    Field("text", TEXT, "What could go wrong at this interface, and why that endangers safe operation."),
+    Field("leads_to", Many(REQUIREMENT_ID), "The criteria for safe operation that answer this issue."),
+))  # fmt: skip
+
+FLOW = Record("flow", "What passes over an interface.", (
+    Field("kind", Word({"physical": "forces, contact, occupied space", "information": "what is perceived, signalled or transmitted"}),
+          "A physical interaction or a flow of information."),
+    Field("initiator", Text(rf"{SUBSYSTEM}|mutual", "a subsystem, or `mutual`"), "The subsystem that starts the interaction, or `mutual`."),
+    Field("what", TEXT, "What passes."),
+))  # fmt: skip
+
+SYSTEM_MODEL = Record("system-model", "The vehicle, its environment, and how they meet.", (
+    Field("document", Word({"system-model": "this document"}), "Says which document this is."),
+    Field("title", TEXT, "The title."),
+    optional("source", TEXT, "Where the model comes from."),
+    Field("subsystems", Many(Record("subsystem", "A part of the world that the vehicle drives in, or the vehicle.", (
+        Field("id", SUBSYSTEM_ID, "A short name in capitals."),
+        Field("title", TEXT, "The name."),
+        Field("role", Word({"vehicle": "the vehicle under supervision, exactly one", "environment": "all else"}), "Vehicle or environment."),
+        Field("description", TEXT, "What belongs to it."),
+    )), 1), "All subsystems."),
+    Field("interfaces", Many(Record("interface", "How two subsystems meet, or properties of one.", (
+        Field("id", INTERFACE_ID, "The two subsystems with a hyphen between them, or one for its own properties."),
+        Field("title", TEXT, "What the interface is."),
+        optional("flows", Many(FLOW), "What passes, and who starts it."),
+        optional("issues", Many(ISSUE, 1), "The analysis: what kind of issue with this interface could pose a risk to safe operation?"),
+        optional("rationale", TEXT, "For interfaces without analysis: why there is none."),
+    )), 1), "All interfaces."),
+    optional("infeasible", Many(Record("infeasible", "Two subsystems that do not meet.", (
+        Field("between", Text(rf"{SUBSYSTEM}-{SUBSYSTEM}", "two subsystems such as `TI-RO`"), "The two subsystems with a hyphen between them."),
+        Field("reason", TEXT, "Why they don't."),
+    ))), "Pairs of subsystems without an interface."),
+))  # fmt: skip
+
+REQUIREMENT = Record("requirement", "One requirement.", (
+    Field("id", REQUIREMENT_ID, "Unique, never used again for another requirement."),
+    Field("title", TEXT, "A few words."),
+    Field("statement", TEXT, "One sentence with one `shall`."),
+    Field("rationale", TEXT, "Why it is demanded."),
+    optional("derived_from", Many(INTERFACE_ID), "The interfaces of the system model whose issues it answers."),
+    optional("refines", Many(REQUIREMENT_ID), "The requirements above it."),
+    optional("adopted", TEXT, "For a requirement with neither interface nor parent: why it stands all the same."),
+    Field("status", Word({"draft": "being written", "approved": "agreed", "obsolete": "demanded no longer; kept so that its id is not used again"}),
+          "How far it has come."),
+    Field("asil", Text(ASIL, "QM, A, B, C or D, decomposed ones as `B(D)`"), "Integrity level after ISO 26262."),
+    Field("verification", Many(Word({
+        "analysis": "argument over the interfaces", "review": "reading by a second person", "test": "requirement-based tests of rules",
+        "fault injection": "faulty inputs", "scenario": "replayed critical scenarios", "field run": "runs in which nothing may fire",
+        "measurement": "timing and resources", "monitor": "checked while driving",
+    }), 1), "How it is verified."),
+    optional("metrics", Many(NAME), "The rules that S-2-B designs for it. Rules may satisfy it without being listed."),
+    optional("assumptions", Many(NAME), "The input assumptions (S-2-C) that handle it, or part of it."),
+    Field("source", TEXT, "Where it is written: paper and section, regulation and clause."),
+))  # fmt: skip
+
+REQUIREMENTS = Record("requirements", "A list of requirements.", (
+    Field("document", Word({"requirements": "this document"}), "Says which document this is."),
+    Field("title", TEXT, "The title."),
+    optional("source", TEXT, "Where the list comes from."),
+    Field("requirements", Many(REQUIREMENT), "The requirements."),
+))  # fmt: skip
+
+COUNTS = Word({
+    "interface": "the interfaces that a requirement is derived from, each analysed and leading to it",
+    "parent": "the requirements that it refines",
+    "adoption": "the reason why it is adopted without interface or parent",
+    "document": "entries of `evidence`",
+    "rule": "rules that satisfy it",
+    "monitor": "monitors of assumptions that satisfy it",
+    "assumption": "assumptions that satisfy it, with owner, monitor and evidence",
+    "test": "tests of its rules and monitors, with their results",
+    "run": "replayed scenarios in which its rules were evaluated",
+})  # fmt: skip
+DEGREE = Word({"covered": "nothing less than covered", "partial": "covered or partial"})
+
+PROJECT = Record("project", "Settings of the project.", (
+    Field("name", TEXT, "The project's name, for headings."),
+    Field("specs", Many(PROJECT_PATH, 1), "The folders with .spec files."),
+    Field("default_spec", PROJECT_PATH, "The spec that scenarios are replayed with."),
+    optional("results", PROJECT_PATH, "The folder in which results are found; `out/results` if not given."),
+    optional("baseline", PROJECT_PATH, "The file of what was accepted last; against it, removals are noticed."),
+    optional("tests_per_rule", Record("tests_per_rule", "How many tests every rule needs at least.", (
+        optional("satisfied", Count(), "Expecting `satisfied`; 1 if not given."),
+        optional("violated", Count(), "Expecting `violated`; 1 if not given."),
+        optional("boundary", Count(), "Exactly on the boundary, for rules that compare numbers; 1 if not given."),
+    )), "How many tests every rule needs at least."),
+    optional("scenarios", Many(Record("scenario", "A scenario and what it is evidence for.", (
+        Field("path", PROJECT_PATH, "The recording."),
+        Field("stage", STAGE_ID, "The stage that it is evidence at."),
+        Field("expect", Word({
+            "ground_truth": "every verdict lies within the recording's ground truth",
+            "no_fire": "no cycle is rated unsafe",
+            "fire": "a cycle is rated unsafe, by the rules in `by`",
+        }), "What the run must show."),
+        Field("origin", Word({"field": "recorded on a vehicle", "simulated": "from a simulation", "synthetic": "written by hand or generated"}),
+              "Where the recording comes from; only `field` can fully cover a no-fire stage."),
+        optional("by", Many(NAME, 1), "For `fire`: the rules that must be violated."),
+        optional("requirements", PATTERNS, "The requirements that it is evidence for; all if not given."),
+        optional("title", TEXT, "What happens in it."),
+    ))), "The scenarios that `assess` replays."),
+))  # fmt: skip
+
+V_MODEL = Record("v-model", "What each stage of the development must show, and what the gate demands.", (
+    Field("document", Word({"v-model": "this document"}), "Says which document this is."),
+    Field("title", TEXT, "The title."),
+    optional("source", TEXT, "Where the stages come from."),
+    Field("project", PROJECT, "Settings of the project."),
+    Field("stages", Many(Record("stage", "A step of the V-model; a column of the matrix.", (
+        Field("id", STAGE_ID, "The name of the step."),
+        Field("title", TEXT, "A few words."),
+        Field("shows", TEXT, "What this stage must show about a requirement."),
+        Field("applies_to", PATTERNS, "The requirements that have a cell here."),
+        Field("counts", Many(COUNTS, 1), "The kinds of items that count."),
+        optional("if_any", Flag(), "true: a requirement with no such item has no cell here, instead of an uncovered one."),
+    )), 1), "The stages, in order."),
+    optional("evidence", Many(Record("evidence", "A document that is evidence.", (
+        Field("path", PROJECT_PATH, "The document."),
+        Field("title", TEXT, "What it is."),
+        Field("stage", STAGE_ID, "The stage that it is evidence at."),
+        Field("requirements", PATTERNS, "The requirements that it is evidence for."),
+        optional("sha256", Text(HASH, "64 hexadecimal digits"), "The hash of the reviewed version; the evidence is stale when it differs."),
+    ))), "Documents that count as evidence."),
+    optional("gate", Many(Record("demand", "Cells that must be covered for the gate to pass.", (
+        Field("stage", STAGE_ID, "The stage."),
+        Field("requirements", PATTERNS, "The requirements."),
+        optional("at_least", DEGREE, "How much is demanded; `covered` if not given."),
+    )), 1), "What the gate demands; without it, every cell must be covered."),
+    optional("waivers", Many(Record("waiver", "Somebody answers for a gap, for a while.", (
+        Field("id", Text(ID, "an id such as `W-1`"), "Unique."),
+        optional("stages", Many(STAGE_ID, 1), "Waive missing or partial cells: at these stages ..."),
+        optional("requirements", PATTERNS, "... of these requirements."),
+        optional("codes", Many(Text(r"T2[0-9]{2}", "a code such as `T212`"), 1), "Or waive findings: with these codes ..."),
+        optional("subjects", PATTERNS, "... about these rules or assumptions."),
+        Field("justification", TEXT, "Why the gap is bearable."),
+        Field("owner", TEXT, "Who answers for it."),
+        Field("granted", Date(), "Since when."),
+        Field("expires", Date(), "The last day on which it holds."),
+    ))), "Gaps that are known and accepted for a while."),
+))  # fmt: skip
+
+DOCUMENTS = {"system-model": SYSTEM_MODEL, "requirements": REQUIREMENTS, "v-model": V_MODEL}

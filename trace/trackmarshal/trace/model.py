@@ -1,0 +1,185 @@
+"""What a requirements folder says, as typed records: the system model, the requirements, the V-model, the settings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from datetime import date
+from functools import lru_cache
+
+from trackmarshal.trace.findings import Place
+from trackmarshal.trace.values import Placed
+
+
+@dataclass(frozen=True, slots=True)
+class Subsystem:
+    """A part of the world, or the vehicle."""
+
+    id: Placed
+    title: str
+    role: str  #: "vehicle" or "environment"
+    description: str
+
+
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """What passes over an interface, and who starts it (a subsystem or `mutual`)."""
+
+    kind: str  #: "physical" or "information"
+    initiator: Placed
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class Issue:
+    """One answer to the guiding question."""
+
+    id: Placed
+    text: str
+    leads_to: tuple[Placed, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Interface:
+    """How two subsystems meet, or the properties of one."""
+
+    id: Placed
+    title: str
+    flows: tuple[Flow, ...]
+    issues: tuple[Issue, ...]
+    rationale: str
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        return tuple(self.id.split("-"))
+
+    @property
+    def leads_to(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(str(target) for issue in self.issues for target in issue.leads_to))
+
+
+@dataclass(frozen=True, slots=True)
+class Requirement:
+    """One requirement; `place` is where its record begins."""
+
+    id: Placed
+    title: str
+    statement: Placed
+    rationale: str
+    derived_from: tuple[Placed, ...]
+    refines: tuple[Placed, ...]
+    adopted: str
+    status: str
+    asil: Placed
+    verification: tuple[str, ...]
+    metrics: tuple[Placed, ...]
+    assumptions: tuple[Placed, ...]
+    source: str
+
+    @property
+    def place(self) -> Place:
+        return self.id.place
+
+    @property
+    def demanded(self) -> bool:
+        return self.status != "obsolete"
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A step of the V-model."""
+
+    id: Placed
+    title: str
+    shows: str
+    applies_to: tuple[Placed, ...]
+    counts: tuple[str, ...]
+    if_any: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A recording and what its run is evidence for."""
+
+    path: Placed
+    stage: Placed
+    expect: str  #: "ground_truth", "no_fire" or "fire"
+    origin: str
+    by: tuple[Placed, ...]
+    requirements: tuple[Placed, ...]
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """A document that counts at a stage."""
+
+    path: Placed
+    title: str
+    stage: Placed
+    requirements: tuple[Placed, ...]
+    sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class Demand:
+    """What the gate demands of cells."""
+
+    stage: Placed
+    requirements: tuple[Placed, ...]
+    at_least: str
+
+
+@dataclass(frozen=True, slots=True)
+class Waiver:
+    """A gap that somebody answers for: cells (stages and requirements) or findings (codes and subjects)."""
+
+    id: Placed
+    stages: tuple[Placed, ...]
+    requirements: tuple[Placed, ...]
+    codes: tuple[Placed, ...]
+    subjects: tuple[Placed, ...]
+    justification: str
+    owner: str
+    granted: date
+    expires: date
+
+
+@dataclass(frozen=True, slots=True)
+class Project:
+    """All documents of a project, in the order of files and of lines in them."""
+
+    name: str = ""
+    specs: tuple[Placed, ...] = ()
+    default_spec: str = ""
+    results: str = "out/results"
+    baseline: Placed | None = None
+    tests_per_rule: tuple[tuple[str, int], ...] = (("satisfied", 1), ("violated", 1), ("boundary", 1))
+    subsystems: tuple[Subsystem, ...] = ()
+    interfaces: tuple[Interface, ...] = ()
+    infeasible: tuple[Placed, ...] = ()
+    requirements: tuple[Requirement, ...] = ()
+    stages: tuple[Stage, ...] = ()
+    scenarios: tuple[Scenario, ...] = ()
+    evidence: tuple[Evidence, ...] = ()
+    gate: tuple[Demand, ...] = ()
+    waivers: tuple[Waiver, ...] = ()
+    modelled: Place | None = None  #: where the system model is, if there is one
+    by_id: dict[str, Requirement] = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def vehicle(self) -> str:
+        """The id of the vehicle; empty when the model names none."""
+        return next((str(s.id) for s in self.subsystems if s.role == "vehicle"), "")
+
+
+@lru_cache(maxsize=4096)
+def _pattern(patterns: tuple[str, ...]) -> re.Pattern[str]:
+    return re.compile("|".join(".*".join(map(re.escape, pattern.split("*"))) for pattern in patterns))
+
+
+def matches(name: str, patterns: Iterable[str]) -> bool:
+    """Whether an id is one of these, where `*` stands for any characters; no patterns match nothing."""
+    wanted = tuple(str(pattern) for pattern in patterns)
+    return bool(wanted) and _pattern(wanted).fullmatch(name) is not None

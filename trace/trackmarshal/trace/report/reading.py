@@ -1,0 +1,207 @@
+"""Records of runs, checked and in numbers again: what all pages and pictures are drawn from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Any
+
+from trackmarshal.errors import TrackmarshalError
+
+FORMAT, VERSION = "trackmarshal-run", 1
+#: Letters of verdicts in records, and how pages name them. `-`: the cycle has no such candidate.
+VERDICTS = {"s": "satisfied", "v": "violated", "u": "undefined", "i": "inactive", "o": "open", "-": "absent"}
+UNSAFE = "vuo"
+CANDIDATES = ("driving", "emergency")
+DECISIONS = {"drive": "drive", "previous_emergency": "previous emergency", "no_safe_trajectory": "none safe"}
+#: A cycle's verdict holds until the next cycle, but not longer than this many usual cycles: then the record has a gap.
+LONGEST_HOLD = 2.5
+#: A margin below this share of the rule's median margin counts as near the bound.
+NEAR = 0.25
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """One rule on one candidate: a letter and a margin a cycle, the cycle of the least margin, and where it fired."""
+
+    verdict: str
+    margin: list[float]
+    least: Mapping[str, Any] | None
+    firings: Sequence[Mapping[str, Any]]
+
+    @property
+    def fired(self) -> bool:
+        return bool(self.firings)
+
+    def measured(self) -> list[float]:
+        """Finite margins of the cycles in which the rule held or was violated."""
+        return [m for m, letter in zip(self.margin, self.verdict) if letter in "sv" and math.isfinite(m)]
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A rule or a monitored assumption, with its lanes by candidate."""
+
+    name: str
+    title: str
+    what: str
+    kind: str
+    requirements: Sequence[str]
+    unit: str
+    because: str
+    source: str
+    span: str
+    text: str
+    lanes: Mapping[str, Lane]
+
+    @property
+    def fired(self) -> bool:
+        return any(lane.fired for lane in self.lanes.values())
+
+    @property
+    def first(self) -> float:
+        """When it first fired; infinite where it never did."""
+        return min((number(f["from"]) for lane in self.lanes.values() for f in lane.firings), default=math.inf)
+
+    @property
+    def nearness(self) -> float:
+        """The smallest margin as a share of the median one, over the candidates; infinite where there is no margin."""
+        shares = []
+        for lane in self.lanes.values():
+            known = lane.measured()
+            if known:
+                least, middle = min(known), median(known)
+                shares.append(0.0 if least <= 0.0 else least / middle)
+        return min(shares, default=math.inf)
+
+    @property
+    def matters(self) -> bool:
+        """Whether its margins are drawn: it fired, or came near its bound."""
+        return self.fired or self.nearness <= NEAR
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A run as pages need it. `t` in s, one entry a cycle; `end` is until when a cycle is shown to hold."""
+
+    record: Mapping[str, Any]
+    name: str
+    t: list[float]
+    end: list[float]
+    #: "s", or "cycles" where the record's times cannot be used.
+    time_unit: str
+    rules: Sequence[Rule]
+    safe: Mapping[str, Sequence[bool | None]]
+    truth: Mapping[str, Sequence[bool | None]]
+    decision: Sequence[str]
+
+    @property
+    def cycles(self) -> int:
+        return len(self.t)
+
+    @property
+    def unsafe_cycles(self) -> int:
+        """Cycles in which a candidate is unsafe or missing: those in which the planned trajectory is not driven."""
+        return sum(decision != "drive" for decision in self.decision)
+
+    @property
+    def fired(self) -> list[Rule]:
+        """The rules that fired, in the order in which they first did."""
+        return sorted((rule for rule in self.rules if rule.fired), key=lambda rule: rule.first)
+
+    def first_firing(self) -> tuple[Rule, str, Mapping[str, Any]] | None:
+        """The first firing of all: its rule, candidate and record."""
+        found = [(f["cycles"][0], r, c, f) for r in self.rules for c, lane in r.lanes.items() for f in lane.firings]
+        return min(found, key=lambda item: item[0])[1:] if found else None
+
+    def kind_unsafe(self, kind: str) -> list[bool]:
+        """Per cycle, whether a rule of one kind (dynamic, static) makes a candidate unsafe."""
+        lanes = [lane.verdict for rule in self.rules if rule.kind == kind for lane in rule.lanes.values()]
+        return [any(letters[i] in UNSAFE for letters in lanes) for i in range(self.cycles)]
+
+    def by_requirement(self) -> dict[str, list[Rule]]:
+        """Rules by the first requirement that they satisfy, in the order of the requirements' names; "" comes last."""
+        groups: dict[str, list[Rule]] = {}
+        for rule in self.rules:
+            groups.setdefault(rule.requirements[0] if rule.requirements else "", []).append(rule)
+        return dict(sorted(groups.items(), key=lambda item: (item[0] == "", item[0])))
+
+
+def read_run(record: Mapping[str, Any]) -> Run:
+    """A record, checked; raises T291."""
+    name = str(record.get("scenario", "?"))
+    if record.get("format") != FORMAT:
+        raise _bad(name, f"its format is {record.get('format')!r}, not {FORMAT!r}")
+    if record.get("version") != VERSION:
+        raise _bad(name, f"its version is {record.get('version')!r}, this tool reads {VERSION}")
+    try:
+        return _run(name, record)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise _bad(name, f"{type(error).__name__}: {error}") from error
+
+
+def _run(name: str, record: Mapping[str, Any]) -> Run:
+    t = [number(value) for value in record["t"]]
+    unit = "s"
+    if not all(math.isfinite(value) for value in t) or any(not a < b for a, b in zip(t, t[1:])):
+        t, unit = [float(i) for i in range(len(t))], "cycles"
+    columns = {"decision": record["decision"], **{f"ego.{k}": v for k, v in record["ego"].items()}}
+    columns |= {f"ground_truth.{kind}": truth for kind, truth in record["ground_truth"].items()}
+    for candidate in CANDIDATES:
+        columns[f"{candidate}.safe"] = record["candidates"][candidate]["safe"]
+        columns[f"{candidate}.paths"] = record["candidates"][candidate]["paths"]
+    rules = []
+    for entry in record["rules"]:
+        lanes = {}
+        for candidate, lane in entry["candidates"].items():
+            columns[f"{entry['name']}.{candidate}.verdict"] = lane["verdict"]
+            columns[f"{entry['name']}.{candidate}.margin"] = lane["margin"]
+            if unknown := set(lane["verdict"]) - set(VERDICTS):
+                raise ValueError(f"unknown verdicts {sorted(unknown)}")
+            margin = [math.nan if m is None else number(m) for m in lane["margin"]]
+            lanes[candidate] = Lane(lane["verdict"], margin, lane["least"], lane["firings"])
+        fields = ("name", "title", "what", "kind", "requirements", "unit", "because", "source", "span", "text")
+        rules.append(Rule(*(entry[field] for field in fields), lanes))
+    if unknown := set(record["decision"]) - set(DECISIONS):
+        raise ValueError(f"unknown decisions {sorted(unknown)}")
+    for column, values in columns.items():
+        if len(values) != len(t):
+            raise ValueError(f"{column} has {len(values)} entries for {len(t)} cycles")
+    safe = {candidate: record["candidates"][candidate]["safe"] for candidate in CANDIDATES}
+    return Run(record, name, t, _ends(t), unit, rules, safe, record["ground_truth"], record["decision"])
+
+
+def _ends(t: Sequence[float]) -> list[float]:
+    if len(t) < 2:
+        return [value + 0.1 for value in t]
+    steps = [b - a for a, b in zip(t, t[1:])]
+    usual = median(steps)
+    return [a + (step if step <= LONGEST_HOLD * usual else usual) for a, step in zip(t, [*steps, usual])]
+
+
+def number(value: object) -> float:
+    """A number of a record, its words for what is not finite included; raises ValueError for anything else."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return float(value)
+    if value in ("nan", "inf", "-inf"):
+        return float(str(value))
+    raise ValueError(f"{value!r} is no number")
+
+
+def stretches(values: Iterable[Any]) -> Iterator[tuple[Any, int, int]]:
+    """Runs of equal neighbours: (value, first index, last index)."""
+    first, current, index = 0, None, -1
+    for index, value in enumerate(values):
+        if index == 0:
+            current = value
+        elif value != current:
+            yield current, first, index - 1
+            first, current = index, value
+    if index >= 0:
+        yield current, first, index
+
+
+def _bad(name: str, message: str) -> TrackmarshalError:
+    return TrackmarshalError("T291", f"run `{name}`: {message}", help="make the record with trackmarshal.scenarios.run_record")

@@ -1,0 +1,143 @@
+"""The requirements folder of a project, read: every document, every error in one run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+from trackmarshal.trace import model, tree
+from trackmarshal.trace.documents import DOCUMENTS
+from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
+from trackmarshal.trace.values import Placed, Reader, Table
+
+FOLDER = "requirements"
+V_MODEL = f"{FOLDER}/v-model.yaml"
+
+
+def load(root: Path, found: list[Finding]) -> model.Project:
+    """Everything under `requirements/`; what is wrong goes to `found` (T101 to T129), what can be read is kept."""
+    folder = root / FOLDER
+    files = sorted(path for path in folder.rglob("*") if path.suffix in (".yaml", ".yml") and not path.is_dir())
+    tables: dict[str, list[Table]] = {kind: [] for kind in DOCUMENTS}
+    for path in files:
+        shown = path.relative_to(root).as_posix()
+        read = _document(path, shown, found)
+        if read is not None:
+            tables[read[0]].append(read[1])
+    for kind in ("system-model", "v-model"):
+        for extra in tables[kind][1:]:
+            message = f"a second {kind}; the first is {tables[kind][0].place.file}"
+            found.append(error("T129", message, extra.place, "merge the two"))
+    if not tables["v-model"]:
+        found.append(error("T112", "the project has no v-model document", Place(V_MODEL), "write one; it makes the folder a project"))
+    project = _settings(tables["v-model"][0]) if tables["v-model"] else model.Project()
+    requirements = tuple(_requirement(t) for d in tables["requirements"] for t in d.tables("requirements") if t.text("id"))
+    project = replace(project, requirements=requirements, by_id={})
+    for requirement in requirements:
+        project.by_id.setdefault(str(requirement.id), requirement)
+    return _with_model(project, tables["system-model"][0]) if tables["system-model"] else project
+
+
+def _document(path: Path, shown: str, found: list[Finding]) -> tuple[str, Table] | None:
+    node = tree.read(path, shown, found)
+    if node is None:
+        return None
+    place = Place(shown, node.line, node.column)
+    if not isinstance(node, tree.Mapping):
+        found.append(error("T113", "the document is no mapping", place, "start with `document: requirements`"))
+        return None
+    kind = node.entries.get("document")
+    known = ", ".join(DOCUMENTS)
+    if not isinstance(kind, tree.Scalar) or kind.text not in DOCUMENTS:
+        said = f"`{kind.text}`" if isinstance(kind, tree.Scalar) else "not said"
+        help_ = (did_you_mean(kind.text, DOCUMENTS) if isinstance(kind, tree.Scalar) else "") or f"known are {known}"
+        at = place if kind is None else Place(shown, kind.line, kind.column)
+        found.append(error("T113", f"which document this is, is {said}", at, help_))
+        return None
+    table = Reader(shown, found).table(node, DOCUMENTS[kind.text], "the document")
+    return None if table is None else (kind.text, table)
+
+
+def _requirement(t: Table) -> model.Requirement:
+    return model.Requirement(
+        t.text("id"), t.text("title"), t.text("statement"), t.text("rationale"), t.texts("derived_from"), t.texts("refines"),
+        t.text("adopted"), t.text("status"), t.text("asil"), t.texts("verification"), t.texts("metrics"), t.texts("assumptions"),
+        t.text("source"),
+    )  # fmt: skip
+
+
+def _with_model(project: model.Project, t: Table) -> model.Project:
+    subsystems = tuple(
+        model.Subsystem(s.text("id"), s.text("title"), s.text("role"), s.text("description"))
+        for s in t.tables("subsystems")
+        if s.text("id")
+    )
+    interfaces = tuple(_interface(i) for i in t.tables("interfaces") if i.text("id"))
+    infeasible = tuple(i.text("between") for i in t.tables("infeasible") if i.text("between"))
+    return replace(project, subsystems=subsystems, interfaces=interfaces, infeasible=infeasible, modelled=t.place)
+
+
+def _interface(t: Table) -> model.Interface:
+    flows = tuple(model.Flow(f.text("kind"), f.text("initiator"), f.text("what")) for f in t.tables("flows"))
+    issues = tuple(model.Issue(i.text("id"), i.text("text"), i.texts("leads_to")) for i in t.tables("issues"))
+    return model.Interface(t.text("id"), t.text("title"), flows, issues, t.text("rationale"))
+
+
+def _settings(t: Table) -> model.Project:
+    p = t.get("project")
+    settings = p if isinstance(p, Table) else _nothing(t.place)
+    tests = settings.get("tests_per_rule", {})
+    return model.Project(
+        name=settings.text("name"),
+        specs=settings.texts("specs"),
+        default_spec=settings.text("default_spec"),
+        results=settings.text("results") or "out/results",
+        baseline=settings.text("baseline") or None,
+        tests_per_rule=tuple((verdict, tests.get(verdict, 1)) for verdict in ("satisfied", "violated", "boundary")),
+        stages=tuple(_stage(s) for s in t.tables("stages") if s.text("id")),
+        scenarios=tuple(_scenario(s) for s in settings.tables("scenarios") if s.text("path") and s.text("stage")),
+        evidence=tuple(_evidence(e) for e in t.tables("evidence") if e.text("path") and e.text("stage")),
+        gate=tuple(
+            model.Demand(d.text("stage"), d.texts("requirements"), d.text("at_least") or "covered")
+            for d in t.tables("gate")
+            if d.text("stage")
+        ),
+        waivers=tuple(_waiver(w) for w in t.tables("waivers") if w.text("id")),
+    )
+
+
+def _stage(t: Table) -> model.Stage:
+    return model.Stage(
+        t.text("id"), t.text("title"), t.text("shows"), t.texts("applies_to"), t.texts("counts"), t.get("if_any", False)
+    )
+
+
+def _scenario(t: Table) -> model.Scenario:
+    return model.Scenario(
+        t.text("path"), t.text("stage"), t.text("expect"), t.text("origin"), t.texts("by"),
+        t.texts("requirements") or (Placed.at("*", t.place),), t.text("title"),
+    )  # fmt: skip
+
+
+def _evidence(t: Table) -> model.Evidence:
+    return model.Evidence(t.text("path"), t.text("title"), t.text("stage"), t.texts("requirements"), t.text("sha256"))
+
+
+def _waiver(t: Table) -> model.Waiver:
+    return model.Waiver(
+        t.text("id"), t.texts("stages"), t.texts("requirements"), t.texts("codes"), t.texts("subjects"), t.text("justification"),
+        t.text("owner"), t.get("granted", date.max), t.get("expires", date.min),  # without its dates, a waiver never holds
+    )  # fmt: skip
+
+
+def _nothing(place: Place) -> Table:
+    table = Table()
+    table.place = place
+    return table
+
+
+def ids(root: Path) -> Iterable[Placed]:
+    """The ids of all requirements that are demanded, for `satisfies`; unreadable files have none."""
+    return tuple(requirement.id for requirement in load(root, []).requirements if requirement.demanded)
