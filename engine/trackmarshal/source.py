@@ -84,6 +84,17 @@ class Span:
         return Span(self.file, self.start, other.end)
 
     @property
+    def head(self) -> Span:
+        """The part of this span on its first line: where messages point to a declaration."""
+        stop = self.file.text.find("\n", self.start)
+        return Span(self.file, self.start, min(self.end, stop if stop >= 0 else self.end))
+
+    def word(self, name: str) -> Span:
+        """The first place in this span where a word stands; the head of the span when it does not occur."""
+        match = re.compile(rf"(?<![\w-]){re.escape(name)}(?![\w-])").search(self.file.text, self.start, self.end)
+        return self.head if match is None else Span(self.file, *match.span())
+
+    @property
     def text(self) -> str:
         return self.file.text[self.start : self.end]
 

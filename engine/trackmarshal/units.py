@@ -139,6 +139,12 @@ def name(dimension: Dimension) -> str:
     return _SPOKEN.get(dimension, show(dimension))
 
 
+def quantity(dimension: Dimension) -> str:
+    """A dimension with its unit, as messages show it: a speed [m/s]."""
+    spoken, unit = name(dimension), show(dimension)
+    return spoken if dimension == NUMBER or spoken == unit else f"{spoken} [{unit}]"
+
+
 _SPOKEN = {
     NUMBER: "a plain number", LENGTH: "a length", TIME: "a time", MASS: "a mass", SPEED: "a speed",
     ACCELERATION: "an acceleration", FORCE: "a force", over(NUMBER, LENGTH): "a curvature",

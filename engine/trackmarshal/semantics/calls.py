@@ -2,31 +2,35 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from trackmarshal.diagnostics.base import Diagnostic, close_matches
+from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.semantics.errors import Recursive, UnknownReference, WrongArity, WrongDimension, WrongKind
-from trackmarshal.semantics.scope import Symbol
+from trackmarshal.semantics.scope import Symbol, spoken
 from trackmarshal.semantics.shapes import SHAPES
 from trackmarshal.semantics.values import (
-    AreaValue, FormulaValue, LineValue, NumberValue, RecordValue, RegionValue, SignalValue, Value,
+    AreaValue, FormulaValue, LineValue, NumberValue, Poison, RecordValue, RegionValue, SignalValue, Value,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import LENGTH, NUMBER, Dimension, name, parse_unit, power, show
+from trackmarshal.units import LENGTH, NUMBER, Dimension, parse_unit, power, quantity, show
 
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions import Context, Expressions
 
-#: Built-in functions that are not plain functions of numbers, and their arguments for messages.
-_SPECIAL = {
-    "rising": "a formula", "falling": "a formula",
-    "footprint": "a body; or a pose, length, width", "swept_footprint": "a sample of a trajectory, length, width",
-    "swept": "two poses, length, width", "inside": "a footprint, an area", "clear_of": "two footprints",
-    "station": "a point, a line", "offset": "a point, a line", "direction": "a point, a line",
-    "distance_to": "a point, a line", "station_gap": "a line, two stations", "centre": "a corridor", "path": "a trajectory",
+#: Built-in functions that are not plain functions of numbers: how many arguments, and which, for messages.
+_SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
+    "rising": ((1,), "1 argument (a formula)"), "falling": ((1,), "1 argument (a formula)"),
+    "footprint": ((1, 3), "1 argument (a body) or 3 (a pose, length, width)"),
+    "swept_footprint": ((3,), "3 arguments (a sample of a trajectory, length, width)"),
+    "swept": ((4,), "4 arguments (two poses, length, width)"), "inside": ((2,), "2 arguments (a footprint, an area)"),
+    "clear_of": ((2,), "2 arguments (two footprints)"), "station": ((2,), "2 arguments (a point, a line)"),
+    "offset": ((2,), "2 arguments (a point, a line)"), "direction": ((2,), "2 arguments (a point, a line)"),
+    "distance_to": ((2,), "2 arguments (a point, a line)"), "station_gap": ((3,), "3 arguments (a line, two stations)"),
+    "centre": ((1,), "1 argument (a corridor)"), "path": ((1,), "1 argument (a trajectory)"),
 }  # fmt: skip
 _ON_LINE: dict[str, Dimension] = {"station": LENGTH, "offset": LENGTH, "direction": NUMBER, "distance_to": LENGTH}
 
@@ -42,21 +46,46 @@ def call(
     """A call of anything by its name."""
     if any(names):
         self.fail(UnknownReference(span, "named arguments are for the builders of tests", "write the arguments in order"))
-    symbol = ctx.scope.find(function)
-    if symbol is None and function in ir.FUNCTIONS:
-        return _numeric(self, function, args, span, ctx)
-    if symbol is None and function in _SPECIAL:
-        return _special(self, function, args, span, ctx)
-    found = symbol or ctx.scope.look_up(function, span, "function", built_in_names())
-    if isinstance(found, Diagnostic):
-        self.fail(found)
+    if function not in ctx.scope.names():
+        if function in ir.FUNCTIONS:
+            return _numeric(self, function, args, span, ctx)
+        if function in _SPECIAL:
+            return _special(self, function, args, span, ctx)
+    at = _name_of_call(function, args, span)
+    found, item = _declared(self, function, args, at, ctx)
+    wanted = 1 if isinstance(item, ast.Table) else len(item.parameters)
+    fits = len(args) == wanted
+    if not fits:
+        self.found.append(WrongArity(at, function, _count(wanted), _given(len(args)), item.span.head))
     values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))  # type: ignore[misc]
-    item = found.item
+    if not fits:
+        raise Poison
     if isinstance(item, ast.Table):
         return _table(self, found, item, values, span)
-    if isinstance(item, ast.Define):
-        return expand(self, found, item, values, span, ctx)
-    self.fail(WrongKind(span, "a function", f"the name `{function}`"))
+    return expand(self, found, item, values, span, ctx)
+
+
+def _declared(
+    self: Expressions, function: str, args: tuple[ast.Expr, ...], at: Span, ctx: Context
+) -> tuple[Symbol, ast.Table | ast.Define]:
+    """What a call calls; where that is nothing, the errors of its arguments are reported all the same."""
+    try:
+        found = self.look_up(function, at, "function", built_in_names(), ctx)
+        if isinstance(found.item, (ast.Table, ast.Define)):
+            return found, found.item
+        self.fail(WrongKind(at, "a function", f"the {spoken(found.item)} `{function}`"))
+    except Poison:
+        self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))  # type: ignore[misc]
+        raise
+
+
+def _name_of_call(function: str, args: tuple[ast.Expr, ...], span: Span) -> Span:
+    """Where the name stands in `f(a, b)` and in `a f b`."""
+    start = span.start
+    if args and args[0].__dict__["span"].start == start:
+        start = args[0].__dict__["span"].end
+    match = re.compile(r"[^\W\d]\w*").search(span.file.text, start, span.end)
+    return span if match is None else Span(span.file, *match.span())
 
 
 def expand(self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value], span: Span, ctx: Context) -> Value:
@@ -64,9 +93,8 @@ def expand(self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value
     if symbol.qualified in ctx.stack:
         cycle = " -> ".join(q.rpartition(".")[2] for q in (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified))
         self.fail(Recursive(span, item.name, cycle))
-    if len(args) != len(item.parameters):
-        self.fail(WrongArity(span, item.name, _count(len(item.parameters)), len(args)))
-    local = {p.name: _argument(self, p, value) for p, value in zip(item.parameters, args)}
+    bound = self.all(*(lambda p=p, v=v: _argument(self, p, v) for p, v in zip(item.parameters, args)))  # type: ignore[misc]
+    local = {p.name: value for p, value in zip(item.parameters, bound)}
     scope = self.scopes[symbol.module]
     inner = type(ctx)(scope, local, ctx.level, ctx.timeline, ctx.site or span, (*ctx.stack, symbol.qualified))
     if item.keyword == "predicate":
@@ -75,7 +103,8 @@ def expand(self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value
     if item.result is not None:
         wanted = parse_unit(item.result)[2]
         if value.dimension != wanted:
-            self.fail(WrongDimension(value.span, item.span, f"the value of `{item.name}`", name(wanted), value.spoken))
+            what = f"the value of `{item.name}`"
+            self.fail(WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension)))
     return NumberValue(value.node, value.dimension, span)
 
 
@@ -116,16 +145,20 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
     wanted = parse_unit(kind)[2]
     if value.dimension != wanted:
         what = f"argument `{parameter.name}`"
-        self.fail(WrongDimension(span, parameter.span, what, f"{name(wanted)} [{show(wanted)}]", f"{value.spoken} [{show(value.dimension)}]"))
+        self.fail(WrongDimension(span, parameter.span, what, quantity(wanted), quantity(value.dimension), _unit_hint(value, wanted)))
     return value
 
 
 def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:
+    wanted, more = ir.FUNCTIONS[function], function in ("min", "max")
+    fits = len(args) == wanted or (more and len(args) > wanted)
+    if not fits:
+        least = "at least " if more else ""
+        self.found.append(WrongArity(_name_of_call(function, args, span), function, least + _count(wanted), _given(len(args))))
     values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))  # type: ignore[misc]
+    if not fits:
+        raise Poison
     numbers = [v for v in values if isinstance(v, NumberValue)]
-    wanted = ir.FUNCTIONS[function]
-    if len(numbers) != wanted and not (function in ("min", "max") and len(numbers) > wanted):
-        self.fail(WrongArity(span, function, _count(wanted), len(numbers)))
     first = numbers[0]
     if function in ("min", "max", "atan2"):
         for other in numbers[1:]:
@@ -140,38 +173,40 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     elif function != "abs":
         for value in numbers:
             if value.dimension != NUMBER:
-                self.fail(WrongDimension(value.span, None, f"the argument of {function}", "a plain number", value.spoken))
+                what, found = f"the argument of `{function}`", quantity(value.dimension)
+                self.fail(WrongDimension(value.span, None, what, "a plain number", found, "divide it by a quantity of its own dimension"))
     return NumberValue(self.make(ir.Func, function, tuple(v.node for v in numbers)), dimension, span)
 
 
 def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Value], span: Span) -> Value:
-    if len(values) != 1:
-        self.fail(WrongArity(span, item.name, _count(1), len(values)))
     value = values[0]
-    if symbol.qualified not in self.tables:
-        self.fail(UnknownReference(span, f"the table `{item.name}` has errors of its own"))
-    argument, result = self.tables[symbol.qualified]
+    argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
     if not isinstance(value, NumberValue) or value.dimension != argument:
-        self.fail(WrongDimension(value.__dict__["span"], item.span, f"the argument of `{item.name}`", name(argument), value.spoken))
+        what = f"the argument of `{item.name}`"
+        self.fail(WrongDimension(value.__dict__["span"], item.span.head, what, quantity(argument), _spoken(value)))
     return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span)
 
 
 def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:
-    def want(*counts: int) -> None:
-        if len(args) not in counts:
-            self.fail(WrongArity(span, function, _SPECIAL[function], len(args)))
-
+    counts, wanted = _SPECIAL[function]
+    fits = len(args) in counts
+    if not fits:
+        at = _name_of_call(function, args, span)
+        self.found.append(WrongArity(at, function, wanted, _given(len(args))))
     if function in ("rising", "falling"):
-        want(1)
-        axis = self.timeline(f"`{function}`", span, ctx)
-        return FormulaValue(self.make(ir.Edge, function, axis, self.formula(args[0], ctx).node), span)
+        operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))  # type: ignore[misc]
+        axis = self.timeline(f"`{function}`", _name_of_call(function, args, span), ctx)
+        if not fits:
+            raise Poison
+        assert isinstance(operands[0], FormulaValue)
+        return FormulaValue(self.make(ir.Edge, function, axis, operands[0].node), span)
     values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))  # type: ignore[misc]
+    if not fits:
+        raise Poison
     spans: list[Span] = [arg.__dict__["span"] for arg in args]
     if function == "footprint":
-        want(1, 3)
         return _footprint(self, values, spans, span, ctx)
     if function == "swept_footprint":
-        want(3)
         sample = values[0]
         if not isinstance(sample, RecordValue) or sample.previous is None:
             self.fail(WrongKind(spans[0], "a sample of a trajectory", sample.spoken))
@@ -179,37 +214,30 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         poses = (*fields(self, before, "pose", spans[0], ctx), *fields(self, sample, "pose", spans[0], ctx))
         return RegionValue((*poses, *(_length(self, v) for v in values[1:])), span)
     if function == "swept":
-        want(4)
         poses = (*fields(self, values[0], "pose", spans[0], ctx), *fields(self, values[1], "pose", spans[1], ctx))
         return RegionValue((*poses, *(_length(self, v) for v in values[2:])), span)
     if function == "inside":
-        want(2)
         region = _region(self, values[0], spans[0])
         return FormulaValue(self.make(ir.Geometry, "swept_inside", region.args, _area(self, values[1], spans[1]), ctx.site or span), span)
     if function == "clear_of":
-        want(2)
         hull, box = _region(self, values[0], spans[0]), _region(self, values[1], spans[1])
         if box.args[0:3] != box.args[3:6]:
             self.fail(WrongKind(spans[1], "a footprint at rest", "a swept footprint", "swap the two sides"))
         node = self.make(ir.Geometry, "swept_clear", (*hull.args, *box.args[0:3], *box.args[6:8]), None, ctx.site or span)
         return FormulaValue(node, span)
     if function in _ON_LINE:
-        want(2)
         x, y = fields(self, values[0], "point", spans[0], ctx)
         what = "distance" if function == "distance_to" else function
         return NumberValue(self.make(ir.Along, what, line(self, values[1], spans[1]), (x, y)), _ON_LINE[function], span)
     if function == "station_gap":
-        want(3)
         stations = tuple(_length(self, v) for v in values[1:])
         return NumberValue(self.make(ir.Along, "station_gap", line(self, values[0], spans[0]), stations), LENGTH, span)
     if function == "centre":
-        want(1)
         area = _area(self, values[0], spans[0])
         if area.kind != "corridor":
             self.fail(WrongKind(spans[0], "a corridor", "a zone"))
         return LineValue(self.make(ir.Line, "centre", area.name, ""), span)
     if function == "path":
-        want(1)
         return LineValue(line(self, values[0], spans[0]), span)
     raise AssertionError(f"unknown function {function}")
 
@@ -265,9 +293,17 @@ def _footprint(self: Expressions, values: list[Value], spans: list[Span], span: 
 
 def _length(self: Expressions, value: Value) -> ir.Num:
     if not isinstance(value, NumberValue) or value.dimension != LENGTH:
-        self.fail(WrongDimension(value.__dict__["span"], None, "this argument", "a length", value.spoken))
+        self.fail(WrongDimension(value.__dict__["span"], None, "this argument", quantity(LENGTH), _spoken(value)))
     return value.node
 
 
 def _count(number: int) -> str:
-    return "no arguments" if number == 0 else "one argument" if number == 1 else f"{number} arguments"
+    return "no arguments" if number == 0 else "1 argument" if number == 1 else f"{number} arguments"
+
+
+def _given(number: int) -> str:
+    return f"{number} given" if number else "none given"
+
+
+def _spoken(value: Value) -> str:
+    return quantity(value.dimension) if isinstance(value, NumberValue) else value.spoken

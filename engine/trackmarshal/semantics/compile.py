@@ -160,7 +160,7 @@ class _Compiler:
             return FieldType(field.name, field.type, "1", False, None, None, None, field.span)
         unit, dimension = field.type, parse_unit(field.type)[2]
         lower, upper = self._range(field.range, unit, dimension, module)
-        default = None if field.default is None else self._literal(field.default, unit, dimension, module)
+        default = None if field.default is None else self._finite(field.default, unit, dimension, module)
         if default is not None and not _inside(default, lower, upper):
             self.x.fail(BadValue(field.span, f"the default of `{field.name}` is outside its range"))
         return FieldType(field.name, "number", unit, field.increasing, lower, upper, default, field.span)
@@ -174,6 +174,13 @@ class _Compiler:
         if not lower <= upper:
             self.x.fail(BadValue(limits.span, "a range runs from low to high", None, "swap the bounds"))
         return lower, upper
+
+    def _finite(self, expr: ast.Expr, unit: str, dimension: Dimension, module: str) -> float:
+        """A literal in SI that is not infinite: ranges have open ends, values don't."""
+        value = self._literal(expr, unit, dimension, module)
+        if not math.isfinite(value):
+            self.x.fail(BadValue(expr.__dict__["span"], "this value is not finite"))
+        return value
 
     def _literal(self, expr: ast.Expr, unit: str, dimension: Dimension, module: str) -> float:
         """A literal bound in SI: bare numbers are in `unit`, others must have its dimension."""
@@ -217,6 +224,8 @@ class _Compiler:
         value = constant_value(node, lambda name: self.params[name].value if name in self.params else None)
         if value is None:
             self.x.fail(BadValue(span, "this is not constant", None, "use literals and parameters that are declared before"))
+        if not math.isfinite(value):
+            self.x.fail(BadValue(span, "this value is not finite"))
         return value
 
     def _tables(self, module: str) -> None:
@@ -226,7 +235,7 @@ class _Compiler:
 
     def _table(self, item: ast.Table, module: str) -> None:
         argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
-        rows = [(self._literal(a, item.unit, argument, module), self._literal(b, item.result, result, module)) for a, b in item.rows]
+        rows = [(self._finite(a, item.unit, argument, module), self._finite(b, item.result, result, module)) for a, b in item.rows]
         for (before, _), (after, _), row in zip(rows, rows[1:], item.rows[1:]):
             if not before < after:
                 self.x.fail(BadValue(row[0].__dict__["span"], "the knots of a table ascend", None, "sort the rows; each knot stands once"))
@@ -243,7 +252,7 @@ class _Compiler:
 
     def _place(self, item: ast.Place, module: str) -> None:
         length = parse_unit("m")[2]
-        points = tuple((self._literal(x, "m", length, module), self._literal(y, "m", length, module)) for x, y in item.points)
+        points = tuple((self._finite(x, "m", length, module), self._finite(y, "m", length, module)) for x, y in item.points)
         least = 3 if item.kind == "zone" else 2
         if len(set(points)) < least:
             self.x.fail(BadValue(item.span, f"a {item.kind} has at least {least} different points"))

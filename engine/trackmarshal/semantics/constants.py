@@ -1,11 +1,32 @@
-"""Values of numbers that are constant: literals, parameters, and arithmetic on them."""
+"""Values of numbers that are constant: literals, parameters, tables, and arithmetic on them."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.arithmetic import apply, arith
+from trackmarshal.units import to_si
+
+
+def literal_problem(text: str, unit: str) -> str:
+    """Why digits in a unit have no value that a double can hold; empty where they have one."""
+    value = to_si(float(text), unit)
+    if not math.isfinite(value):
+        return "this number is too large for a double (about 1.8e308 in SI units)"
+    if value == 0.0 and any(digit in "123456789" for digit in text.lower().partition("e")[0]):
+        return "this number is too small for a double: it would become 0"
+    return ""
+
+
+#: What the formula of a `constrain` may be made of: everything that parameters and tables decide.
+_SETTLED = (ir.Const, ir.Param, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Truth, ir.Compare, ir.Not, ir.Connective)
+
+
+def settled(formula: ir.Formula) -> bool:
+    """Whether parameters and tables alone decide a formula, without any input."""
+    return all(isinstance(node, _SETTLED) for node in ir.below(formula))
 
 
 def constant_value(node: ir.Num, param: Callable[[str], float | None]) -> float | None:

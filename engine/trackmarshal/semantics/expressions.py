@@ -13,17 +13,13 @@ from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
 from trackmarshal.semantics.errors import BadValue, DimensionMismatch, RunAxis, UnknownField, UnknownReference, UnusedVariable, WrongKind
-from trackmarshal.semantics.scope import Scope, Symbol
+from trackmarshal.semantics.scope import Scope, Symbol, spoken
 from trackmarshal.semantics.values import (
-    AreaValue, FormulaValue, LineValue, NumberValue, RecordValue, SignalValue, Value,
+    AreaValue, Broken, FormulaValue, LineValue, NumberValue, Poison, RecordValue, SignalValue, Value,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, TIME, Dimension, over, parse_unit, power, show, times, to_si
-
-
-class Poison(Exception):
-    """An error was reported; what depends on the expression is not checked further."""
 
 
 class Context(Node):
@@ -135,13 +131,22 @@ class Expressions:
 
     def _name(self, expr: ast.Name, ctx: Context) -> Value:
         if expr.name in ctx.local:
-            return ctx.local[expr.name]
+            value = ctx.local[expr.name]
+            if isinstance(value, Broken):
+                raise Poison  # the error is where the name was bound
+            return type(value)(**{**value.__dict__, "span": expr.span})  # messages point to the use
         if expr.name == "pi" and ctx.scope.find("pi") is None:
             return NumberValue(self.make(ir.Const, math.pi), NUMBER, expr.span)
-        found = ctx.scope.look_up(expr.name, expr.span, "name", {*ctx.local, "pi"})
+        return self._symbol(self.look_up(expr.name, expr.span, "name", {*ctx.local, "pi"}, ctx), expr.span, ctx)
+
+    def look_up(self, name: str, span: Span, what: str, extra: set[str], ctx: Context) -> Symbol:
+        """A declared name; fails with what is wrong with it."""
+        found = ctx.scope.look_up(name, span, what, extra)
+        if isinstance(found, Symbol):
+            return found
         if isinstance(found, Diagnostic):
             self.fail(found)
-        return self._symbol(found, expr.span, ctx)
+        raise Poison  # reported with the declaration
 
     def _symbol(self, symbol: Symbol, span: Span, ctx: Context) -> Value:
         item = symbol.item
@@ -289,11 +294,10 @@ class Expressions:
         return NumberValue(self.make(ir.Choose, condition.node, then.node, otherwise.node), then.dimension, expr.span)
 
     def _in_zone(self, expr: ast.InZone, ctx: Context) -> Value:
-        found = ctx.scope.look_up(expr.zone, expr.span, "zone", set())
-        if isinstance(found, Diagnostic):
-            self.fail(found)
+        at = Span(expr.span.file, _span(expr.value).end, expr.span.end).word(expr.zone)
+        found = self.look_up(expr.zone, at, "zone", set(), ctx)
         if not isinstance(found.item, ast.Place) or found.item.kind != "zone":
-            self.fail(WrongKind(expr.span, "a zone", f"the name `{expr.zone}`"))
+            self.fail(WrongKind(at, "a zone", f"the {spoken(found.item)} `{expr.zone}`"))
         area = self.make(ir.Area, "zone", found.qualified)
         x, y = calls.fields(self, self.value(expr.value, ctx), "point", _span(expr.value), ctx)
         return FormulaValue(self.make(ir.Geometry, "in_area", (x, y), area, ctx.site or expr.span), expr.span)

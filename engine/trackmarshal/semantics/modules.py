@@ -12,7 +12,7 @@ from trackmarshal.node import Node
 from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
 from trackmarshal.source import SourceFile, Span, read
 from trackmarshal.syntax import ast
-from trackmarshal.syntax.parser import parse
+from trackmarshal.syntax.trees import parse_kept
 
 _PRELUDE = Path(trackmarshal.prelude.__file__).parent
 
@@ -107,7 +107,7 @@ class Library:
         except TrackmarshalError as error:
             self.failures.append(error)
             return None
-        tree, found = parse(file)
+        tree, found = parse_kept(file)
         self.found += found
         names = [item for item in tree.items if isinstance(item, ast.ModuleName)]
         top = Span(file, 0, min(len(file.text), 1))

@@ -30,16 +30,22 @@ class Scope:
         self.module = module
         self.own: dict[str, Symbol] = {}
         self.used: dict[str, list[Symbol]] = {}
+        #: Names whose declarations have errors of syntax: in this module, and here or in a used one.
+        self.own_broken: set[str] = set()
+        self.broken: set[str] = set()
+        #: Whether a used module could not be loaded: it may declare any name.
+        self.incomplete = False
         self._found = found
 
     def declare(self, name: str, item: ast.Item) -> None:
         known = self.own.get(name)
         if known is not None:
-            self._found.append(Duplicate(_head(item), _head(known.item), KINDS[type(item)], name))
+            self._found.append(Duplicate(_head(item), _head(known.item), spoken(item), name))
             return
         self.own[name] = Symbol(item, self.module, f"{self.module}.{name}")
 
     def use(self, other: Scope) -> None:
+        self.broken |= other.own_broken
         for name, symbol in other.own.items():
             symbols = self.used.setdefault(name, [])
             if symbol not in symbols:
@@ -55,20 +61,35 @@ class Scope:
         found = self.used.get(name, [])
         return found[0] if len(found) == 1 else None
 
-    def look_up(self, name: str, span: Span, what: str, extra: set[str]) -> Symbol | Diagnostic:
-        """The symbol, or what is wrong with the name; `extra` are other names known at this place."""
+    def look_up(self, name: str, span: Span, what: str, extra: set[str]) -> Symbol | Diagnostic | None:
+        """The symbol, or what is wrong with the name, or None when that was reported elsewhere.
+
+        `extra` are other names known at this place.
+        """
         if name in self.own:
             return self.own[name]
         found = self.used.get(name, [])
         if len(found) > 1:
-            return Ambiguous(span, found[0].item.__dict__["span"], name)
+            return Ambiguous(span, _head(found[0].item), name)
         if found:
             return found[0]
-        return UnknownName(span, what, name, close_matches(name, self.names() | extra))
+        if name in self.broken:
+            return None  # its declaration has an error of syntax, which was reported
+        hint = close_matches(name, self.names() | extra)
+        if self.incomplete and not hint:
+            return None  # the module that could not be loaded may declare it
+        return UnknownName(span, what, name, hint)
+
+
+def spoken(item: ast.Item) -> str:
+    """What messages call a declaration."""
+    if isinstance(item, ast.Place):
+        return item.kind
+    if isinstance(item, ast.Define):
+        return "predicate" if item.keyword == "predicate" else "definition"
+    return KINDS[type(item)]
 
 
 def _head(item: ast.Item) -> Span:
-    """The first line of a declaration: where messages point to it."""
     span: Span = item.__dict__["span"]
-    stop = span.file.text.find("\n", span.start)
-    return Span(span.file, span.start, min(span.end, stop if stop >= 0 else span.end))
+    return span.head

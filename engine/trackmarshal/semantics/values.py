@@ -11,6 +11,10 @@ from trackmarshal.source import Span
 from trackmarshal.units import Dimension, name
 
 
+class Poison(Exception):
+    """An error was reported; what depends on the expression is not checked further."""
+
+
 class Value(Node):
     """Anything an expression can stand for."""
 
@@ -90,6 +94,14 @@ class AreaValue(Value):
     @property
     def spoken(self) -> str:
         return "an area"
+
+
+class Broken(Value):
+    """What a name stands for whose own declaration has an error: nothing is said about its uses."""
+
+    @property
+    def spoken(self) -> str:
+        return "something with an error of its own"
 
 
 class RegionValue(Value):

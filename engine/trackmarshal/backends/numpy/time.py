@@ -17,7 +17,8 @@ def operator(batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, op
     """The value of a temporal formula at every sample of every case."""
     pairs = [(value.worst, value.best) for value in operands]
     single = all(worst is best for worst, best in pairs)
-    blocked = [case.blocks([(node.axis.signal, "t")]) for case in batch.cases]
+    timed = isinstance(node, (ir.Temporal, ir.Until))
+    blocked = [timed and case.blocks([(node.axis.signal, "t")]) for case in batch.cases]
     worst = _side(batch, node, [w for w, _ in pairs], [b for _, b in pairs], blocked, False)
     if single and not any(blocked):
         return Value(worst, worst)

@@ -1,1 +1,7 @@
-"""Swept footprints, corridors, clearances and curvilinear coordinates over numpy arrays."""
+"""Swept footprints, corridors, clearances and curvilinear coordinates, many at a time over numpy arrays."""
+
+from trackmarshal.runtime.geometry.clearance import boxes_clear, sweeps_clear
+from trackmarshal.runtime.geometry.corridor import Corridor, Polygon
+from trackmarshal.runtime.geometry.polyline import Polyline, distance_to_paths
+
+__all__ = ["Corridor", "Polygon", "Polyline", "boxes_clear", "distance_to_paths", "sweeps_clear"]

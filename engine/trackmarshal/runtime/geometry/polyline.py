@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from trackmarshal.runtime.geometry.arrays import (
     LIMIT,
+    Bools,
     Floats,
     Ints,
     as_points,
@@ -75,7 +76,7 @@ class Polyline:
         if self.closed:
             station[station >= self.length] = 0.0
         direction = self._direction[k]
-        if not fine.all():
+        if fine is not None:
             station, offset, direction = (np.where(fine, part, np.nan) for part in (station, offset, direction))
         return station, offset, direction
 
@@ -89,7 +90,25 @@ class Polyline:
             distance = np.sqrt(dx * dx + dy * dy)
         else:
             return np.full(px.size, np.nan)
-        return np.where(fine, distance, np.nan)
+        return distance if fine is None else np.where(fine, distance, np.nan)
+
+    def feet(self, x: Floats, y: Floats) -> Floats | None:
+        """The point of the line nearest to each of some usable points: (N, 2); None for a line without segments."""
+        if self._border is None:
+            return None
+        border, k = self._border, self._nearest(x, y)[0]
+        rx, ry, sx, sy = x - border.ax[k], y - border.ay[k], x - border.bx[k], y - border.by[k]
+        t = (border.ex[k] * rx + border.ey[k] * ry) / border.square[k]
+        at_start = rx * rx + ry * ry <= sx * sx + sy * sy
+        beside = (t > 0.0) & (t < 1.0)
+        feet = [
+            np.where(beside, a + t * e, np.where(at_start, a, b))
+            for a, e, b in (
+                (border.ax[k], border.ex[k], border.bx[k]),
+                (border.ay[k], border.ey[k], border.by[k]),
+            )
+        ]
+        return np.stack(feet, axis=1)
 
     def gap(self, s_from: ArrayLike, s_to: ArrayLike) -> Floats:
         """How far `s_to` lies ahead of `s_from` [m]: (N,); on a closed line the shorter way, in (-length/2, length/2]."""
@@ -113,31 +132,45 @@ class Polyline:
 
 
 def centre_line(left: Floats, right: Floats, closed: bool = False) -> Floats:
-    """The line midway between two borders: midpoints of paired points, or else from each left point to the right border."""
+    """The line midway between two borders: midpoints of paired points, or else from each left point to the right border.
+
+    An empty line where a border has unusable points, or the right one no two distinct ones.
+    """
     if len(left) == len(right):
         return (left + right) / 2
-    border = Polyline(right, closed)
-    if border._border is None or not (np.abs(left) <= LIMIT).all() or not len(left):
+    if not (np.abs(left) <= LIMIT).all():
         return np.empty((0, 2))
-    x, y = left.T
-    k = border._nearest(x, y)[0]
-    line = border._border
-    t = (line.ex[k] * (x - line.ax[k]) + line.ey[k] * (y - line.ay[k])) / line.square[k]
-    t = np.minimum(1.0, np.maximum(0.0, t))
-    ...
-    return left
+    feet = Polyline(right, closed).feet(*left.T)
+    return np.empty((0, 2)) if feet is None else (left + feet) / 2
 
 
 def distance_to_paths(x: ArrayLike, y: ArrayLike, path_x: ArrayLike, path_y: ArrayLike, lengths: ArrayLike) -> Floats:
-    """Distances of points from paths, many cases at once [m]: (cases, points).
+    """The distances of points from paths, many cases at once [m]: (cases, points).
 
-    Points (cases, points) against the polylines of the first `lengths` columns of (cases, samples). A path of one sample is
-    a point; of none, or with an unusable sample, NaN.
+    Points (cases, points), paths the first `lengths` of (cases, samples). A path of one sample is a point; from one of none,
+    or with an unusable sample, the distance is NaN.
     """
-    ...
-    raise NotImplementedError
+    px, py = (np.asarray(part, dtype=np.float64)[:, :, None] for part in (x, y))
+    path = np.stack([np.asarray(path_x, dtype=np.float64), np.asarray(path_y, dtype=np.float64)])
+    there = np.arange(path.shape[2]) < np.asarray(lengths)[:, None]
+    fine = ((np.abs(path) <= LIMIT).all(axis=0) | ~there).all(axis=1) & there.any(axis=1)
+    path = np.where(there & fine[:, None], path, 0.0)[:, :, None]
+    usable = (np.abs(px[..., 0]) <= LIMIT) & (np.abs(py[..., 0]) <= LIMIT) & fine[:, None]
+    px, py = np.where(usable[..., None], px, 0.0), np.where(usable[..., None], py, 0.0)
+    rx, ry = px - path[0], py - path[1]
+    nearest = np.where(there[:, None], rx * rx + ry * ry, np.inf).min(axis=2, initial=np.inf)
+    ex, ey = np.diff(path, axis=3)
+    square = ex * ex + ey * ey
+    rx, ry = rx[..., :-1], ry[..., :-1]
+    along = ex * rx + ey * ry
+    beside = (along > 0.0) & (along < square) & there[:, None, 1:]
+    length = np.sqrt(np.where(square > 0.0, square, 1.0))
+    to_line = np.where(beside, np.abs(ex * ry - ey * rx) / length, np.inf).min(axis=2, initial=np.inf)
+    return np.where(usable, np.minimum(np.sqrt(nearest), to_line), np.nan)
 
 
-def _points(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats, Floats]:
-    ...
-    raise NotImplementedError
+def _points(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats, Bools | None]:
+    """Points with unusable ones replaced, and a mask of the usable ones, None where all are."""
+    px, py = np.broadcast_arrays(vector(x), vector(y))
+    fine = (np.abs(px) <= LIMIT) & (np.abs(py) <= LIMIT)
+    return (px, py, None) if fine.all() else (np.where(fine, px, 0.0), np.where(fine, py, 0.0), fine)

@@ -1,0 +1,103 @@
+"""A closed track whose borders cross: the outline of the quadrilaterals between paired points (a figure of eight)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from trackmarshal.runtime.geometry.arrays import Bools, Floats, distinct
+from trackmarshal.runtime.geometry.border import Border
+from trackmarshal.runtime.geometry.crossings import meeting_place, meetings, turn, turns
+
+
+def union_of_quads(left: Floats, right: Floats) -> list[Floats] | None:
+    """The outline of a closed track with paired border points, in rings with the track on their left.
+
+    None where it is no proper union. Proper: as many points left as right; each quadrilateral right, next right, next left,
+    left is simple, and all turn the same way round; border segments that meet, other than neighbours, cross properly.
+    """
+    pairs = distinct(np.concatenate([left, right], axis=1), True) if len(left) == len(right) else left[:0]
+    if len(pairs) < 3:
+        return None
+    left, right = pairs[:, :2], pairs[:, 2:]
+    next_left, next_right = np.roll(left, -1, axis=0), np.roll(right, -1, axis=0)
+    quads = np.stack([right, next_right, next_left, left])
+    areas = _areas(quads)
+    if areas.max() < 0.0:
+        return union_of_quads(right, left)
+    if areas.min() <= 0.0 or not _simple(quads).all():
+        return None
+    forward, backward = (right != next_right).any(axis=1), (left != next_left).any(axis=1)
+    if forward.sum() < 3 or backward.sum() < 3:
+        return None
+    border = Border([right[forward], next_left[backward][::-1]], closed=True)
+    owner = np.concatenate([np.flatnonzero(forward), np.flatnonzero(backward)[::-1]])
+    i, j = meetings(border)
+    if any((turn(border, a, b, end) == 0).any() for a, b in ((i, j), (j, i)) for end in (0, 1)):
+        return None
+    cuts: dict[int, list[tuple[float, int]]] = {}
+    places = np.array([meeting_place(border, int(a), int(b)) for a, b in zip(i, j)]).reshape(-1, 2)
+    for number, (a, b) in enumerate(zip(i.tolist(), j.tolist())):
+        for k in (a, b):
+            dx, dy = places[number] - (border.ax[k], border.ay[k])
+            cuts.setdefault(k, []).append((float(border.ex[k] * dx + border.ey[k] * dy), number))
+    kept: dict[int, tuple[list[Floats], int]] = {}  # by the cut at which it begins: a run's points and its last cut
+    rings: list[Floats] = []
+    for first, last in ((0, int(forward.sum())), (int(forward.sum()), border.size)):
+        events = [(k, cut) for k in range(first, last) for _, cut in sorted(cuts.get(k, []))]
+        if not events:
+            whole = np.stack([border.ax[first:last], border.ay[first:last]], axis=1)
+            if not _covered((whole[0] + whole[1]) / 2, quads, owner[first]):
+                rings.append(whole)
+        for (k, cut), (end, last_cut) in zip(events, events[1:] + events[:1]):
+            count = (end - k) % (last - first) if end != k or len(events) > 1 else last - first
+            if end == k and events.index((k, cut)) > events.index((end, last_cut)):
+                count = last - first
+            inner = (first + (k - first + 1 + np.arange(count)) % (last - first)) if count else np.empty(0, dtype=int)
+            run = [places[cut], *np.stack([border.ax[inner], border.ay[inner]], axis=1), places[last_cut]]
+            run = [p for p, q in zip(run, [None, *run]) if q is None or (p != q).any()]
+            if len(run) > 1 and not _covered((run[0] + run[1]) / 2, quads, owner[k]):
+                kept[cut] = run, last_cut
+    while kept:
+        start = cut = next(iter(kept))
+        ring: list[Floats] = []
+        while cut in kept:
+            run, cut = kept.pop(cut)
+            ring += run[:-1]
+        if cut != start:
+            return None
+        rings.append(distinct(np.array(ring), True))
+    return rings
+
+
+def _covered(point: Floats, quads: Floats, own: int) -> bool:
+    """Whether a point lies in any quadrilateral but its own."""
+    inside = np.zeros(quads.shape[1], dtype=bool)
+    for a, b in zip(quads, np.roll(quads, -1, axis=0)):
+        upward = (a[:, 1] < b[:, 1])[:, None]
+        low, high = np.where(upward, a, b), np.where(upward, b, a)
+        across = (low[:, 1] <= point[1]) & (point[1] < high[:, 1])
+        ex, ey = (high - low).T
+        inside ^= across & (ex * (point[1] - low[:, 1]) - ey * (point[0] - low[:, 0]) > 0.0)
+    inside[own] = False
+    return bool(inside.any())
+
+
+def _areas(quads: Floats) -> Floats:
+    """Twice the signed areas of quadrilaterals (4, n, 2)."""
+    b, c, d = quads[1:] - quads[0]
+    areas: Floats = b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0] + c[:, 0] * d[:, 1] - c[:, 1] * d[:, 0]
+    return areas
+
+
+def _simple(quads: Floats) -> Bools:
+    """Whether quadrilaterals with an area have no opposite sides that meet; a side may be a point."""
+    fine = np.ones(quads.shape[1], dtype=bool)
+    for a, b, c, d in (quads, np.roll(quads, -1, axis=0)):
+        proper = (a != b).any(axis=1) & (b != c).any(axis=1) & (c != d).any(axis=1) & (d != a).any(axis=1)
+        boxes = (np.minimum(a, b) <= np.maximum(c, d)).all(axis=1) & (np.minimum(c, d) <= np.maximum(a, b)).all(axis=1)
+        which = np.flatnonzero(proper & boxes)
+        (ax, ay), (bx, by), (cx, cy), (dx, dy) = (corner[which].T for corner in (a, b, c, d))
+        apart = turns(ax, ay, bx, by, cx, cy) * turns(ax, ay, bx, by, dx, dy) > 0
+        apart |= turns(cx, cy, dx, dy, ax, ay) * turns(cx, cy, dx, dy, bx, by) > 0
+        fine[which] &= apart
+    return fine

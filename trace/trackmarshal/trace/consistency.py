@@ -1,0 +1,204 @@
+"""The documents of a project held against each other: ids, references, derivation, integrity levels."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from trackmarshal.trace import cycles, wording
+from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
+from trackmarshal.trace.model import Interface, Project, Requirement, matches
+from trackmarshal.trace.values import Placed
+
+_ALIKE = str.maketrans({"O": "0", "I": "1", "L": "1", "S": "5", "B": "8", "Z": "2"})
+_LEVEL = {"QM": 0, "A": 1, "B": 2, "C": 3, "D": 4}
+_NOWHERE = Place("")
+
+
+def check(project: Project) -> Iterator[Finding]:
+    """Everything that can be said without a spec (T130 to T149)."""
+    yield from _unique("requirement", (r.id for r in project.requirements))
+    yield from _unique("interface", (i.id for i in project.interfaces))
+    yield from _unique("issue", (issue.id for i in project.interfaces for issue in i.issues))
+    yield from _unique("subsystem", (s.id for s in project.subsystems))
+    yield from _unique("stage", (s.id for s in project.stages))
+    yield from _unique("waiver", (w.id for w in project.waivers))
+    if project.modelled is not None:
+        yield from _model(project)
+    yield from _requirements(project)
+    yield from _v_model(project)
+
+
+def _unique(what: str, ids: Iterable[Placed]) -> Iterator[Finding]:
+    first: dict[str, Placed] = {}
+    alike: dict[str, Placed] = {}
+    for id_ in ids:
+        if id_ in first:
+            also = ((first[id_].place, "first given here"),)
+            yield Finding("T130", "error", f"the {what} `{id_}` is given twice", id_.place, "number one of them anew", str(id_), also)
+            continue
+        first[id_] = id_
+        skeleton = id_.upper().translate(_ALIKE)
+        if skeleton in alike:
+            other = alike[skeleton]
+            message = f"the {what}s `{other}` and `{id_}` are easily taken for each other"
+            also = ((other.place, "the other one"),)
+            yield Finding("T131", "error", message, id_.place, "number one of them anew", str(id_), also)
+        else:
+            alike[skeleton] = id_
+
+
+def _model(project: Project) -> Iterator[Finding]:
+    """The system model: every pair considered, every interface of the vehicle analysed and leading somewhere."""
+    place = project.modelled or _NOWHERE
+    vehicles = [s for s in project.subsystems if s.role == "vehicle"]
+    if len(vehicles) != 1:
+        said = "no subsystem is" if not vehicles else "more than one subsystem is"
+        at = vehicles[1].id.place if vehicles else place
+        yield error("T145", f"{said} the vehicle", at, "give exactly one subsystem the role `vehicle`")
+    known = {str(s.id) for s in project.subsystems}
+    for name in (*(i.id for i in project.interfaces), *project.infeasible):
+        for end in name.split("-"):
+            if end not in known:
+                yield error("T146", f"`{name}` names no subsystem `{end}`", name.place, did_you_mean(end, known), name)
+    for interface in project.interfaces:
+        yield from _interface(interface, project)
+    joined = {frozenset(name.split("-")) for name in (*(i.id for i in project.interfaces), *project.infeasible)}
+    subsystems = sorted(project.subsystems, key=lambda s: s.role != "vehicle")  # so that pairs are named vehicle first
+    for number, one in enumerate(subsystems):
+        for other in subsystems[number + 1 :]:
+            if frozenset((str(one.id), str(other.id))) not in joined:
+                message = f"whether `{one.id}` and `{other.id}` meet is not said"
+                help_ = f"add the interface `{one.id}-{other.id}`, or say under `infeasible` why they don't"
+                yield error("T144", message, other.id.place, help_, f"{one.id}-{other.id}")
+    if project.vehicle and not any(i.id == project.vehicle for i in project.interfaces):
+        message = f"the properties of `{project.vehicle}` itself are not analysed"
+        yield error("T144", message, place, f"add the interface `{project.vehicle}`", project.vehicle)
+
+
+def _interface(interface: Interface, project: Project) -> Iterator[Finding]:
+    name = interface.id
+    for flow in interface.flows:
+        if flow.initiator != "mutual" and flow.initiator not in interface.ends:
+            message = f"`{flow.initiator}` does not belong to the interface `{name}`"
+            yield error("T147", message, flow.initiator.place, "one of its ends, or `mutual`", name)
+    if not interface.issues:
+        if project.vehicle in interface.ends:
+            message = f"the interface `{name}` between the vehicle and its environment is not analysed"
+            if len(interface.ends) == 1:
+                message = f"the properties of the vehicle, `{name}`, are not analysed"
+            help_ = "add `issues`: what kind of issue with this interface could pose a risk to safe operation?"
+            yield error("T133", message, name.place, help_, name)
+        elif not interface.rationale:
+            yield error("T133", f"why `{name}` is not analysed is not said", name.place, "add `issues` or a `rationale`", name)
+    for issue in interface.issues:
+        if not issue.leads_to:
+            yield error("T134", f"the issue `{issue.id}` leads nowhere", issue.id.place, "name the requirements that answer it", name)
+        if not issue.id.startswith(f"{name}."):
+            yield error("T134", f"the issue `{issue.id}` stands under `{name}`", issue.id.place, f"call it `{name}.1` or the like", name)
+        yield from _targets(issue.leads_to, f"the issue `{issue.id}` leads", project, name)
+        for target in issue.leads_to:
+            requirement = project.by_id.get(target)
+            if requirement is not None and name not in requirement.derived_from:
+                message = f"`{name}` leads to `{target}`, but `{target}` is not derived from `{name}`"
+                also = ((requirement.place, f"`{target}` is here"),)
+                help_ = f"add `{name}` to its `derived_from`, or drop it here"
+                yield Finding("T136", "error", message, target.place, help_, str(target), also)
+
+
+def _targets(targets: tuple[Placed, ...], said: str, project: Project, subject: str) -> Iterator[Finding]:
+    """References to requirements: each exists, is named once."""
+    seen: set[str] = set()
+    for target in targets:
+        if target in seen:
+            yield error("T142", f"{said} to `{target}` twice", target.place, "name it once", subject)
+        seen.add(target)
+        if target not in project.by_id:
+            yield error("T137", f"{said} to `{target}`, which does not exist", target.place, did_you_mean(target, project.by_id), subject)
+
+
+def _requirements(project: Project) -> Iterator[Finding]:
+    interfaces = {str(i.id): i for i in project.interfaces}
+    for requirement in project.requirements:
+        yield from wording.check(requirement)
+        yield from _derivation(requirement, interfaces)
+        yield from _targets(requirement.refines, f"`{requirement.id}` refines, that is leads up", project, requirement.id)
+        yield from _integrity(requirement, project)
+        yield from _listed_once(requirement)
+    parents = {str(r.id): r.refines for r in project.by_id.values()}
+    for cycle in cycles.cycles(parents):
+        place = project.by_id[cycle[0]].place
+        help_ = "a requirement cannot refine itself, however far around; drop one of the links"
+        yield error("T138", f"requirements refine each other in a circle: {cycles.shown(cycle)}", place, help_, cycle[0])
+
+
+def _derivation(requirement: Requirement, interfaces: dict[str, Interface]) -> Iterator[Finding]:
+    name = requirement.id
+    if not (requirement.derived_from or requirement.refines or requirement.adopted):
+        message = f"`{name}` comes from nowhere"
+        help_ = "give `derived_from` (interfaces), `refines` (requirements above) or `adopted` (why it stands all the same)"
+        yield error("T139", message, requirement.place, help_, name)
+    seen: set[str] = set()
+    for source in requirement.derived_from:
+        interface = interfaces.get(source)
+        if source in seen:
+            yield error("T142", f"`{name}` is derived from `{source}` twice", source.place, "name it once", name)
+        elif interface is None:
+            message = f"`{name}` is derived from the interface `{source}`, which does not exist"
+            yield error("T132", message, source.place, did_you_mean(source, interfaces), name)
+        elif requirement.demanded and name not in interface.leads_to:
+            message = f"`{name}` is derived from `{source}`, but no issue of `{source}` leads to `{name}`"
+            also = ((interface.id.place, f"`{source}` is analysed here"),)
+            yield Finding("T135", "error", message, source.place, "add the issue that it answers, or drop the link", str(name), also)
+        seen.add(source)
+
+
+def _integrity(requirement: Requirement, project: Project) -> Iterator[Finding]:
+    own = _LEVEL.get(requirement.asil.partition("(")[0])
+    if own is None or "(" in requirement.asil:  # decomposed levels lie below their parent's on purpose
+        return
+    for parent in requirement.refines:
+        above = project.by_id.get(parent)
+        level = None if above is None else _LEVEL.get(above.asil.partition("(")[0])
+        if above is not None and level is not None and own < level:
+            message = f"`{requirement.id}` has ASIL {requirement.asil}, below `{parent}`, which it refines, with {above.asil}"
+            help_ = "raise it, or write the decomposition, such as `B(D)`"
+            also = ((above.asil.place, f"ASIL of `{parent}`"),)
+            yield Finding("T143", "error", message, requirement.asil.place, help_, str(requirement.id), also)
+
+
+def _listed_once(requirement: Requirement) -> Iterator[Finding]:
+    for field, names in (("metrics", requirement.metrics), ("assumptions", requirement.assumptions)):
+        seen: set[str] = set()
+        for name in names:
+            if name in seen:
+                yield error("T142", f"`{requirement.id}` lists `{name}` twice under `{field}`", name.place, "list it once", requirement.id)
+            seen.add(name)
+
+
+def _v_model(project: Project) -> Iterator[Finding]:
+    stages = {str(stage.id): stage for stage in project.stages}
+    named = [
+        *(s.stage for s in project.scenarios), *(e.stage for e in project.evidence), *(d.stage for d in project.gate),
+        *(stage for w in project.waivers for stage in w.stages),
+    ]  # fmt: skip
+    for stage in named:
+        if stage not in stages:
+            yield error("T148", f"there is no stage `{stage}`", stage.place, did_you_mean(stage, stages), stage)
+    ids = [str(r.id) for r in project.requirements if r.demanded]
+    patterns = [
+        *(p for s in project.stages for p in s.applies_to), *(p for s in project.scenarios for p in s.requirements),
+        *(p for e in project.evidence for p in e.requirements), *(p for d in project.gate for p in d.requirements),
+        *(p for w in project.waivers for p in w.requirements),
+    ]  # fmt: skip
+    for pattern in patterns:
+        if not any(matches(id_, (pattern,)) for id_ in ids):
+            yield warning("T149", f"`{pattern}` fits no requirement", pattern.place, did_you_mean(pattern, ids), pattern)
+    for scenario in project.scenarios:
+        if scenario.expect == "fire" and not scenario.by:
+            yield error("T127", f"`{scenario.path}` is to fire, but `by` does not say which rules", scenario.path.place, "add `by`")
+    for waiver in project.waivers:
+        cells, findings = bool(waiver.stages) + bool(waiver.requirements), bool(waiver.codes) + bool(waiver.subjects)
+        if (cells, findings) not in ((2, 0), (0, 2)):
+            message = f"`{waiver.id}` says neither which cells nor which findings it waives"
+            yield error("T127", message, waiver.id.place, "give `stages` and `requirements`, or `codes` and `subjects`", waiver.id)
+

@@ -1,0 +1,145 @@
+"""Margins over a run: a line a candidate, the bound at zero, and the ground truth behind them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from trackmarshal.trace.report.reading import CANDIDATES, Lane, Rule, Run, stretches
+from trackmarshal.trace.report.svg.axis import Axis, margin_axis, time_axis
+from trackmarshal.trace.report.svg.element import short, svg, tag, text, text_width, title
+from trackmarshal.trace.report.svg.timeline import Layout
+from trackmarshal.trace.report.words import clock, plain, quantity, spoken_unit
+
+HEIGHT, TOP, BOTTOM = 150.0, 10.0, 22.0
+#: Room for the numbers of the vertical axis where the timeline has no gutter.
+LEAST_GUTTER = 52.0
+#: Longer lines are drawn from the extremes of stretches of cycles.
+MOST_POINTS = 700
+
+
+def margin_plot(run: Run, rule: Rule, layout: Layout) -> str:
+    """The margins of one rule."""
+    start = layout.gutter or LEAST_GUTTER
+    across = time_axis(run.t, run.end, start, layout.width - layout.right)
+    values = [m for lane in rule.lanes.values() for m, letter in zip(lane.margin, lane.verdict) if letter in "sv"]
+    up = margin_axis(values, HEIGHT - BOTTOM, TOP)
+    parts = [*_truth(run, rule.kind, across), *_grid(run, rule, across, up, layout)]
+    for candidate, lane in rule.lanes.items():
+        parts += _line(run, candidate, lane, across, up)
+    parts.append(tag("line", x1=0.0, x2=0.0, y1=TOP, y2=HEIGHT - BOTTOM, class_="cursor", visibility="hidden"))
+    known = [v for v in values if math.isfinite(v)]
+    span = f"margins from {quantity(min(known), rule.unit)} to {quantity(max(known), rule.unit)}" if known else "no finite margin"
+    scale = ", logarithmic on both sides of zero" if up.linear is not None else ""
+    return svg(
+        layout.width, HEIGHT, f"Margin of {rule.name}", f"{span}{scale}; below zero is violated.", parts, class_="plot",
+        data_x0=across.start, data_x1=across.stop, data_t0=across.low, data_t1=across.high,
+    )  # fmt: skip
+
+
+def score_plot(run: Run, layout: Layout) -> str:
+    """s_tot: whether all rules together call each candidate safe (the solid line of the paper's Fig. 6)."""
+    height = 92.0
+    start = layout.gutter or LEAST_GUTTER
+    across = time_axis(run.t, run.end, start, layout.width - layout.right)
+    up = Axis(-0.25, 1.25, height - BOTTOM, TOP)
+    parts = []
+    for tick in across.ticks(layout.ticks):
+        parts.append(tag("line", x1=across.at(tick), x2=across.at(tick), y1=TOP, y2=height - BOTTOM, class_="grid"))
+    parts += _time_words(run, across, layout, height)
+    for value, words in ((1.0, "safe"), (0.0, "unsafe")):
+        parts.append(tag("line", x1=start, x2=across.stop, y1=up.at(value), y2=up.at(value), class_="bound" if value == 0 else "grid"))
+        parts.append(text(start - 6, up.at(value) + 4, words, class_="tick end"))
+    for index, candidate in enumerate(CANDIDATES):
+        steps: list[str] = []
+        shift = 1.5 if index else -1.5
+        for safe, first, last in stretches(run.safe[candidate]):
+            if safe is not None:
+                y = up.at(float(safe)) + shift
+                joined = steps and run.safe[candidate][first - 1] is not None
+                steps.append(f"{'L' if joined else 'M'}{short(across.at(run.t[first]))} {short(y)}H{short(across.at(run.end[last]))}")
+        if steps:
+            parts.append(tag("path", title(f"{candidate} trajectory"), d="".join(steps), class_=f"line {candidate}"))
+    parts.append(tag("line", x1=0.0, x2=0.0, y1=TOP, y2=height - BOTTOM, class_="cursor", visibility="hidden"))
+    unsafe = {c: sum(value is False for value in run.safe[c]) for c in CANDIDATES}
+    spoken = ", ".join(f"{c} unsafe in {n} of {run.cycles} cycles" for c, n in unsafe.items())
+    return svg(
+        layout.width, height, "Safety score s_tot", spoken, parts, class_="plot",
+        data_x0=across.start, data_x1=across.stop, data_t0=across.low, data_t1=across.high,
+    )  # fmt: skip
+
+
+def _truth(run: Run, kind: str, across: Axis) -> Iterator[str]:
+    for value, first, last in stretches(run.truth.get(kind, ())):
+        if value is not None:
+            x0, x1 = across.at(run.t[first]), across.at(run.end[last])
+            words = f"ground truth: must be {'safe' if value else 'unsafe'}, {clock(run.t[first])} to {clock(run.t[last])} {run.time_unit}"
+            yield tag("rect", title(words), x=x0, y=TOP, width=x1 - x0, height=HEIGHT - TOP - BOTTOM, class_=f"g-{'safe' if value else 'unsafe'}")
+
+
+def _grid(run: Run, rule: Rule, across: Axis, up: Axis, layout: Layout) -> Iterator[str]:
+    for tick in across.ticks(layout.ticks):
+        yield tag("line", x1=across.at(tick), x2=across.at(tick), y1=TOP, y2=HEIGHT - BOTTOM, class_="grid")
+    yield from _time_words(run, across, layout, HEIGHT)
+    for value in up.ticks(5):
+        y = up.at(value)
+        yield tag("line", x1=across.start, x2=across.stop, y1=y, y2=y, class_="bound" if value == 0 else "grid")
+        yield text(across.start - 6, y + 4, plain(value, 3), class_="tick end")
+    if layout.gutter:
+        yield text(12, TOP + 10, f"margin in {spoken_unit(rule.unit)}" if rule.unit != "1" else "margin", class_="tick")
+        yield text(12, TOP + 26, "logarithmic away from 0" if up.linear is not None else "", class_="tick")
+
+
+def _time_words(run: Run, across: Axis, layout: Layout, height: float) -> Iterator[str]:
+    for tick in across.ticks(layout.ticks):
+        words = clock(tick) + (f" {run.time_unit}" if across.at(tick) + 24 > across.stop else "")
+        x = min(across.at(tick), layout.width - text_width(words, layout.font) / 2 - 1)
+        yield text(x, height - 7, words, class_="tick middle")
+
+
+def _line(run: Run, candidate: str, lane: Lane, across: Axis, up: Axis) -> Iterator[str]:
+    """The line with gaps where there is no margin, thick where violated, marks where undefined or infinite."""
+    middles = [(a + b) / 2 for a, b in zip(run.t, run.end)] if run.cycles == 1 else run.t
+    pieces: list[list[tuple[float, float]]] = [[]]
+    for i, letter in enumerate(lane.verdict):
+        if letter in "sv" and not math.isnan(lane.margin[i]):
+            pieces[-1].append((across.at(middles[i]), up.at(lane.margin[i])))
+        elif pieces[-1]:
+            pieces.append([])
+    path = "".join(_piece(piece) for piece in pieces if piece)
+    if path:
+        yield tag("path", title(f"{candidate} trajectory"), d=path, class_=f"line {candidate}")
+    for violated, first, last in stretches(letter == "v" for letter in lane.verdict):
+        if violated:
+            piece = [(across.at(middles[i]), up.at(lane.margin[i])) for i in range(first, last + 1)]
+            yield tag("path", d=_piece(piece), class_="line firing")
+            x, y = piece[0]
+            yield tag("circle", title(f"{candidate}: violated from {clock(run.t[first])} {run.time_unit}"), cx=x, cy=y, r=3.0, class_="firing-dot")
+    for letter, first, last in stretches(lane.verdict):
+        if letter in "uo":
+            x0, x1 = across.at(run.t[first]), across.at(run.end[last])
+            word = "undefined" if letter == "u" else "open"
+            place = 12.0 if candidate == CANDIDATES[0] else 6.0
+            note = f"{candidate}: {word} {clock(run.t[first])} to {clock(run.t[last])} {run.time_unit}"
+            yield tag("rect", title(note), x=x0, y=HEIGHT - BOTTOM - place, width=max(x1 - x0, 1.5), height=5.0, class_=f"b-{word}")
+
+
+def _piece(piece: Sequence[tuple[float, float]]) -> str:
+    """A stretch of line; a lone point becomes a dash that can be seen."""
+    if len(piece) == 1:
+        x, y = piece[0]
+        return f"M{short(x - 2)} {short(y)}h4"
+    drawn = "L".join(f"{short(x)} {short(y)}" for x, y in _extremes(piece))
+    return f"M{drawn}"
+
+
+def _extremes(piece: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """At most MOST_POINTS points: of each stretch of neighbours its lowest and its highest one."""
+    if len(piece) <= MOST_POINTS:
+        return list(piece)
+    size = math.ceil(len(piece) / (MOST_POINTS // 2))
+    kept: list[tuple[float, float]] = []
+    for start in range(0, len(piece), size):
+        part = piece[start : start + size]
+        kept += sorted({min(part, key=lambda p: p[1]), max(part, key=lambda p: p[1])})
+    return kept

@@ -1,0 +1,143 @@
+"""The verdict timeline (the paper's Fig. 6, as bands): ground truth, candidates, decision, then a row a rule."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from trackmarshal.trace.report.reading import Run
+from trackmarshal.trace.report.svg.axis import Axis, time_axis
+from trackmarshal.trace.report.svg.bands import Group, Lane, Row, Segment, overall, rule_groups
+from trackmarshal.trace.report.svg.element import fitted, short, svg, tag, text, text_width, title
+from trackmarshal.trace.report.words import clock, count
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Sizes in pixels; without a gutter, labels stand above their rows."""
+
+    width: float
+    gutter: float
+    lane: float
+    font: float
+    ticks: int
+    right: float = 12.0
+
+    @property
+    def above(self) -> float:
+        return 0.0 if self.gutter else self.font + 5.0
+
+    @property
+    def start(self) -> float:
+        return self.gutter or 16.0
+
+
+WIDE = Layout(width=1000.0, gutter=236.0, lane=11.0, font=12.0, ticks=16)
+NARROW = Layout(width=380.0, gutter=0.0, lane=11.0, font=12.0, ticks=7)
+HEAD, GROUP_HEAD, GAP = 24.0, 24.0, 6.0
+#: More stretches than this in one lane are drawn as one path a verdict, without words and notes.
+MOST_SEGMENTS = 80
+
+
+def timeline(run: Run, layout: Layout, requirement_titles: Mapping[str, str]) -> str:
+    """The picture of one run; all times of one column line up with those of the margin plots."""
+    groups = [overall(run), *rule_groups(run, requirement_titles)]
+    axis = time_axis(run.t, run.end, layout.start, layout.width - layout.right)
+    body: list[str] = []
+    y = HEAD
+    for group in groups:
+        body.append(text(4.0, y + 16.0, fitted(group.heading, layout.width - 8, layout.font), class_="group"))
+        y += GROUP_HEAD
+        for row in group.rows:
+            drawn, y = _row(row, run, axis, layout, y)
+            body += drawn
+    height = y + HEAD
+    grid = list(_time_ticks(run, axis, layout, height))
+    description = f"{count(run.cycles, 'cycle')}; {count(len(run.fired), 'rule')} fired. The table below says the same in words."
+    return svg(
+        layout.width, height, f"Verdict timeline of {run.name}", description, [*grid, *body, _cursor(height)], class_="plot",
+        data_x0=axis.start, data_x1=axis.stop, data_t0=axis.low, data_t1=axis.high,
+    )  # fmt: skip
+
+
+def _time_ticks(run: Run, axis: Axis, layout: Layout, height: float) -> Iterator[str]:
+    for tick in axis.ticks(layout.ticks):
+        x = axis.at(tick)
+        yield tag("line", x1=x, x2=x, y1=HEAD - 4, y2=height - HEAD + 4, class_="grid")
+        last = x + 24 > axis.stop
+        words = clock(tick) + (f" {run.time_unit}" if last else "")
+        for y in (HEAD - 8, height - 8):
+            yield text(min(x, layout.width - text_width(words, layout.font) / 2 - 1), y, words, class_="tick middle")
+
+
+def _row(row: Row, run: Run, axis: Axis, layout: Layout, y: float) -> tuple[list[str], float]:
+    """The row's elements, and where the next one starts."""
+    lane_height = layout.lane + (4.0 if len(row.lanes) == 1 else 0.0)
+    height = lane_height * len(row.lanes) + (len(row.lanes) - 1)
+    drawn: list[str] = []
+    if layout.gutter:
+        words = fitted(row.label, layout.gutter - 28, layout.font)
+        drawn.append(tag("text", title(row.note), _plain(words), x=12.0, y=y + height / 2 + 4, class_="label"))
+    else:
+        drawn.append(tag("text", title(row.note), _plain(fitted(row.label, layout.width - 16, layout.font)), x=layout.start, y=y + layout.font - 1, class_="label"))
+        y += layout.above
+    for lane in row.lanes:
+        if lane.mark:
+            drawn.append(text(layout.start - 12, y + lane_height - 2.5, lane.mark, class_="mark"))
+        drawn += _lane(lane, run, axis, y, lane_height)
+        y += lane_height + 1
+    return drawn, y - 1 + GAP + (6.0 if any(lane.flags for lane in row.lanes) else 0.0)
+
+
+def _lane(lane: Lane, run: Run, axis: Axis, y: float, height: float) -> Iterator[str]:
+    if len(lane.segments) > MOST_SEGMENTS:
+        yield from _dense(lane.segments, run, axis, y, height)
+    else:
+        for segment in lane.segments:
+            x0, x1 = _span(segment, run, axis)
+            words = next((w for w in segment.words if text_width(w, height - 2) + 4 <= x1 - x0), "")
+            box = tag("rect", title(segment.note), x=x0, y=y, width=max(x1 - x0, 1.2), height=height, class_=f"b-{segment.style}")
+            yield box
+            if words:
+                yield text((x0 + x1) / 2, y + height - 2.5, words, class_=f"w-{segment.style}", font_size=height - 2)
+    for flag in lane.flags:
+        x0, x1 = _span(flag, run, axis)
+        yield tag("path", title(flag.note), d=f"M{short(x0)} {short(y + height + 2)}h{short(max(x1 - x0, 2))}v4h-{short(max(x1 - x0, 2))}Z", class_="b-outside")
+
+
+def _dense(segments: Sequence[Segment], run: Run, axis: Axis, y: float, height: float) -> Iterator[str]:
+    """One path a style; unsafe ones last, and never thinner than a pixel, so that they are not lost."""
+    paths: dict[str, list[str]] = {}
+    for segment in segments:
+        x0, x1 = _span(segment, run, axis)
+        wide = short(max(x1 - x0, 1.0))
+        paths.setdefault(segment.style, []).append(f"M{short(x0)} {short(y)}h{wide}v{short(height)}h-{wide}Z")
+    order = ("absent", "inactive", "satisfied", "open", "undefined", "violated")
+    for style in sorted(paths, key=lambda s: order.index(s) if s in order else -1):
+        yield tag("path", title(f"{count(len(paths[style]), 'stretch', 'stretches')} {style}"), d="".join(paths[style]), class_=f"b-{style}")
+
+
+def _span(segment: Segment, run: Run, axis: Axis) -> tuple[float, float]:
+    return axis.at(run.t[segment.first]), axis.at(run.end[segment.last])
+
+
+def _cursor(height: float) -> str:
+    return tag("line", x1=0.0, x2=0.0, y1=HEAD - 4, y2=height - HEAD + 4, class_="cursor", visibility="hidden")
+
+
+def _plain(words: str) -> str:
+    from html import escape
+
+    return escape(words)
+
+
+def strip(run: Run, width: float = 260.0, height: float = 16.0) -> str:
+    """The decision of every cycle on one small band, for the index."""
+    group = overall(run)
+    axis = time_axis(run.t, run.end, 0.0, width)
+    parts = list(_lane(group.rows[-1].lanes[0], run, axis, 0.0, height)) if run.cycles else []
+    return svg(width, height, f"What is driven in {run.name}", "; ".join(_spoken(group.rows[-1])), parts, class_="strip", preserveAspectRatio="none")
+
+
+def _spoken(row: Row) -> list[str]:
+    return [segment.note for lane in row.lanes for segment in lane.segments[:20]]
