@@ -39,10 +39,20 @@ def spell(tree: Mapping[str, Any]) -> str:
     raise AssertionError(f"unknown operator {op}")
 
 
-def module(name: str, variables: Sequence[str], rules: Mapping[str, Mapping[str, Any]]) -> str:
-    """A module with one rule a formula, along a series of plain numbers."""
-    columns = ", ".join(f"{variable}: 1" for variable in variables)
-    lines = [f"module {name}", f"signal trace : series {{ t: s increasing, {columns} }}"]
-    for rule, tree in rules.items():
-        lines += [f'rule {rule} "an oracle formula"', "  along trace as s", f"  require {spell(tree)}"]
+def module(name: str, formulas: Mapping[str, tuple[Sequence[str], Mapping[str, Any]]]) -> str:
+    """A module with one rule a formula, each along a series of plain numbers of its own, named as `series` says."""
+    lines = [f"module {name}"]
+    for rule, (variables, tree) in formulas.items():
+        columns = ", ".join(f"{variable}: 1" for variable in variables)
+        lines += [
+            f"signal {series(rule)} : series {{ t: s increasing, {columns} }}",
+            f'rule {rule} "an oracle formula"',
+            f"  along {series(rule)} as s",
+            f"  require {spell(tree)}",
+        ]
     return "\n".join(lines) + "\n"
+
+
+def series(rule: str) -> str:
+    """The name of the timeline that a rule ranges over."""
+    return f"{rule}_trace"

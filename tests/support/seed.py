@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -18,7 +19,7 @@ TRAJECTORY_RULES = {
 }
 #: Column of the oracle -> column of the signal `plan`.
 _COLUMNS = {"x": "x", "y": "y", "psi": "heading", "kappa": "kappa", "v": "v", "ax": "a"}
-_LIMITS = {"m": "mass", "mu": "mu", "r_min": "R_min", "brake_max": "b_max", "v_max": "v_max", "d_loc": "d_loc"}
+_LIMITS = {"m": "mass", "r_min": "R_min", "brake_max": "b_max", "v_max": "v_max", "d_loc": "d_loc"}
 
 #: Both vehicles of the longitudinal cases; only the gap between them matters.
 LENGTH, WIDTH = 4.7, 2.8
@@ -30,15 +31,25 @@ def trajectory(case: Mapping[str, Any]) -> dict[str, Any]:
     """A trajectory, the car's position and its limits. No drag, no allowance, g as the oracle's head says."""
     given, limits = case["inputs"], case["inputs"]["limits"]
     params = {name: limits[key] for key, name in _LIMITS.items()}
+    columns = {name: given["trajectory"][key] for key, name in _COLUMNS.items()}
+    mu, grip = friction(limits["mu"], len(columns["x"]))
     return {
         "id": case["id"],
-        "params": {**params, "g": 9.81, "drag": 0.0, "drive_factor": 1.0},
+        "params": {**params, "mu": mu, "g": 9.81, "drag": 0.0, "drive_factor": 1.0},
         "tables": {"ax_max": limits["ax_max_table"]},
         "signals": {
-            "plan": {name: given["trajectory"][key] for key, name in _COLUMNS.items()},
+            "plan": {**columns, "grip": grip},
             "ego": {"x": given["ego"][0], "y": given["ego"][1]},
         },
     }
+
+
+def friction(mu: float | Sequence[float], count: int) -> tuple[float, list[float]]:
+    """A reference friction, and each sample's share of it. The reference is a power of two, so products are exact."""
+    values = [mu] * count if isinstance(mu, float) else list(mu)
+    assert len(values) == count
+    reference = 2.0 ** math.ceil(math.log2(max(values)))
+    return reference, [value / reference for value in values]
 
 
 def following(case: Mapping[str, Any]) -> dict[str, Any]:

@@ -56,9 +56,9 @@ def unknown_requirements(compiled: Compiled, project: Path) -> list[Diagnostic]:
     """`satisfies` clauses that name no requirement of the project."""
     from trackmarshal.diagnostics.base import close_matches
     from trackmarshal.semantics.errors import UnknownRequirement
-    from trackmarshal.trace.requirements import load_requirements
+    from trackmarshal.trace import requirements
 
-    known = {requirement.id for requirement in load_requirements(project).requirements}
+    known = {str(name) for name in requirements.ids(project)}
     return [
         UnknownRequirement(span, name, close_matches(name, known))
         for rule in compiled.spec.rules

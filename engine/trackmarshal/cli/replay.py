@@ -63,18 +63,23 @@ def run(args: argparse.Namespace) -> int:
 
 def default_spec(project: Path) -> Path:
     """The spec that the project's v-model names for replay."""
-    from trackmarshal.trace.requirements import load_requirements
+    from trackmarshal.trace import requirements
 
-    return project / load_requirements(project).settings.spec
+    return project / requirements.load(project, []).default_spec
 
 
 def evaluator_for(
-    recording: Recording, spec_path: Path, settings: list[Path], project: Path | None, rules: list[str] | None, backend: str
-) -> Evaluator:
-    """The chosen rules with the vehicle and track that the recording and the command line name."""
+    recording: Recording, spec_path: Path, settings: list[Path], project: Path | None, rules: list[str] | None, backend: str,
+    folder: Path | None = None,
+) -> Evaluator:  # fmt: skip
+    """The chosen rules with the vehicle and track that the recording and the command line name.
+
+    `folder` is where the recording lies, when its `source` is no path from here.
+    """
     from trackmarshal.evaluation import Evaluator, load
 
-    used = [_setting(name, recording, project) for name in recording.use]
+    near = folder or Path(recording.source).parent
+    used = [_setting(name, recording, near, project) for name in recording.use]
     spec: Spec = load([spec_path], [*used, *settings], project)
     evaluator = Evaluator(spec, rules, backend)
     broken = evaluator.broken_constraints()
@@ -83,8 +88,8 @@ def evaluator_for(
     return evaluator
 
 
-def _setting(name: str, recording: Recording, project: Path | None) -> Path:
-    folders = [Path(recording.source).parent, *([project] if project else [])]
+def _setting(name: str, recording: Recording, near: Path, project: Path | None) -> Path:
+    folders = [near, *([project] if project else [])]
     for folder in folders:
         if (folder / name).is_file():
             return folder / name

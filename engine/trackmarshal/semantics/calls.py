@@ -16,7 +16,7 @@ from trackmarshal.semantics.values import (
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import LENGTH, NUMBER, Dimension, parse_unit, power, quantity, show
+from trackmarshal.units import LENGTH, NUMBER, Dimension, name, parse_unit, power, quantity, show
 
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions import Context, Expressions
@@ -145,7 +145,7 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
     wanted = parse_unit(kind)[2]
     if value.dimension != wanted:
         what = f"argument `{parameter.name}`"
-        self.fail(WrongDimension(span, parameter.span, what, quantity(wanted), quantity(value.dimension), _unit_hint(value, wanted)))
+        self.fail(WrongDimension(span, parameter.span, what, quantity(wanted), quantity(value.dimension), unit_hint(value, wanted)))
     return value
 
 
@@ -303,6 +303,21 @@ def _count(number: int) -> str:
 
 def _given(number: int) -> str:
     return f"{number} given" if number else "none given"
+
+
+_LITERAL = re.compile(r"([-−]?\s*[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(\S*)")
+
+
+def unit_hint(value: NumberValue, wanted: Dimension) -> str:
+    """How a literal gets the dimension that is wanted; empty for what is no literal, or has no such unit."""
+    literal, unit = _LITERAL.fullmatch(value.span.text.strip()), show(wanted)
+    if literal is None or not isinstance(value.node, ir.Const) or "*" in unit or "(" in unit:
+        return ""
+    if wanted == NUMBER:
+        return f"leave the unit out: `{literal[1]}`"
+    if not literal[2]:
+        return f"write the unit: `{literal[1]} {unit}`"
+    return f"write a unit of {name(wanted)}, such as `{literal[1]} {unit}`"
 
 
 def _spoken(value: Value) -> str:

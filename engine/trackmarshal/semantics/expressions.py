@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from fractions import Fraction
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import BadValue, DimensionMismatch, RunAxis, UnknownField, UnknownReference, UnusedVariable, WrongKind
 from trackmarshal.semantics.scope import Scope, Symbol, spoken
 from trackmarshal.semantics.values import (
@@ -19,7 +20,7 @@ from trackmarshal.semantics.values import (
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, TIME, Dimension, over, parse_unit, power, show, times, to_si
+from trackmarshal.units import NUMBER, TIME, Dimension, over, parse_unit, power, quantity, show, times, to_si
 
 
 class Context(Node):
@@ -57,7 +58,7 @@ class Expressions:
         self.found.append(diagnostic)
         raise Poison
 
-    def all(self, *steps: Callable[[], Value]) -> list[Value]:
+    def all(self, *steps: Callable[[], Any]) -> list[Any]:
         """Run all steps, so that the errors of each are reported; then fail if one did."""
         values, failed = [], False
         for step in steps:
@@ -86,9 +87,10 @@ class Expressions:
         span = _span(expr)
         match expr:
             case ast.Number():
+                problem = literal_problem(expr.text, expr.unit or "1")
+                if problem:
+                    self.fail(BadValue(span, problem))
                 value = to_si(float(expr.text), expr.unit or "1")
-                if not math.isfinite(value):
-                    self.fail(BadValue(span, f"`{span.text.strip()}` is more than a double can hold"))
                 return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span)
             case ast.Boolean():
                 return FormulaValue(self.make(ir.Truth, expr.value), span)
@@ -231,14 +233,10 @@ class Expressions:
         op, span = expr.op, expr.span
         if op in ("and", "or", "implies", "iff", "xor"):
             a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
-            assert isinstance(a, FormulaValue)
-            assert isinstance(b, FormulaValue)
             return FormulaValue(self.make(ir.Connective, op, a.node, b.node), span)
         if op == "^":
             return self._power(expr, ctx)
         left, right = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
-        assert isinstance(left, NumberValue)
-        assert isinstance(right, NumberValue)
         if op in ("*", "/"):
             dimension = times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
             return NumberValue(self.make(ir.Arith, op, left.node, right.node), dimension, span)
@@ -253,22 +251,13 @@ class Expressions:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
             return
-        texts = [v.spoken if v.spoken == show(v.dimension) or v.dimension == NUMBER else f"{v.spoken} [{show(v.dimension)}]" for v in (left, right)]
-        hint = ""
-        for value, other in ((left, right), (right, left)):
-            if value.dimension == NUMBER and isinstance(value.node, ir.Const):
-                hint = f"write the unit: `{value.span.text.strip()} {show(other.dimension)}`"
-        if not hint:
-            factor = over(right.dimension, left.dimension)
-            hint = f"multiply the left side by {_a(factor)}, or divide the right side by it"
-        self.fail(DimensionMismatch(left.span, right.span, action, texts[0], texts[1], hint))
+        hint = calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension) or _factor(left.dimension, right.dimension)
+        self.fail(DimensionMismatch(left.span, right.span, action, quantity(left.dimension), quantity(right.dimension), hint))
 
     def _power(self, expr: ast.Binary, ctx: Context) -> Value:
         base, exponent = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
-        assert isinstance(base, NumberValue)
-        assert isinstance(exponent, NumberValue)
         if exponent.dimension != NUMBER:
-            self.fail(BadValue(exponent.span, f"an exponent is a plain number, not {exponent.spoken}"))
+            self.fail(BadValue(exponent.span, f"an exponent is a plain number, not {quantity(exponent.dimension)}"))
         constant = exponent.node.value if isinstance(exponent.node, ir.Const) else None
         if constant is not None and constant == int(constant) and 1 <= abs(constant) <= 8:
             node = base.node
@@ -278,18 +267,15 @@ class Expressions:
                 node = self.make(ir.Arith, "/", self.make(ir.Const, 1.0), node)
             return NumberValue(node, power(base.dimension, Fraction(int(constant))), expr.span)
         if base.dimension != NUMBER:
-            hint = "use sqrt(x) for a root" if constant == 0.5 else "divide by a reference quantity first"
-            problem = f"the exponent of {base.spoken} must be a whole number from 1 to 8"
-            self.fail(BadValue(exponent.span, problem, base.span, hint))
+            hint = "use sqrt(...) for a root" if constant == 0.5 else "divide the base by a reference quantity first"
+            problem = f"the exponent of {quantity(base.dimension)} must be a literal whole number from 1 to 8, or from -8 to -1"
+            self.fail(BadValue(exponent.span, problem, base.span, hint, f"this is {quantity(base.dimension)}"))
         return NumberValue(self.make(ir.Func, "pow", (base.node, exponent.node)), NUMBER, expr.span)
 
     def _if_else(self, expr: ast.IfElse, ctx: Context) -> Value:
         condition, then, otherwise = self.all(
             lambda: self.formula(expr.condition, ctx), lambda: self.number(expr.then, ctx), lambda: self.number(expr.otherwise, ctx)
         )
-        assert isinstance(condition, FormulaValue)
-        assert isinstance(then, NumberValue)
-        assert isinstance(otherwise, NumberValue)
         self.same("choose between", then, otherwise)
         return NumberValue(self.make(ir.Choose, condition.node, then.node, otherwise.node), then.dimension, expr.span)
 
@@ -310,37 +296,50 @@ class Expressions:
         return ctx.timeline
 
     def _temporal(self, expr: ast.Temporal, ctx: Context) -> Value:
-        axis = self.timeline(f"`{expr.op}`", expr.span, ctx)
-        operand = self.formula(expr.operand, ctx).node
+        axis, operands, (lower, upper) = self._over_time(expr, (expr.operand,), expr.window, ctx)
         if expr.op in ("next", "previous"):
             step = 1 if expr.op == "next" else -1
-            return FormulaValue(self.make(ir.Shift, axis, operand, step, expr.weak), expr.span)
-        lower, upper = self._window(expr.window, ctx)
-        return FormulaValue(self.make(ir.Temporal, expr.op, axis, operand, lower, upper), expr.span)
+            return FormulaValue(self.make(ir.Shift, axis, operands[0], step, expr.weak), expr.span)
+        return FormulaValue(self.make(ir.Temporal, expr.op, axis, operands[0], lower, upper), expr.span)
+
+    def _over_time(
+        self, expr: ast.Temporal | ast.Until, operands: tuple[ast.Expr, ...], window: ast.Window | None, ctx: Context
+    ) -> tuple[ir.Axis, list[ir.Formula], tuple[float | None, float | None]]:
+        """Timeline, operands and window of a temporal operator; the errors of all of them are reported."""
+        start = expr.span.start if isinstance(expr, ast.Temporal) else _span(expr.left).end
+        at = Span(expr.span.file, start, expr.span.end).word(expr.op)
+        axis, bounds, *formulas = self.all(
+            lambda: self.timeline(f"`{expr.op}`", at, ctx),
+            lambda: self._window(window, ctx),
+            *(lambda o=operand: self.formula(o, ctx).node for operand in operands),  # type: ignore[misc]
+        )
+        return axis, formulas, bounds
 
     def _until(self, expr: ast.Until, ctx: Context) -> Value:
-        axis = self.timeline(f"`{expr.op}`", expr.span, ctx)
-        left, right = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
-        lower, upper = self._window(expr.window, ctx)
-        assert isinstance(left, FormulaValue)
-        assert isinstance(right, FormulaValue)
-        return FormulaValue(self.make(ir.Until, expr.op, axis, left.node, right.node, lower, upper), expr.span)
+        axis, (left, right), (lower, upper) = self._over_time(expr, (expr.left, expr.right), expr.window, ctx)
+        return FormulaValue(self.make(ir.Until, expr.op, axis, left, right, lower, upper), expr.span)
 
     def _window(self, window: ast.Window | None, ctx: Context) -> tuple[float | None, float | None]:
         if window is None:
             return None, None
-        bounds = []
-        for bound in (window.lower, window.upper):
-            value = self.number(bound, ctx)
-            if value.dimension != TIME:
-                hint = f"write `{value.span.text} s`" if value.dimension == NUMBER else ""
-                self.fail(BadValue(value.span, f"the window of a temporal operator is a time, not {value.spoken}", None, hint))
-            if not isinstance(value.node, ir.Const):
-                self.fail(BadValue(value.span, "the window of a temporal operator is constant", None, "write a number with a unit of time"))
-            bounds.append(value.node.value)
-        if bounds[0] < 0 or bounds[1] < bounds[0]:
-            self.fail(BadValue(window.span, "a window runs from a time not below zero to a later one", None, "write it as [low, high]"))
-        return bounds[0], bounds[1]
+        low, high = self.all(lambda: self._bound(window.lower, ctx), lambda: self._bound(window.upper, ctx))
+        if low < 0:
+            past = "`once`, `historically` and `since` look back"
+            hint = f"windows count away from the current sample; {past}"
+            self.fail(BadValue(_span(window.lower), "a window starts at zero or later", None, hint))
+        if high < low:
+            self.fail(BadValue(window.span, "a window runs from low to high", None, "swap the bounds"))
+        return low, high
+
+    def _bound(self, bound: ast.Expr, ctx: Context) -> float:
+        """A bound of a window: a literal time, in s."""
+        value = self.number(bound, ctx)
+        if value.dimension != TIME:
+            problem = f"the window of a temporal operator is a time, not {quantity(value.dimension)}"
+            self.fail(BadValue(value.span, problem, None, calls.unit_hint(value, TIME)))
+        if not isinstance(value.node, ir.Const):
+            self.fail(BadValue(value.span, "the window of a temporal operator is constant", None, "write a number with a unit of time"))
+        return value.node.value
 
     def axis(
         self, domain: ast.Expr, names: tuple[str, ...], consecutive: bool, span: Span, ctx: Context
@@ -374,12 +373,23 @@ class Expressions:
         return self.record(signal, what, span, number, axis, offset, previous if signal.sequence else None)
 
     def _quantified(self, expr: ast.Quantified, ctx: Context) -> Value:
-        axis, variables = self.axis(expr.domain, expr.names, expr.consecutive, expr.span, ctx)
+        axis, variables = self.range_of(expr, ctx)
         inner = ctx.bind(variables, 1)
-        self.check_used(expr.names, (expr.where, expr.body), expr.span)
-        guard = self.formula(expr.where, inner).node if expr.where is not None else None
-        body = self.formula(expr.body, inner).node
+        self.check_used(expr.names, (expr.where, expr.body), expr.span.head)
+        guard, body = self.all(
+            lambda: self.formula(expr.where, inner).node if expr.where is not None else None,
+            lambda: self.formula(expr.body, inner).node,
+        )
+        if axis is None:
+            raise Poison
         return FormulaValue(self.make(ir.Quantify, expr.quantifier, axis, guard, body, expr.names), expr.span)
+
+    def range_of(self, bind: ast.Bind | ast.Quantified, ctx: Context) -> tuple[ir.Axis | None, dict[str, Value]]:
+        """The axis and the variables of a quantifier; where its range has an error, no axis and broken variables."""
+        try:
+            return self.axis(bind.domain, bind.names, bind.consecutive, bind.span.head, ctx)
+        except Poison:
+            return None, dict.fromkeys(bind.names, Broken())
 
     def check_used(self, names: tuple[str, ...], parts: tuple[Node | None, ...], span: Span) -> None:
         """Warn of a quantifier none of whose variables is mentioned below."""
@@ -396,5 +406,14 @@ def _span(expr: ast.Expr) -> Span:
     return span
 
 
-def _a(dimension: Dimension) -> str:
-    return f"a quantity in {show(dimension)}"
+def _factor(left: Dimension, right: Dimension) -> str:
+    """What would make two dimensions one."""
+    if power(right, Fraction(2)) == left:
+        return "square the right side, or take the square root of the left one"
+    if power(left, Fraction(2)) == right:
+        return "square the left side, or take the square root of the right one"
+    factor = over(right, left)
+    unit, inverse = show(factor), show(over(NUMBER, factor))
+    if unit.startswith("1/"):
+        return f"divide the left side by a quantity in {inverse}, or multiply the right side by it"
+    return f"multiply the left side by a quantity in {unit}, or divide the right side by it"

@@ -2,6 +2,7 @@
 
 from trackmarshal.runtime.geometry.clearance import boxes_clear, sweeps_clear
 from trackmarshal.runtime.geometry.corridor import Corridor, Polygon
-from trackmarshal.runtime.geometry.polyline import Polyline, distance_to_paths
+from trackmarshal.runtime.geometry.paths import distance_to_paths
+from trackmarshal.runtime.geometry.polyline import Polyline
 
 __all__ = ["Corridor", "Polygon", "Polyline", "boxes_clear", "distance_to_paths", "sweeps_clear"]

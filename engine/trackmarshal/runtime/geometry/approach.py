@@ -83,7 +83,10 @@ class Approach:
         first = np.maximum.reduce(np.where(start < end, cut, 0.0), axis=0, initial=0.0)
         last = np.minimum.reduce(np.where(start > end, cut, 1.0), axis=0, initial=1.0)
         t = (first + last) / 2.0
-        x, y = border.ax[k] - self.sweeps.x[rows] + t * border.ex[k], border.ay[k] - self.sweeps.y[rows] + t * border.ey[k]
+        x, y = (
+            border.ax[k] - self.sweeps.x[rows] + t * border.ex[k],
+            border.ay[k] - self.sweeps.y[rows] + t * border.ey[k],
+        )
         depth: Floats = np.fmin.reduce(self._behind(pairs, x, y) / self.length[:, pairs], axis=0)
         return depth
 

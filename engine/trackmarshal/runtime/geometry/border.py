@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -34,20 +35,30 @@ class Border:
         firsts = np.cumsum([0, *(len(start) for start in starts)])
         index = np.arange(self.size)
         self.next, before = index + 1, index - 1
-        for first, last in zip(firsts[:-1], firsts[1:]):
+        for first, last in pairwise(firsts.tolist()):
             self.next[last - 1], before[first] = first, last - 1
         nx, ny = -self.ey / self.length, self.ex / self.length
         self.nx, self.ny = nx + nx[before], ny + ny[before]
         #: Rows ax, ay, ex, ey, square, length: what the distance of a hull takes of a segment, in one read.
         self.table = np.stack([self.ax, self.ay, self.ex, self.ey, self.square, self.length])
         self._blocks(firsts)
-        for array in (self.ax, self.ay, self.bx, self.by, self.ex, self.ey, self.square, self.length, self.table):
+        for array in (
+            self.ax,
+            self.ay,
+            self.bx,
+            self.by,
+            self.ex,
+            self.ey,
+            self.square,
+            self.length,
+            self.table,
+        ):
             array.flags.writeable = False
 
     def _blocks(self, firsts: Ints) -> None:
         """Bounding discs of runs of segments, each centred at a point of the border."""
         runs = []
-        for first, last in zip(firsts[:-1], firsts[1:]):
+        for first, last in pairwise(firsts.tolist()):
             begins = np.arange(first, last, BLOCK)
             runs.append(np.minimum(begins[:, None] + np.arange(BLOCK), last - 1))
         self.runs = np.concatenate(runs)
@@ -80,7 +91,9 @@ class Border:
         parts = []
         for first in range(0, x.size, step):
             chunk = slice(first, first + step)
-            rows, k, distance = self._near(x[chunk], y[chunk], reach if np.isscalar(reach) else np.asarray(reach)[chunk])
+            rows, k, distance = self._near(
+                x[chunk], y[chunk], reach if isinstance(reach, float) else reach[chunk]
+            )
             parts.append((rows + first, k, distance))
         rows, k, distance = (np.concatenate(part) for part in zip(*parts))
         return rows, k, distance

@@ -29,7 +29,12 @@ class Cells:
         low = np.array([min(border.ax.min(), border.bx.min()), min(border.ay.min(), border.by.min())])
         high = np.array([max(border.ax.max(), border.bx.max()), max(border.ay.max(), border.by.max())])
         spans = high - low
-        size = max(size, float(border.length.sum()) * 2.0 / MOST_SAMPLES, math.sqrt(spans[0] * spans[1] / MOST_CELLS), 0.1)
+        size = max(
+            size,
+            float(border.length.sum()) * 2.0 / MOST_SAMPLES,
+            math.sqrt(spans[0] * spans[1] / MOST_CELLS),
+            0.1,
+        )
         self.size = size
         self.columns, self.rows = (spans // size).astype(int).tolist()
         self.columns += 5
@@ -52,7 +57,9 @@ class Cells:
         t = (np.arange(k.size) - first) / np.repeat(pieces, pieces)
         x, y = border.ax[k] + t * border.ex[k], border.ay[k] + t * border.ey[k]
         near = np.zeros((self.columns, self.rows), dtype=bool)
-        near[((x - self.corner[0]) // self.size).astype(int), ((y - self.corner[1]) // self.size).astype(int)] = True
+        near[
+            ((x - self.corner[0]) // self.size).astype(int), ((y - self.corner[1]) // self.size).astype(int)
+        ] = True
         near[1:-1] |= near[2:] | near[:-2]
         near[:, 1:-1] |= near[:, 2:] | near[:, :-2]
         cells: Ints = np.flatnonzero(near)

@@ -57,7 +57,16 @@ def sweeps_clear(
 ) -> Floats:
     """The signed distance of what two bodies sweep, each between two poses of its own [m]; all arguments broadcast."""
     body = (x0, y0, heading0, x1, y1, heading1, length, width)
-    other = (other_x0, other_y0, other_heading0, other_x1, other_y1, other_heading1, other_length, other_width)
+    other = (
+        other_x0,
+        other_y0,
+        other_heading0,
+        other_x1,
+        other_y1,
+        other_heading1,
+        other_length,
+        other_width,
+    )
     return _clearance(body, other, 8)
 
 

@@ -51,7 +51,11 @@ class Area:
     def signed_distance(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """The distance of points from the border [m], positive inside: (N,)."""
         columns = np.broadcast_arrays(vector(x), vector(y))
-        return np.full(columns[0].size, np.nan) if self._region is None else self._region.signed_distance(*columns)
+        return (
+            np.full(columns[0].size, np.nan)
+            if self._region is None
+            else self._region.signed_distance(*columns)
+        )
 
 
 class Corridor(Area):
@@ -102,9 +106,7 @@ def corridor_region(left: Floats, right: Floats, closed: bool) -> Region | str:
         return Region([rights, lefts[::-1].copy()])
     if inside_ring(rights[0], lefts):
         return Region([lefts, rights[::-1].copy()])
-    return (
-        f"neither border encloses the other: the left one begins at {place(*left[0])}, the right one at {place(*right[0])}"
-    )
+    return f"neither border encloses the other: the left one begins at {place(*left[0])}, the right one at {place(*right[0])}"
 
 
 def polygon_region(points: Floats) -> Region | str:
@@ -114,7 +116,9 @@ def polygon_region(points: Floats) -> Region | str:
         return fault
     ring = distinct(points, True)
     border = Border([ring], closed=True)
-    return meeting_fault(border, ["polygon"] * len(ring), meetings(border)) or Region([counter_clockwise(ring)])
+    return meeting_fault(border, ["polygon"] * len(ring), meetings(border)) or Region(
+        [counter_clockwise(ring)]
+    )
 
 
 def counter_clockwise(ring: Floats) -> Floats:

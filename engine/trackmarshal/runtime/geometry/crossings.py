@@ -19,7 +19,7 @@ CERTAIN = 1e-15
 def meeting_fault(border: Border, names: Sequence[str], pairs: tuple[Ints, Ints]) -> str | None:
     """The first place where a border folds back or meets itself; `names` has one for each segment, `pairs` those that meet."""
     folds = np.flatnonzero(border.ex * border.ex[border.next] + border.ey * border.ey[border.next] <= 0.0)
-    folds = folds[[_folds_back(border, k) for k in folds]] if folds.size else folds
+    folds = folds[[_folds_back(border, k) for k in folds.tolist()]] if folds.size else folds
     i, j = pairs
     if folds.size and (not i.size or folds[0] <= i[0]):
         k = folds[0]
@@ -28,7 +28,9 @@ def meeting_fault(border: Border, names: Sequence[str], pairs: tuple[Ints, Ints]
         return None
     first, second = names[i[0]], names[j[0]]
     where = place(*meeting_place(border, int(i[0]), int(j[0])))
-    return f"{first} crosses itself near {where}" if first == second else f"{first} meets {second} near {where}"
+    return (
+        f"{first} crosses itself near {where}" if first == second else f"{first} meets {second} near {where}"
+    )
 
 
 def meetings(border: Border) -> tuple[Ints, Ints]:
@@ -51,7 +53,9 @@ def meetings(border: Border) -> tuple[Ints, Ints]:
         which = np.nonzero(near)
         found.append((i[which[0], which[1], 0], j[which[0], 0, which[2]]))
     i, j = (np.concatenate(part) for part in zip(*found))
-    meet = (turn(border, i, j, 0) * turn(border, i, j, 1) <= 0) & (turn(border, j, i, 0) * turn(border, j, i, 1) <= 0)
+    meet = (turn(border, i, j, 0) * turn(border, i, j, 1) <= 0) & (
+        turn(border, j, i, 0) * turn(border, j, i, 1) <= 0
+    )
     pairs = np.unique(np.stack([i[meet], j[meet]]), axis=1)
     return pairs[0], pairs[1]
 
@@ -60,8 +64,7 @@ def turn(border: Border, i: Ints, j: Ints, end: int) -> Ints:
     """The exact sign of the turn from segments i to the start (`end` 0) or end (1) of segments j."""
     x, y = (border.bx, border.by) if end else (border.ax, border.ay)
     ax, ay, bx, by, px, py = border.ax[i], border.ay[i], border.bx[i], border.by[i], x[j], y[j]
-    sign = turns(ax, ay, bx, by, px, py)
-    return sign
+    return turns(ax, ay, bx, by, px, py)
 
 
 def turns(ax: Floats, ay: Floats, bx: Floats, by: Floats, px: Floats, py: Floats) -> Ints:
@@ -95,4 +98,6 @@ def _folds_back(border: Border, k: int) -> bool:
     xs = (Fraction(float(part)) for part in (border.ax[k], border.bx[k], border.bx[after]))
     ys = (Fraction(float(part)) for part in (border.ay[k], border.by[k], border.by[after]))
     (ax, bx, cx), (ay, by, cy) = xs, ys
-    return (bx - ax) * (cy - by) == (by - ay) * (cx - bx) and (bx - ax) * (cx - bx) + (by - ay) * (cy - by) < 0
+    return (bx - ax) * (cy - by) == (by - ay) * (cx - bx) and (bx - ax) * (cx - bx) + (by - ay) * (
+        cy - by
+    ) < 0

@@ -25,7 +25,7 @@ from trackmarshal.runtime.geometry.border import Border
 class Polyline:
     """A line of (n, 2) points, open or closed, prepared once; immutable.
 
-    With a `fault` stations are NaN; distances still exist from a line that is a single point.
+    With a `fault`, whatever is asked is NaN.
     """
 
     def __init__(self, points: ArrayLike | Sequence[Sequence[float]], closed: bool = False) -> None:
@@ -33,20 +33,15 @@ class Polyline:
         #: What makes the line unusable; None for a usable one.
         self.fault = coordinates_fault("line", self.points, 3 if closed else 2, closed)
         self.length = math.nan
-        self._point: Floats | None = None
-        self._border: Border | None = None
-        kept = distinct(self.points, closed)
-        if not (np.abs(kept) <= LIMIT).all() or not len(kept):
+        if self.fault is not None:
             return
-        if len(kept) == 1:
-            self._point = kept[0]
-            return
-        border = self._border = Border([kept], closed)
+        border = self._border = Border([distinct(self.points, self.closed)], self.closed)
         #: The station at which each segment begins.
         self._station = np.concatenate([[0.0], np.cumsum(border.length)])
-        self._direction = np.array([math.atan2(y, x) for x, y in zip(border.ex.tolist(), border.ey.tolist())])
-        if self.fault is None:
-            self.length = float(self._station[-1])
+        self._direction = np.array(
+            [math.atan2(y, x) for x, y in zip(border.ex.tolist(), border.ey.tolist())]
+        )
+        self.length = float(self._station[-1])
 
     def project(self, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats, Floats]:
         """Station [m], offset [m, positive to the left] and direction [rad] of points: three arrays (N,).
@@ -55,7 +50,7 @@ class Polyline:
         segment go on as rays; on a closed line the station is in [0, length).
         """
         px, py, fine = _points(x, y)
-        if self._border is None or self.fault is not None or not px.size:
+        if self.fault is not None or not px.size:
             nan = np.full(px.size, np.nan)
             return nan, nan.copy(), nan.copy()
         border = self._border
@@ -77,24 +72,22 @@ class Polyline:
             station[station >= self.length] = 0.0
         direction = self._direction[k]
         if fine is not None:
-            station, offset, direction = (np.where(fine, part, np.nan) for part in (station, offset, direction))
+            station, offset, direction = (
+                np.where(fine, part, np.nan) for part in (station, offset, direction)
+            )
         return station, offset, direction
 
     def distance(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """The distance of points from the line [m]: (N,)."""
         px, py, fine = _points(x, y)
-        if self._border is not None and px.size:
-            distance = self._nearest(px, py)[1]
-        elif self._point is not None:
-            dx, dy = px - self._point[0], py - self._point[1]
-            distance = np.sqrt(dx * dx + dy * dy)
-        else:
+        if self.fault is not None or not px.size:
             return np.full(px.size, np.nan)
+        distance = self._nearest(px, py)[1]
         return distance if fine is None else np.where(fine, distance, np.nan)
 
     def feet(self, x: Floats, y: Floats) -> Floats | None:
-        """The point of the line nearest to each of some usable points: (N, 2); None for a line without segments."""
-        if self._border is None:
+        """The point of the line nearest to each of some usable points: (N, 2); None for an unusable line."""
+        if self.fault is not None:
             return None
         border, k = self._border, self._nearest(x, y)[0]
         rx, ry, sx, sy = x - border.ax[k], y - border.ay[k], x - border.bx[k], y - border.by[k]
@@ -121,7 +114,6 @@ class Polyline:
 
     def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
         """The nearest segment to each point, of equally near ones the first, and its distance."""
-        assert self._border is not None
         rows, k, distance = self._border.near(x, y)
         starts = starts_of(rows)
         best = np.minimum.reduceat(distance, starts)
@@ -142,31 +134,6 @@ def centre_line(left: Floats, right: Floats, closed: bool = False) -> Floats:
         return np.empty((0, 2))
     feet = Polyline(right, closed).feet(*left.T)
     return np.empty((0, 2)) if feet is None else (left + feet) / 2
-
-
-def distance_to_paths(x: ArrayLike, y: ArrayLike, path_x: ArrayLike, path_y: ArrayLike, lengths: ArrayLike) -> Floats:
-    """The distances of points from paths, many cases at once [m]: (cases, points).
-
-    Points (cases, points), paths the first `lengths` of (cases, samples). A path of one sample is a point; from one of none,
-    or with an unusable sample, the distance is NaN.
-    """
-    px, py = (np.asarray(part, dtype=np.float64)[:, :, None] for part in (x, y))
-    path = np.stack([np.asarray(path_x, dtype=np.float64), np.asarray(path_y, dtype=np.float64)])
-    there = np.arange(path.shape[2]) < np.asarray(lengths)[:, None]
-    fine = ((np.abs(path) <= LIMIT).all(axis=0) | ~there).all(axis=1) & there.any(axis=1)
-    path = np.where(there & fine[:, None], path, 0.0)[:, :, None]
-    usable = (np.abs(px[..., 0]) <= LIMIT) & (np.abs(py[..., 0]) <= LIMIT) & fine[:, None]
-    px, py = np.where(usable[..., None], px, 0.0), np.where(usable[..., None], py, 0.0)
-    rx, ry = px - path[0], py - path[1]
-    nearest = np.where(there[:, None], rx * rx + ry * ry, np.inf).min(axis=2, initial=np.inf)
-    ex, ey = np.diff(path, axis=3)
-    square = ex * ex + ey * ey
-    rx, ry = rx[..., :-1], ry[..., :-1]
-    along = ex * rx + ey * ry
-    beside = (along > 0.0) & (along < square) & there[:, None, 1:]
-    length = np.sqrt(np.where(square > 0.0, square, 1.0))
-    to_line = np.where(beside, np.abs(ex * ry - ey * rx) / length, np.inf).min(axis=2, initial=np.inf)
-    return np.where(usable, np.minimum(np.sqrt(nearest), to_line), np.nan)
 
 
 def _points(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats, Bools | None]:

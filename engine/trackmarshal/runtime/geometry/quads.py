@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from trackmarshal.runtime.geometry.arrays import Bools, Floats, distinct
@@ -40,32 +42,42 @@ def union_of_quads(left: Floats, right: Floats) -> list[Floats] | None:
         for k in (a, b):
             dx, dy = places[number] - (border.ax[k], border.ay[k])
             cuts.setdefault(k, []).append((float(border.ex[k] * dx + border.ey[k] * dy), number))
-    kept: dict[int, tuple[list[Floats], int]] = {}  # by the cut at which it begins: a run's points and its last cut
+    points = np.concatenate([np.stack([border.ax, border.ay], axis=1), places])
+    kept: dict[
+        int, tuple[list[int], int]
+    ] = {}  # by the cut at which it begins: a run's points and its last cut
     rings: list[Floats] = []
     for first, last in ((0, int(forward.sum())), (int(forward.sum()), border.size)):
-        events = [(k, cut) for k in range(first, last) for _, cut in sorted(cuts.get(k, []))]
-        if not events:
-            whole = np.stack([border.ax[first:last], border.ay[first:last]], axis=1)
-            if not _covered((whole[0] + whole[1]) / 2, quads, owner[first]):
-                rings.append(whole)
-        for (k, cut), (end, last_cut) in zip(events, events[1:] + events[:1]):
-            count = (end - k) % (last - first) if end != k or len(events) > 1 else last - first
-            if end == k and events.index((k, cut)) > events.index((end, last_cut)):
-                count = last - first
-            inner = (first + (k - first + 1 + np.arange(count)) % (last - first)) if count else np.empty(0, dtype=int)
-            run = [places[cut], *np.stack([border.ax[inner], border.ay[inner]], axis=1), places[last_cut]]
-            run = [p for p, q in zip(run, [None, *run]) if q is None or (p != q).any()]
-            if len(run) > 1 and not _covered((run[0] + run[1]) / 2, quads, owner[k]):
-                kept[cut] = run, last_cut
+        # The way round: numbers of points, those of cuts after those of the border.
+        way = [
+            (k, p)
+            for k in range(first, last)
+            for p in (k, *(border.size + cut for _, cut in sorted(cuts.get(k, []))))
+        ]
+        begin = next((at for at, (_, p) in enumerate(way) if p >= border.size), None)
+        if begin is None:
+            if not _covered((points[first] + points[first + 1]) / 2, quads, owner[first]):
+                rings.append(points[first:last])
+            continue
+        way = [*way[begin:], *way[: begin + 1]]
+        ends = [at for at, (_, p) in enumerate(way) if p >= border.size]
+        for at, end in pairwise(ends):
+            run = [p for _, p in way[at : end + 1]]
+            middle = next(
+                ((points[p] + points[q]) / 2 for p, q in pairwise(run) if (points[p] != points[q]).any()),
+                None,
+            )
+            if middle is not None and not _covered(middle, quads, owner[way[at][0]]):
+                kept[run[0]] = run[:-1], run[-1]
     while kept:
         start = cut = next(iter(kept))
-        ring: list[Floats] = []
+        ring: list[int] = []
         while cut in kept:
             run, cut = kept.pop(cut)
-            ring += run[:-1]
+            ring += run
         if cut != start:
             return None
-        rings.append(distinct(np.array(ring), True))
+        rings.append(distinct(points[ring], True))
     return rings
 
 
@@ -94,7 +106,9 @@ def _simple(quads: Floats) -> Bools:
     fine = np.ones(quads.shape[1], dtype=bool)
     for a, b, c, d in (quads, np.roll(quads, -1, axis=0)):
         proper = (a != b).any(axis=1) & (b != c).any(axis=1) & (c != d).any(axis=1) & (d != a).any(axis=1)
-        boxes = (np.minimum(a, b) <= np.maximum(c, d)).all(axis=1) & (np.minimum(c, d) <= np.maximum(a, b)).all(axis=1)
+        boxes = (np.minimum(a, b) <= np.maximum(c, d)).all(axis=1) & (
+            np.minimum(c, d) <= np.maximum(a, b)
+        ).all(axis=1)
         which = np.flatnonzero(proper & boxes)
         (ax, ay), (bx, by), (cx, cy), (dx, dy) = (corner[which].T for corner in (a, b, c, d))
         apart = turns(ax, ay, bx, by, cx, cy) * turns(ax, ay, bx, by, dx, dy) > 0

@@ -69,7 +69,9 @@ class Sweeps:
         self.heading.real, self.heading.imag = frame[3, :, 0]
         # From the second's corner before to the first's corner, seen along the first's normal and along its side. The
         # second's normal lies between those two, so its sign cannot contradict both.
-        ahead = (self.corners[0] - self.corners[1].take(_BEFORE, axis=0)) * (self.heading.conj() * _TURNED_BACK)
+        ahead = (self.corners[0] - self.corners[1].take(_BEFORE, axis=0)) * (
+            self.heading.conj() * _TURNED_BACK
+        )
         at_first = ahead.real >= 0.0
         at_second = turn_cos * ahead.real + turn_sin * ahead.imag >= 0.0
         at_first_next, at_second_next = at_first.take(_NEXT, axis=0), at_second.take(_NEXT, axis=0)
@@ -95,10 +97,16 @@ class Sweeps:
         lows, highs = np.minimum.reduce(local, axis=1), np.maximum.reduce(local, axis=1)
         low, high = np.minimum(lows[0], lows[1]), np.maximum(highs[0], highs[1])
         apart = np.maximum(np.abs(lows[0] - lows[1]), np.abs(highs[0] - highs[1]))
-        return low.view(np.complex128), high.view(np.complex128), self.excess + np.minimum(apart[0::2], apart[1::2])
+        return (
+            low.view(np.complex128),
+            high.view(np.complex128),
+            self.excess + np.minimum(apart[0::2], apart[1::2]),
+        )
 
 
-def _usable(poses: Floats, length: float | Floats, width: float | Floats) -> tuple[Floats, float | Floats, float | Floats, Bools | None]:
+def _usable(
+    poses: Floats, length: float | Floats, width: float | Floats
+) -> tuple[Floats, float | Floats, float | Floats, Bools | None]:
     """Poses and sizes with unusable ones replaced, and a mask of the usable ones, None where all are."""
     fine = np.logical_and.reduce(np.abs(poses) <= LIMIT, axis=0)
     for size in (length, width):

@@ -47,4 +47,3 @@ def _corners_outside(border: Border, sweeps: Sweeps, bad: Ints) -> Floats:
     left = border.left_from(*(part[first] for part in seen), k[first])
     outside: Floats = np.where(left, 0.0, nearest).reshape(8, bad.size).max(axis=0)
     return outside
-

@@ -14,6 +14,8 @@ from trackmarshal.backends.reference.geometry.points import (
     folds_back,
     meet,
     meeting_place,
+    segment,
+    side,
     usable,
 )
 from trackmarshal.backends.reference.geometry.quads import union_of_quads
@@ -78,9 +80,8 @@ def corridor_region(left: tuple[Point, ...], right: tuple[Point, ...], closed: b
         names = [LEFT] * (len(lefts) - 1) + [CAP] + [RIGHT] * (len(rights) - 1) + [CAP]
         ring = lefts + rights[::-1]
         sides = [(a, b, name) for a, b, name in zip(ring, [*ring[1:], ring[0]], names) if a != b]
-        fault = _crossing_fault([sides])
-        plain = tuple((a, b) for a, b, _ in sides)
-        return fault or Region(plain, (plain,))
+        outline = _to_the_left([(a, b) for a, b, _ in sides])
+        return _crossing_fault([sides]) or Region(outline, (outline,))
     rings = [
         [(a, b, name) for a, b in zip(points, [*points[1:], points[0]])]
         for name, points in ((LEFT, lefts), (RIGHT, rights))
@@ -88,10 +89,14 @@ def corridor_region(left: tuple[Point, ...], right: tuple[Point, ...], closed: b
     fault = _crossing_fault(rings)
     if fault:
         return union_of_quads(left, right) or fault
-    outlines = [tuple((a, b) for a, b, _ in ring) for ring in rings]
-    if not odd_crossings(*lefts[0], outlines[1]) and not odd_crossings(*rights[0], outlines[0]):
+    outlines = [_to_the_left([(a, b) for a, b, _ in ring]) for ring in rings]
+    if odd_crossings(*lefts[0], outlines[1]):
+        inner, outer = outlines
+    elif odd_crossings(*rights[0], outlines[0]):
+        outer, inner = outlines
+    else:
         return f"neither border encloses the other: the left one begins at {_place(lefts[0])}, the right one at {_place(rights[0])}"
-    between = outlines[0] + outlines[1]
+    between = outer + tuple((b, a) for a, b in reversed(inner))
     return Region(between, (between,))
 
 
@@ -103,7 +108,15 @@ def polygon_region(points: tuple[Point, ...]) -> Region | str:
         return fault
     corners = distinct(points, True)
     sides = list(zip(corners, [*corners[1:], corners[0]]))
-    return _crossing_fault([[(a, b, POLYGON) for a, b in sides]]) or Region(tuple(sides), (tuple(sides),))
+    outline = _to_the_left(sides)
+    return _crossing_fault([[(a, b, POLYGON) for a, b in sides]]) or Region(outline, (outline,))
+
+
+def _to_the_left(sides: Sequence[Side]) -> tuple[Side, ...]:
+    """The outline of a simple polygon, its inside on the left."""
+    origin = sides[0][0]
+    doubled = sum(side(segment(origin, a), *b) for a, b in sides)
+    return tuple(sides) if doubled > 0.0 else tuple((b, a) for a, b in reversed(sides))
 
 
 def _coordinates_fault(name: str, points: Sequence[Point], least: int, closed: bool) -> str | None:
@@ -117,7 +130,9 @@ def _coordinates_fault(name: str, points: Sequence[Point], least: int, closed: b
 
 def _crossing_fault(rings: Sequence[Sequence[tuple[Point, Point, str]]]) -> str | None:
     """The first place where rings touch, cross or fold back; segments that follow each other share their common point."""
-    sides = [(*side, ring, index) for ring, ring_sides in enumerate(rings) for index, side in enumerate(ring_sides)]
+    sides = [
+        (*side, ring, index) for ring, ring_sides in enumerate(rings) for index, side in enumerate(ring_sides)
+    ]
     for i, (a, b, first, ring, at) in enumerate(sides):
         count = len(rings[ring])
         following = rings[ring][(at + 1) % count]
@@ -127,7 +142,11 @@ def _crossing_fault(rings: Sequence[Sequence[tuple[Point, Point, str]]]) -> str 
             neighbours = ring == other and (place - at in (1, count - 1))
             if not neighbours and meet(a, b, c, d):
                 where = _place(meeting_place(a, b, c, d))
-                return f"{first} crosses itself near {where}" if first == second else f"{first} meets {second} near {where}"
+                return (
+                    f"{first} crosses itself near {where}"
+                    if first == second
+                    else f"{first} meets {second} near {where}"
+                )
     return None
 
 

@@ -76,13 +76,10 @@ def station_gap(points: Points, s_from: float, s_to: float, closed: bool = False
 
 
 def distance_to_line(x: float, y: float, points: Points, closed: bool = False) -> float:
-    """The distance [m] of a point from a line; of a line that is a single point, from that point."""
-    if not usable(x, y) or not all(usable(*point) for point in points) or not points:
+    """The distance [m] of a point from a line."""
+    if line_fault(points, closed) or not usable(x, y):
         return math.nan
-    kept = distinct(points, closed)
-    if len(kept) == 1:
-        return between(x, y, *kept[0])
-    return min(distance(x, y, s) for s in chain(kept, closed))
+    return min(distance(x, y, s) for s in chain(distinct(points, closed), closed))
 
 
 def centre_line(left: Points, right: Points, closed: bool = False) -> list[Point]:
@@ -90,12 +87,9 @@ def centre_line(left: Points, right: Points, closed: bool = False) -> list[Point
     lefts, rights = [(p[0], p[1]) for p in left], [(p[0], p[1]) for p in right]
     if len(lefts) == len(rights):
         return [((p[0] + q[0]) / 2, (p[1] + q[1]) / 2) for p, q in zip(lefts, rights)]
-    if not all(usable(*point) for point in lefts + rights):
+    if line_fault(rights, closed) or not all(usable(*point) for point in lefts):
         return []
-    kept = distinct(rights, closed)
-    if len(kept) < 2:
-        return []
-    border = chain(kept, closed)
+    border = chain(distinct(rights, closed), closed)
     feet = (foot(*p, min(border, key=lambda s: distance(*p, s))) for p in lefts)
     return [((p[0] + q[0]) / 2, (p[1] + q[1]) / 2) for p, q in zip(lefts, feet)]
 

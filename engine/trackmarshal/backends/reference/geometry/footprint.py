@@ -5,7 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from trackmarshal.backends.reference.geometry.points import Point, Pose, Segment, between, chain, distance, side, usable
+from trackmarshal.backends.reference.geometry.points import (
+    Point,
+    Pose,
+    Segment,
+    between,
+    chain,
+    distance,
+    side,
+    usable,
+)
 
 
 def footprint(pose: Pose, length: float, width: float, origin: Point = (0.0, 0.0)) -> list[Point]:
@@ -46,9 +55,7 @@ def swept(pose0: Pose, pose1: Pose, length: float, width: float) -> list[Point]:
     """The convex hull of the footprints of two poses, counter-clockwise."""
     if not usable(*pose0, *pose1, length, width) or length <= 0.0 or width <= 0.0:
         raise ValueError("a swept footprint needs finite poses and positive sizes")
-    return [
-        (x + pose0[0], y + pose0[1]) for x, y in convex_hull(swept_corners(pose0, pose1, length, width))
-    ]
+    return [(x + pose0[0], y + pose0[1]) for x, y in convex_hull(swept_corners(pose0, pose1, length, width))]
 
 
 def depth(x: float, y: float, hull: Sequence[Segment]) -> float:
@@ -82,7 +89,14 @@ def clear_margin(
 
 
 def swept_clearance(
-    pose0: Pose, pose1: Pose, length: float, width: float, other0: Pose, other1: Pose, other_length: float, other_width: float
+    pose0: Pose,
+    pose1: Pose,
+    length: float,
+    width: float,
+    other0: Pose,
+    other1: Pose,
+    other_length: float,
+    other_width: float,
 ) -> float:
     """The signed distance [m] of what two bodies sweep, each between two poses of its own."""
     if not usable(*pose0, *pose1, length, width, *other0, *other1, other_length, other_width):
@@ -91,5 +105,7 @@ def swept_clearance(
         return math.nan
     origin = (pose0[0], pose0[1])
     body = convex_hull(swept_corners(pose0, pose1, length, width))
-    corners = footprint(other0, other_length, other_width, origin) + footprint(other1, other_length, other_width, origin)
+    corners = footprint(other0, other_length, other_width, origin) + footprint(
+        other1, other_length, other_width, origin
+    )
     return convex_clearance(body, convex_hull(corners))

@@ -27,7 +27,9 @@ class Segment(NamedTuple):
 
 def segment(a: Point, b: Point, origin: Point = (0.0, 0.0)) -> Segment:
     """The segment from a to b, seen from an origin; its vector is taken before the shift."""
-    return Segment(a[0] - origin[0], a[1] - origin[1], b[0] - origin[0], b[1] - origin[1], b[0] - a[0], b[1] - a[1])
+    return Segment(
+        a[0] - origin[0], a[1] - origin[1], b[0] - origin[0], b[1] - origin[1], b[0] - a[0], b[1] - a[1]
+    )
 
 
 def usable(*numbers: float) -> bool:

@@ -29,9 +29,7 @@ def union_of_quads(left: Sequence[Point], right: Sequence[Point]) -> Region | No
     pairs = paired(left, right)
     if pairs is None:
         return None
-    corners = [
-        distinct([r0, r1, l1, l0], True) for (l0, r0), (l1, r1) in zip(pairs, [*pairs[1:], pairs[0]])
-    ]
+    corners = [distinct([r0, r1, l1, l0], True) for (l0, r0), (l1, r1) in zip(pairs, [*pairs[1:], pairs[0]])]
     if not all(_simple(quad) for quad in corners):
         return None
     areas = [_area(quad) for quad in corners]

@@ -7,7 +7,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from trackmarshal.backends.reference.geometry.footprint import convex_hull, depth, swept_corners
-from trackmarshal.backends.reference.geometry.points import Point, Pose, Segment, chain, distance, segment, side, usable
+from trackmarshal.backends.reference.geometry.points import (
+    Point,
+    Pose,
+    Segment,
+    chain,
+    distance,
+    segment,
+    side,
+    usable,
+)
 
 #: The margin of a hull that the border enters by less than any measure below can show.
 LEAST = -2.2250738585072014e-308
@@ -30,7 +39,9 @@ def odd_crossings(x: float, y: float, sides: Sequence[tuple[Point, Point]]) -> b
     """Whether the ray from a point along +x crosses the sides an odd number of times."""
     inside = False
     for a, b in sides:
-        low, high = (a, b) if a[1] < b[1] else (b, a)  # one direction, so that neighbours agree on a shared side
+        low, high = (
+            (a, b) if a[1] < b[1] else (b, a)
+        )  # one direction, so that neighbours agree on a shared side
         if low[1] <= y < high[1] and side(segment(low, high), x, y) > 0.0:
             inside = not inside
     return inside

@@ -1,0 +1,116 @@
+"""Evidence of the engine as records: what specs say, what tests and runs came to, kept in the project's results folder."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trackmarshal import __version__
+from trackmarshal.records import Record, Ref, ResultsFile, RuleFacts, RunSummary, SpecItem, SpecTest, TestResult, TruthFacts, load, save
+
+if TYPE_CHECKING:
+    from trackmarshal.evaluation import Evaluator
+    from trackmarshal.ir.spec import RuleInfo, Spec
+    from trackmarshal.scenarios.replay import Replay
+    from trackmarshal.testing.cases import PreparedTest
+    from trackmarshal.testing.run import Outcome
+
+TESTS, RUNS = "tests.json", "runs.json"
+
+
+def now() -> str:
+    """The time with its offset, to the second."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def spec_items(rules: Iterable[RuleInfo]) -> list[SpecItem]:
+    """Rules and assumptions as the matrix sees them."""
+    from trackmarshal.testing.run import has_boundary
+
+    return [
+        SpecItem(
+            rule.kind, rule.name, rule.title, _refs(rule.satisfies), _refs(rule.assuming), rule.span.file.path, rule.span.line,
+            rule.span.column, rule.fingerprint, rule.severity, rule.source, rule.owner, rule.evidence,
+            rule.formula is not None, has_boundary(rule),
+        )
+        for rule in rules
+    ]  # fmt: skip
+
+
+def _refs(pairs: Iterable[tuple[str, Any]]) -> tuple[Ref, ...]:
+    return tuple(Ref(name, span.line, span.column) for name, span in pairs)
+
+
+def spec_tests(tests: Iterable[PreparedTest]) -> list[SpecTest]:
+    """Tests as the matrix sees them."""
+    return [
+        SpecTest(t.rule.name, t.title, t.verdict, t.boundary, t.span.file.path, t.span.line, t.span.column) for t in tests
+    ]
+
+
+def test_results(outcomes: Iterable[Outcome], spec: Spec) -> list[TestResult]:
+    """Outcomes of tests, with the fingerprints of what was tested."""
+    return [
+        TestResult(
+            o.test.rule.name, o.test.title, o.outcome, o.test.rule.fingerprint, o.message, o.test.span.file.path, o.test.span.line,
+            spec.fingerprint,
+        )
+        for o in outcomes
+    ]  # fmt: skip
+
+
+def file_hash(path: Path) -> str:
+    """sha256 of a file's bytes."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: str) -> RunSummary:
+    """A replay as a record; `shown` is the scenario's path from the project."""
+    from trackmarshal.scenarios.replay import kind_of
+
+    facts = []
+    for rule in evaluator.rules:
+        counts: dict[str, Counter[str]] = {}
+        first = None
+        for cycle in outcome.cycles:
+            for candidate, result in cycle.results.items():
+                verdict = result.rules[rule.name].verdict
+                counts.setdefault(candidate, Counter())[verdict] += 1
+                if verdict == "violated" and first is None:
+                    first = cycle.t
+        facts.append(RuleFacts(rule.name, rule.fingerprint, {c: dict(n) for c, n in counts.items()}, first))
+    truths = {}
+    for truth in outcome.truths:
+        said = [f"rated safe at {t:g} s, the ground truth is unsafe" for t in truth.missed]
+        said += [f"rated unsafe at {t:g} s, the ground truth is safe" for t in truth.false_alarms]
+        names = tuple(rule.name for rule in evaluator.rules if kind_of(rule, evaluator.spec) == truth.kind)
+        truths[truth.kind] = TruthFacts(truth.inside, tuple(said), names)
+    return RunSummary(
+        shown, source_hash, evaluator.spec.fingerprint, len(outcome.cycles), tuple(facts), truths, outcome.fired, now()
+    )
+
+
+def write_run(folder: Path, outcome: Replay, evaluator: Evaluator, lines: Sequence[str]) -> None:
+    """The lines of one run, and its summary, in a folder that the user names."""
+    folder.mkdir(parents=True, exist_ok=True)
+    source = Path(outcome.recording.source)
+    (folder / f"{outcome.recording.name}.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    summary = run_summary(outcome, evaluator, outcome.recording.source, file_hash(source))
+    keep(folder / f"{outcome.recording.name}.run.json", "runs", [summary])
+
+
+def keep(path: Path, holds: str, items: Sequence[Record]) -> None:
+    """Write records of one kind."""
+    save(path, ResultsFile(holds, tuple(items), __version__, now()))
+
+
+def kept(path: Path, holds: str) -> list[Any]:
+    """Records of one kind, or none where the file is not there; raises T290 for a file that cannot be read."""
+    if not path.is_file():
+        return []
+    file = load(path)
+    return list(file.items) if file.holds == holds else []
