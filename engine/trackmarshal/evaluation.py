@@ -83,15 +83,18 @@ class Evaluator:
         return broken
 
 
-def load(paths: Iterable[Path], configuration: Iterable[Path] = (), shown_from: Path | None = None) -> Spec:
+def load(
+    paths: str | Path | Iterable[str | Path], configuration: Iterable[str | Path] = (), shown_from: Path | None = None
+) -> Spec:
     """Compile files and folders, with the values of configuration modules put in; raises Diagnostics."""
     from trackmarshal.semantics.compile import compile_paths
 
-    compiled = compile_paths(paths, shown_from)
+    given = [paths] if isinstance(paths, (str, Path)) else list(paths)
+    compiled = compile_paths([Path(path) for path in given], shown_from)
     compiled.raise_errors()
     spec = compiled.spec
     for path in configuration:
-        settings = compile_paths([path], shown_from)
+        settings = compile_paths([Path(path)], shown_from)
         settings.raise_errors()
         spec = configure(spec, settings.spec)
     return spec
@@ -109,7 +112,7 @@ def configure(spec: Spec, settings: Spec) -> Spec:
     digest = hashlib.sha256(spec.fingerprint.encode())
     for setting in (*params.values(), *tables.values(), *places.values()):
         digest.update(repr(setting).encode())
-    return Spec(spec.signals, spec.events, params, tables, places, spec.constraints, spec.rules, digest.hexdigest())
+    return Spec(spec.signals, spec.events, params, tables, places, spec.constraints, spec.rules, spec.rulebooks, digest.hexdigest())
 
 
 def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | TableInfo | PlaceInfo) -> None:

@@ -54,8 +54,11 @@ def test_robustness(backend: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_sign_of_robustness(backend: str, tmp_path: Path) -> None:
-    """Where the robustness is not zero, its sign is the verdict of the sample."""
-    formulas = entries("stl_dev.json")
+    """Where the robustness is not zero, its sign is the verdict of the sample.
+
+    Not for `iff` and `xor`: their robustness measures how different two margins are, not two verdicts.
+    """
+    formulas = {r: e for r, e in entries("stl_dev.json").items() if not {"iff", "xor"} & set(e["ops"])}
     found = results(tmp_path, formulas, backend)
     decided = 0
     for rule, entry in formulas.items():

@@ -113,7 +113,7 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
     leaves: dict[str, float] = {}
     for part in ir.below(node):
         if isinstance(part, ir.Column):
-            leaves[f"{part.axis.signal}[{env[part.axis.level] + part.offset}].{part.field}"] = values.number(part, env)
+            leaves[f"{part.axis.signal}[{max(0, env[part.axis.level] + part.offset)}].{part.field}"] = values.number(part, env)
         elif isinstance(part, ir.Scalar):
             leaves[f"{part.signal}.{part.field}"] = values.number(part, env)
         elif isinstance(part, ir.Sample):

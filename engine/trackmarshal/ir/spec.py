@@ -102,6 +102,15 @@ class RuleInfo(Node):
     span: Span
 
 
+class RulebookInfo(Node):
+    """A pre-order of rules, as written: (rule, `>` outranks or `~` equals, rule)."""
+
+    name: str
+    title: str
+    relations: tuple[tuple[str, str, str], ...]
+    span: Span
+
+
 class Spec(Node):
     """Everything that a set of modules demands. Maps are keyed by qualified names (`vehicles.devbot.mass`)."""
 
@@ -112,6 +121,7 @@ class Spec(Node):
     places: dict[str, PlaceInfo]
     constraints: tuple[ConstraintInfo, ...]
     rules: tuple[RuleInfo, ...]
+    rulebooks: tuple[RulebookInfo, ...]
     fingerprint: str
 
     def rule(self, name: str) -> RuleInfo | None:

@@ -12,7 +12,15 @@ from trackmarshal.semantics.errors import Recursive, UnknownReference, WrongArit
 from trackmarshal.semantics.scope import Symbol, spoken
 from trackmarshal.semantics.shapes import SHAPES
 from trackmarshal.semantics.values import (
-    AreaValue, FormulaValue, LineValue, NumberValue, Poison, RecordValue, RegionValue, SignalValue, Value,
+    AreaValue,
+    FormulaValue,
+    LineValue,
+    NumberValue,
+    Poison,
+    RecordValue,
+    RegionValue,
+    SignalValue,
+    Value,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -57,7 +65,7 @@ def call(
     fits = len(args) == wanted
     if not fits:
         self.found.append(WrongArity(at, function, _count(wanted), _given(len(args)), item.span.head))
-    values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))  # type: ignore[misc]
+    values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
     if not fits:
         raise Poison
     if isinstance(item, ast.Table):
@@ -75,7 +83,7 @@ def _declared(
             return found, found.item
         self.fail(WrongKind(at, "a function", f"the {spoken(found.item)} `{function}`"))
     except Poison:
-        self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))  # type: ignore[misc]
+        self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
         raise
 
 
@@ -93,7 +101,7 @@ def expand(self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value
     if symbol.qualified in ctx.stack:
         cycle = " -> ".join(q.rpartition(".")[2] for q in (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified))
         self.fail(Recursive(span, item.name, cycle))
-    bound = self.all(*(lambda p=p, v=v: _argument(self, p, v) for p, v in zip(item.parameters, args)))  # type: ignore[misc]
+    bound = self.all(*(lambda p=p, v=v: _argument(self, p, v) for p, v in zip(item.parameters, args)))
     local = {p.name: value for p, value in zip(item.parameters, bound)}
     scope = self.scopes[symbol.module]
     inner = type(ctx)(scope, local, ctx.level, ctx.timeline, ctx.site or span, (*ctx.stack, symbol.qualified))
@@ -155,7 +163,7 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     if not fits:
         least = "at least " if more else ""
         self.found.append(WrongArity(_name_of_call(function, args, span), function, least + _count(wanted), _given(len(args))))
-    values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))  # type: ignore[misc]
+    values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))
     if not fits:
         raise Poison
     numbers = [v for v in values if isinstance(v, NumberValue)]
@@ -194,13 +202,13 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         at = _name_of_call(function, args, span)
         self.found.append(WrongArity(at, function, wanted, _given(len(args))))
     if function in ("rising", "falling"):
-        operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))  # type: ignore[misc]
+        operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))
         axis = self.timeline(f"`{function}`", _name_of_call(function, args, span), ctx)
         if not fits:
             raise Poison
         assert isinstance(operands[0], FormulaValue)
         return FormulaValue(self.make(ir.Edge, function, axis, operands[0].node), span)
-    values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))  # type: ignore[misc]
+    values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
     if not fits:
         raise Poison
     spans: list[Span] = [arg.__dict__["span"] for arg in args]

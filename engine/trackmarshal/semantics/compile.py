@@ -10,16 +10,26 @@ from pathlib import Path
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.spec import ConstraintInfo, FieldType, ParamInfo, PlaceInfo, RuleInfo, SignalType, Spec, TableInfo
+from trackmarshal.ir.spec import (
+    ConstraintInfo,
+    FieldType,
+    ParamInfo,
+    PlaceInfo,
+    RuleInfo,
+    SignalType,
+    Spec,
+    TableInfo,
+)
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
 from trackmarshal.semantics.constants import constant_value
 from trackmarshal.semantics.errors import BadValue, Duplicate, SignalConflict, WrongDimension
-from trackmarshal.semantics.expressions import Context, Expressions, Poison
+from trackmarshal.semantics.expressions import Context, Expressions
 from trackmarshal.semantics.modules import Library
 from trackmarshal.semantics.rulebooks import check_rulebook, check_state, check_test_target
 from trackmarshal.semantics.rules import RuleBuilder, describe
 from trackmarshal.semantics.scope import KINDS, Scope
+from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, Dimension, name, parse_unit, show, to_si
@@ -84,8 +94,7 @@ class _Compiler:
                 step(module)
         rules = self._rules()
         names = {rule.name for rule in rules} | {i.__dict__["name"] for i in self._items(ast.Rule, ast.Assume)}
-        for rulebook in self._items(ast.Rulebook):
-            check_rulebook(rulebook, names, self.found)
+        rulebooks = tuple(check_rulebook(rulebook, names, self.found) for rulebook in self._items(ast.Rulebook))
         for state in self._items(ast.State):
             check_state(state, self.found)
         for test in self._items(ast.Test):
@@ -94,7 +103,8 @@ class _Compiler:
         for info in [*self.params.values(), *self.tables.values(), *self.places.values()]:
             digest.update(repr(info).encode())
         spec = Spec(
-            self.signals, self.events, self.params, self.tables, self.places, tuple(self.constraints), tuple(rules), digest.hexdigest()
+            self.signals, self.events, self.params, self.tables, self.places, tuple(self.constraints), tuple(rules), rulebooks,
+            digest.hexdigest(),
         )
         found = tuple(sorted(dict.fromkeys(self.found), key=lambda d: (d.span.file.path, d.span.start, d.code)))
         return Compiled(spec, self.library, self.asked, self.order, self.scopes, self.x, found, tuple(self.library.failures))

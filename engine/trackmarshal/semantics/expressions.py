@@ -13,10 +13,27 @@ from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
 from trackmarshal.semantics.constants import literal_problem
-from trackmarshal.semantics.errors import BadValue, DimensionMismatch, RunAxis, UnknownField, UnknownReference, UnusedVariable, WrongKind
+from trackmarshal.semantics.errors import (
+    BadValue,
+    DimensionMismatch,
+    Duplicate,
+    RunAxis,
+    UnknownField,
+    UnknownReference,
+    UnusedVariable,
+    WrongKind,
+)
 from trackmarshal.semantics.scope import Scope, Symbol, spoken
 from trackmarshal.semantics.values import (
-    AreaValue, Broken, FormulaValue, LineValue, NumberValue, Poison, RecordValue, SignalValue, Value,
+    AreaValue,
+    Broken,
+    FormulaValue,
+    LineValue,
+    NumberValue,
+    Poison,
+    RecordValue,
+    SignalValue,
+    Value,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -83,7 +100,7 @@ class Expressions:
             self.fail(WrongKind(_span(expr), "a formula", value.spoken, hint))
         return value
 
-    def value(self, expr: ast.Expr, ctx: Context) -> Value:  # noqa: C901 - one case a node
+    def value(self, expr: ast.Expr, ctx: Context) -> Value:
         span = _span(expr)
         match expr:
             case ast.Number():
@@ -311,7 +328,7 @@ class Expressions:
         axis, bounds, *formulas = self.all(
             lambda: self.timeline(f"`{expr.op}`", at, ctx),
             lambda: self._window(window, ctx),
-            *(lambda o=operand: self.formula(o, ctx).node for operand in operands),  # type: ignore[misc]
+            *(lambda o=operand: self.formula(o, ctx).node for operand in operands),
         )
         return axis, formulas, bounds
 
@@ -350,16 +367,26 @@ class Expressions:
             self.fail(WrongKind(_span(domain), "a timeline or a set", value.spoken))
         signal = value.signal
         if len(names) > 1 and not consecutive:
-            self.fail(UnknownReference(span, "several variables range together over consecutive samples only", "write `consecutive`"))
-        if consecutive and (len(names) < 2 or not signal.sequence):
-            self.fail(UnknownReference(span, "`consecutive` binds two or more samples of a timeline"))
+            hint = f"write `consecutive {', '.join(names)}`, or a quantifier for each"
+            self.fail(UnknownReference(span, "several variables range together over consecutive samples only", hint))
+        if consecutive and not signal.sequence:
+            self.fail(UnknownReference(span, f"the elements of `{signal.name}` have no order", "remove `consecutive`"))
+        if consecutive and len(names) < 2:
+            self.fail(UnknownReference(span, "`consecutive` binds two or more samples", "add a variable, or remove `consecutive`"))
         axis = self.make(ir.Axis, signal.name, "samples" if signal.sequence else "elements", len(names), ctx.level)
         variables: dict[str, Value] = {}
         for offset, name in enumerate(names):
             if name in variables:
-                self.fail(UnknownReference(span, f"`{name}` is bound twice"))
+                self.fail(UnknownReference(span, f"`{name}` is bound twice", "give each its own name"))
+            self.check_new(name, span, ctx)
             variables[name] = self._variable(signal, axis, offset, name, span)
         return axis, variables
+
+    def check_new(self, name: str, span: Span, ctx: Context) -> None:
+        """Report a variable that would hide another one: it is not said which of the two is meant."""
+        known = ctx.local.get(name)
+        if known is not None and not isinstance(known, Broken):
+            self.found.append(Duplicate(span.word(name), known.__dict__["span"].head, "variable", name))
 
     def _variable(self, signal: SignalType, axis: ir.Axis, offset: int, name: str, span: Span) -> RecordValue:
         what = f"`{name}`, {'a sample' if signal.sequence else 'an element'} of `{signal.name}`"

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
+from trackmarshal.ir.spec import RulebookInfo
 from trackmarshal.semantics.errors import RulebookCycle, RunAxis, StateProblem, UnknownReference
 from trackmarshal.syntax import ast
 
 
-def check_rulebook(item: ast.Item, rules: set[str], found: list[Diagnostic]) -> None:
-    """Every name is a rule, and no rule outranks itself."""
+def check_rulebook(item: ast.Item, rules: set[str], found: list[Diagnostic]) -> RulebookInfo:
+    """The order of a rulebook; every name is a rule, and no rule outranks itself."""
     assert isinstance(item, ast.Rulebook)
     above: dict[str, list[tuple[str, bool]]] = {}
+    relations: list[tuple[str, str, str]] = []
     for chain in item.chains:
         for name in chain.names:
             if name.name not in rules:
                 found.append(UnknownReference(name.span, f"no rule `{name.name}`", close_matches(name.name, rules)))
         for left, relation, right in zip(chain.names, chain.relations, chain.names[1:]):
+            relations.append((left.name, relation, right.name))
             above.setdefault(left.name, []).append((right.name, relation == ">"))
             if relation == "~":
                 above.setdefault(right.name, []).append((left.name, False))
@@ -23,7 +26,8 @@ def check_rulebook(item: ast.Item, rules: set[str], found: list[Diagnostic]) -> 
         path = _strict_cycle(name, above)
         if path:
             found.append(RulebookCycle(item.span, name, " > ".join(path)))
-            return
+            break
+    return RulebookInfo(item.name, item.title, tuple(relations), item.span)
 
 
 def _strict_cycle(start: str, above: dict[str, list[tuple[str, bool]]]) -> list[str] | None:

@@ -7,9 +7,10 @@ import hashlib
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, SignalType
-from trackmarshal.semantics.errors import ClauseProblem, RunAxis, UnknownReference
-from trackmarshal.semantics.expressions import Context, Expressions, Poison
-from trackmarshal.semantics.values import FormulaValue, SignalValue
+from trackmarshal.semantics.errors import Ambiguous, ClauseProblem, RunAxis, UnknownReference
+from trackmarshal.semantics.expressions import Context, Expressions
+from trackmarshal.semantics.scope import Symbol
+from trackmarshal.semantics.values import Broken, FormulaValue, Poison, SignalValue
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import TIME, parse_unit
@@ -45,9 +46,8 @@ class RuleBuilder:
                 case ast.Severity():
                     text["severity"] = clause.word
                     if clause.word not in SEVERITIES:
-                        hint = close_matches(clause.word, SEVERITIES)
-                        problem = f"`{clause.word}` is no severity: {', '.join(SEVERITIES)}"
-                        self.x.found.append(UnknownReference(clause.span, problem, hint))
+                        hint = close_matches(clause.word, SEVERITIES) or f"write {', '.join(SEVERITIES[:-1])} or {SEVERITIES[-1]}"
+                        self.x.found.append(UnknownReference(_last_word(clause.span, clause.word), f"`{clause.word}` is no severity", hint))
                 case ast.Evidence():
                     text["evidence"] = clause.path
                 case ast.Owner():
@@ -55,7 +55,8 @@ class RuleBuilder:
         for name, span in assuming:
             if name not in assumptions:
                 problem = f"no assumption `{name}` is declared in what is checked together"
-                self.x.found.append(UnknownReference(span, problem, close_matches(name, assumptions)))
+                hint = close_matches(name, assumptions) or f"declare it: `assume {name}`, or add a `use` of its module"
+                self.x.found.append(UnknownReference(span, problem, hint))
         formula, active, along = self._formula(item)
         if any(d.level == "error" for d in self.x.found[before:]):
             return None
@@ -64,25 +65,32 @@ class RuleBuilder:
         return RuleInfo(
             item.name, kind, item.title, self.ctx.scope.module, formula, active, along, margin_unit(formula), tuple(satisfies),
             tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], reads(formula),
-            fingerprint(item, formula), _headline(item.span),
+            fingerprint(item, formula), item.span.head,
         )  # fmt: skip
 
     def _placement(self, item: ast.Rule | ast.Assume, kind: str) -> None:
         """Which clauses may stand here, how often, and in what order."""
+        a_kind = "a rule" if kind == "rule" else "an assumption"
         singles: dict[type[ast.Clause], str] = {
             ast.Require: "monitor" if kind == "assume" else "require", ast.Along: "along", ast.Because: "because", ast.Severity: "severity",
             ast.Evidence: "evidence", ast.Owner: "owner", ast.Whenever: "whenever", ast.WithinTime: "within",
         }  # fmt: skip
         for clause_type, word in singles.items():
-            for extra in [c for c in item.clauses if isinstance(c, clause_type)][1:]:
-                self._problem(extra, f"`{word}` stands once in a {kind}", "join conditions with `and`, or write two rules")
+            clauses = [c for c in item.clauses if isinstance(c, clause_type)]
+            for extra in clauses[1:]:
+                hint = "join the conditions with `and`, or write two rules" if clause_type is ast.Require else "keep one of them"
+                self._problem(extra, f"`{word}` stands once in {a_kind}", hint, clauses[0].__dict__["span"].head)
         requires = [c for c in item.clauses if isinstance(c, ast.Require)]
         if kind == "rule" and not requires:
-            self.x.found.append(ClauseProblem(_headline(item.span), f"rule `{item.name}` requires nothing", "add a `require` clause"))
+            self.x.found.append(ClauseProblem(item.span.head, f"rule `{item.name}` requires nothing", "add a `require` clause"))
+        if kind == "assume" and not requires:
+            for clause in item.clauses:
+                if isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever)):
+                    self._problem(clause, "there is no `monitor` that this clause would be about", "add a `monitor`, or remove the clause")
         for require in requires:
             if (require.keyword == "monitor") != (kind == "assume"):
                 right = "monitor" if kind == "assume" else "require"
-                self._problem(require, f"a {kind} states its condition with `{right}`", f"write `{right}`")
+                self._problem(require, f"{a_kind} states its condition with `{right}`", f"write `{right}`")
         if kind == "rule":
             for clause in item.clauses:
                 if isinstance(clause, (ast.Evidence, ast.Owner)):
@@ -96,26 +104,30 @@ class RuleBuilder:
             elif isinstance(clause, ast.Except) and not bound:
                 self._problem(clause, "`except` leaves elements out of a quantifier's range", "put a `for all` before it, or use `whenever`")
             elif isinstance(clause, ast.WithinTime):
-                self.x.found.append(RunAxis(clause.span, "`within`"))
+                self.x.found.append(RunAxis(clause.span, "`within`", "for the planned horizon, write `along` and `eventually[0 s, ...]`"))
             elif isinstance(clause, ast.Whenever) and bound:
                 self._problem(clause, "`whenever` comes before the quantifiers", "move it up, or use `where`")
             if requires and clause is not requires[0] and isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever)):
                 if clause.__dict__["span"].start > requires[0].span.start:
                     self._problem(clause, "this clause comes after the condition that it is about", "move it before the condition")
 
-    def _problem(self, clause: ast.Clause, problem: str, hint: str) -> None:
-        self.x.found.append(ClauseProblem(clause.__dict__["span"], problem, hint))
+    def _problem(self, clause: ast.Clause, problem: str, hint: str, first: Span | None = None) -> None:
+        self.x.found.append(ClauseProblem(clause.__dict__["span"].head, problem, hint, first))
 
     def _source(self, clause: ast.SourceClause) -> str:
         if clause.reference is None:
             return clause.locator
-        symbol = self.ctx.scope.find(clause.reference.name)
-        if symbol is None or not isinstance(symbol.item, ast.Reference):
-            problem = f"no reference `{clause.reference.name}` is declared"
-            hint = close_matches(clause.reference.name, self.ctx.scope.names()) or 'declare it: `reference name = "..."`'
-            self.x.found.append(UnknownReference(clause.reference.span, problem, hint))
-            return ""
-        return f"{symbol.item.text}, {clause.locator}" if clause.locator else symbol.item.text
+        name, span, scope = clause.reference.name, clause.reference.span, self.ctx.scope
+        symbol = scope.look_up(name, span, "reference", set())
+        if isinstance(symbol, Symbol) and isinstance(symbol.item, ast.Reference):
+            return f"{symbol.item.text}, {clause.locator}" if clause.locator else symbol.item.text
+        if isinstance(symbol, Ambiguous):
+            self.x.found.append(symbol)
+        elif symbol is not None:
+            references = [n for n in scope.names() if isinstance(getattr(scope.find(n), "item", None), ast.Reference)]
+            hint = close_matches(name, references) or f'declare it: `reference {name} = "..."`'
+            self.x.found.append(UnknownReference(span, f"no reference `{name}` is declared here or in a used module", hint))
+        return ""
 
     def _formula(self, item: ast.Rule | ast.Assume) -> tuple[ir.Formula | None, ir.Formula | None, ir.Axis | None]:
         """The whole formula, where the rule applies, and its timeline. Errors of all clauses are reported."""
@@ -130,26 +142,29 @@ class RuleBuilder:
                         if not isinstance(signal, SignalValue) or not signal.signal.sequence or not _has_time(signal.signal):
                             hint = "a timeline has a column `t: s increasing`"
                             self.x.fail(ClauseProblem(clause.signal.span, f"`{clause.signal.name}` has no time column", hint))
-                        axis, names = self.x.axis(clause.signal, (clause.name,), False, clause.span, ctx)
-                        ctx = ctx.bind(names, 1, axis)
-                        steps.append((clause, axis, None))
+                        bound, names = self.x.axis(clause.signal, (clause.name,), False, clause.span, ctx)
+                        ctx = ctx.bind(names, 1, bound)
+                        steps.append((clause, bound, None))
                     case ast.Bind():
-                        axis, names = self.x.axis(clause.domain, clause.names, clause.consecutive, clause.span, ctx)
+                        axis, names = self.x.range_of(clause, ctx)
+                        failed |= axis is None
                         ctx = ctx.bind(names, 1)
-                        self.x.check_used(clause.names, (clause.where, *clauses[position + 1 :]), clause.span)
+                        self.x.check_used(clause.names, (clause.where, *clauses[position + 1 :]), clause.span.head)
                         guard = self.x.formula(clause.where, ctx).node if clause.where is not None else None
                         steps.append((clause, axis, guard))
                     case ast.Except() | ast.Whenever():
                         steps.append((clause, None, self.x.formula(clause.condition, ctx).node))
                     case ast.Let():
+                        self.x.check_new(clause.name, clause.span, ctx)
                         value = self.x.value(clause.value, ctx)
                         ctx = ctx.bind({clause.name: value})
                     case ast.Require():
                         body = self.x.formula(clause.condition, ctx).node
             except Poison:
                 failed = True
-                if isinstance(clause, (ast.Bind, ast.Let, ast.Along)):
-                    break  # names are missing from here on; more errors would only echo this one
+                if isinstance(clause, (ast.Let, ast.Along)):  # a broken name, so that the clauses below are still checked
+                    timeline = self.x.make(ir.Axis, "", "samples", 1, 0) if isinstance(clause, ast.Along) else None
+                    ctx = ctx.bind({clause.name: Broken()}, 0, timeline)
         if failed or body is None:
             return None, None, None
         # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
@@ -302,9 +317,9 @@ def describe(root: ir.IR) -> str:
     return "\n".join(lines)
 
 
-def _headline(span: Span) -> Span:
-    stop = span.file.text.find("\n", span.start)
-    return Span(span.file, span.start, min(span.end, stop if stop >= 0 else span.end))
+def _last_word(span: Span, word: str) -> Span:
+    """Where the word stands that ends a clause."""
+    return Span(span.file, span.end - len(word), span.end) if span.text.endswith(word) else span.head
 
 
 __all__ = ["FormulaValue", "RuleBuilder", "describe", "fingerprint", "formula_atoms", "margin_unit", "reads"]

@@ -10,7 +10,8 @@ from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
-from trackmarshal.semantics.expressions import Context, Poison
+from trackmarshal.semantics.expressions import Context
+from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.testing.builders import BUILDERS, Builder

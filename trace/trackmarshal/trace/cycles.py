@@ -6,10 +6,12 @@ from collections.abc import Iterable, Mapping, Sequence
 
 #: A longer cycle is printed with its middle left out.
 SHOWN = 8
+#: So many cycles are listed; mending them brings the others up, if there are any.
+LISTED = 20
 
 
 def cycles(parents: Mapping[str, Sequence[str]]) -> list[list[str]]:
-    """One cycle for each way back that a depth-first search meets; each as its members in order, the first not repeated."""
+    """One cycle for each way back that a depth-first search meets, up to LISTED; its members in order, none repeated."""
     state: dict[str, int] = {}  # 1: on the path, 2: done
     found: list[list[str]] = []
     for root in parents:
@@ -24,7 +26,8 @@ def cycles(parents: Mapping[str, Sequence[str]]) -> list[list[str]]:
                 ways.pop()
                 state[path.pop()] = 2
             elif state.get(target) == 1:
-                found.append(path[path.index(target) :])
+                if len(found) < LISTED:
+                    found.append(path[path.index(target) :])
             elif target not in state and target in parents:
                 state[target] = 1
                 path.append(target)

@@ -73,7 +73,8 @@ class Approach:
         if not pairs.size:
             return pairs
         outside = (self.depth[:, pairs] <= 0.0) & (self.behind(pairs, self.border.bx, self.border.by) <= 0.0)
-        return pairs[~outside.any(axis=0)]
+        entering: Ints = pairs[~outside.any(axis=0)]
+        return entering
 
     def middles(self, pairs: Ints) -> Floats:
         """For segments that enter hulls: how deep in the hull the middle of the segment's part inside it is."""
@@ -97,4 +98,5 @@ class Approach:
 
     def _behind(self, pairs: Ints, x: Floats, y: Floats) -> Floats:
         corner_x, corner_y = self.sweeps.sides[0:2][:, :, self.rows[pairs]]
-        return self.gx[:, pairs] * (y - corner_y) - self.gy[:, pairs] * (x - corner_x)
+        behind: Floats = self.gx[:, pairs] * (y - corner_y) - self.gy[:, pairs] * (x - corner_x)
+        return behind

@@ -72,21 +72,22 @@ def sweeps_clear(
 
 def _clearance(body: tuple[ArrayLike, ...], other: tuple[ArrayLike, ...], corners: int) -> Floats:
     """Each body's hull is made once, however many others it is held against."""
-    shapes = [np.broadcast_shapes(*(np.shape(column) for column in columns)) for columns in (body, other)]
-    shape = np.broadcast_shapes(*shapes)
-    hulls = [_sweeps(columns, own) for columns, own in zip((body, other), shapes)]
-    rows = [np.broadcast_to(np.arange(h.size).reshape(own), shape).ravel() for h, own in zip(hulls, shapes)]
-    parts = [
-        _pairs(*hulls, rows[0][first : first + AT_ONCE], rows[1][first : first + AT_ONCE], corners)
-        for first in range(0, rows[0].size, AT_ONCE)
-    ]
+    own, others = (
+        np.broadcast_shapes(*(np.shape(column) for column in columns)) for columns in (body, other)
+    )
+    shape = np.broadcast_shapes(own, others)
+    first, second = _sweeps(body, own), _sweeps(other, others)
+    i = np.broadcast_to(np.arange(first.size).reshape(own), shape).ravel()
+    j = np.broadcast_to(np.arange(second.size).reshape(others), shape).ravel()
+    chunks = (slice(begin, begin + AT_ONCE) for begin in range(0, i.size, AT_ONCE))
+    parts = [_pairs(first, second, i[chunk], j[chunk], corners) for chunk in chunks]
     return np.concatenate(parts).reshape(shape) if parts else np.empty(shape)
 
 
 def _sweeps(columns: tuple[ArrayLike, ...], shape: tuple[int, ...]) -> Sweeps:
     table = np.empty((8, *shape))
-    for row, column in zip(table, columns):
-        row[...] = column
+    for row, column in enumerate(columns):
+        table[row] = column
     flat = table.reshape(8, -1)
     return Sweeps(flat[:6], flat[6], flat[7])
 

@@ -136,7 +136,8 @@ def inside_ring(point: Floats, ring: Floats) -> bool:
     across = (low[:, 1] <= point[1]) & (point[1] < high[:, 1])
     low, high = low[across], high[across]
     px, py = np.full(len(low), point[0]), np.full(len(low), point[1])
-    return bool((turns(*low.T, *high.T, px, py) > 0).sum() % 2)
+    left = turns(low[:, 0], low[:, 1], high[:, 0], high[:, 1], px, py) > 0
+    return bool(left.sum() % 2)
 
 
 def _size(size: ArrayLike, poses: Floats) -> float | Floats:

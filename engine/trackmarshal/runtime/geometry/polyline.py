@@ -38,9 +38,7 @@ class Polyline:
         border = self._border = Border([distinct(self.points, self.closed)], self.closed)
         #: The station at which each segment begins.
         self._station = np.concatenate([[0.0], np.cumsum(border.length)])
-        self._direction = np.array(
-            [math.atan2(y, x) for x, y in zip(border.ex.tolist(), border.ey.tolist())]
-        )
+        self._direction = np.array([math.atan2(y, x) for x, y in zip(border.ex.tolist(), border.ey.tolist())])
         self.length = float(self._station[-1])
 
     def project(self, x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats, Floats]:

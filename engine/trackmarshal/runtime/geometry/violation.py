@@ -39,11 +39,16 @@ def _corners_outside(border: Border, sweeps: Sweeps, bad: Ints) -> Floats:
     cx, cy = sweeps.sides[0][:, bad], sweeps.sides[1][:, bad]
     rows, k, _ = border.near((cx + x).ravel(), (cy + y).ravel())
     cx, cy, x, y = cx.ravel()[rows], cy.ravel()[rows], x[rows % bad.size], y[rows % bad.size]
-    seen = cx - (border.ax[k] - x), cy - (border.ay[k] - y), cx - (border.bx[k] - x), cy - (border.by[k] - y)
-    distance = border.distance_from(*seen, k)
+    rx, ry, sx, sy = (
+        cx - (border.ax[k] - x),
+        cy - (border.ay[k] - y),
+        cx - (border.bx[k] - x),
+        cy - (border.by[k] - y),
+    )
+    distance = border.distance_from(rx, ry, sx, sy, k)
     nearest = np.minimum.reduceat(distance, starts_of(rows))
     first = np.flatnonzero(distance == nearest[rows])
     first = first[starts_of(rows[first])]
-    left = border.left_from(*(part[first] for part in seen), k[first])
+    left = border.left_from(rx[first], ry[first], sx[first], sy[first], k[first])
     outside: Floats = np.where(left, 0.0, nearest).reshape(8, bad.size).max(axis=0)
     return outside

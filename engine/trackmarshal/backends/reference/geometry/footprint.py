@@ -9,7 +9,6 @@ from trackmarshal.backends.reference.geometry.points import (
     Point,
     Pose,
     Segment,
-    between,
     chain,
     distance,
     side,
@@ -74,11 +73,9 @@ def convex_clearance(first: Sequence[Point], second: Sequence[Point]) -> float:
     ways += [max(side(s, x, y) / math.sqrt(s.ex * s.ex + s.ey * s.ey) for x, y in first) for s in b]
     if min(ways) > 0.0:
         return -min(ways)
-    return min(
-        min(distance(x, y, s) for x, y in first for s in b),
-        min(distance(x, y, s) for x, y in second for s in a),
-        min(between(*p, *q) for p in first for q in second),
-    )
+    from_first = min(distance(x, y, s) for x, y in first for s in b)
+    from_second = min(distance(x, y, s) for x, y in second for s in a)
+    return min(from_first, from_second)
 
 
 def clear_margin(

@@ -87,7 +87,7 @@ def moment(run: Run, index: int, where: Sequence[Mapping[str, Any]], frame: Fram
     others = {name: p[index] for name, p in object_poses(run).items() if index in p and _distance(p[index], ego) <= FAR}
     decided = [(b, _finite(b["x"]), _finite(b["y"])) for b in where if b["x"] is not None and b["y"] is not None]
     shown = [(ego.x, ego.y), *((p.x, p.y) for p in others.values()), *((x, y) for _, x, y in decided if _known(x, y))]
-    shown += [p for candidate in CANDIDATES for p in _path(run, candidate, index) if math.dist(p, (ego.x, ego.y)) <= FAR]
+    shown += [p for candidate in CANDIDATES for p in path_of(run, candidate, index) if math.dist(p, (ego.x, ego.y)) <= FAR]
     view = fit(shown, frame, ego.heading)
     places = Places(view.width, view.height)
     parts = [*_road(run, view), *_obstacles(run, view), *_candidates(run, index, view, "near")]
@@ -177,13 +177,13 @@ def _obstacles(run: Run, view: View) -> Iterator[str]:
 
 def _candidates(run: Run, index: int, view: View, style: str) -> Iterator[str]:
     for candidate in CANDIDATES:
-        path = view.path(_path(run, candidate, index))
+        path = view.path(path_of(run, candidate, index))
         if path:
             note = title(f"{candidate} trajectory of {clock(run.t[index])} s")
             yield tag("path", note, d=points(thinned(path, 1.0)), class_=f"plan {candidate} {style}")
 
 
-def _path(run: Run, candidate: str, index: int) -> list[Point]:
+def path_of(run: Run, candidate: str, index: int) -> list[Point]:
     path = run.record["candidates"][candidate]["paths"][index]
     if path is None:
         return []

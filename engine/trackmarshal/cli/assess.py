@@ -1,0 +1,60 @@
+"""All of it: check the specs, run their tests and the project's scenarios, collect the evidence, make the matrix and the pages.
+
+Writes a folder with an index page that opens without a network.
+"""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import sys
+from datetime import date
+from pathlib import Path
+
+from trackmarshal import __version__
+from trackmarshal.cli.project import find_project
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--out", metavar="DIR", help="default: out/assess in the project")
+
+
+def run(args: argparse.Namespace) -> int:
+    from trackmarshal import trace
+    from trackmarshal.cli.assessment import assess
+    from trackmarshal.cli.check import unknown_requirements
+    from trackmarshal.cli.evidence import now
+    from trackmarshal.diagnostics.text import render as render_text
+    from trackmarshal.scenarios.run_record import run_record
+    from trackmarshal.trace.report import write_report
+
+    root = find_project(args)
+    target = Path(args.out) if args.out else root / "out" / "assess"
+    made = assess(root, run=True, everything=True, quiet=args.quiet)
+    found = [*made.compiled.found, *unknown_requirements(made.compiled, root)]
+    if found:
+        print(render_text(found, colour=sys.stderr.isatty()), file=sys.stderr)
+    matrix = trace.build(root, made.items, made.tests, made.results, made.runs, date.today())
+    target.mkdir(parents=True, exist_ok=True)
+    for format_, name in (("html", "matrix.html"), ("json", "matrix.json"), ("csv", "matrix.csv"), ("md", "matrix.md")):
+        (target / name).write_text(trace.render(matrix, format_), encoding="utf-8")
+    records = [run_record(outcome, evaluator, source_hash=summary.source_hash) for summary, outcome, evaluator in made.replays]
+    failed = [r for r in made.results if r.outcome != "passed"]
+    gaps = trace.gate(matrix)
+    page = write_report(
+        target,
+        runs=records,
+        matrix_html="matrix.html",
+        matrix_summary=trace.summary(matrix),
+        missing=trace.missing(matrix),
+        checks={"modules": len(made.compiled.order), "rules": len(made.items), "errors": sum(d.level == "error" for d in found),
+                "warnings": sum(d.level != "error" for d in found), "tests": len(made.results), "failed": len(failed)},
+        meta={"project": made.project.name or root.name, "created": now(), "tool": f"trackmarshal {__version__}",
+              "python": platform.python_version(), "spec_fingerprint": made.compiled.spec.fingerprint},
+    )  # fmt: skip
+    outside = [truth for run_ in made.runs for truth in run_.ground_truth.values() if not truth.inside]
+    if not args.quiet:
+        print(f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {len(made.runs)} scenarios run, {len(gaps)} gaps")
+        print(page)
+    errors = any(d.level == "error" for d in found)
+    return 1 if failed or gaps or outside or errors else 0

@@ -1,0 +1,242 @@
+"""A cell of the matrix: how far one requirement is covered at one stage, and by what."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from trackmarshal.records import SpecItem
+from trackmarshal.trace.files import Hashes
+from trackmarshal.trace.findings import Place
+from trackmarshal.trace.model import Interface, Project, Requirement, Stage, matches
+from trackmarshal.trace.runs import Showing, showing
+from trackmarshal.trace.spec import Spec, item_place
+
+#: From worst to best; `waived` stands where a gap is answered for.
+STATUSES = ("failed", "stale", "missing", "partial", "waived", "covered")
+#: Kinds of items that come up from the requirements below.
+FROM_BELOW = frozenset({"rule", "monitor", "assumption", "test", "run"})
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One thing that counts in a cell, or ought to."""
+
+    kind: str  #: interface, requirement, adoption, document, rule, monitor, assumption, test, run or waiver
+    name: str
+    title: str
+    status: str
+    detail: str = ""
+    place: Place | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """The coverage of a requirement at a stage."""
+
+    status: str
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """Everything that cells are made from."""
+
+    project: Project
+    spec: Spec
+    hashes: Hashes
+    interfaces: Mapping[str, Interface]
+    children: Mapping[str, Sequence[str]]  #: requirements by what they refine
+
+
+def combined(statuses: Iterable[str]) -> str | None:
+    """One status for several things that are all needed; None for nothing."""
+    present = set(statuses)
+    unknown = present.difference(STATUSES)
+    if unknown:
+        raise ValueError(f"unknown status {sorted(unknown)}")
+    if not present:
+        return None
+    for status in ("failed", "stale"):
+        if status in present:
+            return status
+    if present <= {"covered", "waived"}:
+        return "waived" if "waived" in present else "covered"
+    return "missing" if present == {"missing"} else "partial"
+
+
+def cell(ground: Ground, requirement: Requirement, stage: Stage, below: Mapping[str, Cell]) -> Cell | None:
+    """The cell before waivers; None where the stage does not ask. `below`: this stage's cells of children."""
+    items: list[Item] = []
+    statuses: list[str] = []
+    for kind in stage.counts:
+        status, found = _KINDS[kind](ground, requirement, stage)
+        items += found
+        if status is not None:
+            statuses.append(status)
+    if not FROM_BELOW.isdisjoint(stage.counts):
+        for name in ground.children.get(requirement.id, ()):
+            if name in below:
+                child = ground.project.by_id[name]
+                detail = next((i.detail for i in below[name].items if i.status != "covered" and i.detail), "")
+                items.append(Item("requirement", name, child.title, below[name].status, detail, child.place))
+                statuses.append(below[name].status)
+    status = combined(statuses)
+    if status is None:
+        return None if stage.if_any else Cell("missing", ())
+    return Cell(status, tuple(items))
+
+
+Proof = tuple[str | None, list[Item]]
+
+
+def _together(items: list[Item]) -> Proof:
+    return combined(item.status for item in items), items
+
+
+def _interface(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    items = []
+    for source in requirement.derived_from:
+        interface = ground.interfaces.get(source)
+        if interface is None:
+            items.append(Item("interface", source, "", "missing", "no such interface", source.place))
+            continue
+        answered = [issue for issue in interface.issues if requirement.id in issue.leads_to]
+        if answered:
+            text = " ".join(issue.text for issue in answered)
+            items.append(Item("interface", source, interface.title, "covered", text, interface.id.place))
+        else:
+            detail = "no issue of it leads here" if interface.issues else "not analysed"
+            items.append(Item("interface", source, interface.title, "missing", detail, interface.id.place))
+    return _together(items)
+
+
+def _parent(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    items = []
+    for name in requirement.refines:
+        above = ground.project.by_id.get(name)
+        if above is None or not above.demanded:
+            detail = "no such requirement" if above is None else "demanded no longer"
+            items.append(Item("requirement", name, "", "missing", detail, name.place))
+        else:
+            items.append(Item("requirement", name, above.title, "covered", "refines it", above.place))
+    return _together(items)
+
+
+def _adoption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    if not requirement.adopted:
+        return None, []
+    return _together([Item("adoption", requirement.source, "", "covered", requirement.adopted, requirement.place)])
+
+
+def _document(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    items = []
+    for entry in ground.project.evidence:
+        if entry.stage == stage.id and matches(requirement.id, entry.requirements):
+            actual = ground.hashes.get(entry.path)
+            if actual is None:
+                status, detail = "missing", "not there"
+            elif entry.sha256 and actual != entry.sha256:
+                status, detail = "stale", "changed since it was reviewed"
+            else:
+                status, detail = "covered", ""
+            items.append(Item("document", entry.path, entry.title, status, detail, Place(entry.path)))
+    return _together(items)
+
+
+def _rule(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    return _linked("rule", requirement.metrics, ground.spec.rules(requirement.id), lambda item: ("covered", item.source))
+
+
+def _monitor(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    def judge(item: SpecItem) -> tuple[str, str]:
+        return ("covered", "watched while driving") if item.monitored else ("missing", "has no monitor")
+
+    return _linked("monitor", requirement.assumptions, ground.spec.assumptions(requirement.id), judge)
+
+
+def _assumption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    def judge(item: SpecItem) -> tuple[str, str]:
+        lacks = [f"no {name}" for name, there in (("owner", item.owner), ("monitor", item.monitored)) if not there]
+        if not item.evidence:
+            lacks.append("no evidence")
+        elif ground.hashes.get(item.evidence) is None:
+            lacks.append(f"`{item.evidence}` is not there")
+        return ("partial", ", ".join(lacks)) if lacks else ("covered", f"{item.owner}; {item.evidence}")
+
+    return _linked("assumption", requirement.assumptions, ground.spec.assumptions(requirement.id), judge)
+
+
+def _linked(kind: str, wanted: Sequence[str], linked: Sequence[SpecItem], judge: Callable[[SpecItem], tuple[str, str]]) -> Proof:
+    """Items that satisfy a requirement, and those that it names and that don't."""
+    items = []
+    for item in linked:
+        status, detail = judge(item)
+        items.append(Item(kind, item.name, item.title, status, detail, item_place(item)))
+    there = {item.name for item in linked}
+    for name in wanted:
+        if name not in there:
+            place = getattr(name, "place", None)
+            items.append(Item(kind, name, "", "missing", "named by the requirement, but nothing of this name satisfies it", place))
+    return _together(items)
+
+
+def _test(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    spec, items = ground.spec, []
+    for rule in spec.evaluated(requirement.id):
+        tests = spec.tests_of.get(rule.name, ())
+        if not tests:
+            items.append(Item("test", rule.name, rule.title, "missing", "has no test", item_place(rule)))
+        for test in tests:
+            result = spec.results.get((test.rule, test.title))
+            stale = "" if result is None else spec.staleness(result)
+            if result is None:
+                status, detail = "missing", "not run"
+            elif stale:
+                status, detail = "stale", stale
+            elif result.outcome == "passed":
+                status, detail = "covered", "passed"
+            else:
+                status, detail = "failed", f"{result.outcome}: {result.message}" if result.message else result.outcome
+            items.append(Item("test", rule.name, test.title, status, detail, item_place(test)))
+    return _together(items)
+
+
+def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    rules = ground.spec.evaluated(requirement.id)
+    if not rules:
+        return None, []
+    items: list[Item] = []
+    seen: list[Showing] = []
+    for scenario in ground.project.scenarios:
+        if scenario.stage == stage.id and matches(requirement.id, scenario.requirements):
+            shows = showing(scenario, rules, ground.spec, ground.hashes)
+            seen.append(shows)
+            items.append(Item("run", scenario.path, scenario.title, shows.status, shows.detail, Place(scenario.path)))
+    if not seen:
+        return None, []
+    return _over_runs(seen, {rule.name for rule in rules}), items
+
+
+def _over_runs(seen: Sequence[Showing], rules: set[str]) -> str:
+    """Runs add to each other: every rule has to be evaluated in one of them, and one of them has to be conclusive."""
+    for status in ("failed", "stale"):
+        if any(shows.status == status for shows in seen):
+            return status
+    evaluated = {name for shows in seen for name in shows.evaluated}
+    if evaluated == rules and any(shows.status == "covered" for shows in seen):
+        return "covered"
+    return "partial" if evaluated else "missing"
+
+
+_KINDS: dict[str, Callable[[Ground, Requirement, Stage], Proof]] = {
+    "interface": _interface,
+    "parent": _parent,
+    "adoption": _adoption,
+    "document": _document,
+    "rule": _rule,
+    "monitor": _monitor,
+    "assumption": _assumption,
+    "test": _test,
+    "run": _run,
+}

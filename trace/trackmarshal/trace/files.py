@@ -1,0 +1,83 @@
+"""Files of the project that evidence refers to, by their hashes, and the results folder."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from trackmarshal import records
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.records import RunSummary, SpecItem, TestResult
+from trackmarshal.trace.findings import Finding, Place, error
+from trackmarshal.trace.model import Project
+from trackmarshal.trace.spec import Spec, item_place
+
+#: sha256 by path; None where there is no such file.
+Hashes = Mapping[str, str | None]
+
+
+def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
+    """The hashes of all files that evidence, scenarios and assumptions name."""
+    paths = {str(e.path) for e in project.evidence} | {str(s.path) for s in project.scenarios}
+    paths |= {item.evidence for item in items if item.evidence}
+    return {path: _hash(root, path) for path in sorted(paths)}
+
+
+def _hash(root: Path, path: str) -> str | None:
+    try:
+        whole = (root / path).resolve()
+        if not whole.is_relative_to(root.resolve()) or not whole.is_file():
+            return None
+        with whole.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except (OSError, ValueError):
+        return None
+
+
+def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
+    """Evidence that is not there, or is not what was reviewed (T250 to T252)."""
+    for entry in project.evidence:
+        actual = found.get(entry.path)
+        if actual is None:
+            yield error("T250", f"the evidence `{entry.path}` is not there", entry.path.place, "write it, or strike the entry", entry.path)
+        elif entry.sha256 and actual != entry.sha256:
+            message = f"the evidence `{entry.path}` has changed since it was reviewed"
+            help_ = f"review it again, then set `sha256: {actual}`"
+            yield error("T251", message, entry.path.place, help_, entry.path)
+    for item in spec.by_name.values():
+        if item.kind == "assume" and item.evidence and found.get(item.evidence) is None:
+            message = f"the evidence `{item.evidence}` of the assumption `{item.name}` is not there"
+            yield error("T252", message, item_place(item), "write it; paths are relative to the project", item.name)
+
+
+@dataclass(frozen=True, slots=True)
+class Results:
+    """What a results folder holds: the newest result of every test, the newest run of every scenario."""
+
+    test_results: tuple[TestResult, ...] = ()
+    runs: tuple[RunSummary, ...] = ()
+    findings: tuple[Finding, ...] = ()
+
+
+def load_results(root: Path, folder: str = "out/results") -> Results:
+    """Read `folder/*.json` of a project; files that cannot be read are findings (T290) and count for nothing."""
+    tests: dict[tuple[str, str], TestResult] = {}
+    runs: dict[str, RunSummary] = {}
+    found: list[Finding] = []
+    read: list[tuple[str, str, records.ResultsFile]] = []
+    for path in sorted((root / folder).glob("*.json")):
+        shown = f"{folder}/{path.name}"
+        try:
+            file = records.load(path, shown)
+            read.append((file.created, shown, file))
+        except TrackmarshalError as problem:
+            found.append(error(problem.code, problem.message, Place(shown, problem.line or 0), problem.help or ""))
+    for _, _, file in sorted(read, key=lambda entry: entry[:2]):  # the newest last
+        for item in file.items:
+            if isinstance(item, TestResult):
+                tests[item.rule, item.title] = item
+            elif isinstance(item, RunSummary):
+                runs[item.scenario] = item
+    return Results(tuple(tests.values()), tuple(runs.values()), tuple(found))

@@ -1,0 +1,160 @@
+"""What the index says: what was assessed, its state in one sentence, what is missing, coverage, runs, tests."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from trackmarshal.trace.report.reading import Run
+from trackmarshal.trace.report.run_view import truth_words
+from trackmarshal.trace.report.svg.bars import STATUSES, coverage_bar
+from trackmarshal.trace.report.svg.timeline import strip
+from trackmarshal.trace.report.words import clock, count, listed
+
+LEVELS = {"error": "must be mended", "warning": "should be looked at", "note": "for information"}
+#: Findings of one level that are shown at once; the rest unfold.
+SHOWN_AT_ONCE = 25
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """The whole assessment in one sentence. `look` is good, warn or bad; `word` says the same without colour."""
+
+    look: str
+    word: str
+    sentence: str
+
+
+def index_context(
+    runs: Sequence[tuple[Run, str]], matrix_summary: Mapping[str, Any], missing: Sequence[Mapping[str, Any]],
+    checks: Mapping[str, Any], meta: Mapping[str, Any], matrix: bool,
+) -> dict[str, Any]:  # fmt: skip
+    """All that the index's template needs; `runs` come with the addresses of their pages."""
+    findings = [_finding(f) for f in missing]
+    return {
+        "meta": meta,
+        "state": state([run for run, _ in runs], matrix_summary, findings, checks),
+        "matrix": matrix,
+        "findings": [
+            {"level": level, "words": words, "items": items}
+            for level, words in LEVELS.items()
+            if (items := [f for f in findings if f["level"] == level])
+        ],
+        "shown": SHOWN_AT_ONCE,
+        "stages": [_stage(name, entry) for name, entry in matrix_summary.get("coverage", {}).items()],
+        "statuses": STATUSES,
+        "runs": [_run(run, page) for run, page in runs],
+        "checks": checks,
+        "tests": checks.get("tests"),
+        "assumptions": _assumptions([run for run, _ in runs]),
+    }
+
+
+def state(
+    runs: Sequence[Run], matrix_summary: Mapping[str, Any], findings: Sequence[Mapping[str, Any]], checks: Mapping[str, Any]
+) -> State:  # fmt: skip
+    """What is wrong comes first; what was not done is never left unsaid."""
+    tests = checks.get("tests")
+    errors = sum(f["level"] == "error" for f in findings)
+    outside = [run.name for run in runs if any(not truth["inside"] for truth in run.record["truths"])]
+    empty = [run.name for run in runs if not run.cycles]
+    wrong = []
+    if checks.get("errors"):
+        wrong.append(f"the specs have {count(checks['errors'], 'error')}")
+    if tests is not None and tests["failed"]:
+        wrong.append(f"{tests['failed']} of {count(tests['passed'] + tests['failed'], 'test')} failed")
+    if errors:
+        wrong.append(f"{count(errors, 'finding')} must be mended")
+    if outside:
+        wrong.append(f"{_runs(outside)} outside {'its' if len(outside) == 1 else 'their'} ground truth")
+    if empty:
+        wrong.append(f"{listed(empty)} {'has' if len(empty) == 1 else 'have'} no cycles")
+    undone = []
+    if tests is None or not tests["passed"] + tests["failed"]:
+        undone.append("no test was run")
+    if not runs:
+        undone.append("no scenario was replayed")
+    if not matrix_summary.get("coverage"):
+        undone.append("no coverage was computed")
+    if wrong:
+        return State("bad", "Not complete", f"{_capital(listed(wrong))}{'; ' + listed(undone) if undone else ''}.")
+    if undone:
+        return State("warn", "Nothing wrong found, but not everything was done", f"{_capital(listed(undone))}.")
+    held = []
+    covered = sum(int(entry["covered"]) for entry in matrix_summary["coverage"].values())
+    asked = sum(int(entry["of"]) for entry in matrix_summary["coverage"].values())
+    held.append(f"{covered} of {asked} demands of the V-model are covered")
+    assert tests is not None
+    held.append(f"all {tests['passed']} tests passed" if tests["passed"] > 1 else "the only test passed")
+    judged = [run for run in runs if run.record["truths"]]
+    held.append(f"{len(judged)} of {count(len(runs), 'run')} could be held against ground truth and lie inside it" if judged else "no run has ground truth")
+    warnings = sum(f["level"] == "warning" for f in findings) + int(checks.get("warnings", 0))
+    if warnings or covered < asked or not judged:
+        extra = f"; {count(warnings, 'warning')} should be looked at" if warnings else ""
+        return State("warn", "Complete, with reservations", f"{_capital(listed(held))}{extra}.")
+    return State("good", "Complete", f"{_capital(listed(held))}.")
+
+
+def _runs(names: Sequence[str]) -> str:
+    return f"{names[0]} lies" if len(names) == 1 else f"{len(names)} runs ({listed(names[:4])}{' …' if len(names) > 4 else ''}) lie"
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]
+
+
+def _finding(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """A finding with its place as text: `place`, or `span`, or `file` and `line`."""
+    level = raw.get("level", "error")
+    if level not in LEVELS:
+        raise ValueError(f"unknown level {level!r}")
+    place = raw.get("place") or raw.get("span")
+    if not place and raw.get("file"):
+        place = f"{raw['file']}:{raw['line']}" if raw.get("line") else raw["file"]
+    return {
+        "code": str(raw.get("code", "")), "level": level, "message": str(raw.get("message", "")),
+        "place": "" if place is None else str(place), "help": str(raw.get("help") or ""),
+    }  # fmt: skip
+
+
+def _stage(name: str, entry: Mapping[str, Any]) -> dict[str, Any]:
+    """One stage: how many of its demands have which status; what no status is given for is `not covered`."""
+    counts = {status: int(entry.get(status, 0)) for status in STATUSES if status != "other"}
+    of = int(entry["of"])
+    counts["other"] = of - sum(counts.values())
+    if counts["other"] < 0:
+        raise ValueError(f"stage {name} counts more demands than the {of} it has")
+    spoken = ", ".join(f"{n} {STATUSES[status]}" for status, n in counts.items() if n)
+    return {
+        "name": name, "title": str(entry.get("title", "")), "covered": counts["covered"], "of": of,
+        "words": spoken or "nothing demanded", "bar": coverage_bar(name, counts, of),
+        "percent": f"{100 * counts['covered'] // of} %" if of else "–",
+    }  # fmt: skip
+
+
+def _run(run: Run, page: str) -> dict[str, Any]:
+    found = run.first_firing()
+    return {
+        "run": run,
+        "page": page,
+        "strip": strip(run),
+        "safe": run.cycles - run.unsafe_cycles,
+        "unsafe": run.unsafe_cycles,
+        "truths": [truth_words(truth) for truth in run.record["truths"]],
+        "first": None if found is None else {"rule": found[0].name, "t": clock(run.t[found[2]["cycles"][0]]), "candidate": found[1]},
+        "fired": len(run.fired),
+        "end": f"{clock(run.t[-1] - run.t[0])} {run.time_unit}" if run.cycles else "",
+    }
+
+
+def _assumptions(runs: Sequence[Run]) -> list[dict[str, Any]]:
+    """Assumptions of all runs by name, with the runs in which their monitor fired."""
+    found: dict[str, dict[str, Any]] = {}
+    for run in runs:
+        fired = {rule.name for rule in run.rules if rule.fired}
+        for entry in run.record["assumptions"]:
+            known = found.setdefault(entry["name"], {**entry, "broken": []})
+            if entry["name"] in fired:
+                known["broken"].append(run.name)
+    return list(found.values())

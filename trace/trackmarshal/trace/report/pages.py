@@ -1,0 +1,96 @@
+"""The folder of an assessment: index.html, matrix.html and a page a run, each a file that needs no other to be read."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.trace.report.overview import index_context
+from trackmarshal.trace.report.reading import read_run
+from trackmarshal.trace.report.run_view import run_context
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+_TEMPLATES = Path(__file__).with_name("templates")
+
+
+def write_report(
+    folder: Path,
+    runs: Sequence[Mapping[str, Any]],
+    matrix_html: str | None,
+    matrix_summary: Mapping[str, Any],
+    missing: Sequence[Mapping[str, Any]],
+    checks: Mapping[str, Any],
+    meta: Mapping[str, Any],
+) -> Path:
+    """Write all pages and return the path of the index; raises T291 or T292.
+
+    runs: records of `trackmarshal.scenarios.run_record`. matrix_html: the matrix as a page of its own, kept as it is.
+    matrix_summary: {"coverage": {stage: {"covered": n, "of": n, and optionally "title", "partial", "missing", "failed",
+    "stale", "waived"}}}. missing: findings {"code", "level", "message", "place" (or "span", or "file" and "line"), "help"}.
+    checks: {"errors": n, "warnings": n, "tests": {"passed": n, "failed": n, "failures": [{"rule", "title", "message",
+    "place"}]}, "rules": {"covered": n, "of": n, "uncovered": [names]}}; what is left out is said not to have been done.
+    meta: {"project", "spec_fingerprint", "date", "versions": {name: version}, "command", "requirements": {id: title},
+    "notes": [text]}; only what is given is shown. The date is the caller's: equal input makes equal pages.
+    """
+    read = [read_run(record) for record in runs]
+    names = page_names([run.name for run in read])
+    pages: dict[str, str] = {}
+    titles = meta.get("requirements", {})
+    for number, run in enumerate(read):
+        around = {
+            "before": (read[number - 1].name, names[number - 1]) if number else None,
+            "after": (read[number + 1].name, names[number + 1]) if number + 1 < len(read) else None,
+        }
+        pages[f"runs/{names[number]}.html"] = _page("run.html.j2", {**run_context(run, titles), **around, "meta": meta})
+    linked = [(run, f"runs/{name}.html") for run, name in zip(read, names)]
+    pages["index.html"] = _page("index.html.j2", index_context(linked, matrix_summary, missing, checks, meta, matrix_html is not None))
+    if matrix_html is not None:
+        pages["matrix.html"] = matrix_html
+    _write(folder, pages)
+    return folder / "index.html"
+
+
+def page_names(names: Sequence[str]) -> list[str]:
+    """Names of files for runs: letters, digits, `-`, `_` and dots inside, all different, also without regard to case."""
+    taken: set[str] = set()
+    found = []
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9_.-]+", "-", name).strip(".-")[:80] or "run"
+        unique, number = plain, 2
+        while unique.lower() in taken:
+            unique, number = f"{plain}-{number}", number + 1
+        taken.add(unique.lower())
+        found.append(unique)
+    return found
+
+
+def _write(folder: Path, pages: Mapping[str, str]) -> None:
+    path = folder
+    try:
+        for name, text in pages.items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # Lone surrogates (from odd paths) have no encoding; a page must not fail on them.
+            path.write_bytes(text.encode("utf-8", "replace"))
+    except OSError as error:
+        raise TrackmarshalError("T292", error.strerror or str(error), file=str(path), help="name another folder") from error
+
+
+def _page(template: str, context: Mapping[str, Any]) -> str:
+    return _environment().get_template(template).render(**context)
+
+
+@cache
+def _environment() -> Environment:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    return Environment(
+        loader=FileSystemLoader(_TEMPLATES), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )  # fmt: skip

@@ -1,0 +1,133 @@
+"""Replayed scenarios: whether a run shows what it was declared to show, and for which rules."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from trackmarshal.records import RunSummary, SpecItem, TruthFacts
+from trackmarshal.trace.files import Hashes
+from trackmarshal.trace.findings import Finding, error, warning
+from trackmarshal.trace.model import Project, Scenario
+from trackmarshal.trace.spec import Spec
+
+
+@dataclass(frozen=True, slots=True)
+class Showing:
+    """What a run shows about some rules: a status, a sentence, the rules evaluated and those violated in it."""
+
+    status: str  #: "covered", "partial", "missing", "failed" or "stale"
+    detail: str
+    evaluated: tuple[str, ...] = ()
+    fired: tuple[str, ...] = ()
+
+
+def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: Hashes) -> Showing:
+    """What the run of a scenario shows about these rules."""
+    run = spec.runs.get(scenario.path)
+    if hashes.get(scenario.path) is None:
+        return Showing("missing", "the recording is not there")
+    if run is None:
+        return Showing("missing", "not run")
+    stale = spec.run_staleness(run, hashes.get(scenario.path))
+    if stale:
+        return Showing("stale", stale)
+    names = {rule.name for rule in rules}
+    facts = [entry for entry in run.rules if entry.rule in names]
+    evaluated = tuple(sorted(entry.rule for entry in facts if entry.number("satisfied", "violated")))
+    fired = tuple(sorted(entry.rule for entry in facts if entry.number("violated")))
+    match scenario.expect:
+        case "ground_truth":
+            return _against_truth(run, names, evaluated, fired)
+        case "no_fire":
+            if run.fired:
+                return Showing("failed", _fired(run), evaluated, fired)
+            if not evaluated:
+                return Showing("missing", "none of its rules was evaluated")
+            if scenario.origin != "field":
+                return Showing("partial", f"nothing fired, but the recording is {scenario.origin}, not from the field", evaluated)
+            return Showing("covered", f"nothing fired in {run.cycles} cycles", evaluated)
+        case "fire":
+            quiet = _quiet(scenario, run)
+            if quiet:
+                return Showing("failed", f"{quiet} did not fire", evaluated, fired)
+            return Showing("covered", "fired as expected", evaluated, fired)
+        case _:
+            raise ValueError(f"unknown expectation {scenario.expect!r}")
+
+
+def _against_truth(run: RunSummary, names: set[str], evaluated: tuple[str, ...], fired: tuple[str, ...]) -> Showing:
+    truths = {kind: truth for kind, truth in sorted(run.ground_truth.items()) if not truth.rules or names & set(truth.rules)}
+    outside = {kind: truth for kind, truth in truths.items() if not truth.inside}
+    if outside:
+        return Showing("failed", "; ".join(_contradiction(kind, truth) for kind, truth in outside.items()), evaluated, fired)
+    if not run.ground_truth:
+        return Showing("missing", "the recording carries no ground truth")
+    if not evaluated:
+        return Showing("missing", "none of its rules was evaluated")
+    if not truths:
+        return Showing("partial", f"{_count(evaluated)} evaluated, but no ground truth judges them", evaluated)
+    within = f"{_count(evaluated)} evaluated in {run.cycles} cycles, inside the ground truth ({', '.join(truths)})"
+    if not fired:
+        return Showing("partial", f"{within}, none was violated: no critical situation for this requirement", evaluated)
+    return Showing("covered", f"{within}, {', '.join(fired)} fired", evaluated, fired)
+
+
+def _count(rules: Sequence[str]) -> str:
+    return "1 rule was" if len(rules) == 1 else f"{len(rules)} rules were"
+
+
+def _contradiction(kind: str, truth: TruthFacts) -> str:
+    where = f": {truth.violations[0]}" if truth.violations else ""
+    more = f" and {len(truth.violations) - 1} more" if len(truth.violations) > 1 else ""
+    return f"outside the {kind} ground truth{where}{more}"
+
+
+def _fired(run: RunSummary) -> str:
+    who = sorted((entry.first_violation or 0.0, entry.rule) for entry in run.rules if entry.number("violated"))
+    return f"fired: `{who[0][1]}` at {who[0][0]:g} s" if who else "fired"
+
+
+def _quiet(scenario: Scenario, run: RunSummary) -> str:
+    """The rules of `by` that were not violated, as a list; empty when the run fired as it should."""
+    loud = {entry.rule for entry in run.rules if entry.number("violated")}
+    quiet = [f"`{name}`" for name in scenario.by if name not in loud]
+    return ", ".join(quiet) if quiet else "" if run.fired else "the Supervisor"
+
+
+def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
+    """What is wrong with scenarios and their runs (T240 to T247)."""
+    declared = {str(scenario.path) for scenario in project.scenarios}
+    for scenario in project.scenarios:
+        place, path = scenario.path.place, str(scenario.path)
+        run = spec.runs.get(path)
+        if hashes.get(path) is None:
+            yield error("T240", f"the recording `{path}` is not there", place, "restore it, or strike the entry", path)
+            continue
+        if run is None:
+            yield warning("T241", f"`{path}` has not been run, which counts as not covered", place, "run `trackmarshal assess`", path)
+            continue
+        stale = spec.run_staleness(run, hashes.get(path))
+        if stale:
+            yield warning("T242", f"the run of `{path}` is stale: {stale}", place, "run `trackmarshal assess` again", path)
+        elif scenario.expect == "ground_truth":
+            for kind, truth in sorted(run.ground_truth.items()):
+                if not truth.inside:
+                    yield error("T243", f"the run of `{path}` is {_contradiction(kind, truth)}", place, "", path)
+            if not run.ground_truth:
+                message = f"the run of `{path}` is to lie within the ground truth, but the recording carries none"
+                yield error("T246", message, place, "label it, or expect something else of it", path)
+        elif scenario.expect == "no_fire":
+            if run.fired:
+                yield error("T244", f"in `{path}` nothing may fire, but it {_fired(run)}", place, "", path)
+        elif scenario.expect == "fire":
+            quiet = _quiet(scenario, run)
+            if quiet:
+                yield error("T245", f"in `{path}`, {quiet} did not fire", place, "", path)
+        else:
+            raise ValueError(f"unknown expectation {scenario.expect!r}")
+        for name in scenario.by:
+            if name not in spec.by_name:
+                yield error("T205", f"`{path}` expects `{name}` to fire, but there is no such rule", name.place, "", name)
+    for path in sorted(set(spec.runs) - declared):
+        yield Finding("T247", "note", f"the run of `{path}` counts for nothing: v-model.yaml does not declare it", None, "", path)
