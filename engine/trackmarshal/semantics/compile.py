@@ -6,6 +6,7 @@ import hashlib
 import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import NoReturn, TypeVar
 
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics
 from trackmarshal.errors import TrackmarshalError
@@ -22,17 +23,19 @@ from trackmarshal.ir.spec import (
 )
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
-from trackmarshal.semantics.constants import constant_value
+from trackmarshal.semantics.constants import constant_value, literal_problem, settled
 from trackmarshal.semantics.errors import BadValue, Duplicate, SignalConflict, WrongDimension
 from trackmarshal.semantics.expressions import Context, Expressions
 from trackmarshal.semantics.modules import Library
-from trackmarshal.semantics.rulebooks import check_rulebook, check_state, check_test_target
+from trackmarshal.semantics.rulebooks import check_rulebook, check_signal, check_state, check_test_target
 from trackmarshal.semantics.rules import RuleBuilder, describe
-from trackmarshal.semantics.scope import KINDS, Scope
+from trackmarshal.semantics.scope import KINDS, Scope, Symbol
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, Dimension, name, parse_unit, show, to_si
+from trackmarshal.units import NUMBER, Dimension, name, parse_unit, quantity, to_si
+
+T = TypeVar("T", bound=ast.Item)
 
 
 class Compiled(Node):
@@ -89,14 +92,15 @@ class _Compiler:
     def run(self) -> Compiled:
         for module in self.order:
             self._scope(module)
+        for module in self.order:  # in a circle of modules, one uses a module that comes later
+            self._uses(module)
         for step in (self._signals, self._params, self._tables, self._places, self._definitions, self._constraints):
             for module in self.order:
                 step(module)
         rules = self._rules()
-        names = {rule.name for rule in rules} | {i.__dict__["name"] for i in self._items(ast.Rule, ast.Assume)}
+        broken = {name for scope in self.scopes.values() for name in scope.own_broken}
+        names = {i.__dict__["name"] for i in self._items(ast.Rule, ast.Assume)} | broken
         rulebooks = tuple(check_rulebook(rulebook, names, self.found) for rulebook in self._items(ast.Rulebook))
-        for state in self._items(ast.State):
-            check_state(state, self.found)
         for test in self._items(ast.Test):
             check_test_target(test, names, self.found)
         digest = hashlib.sha256("".join(r.fingerprint for r in rules).encode())
@@ -106,7 +110,9 @@ class _Compiler:
             self.signals, self.events, self.params, self.tables, self.places, tuple(self.constraints), tuple(rules), rulebooks,
             digest.hexdigest(),
         )
-        found = tuple(sorted(dict.fromkeys(self.found), key=lambda d: (d.span.file.path, d.span.start, d.code)))
+        # Equality of diagnostics ignores where they are; what a definition says wrong is found at each of its uses.
+        distinct = {(d.code, d.span.file.path, d.span.start, d.span.end, d.message): d for d in self.found}
+        found = tuple(sorted(distinct.values(), key=lambda d: (d.span.file.path, d.span.start, d.code)))
         return Compiled(spec, self.library, self.asked, self.order, self.scopes, self.x, found, tuple(self.library.failures))
 
     def _items(self, *kinds: type[ast.Item]) -> list[ast.Item]:  # type: ignore[explicit-any, unused-ignore]
@@ -118,9 +124,16 @@ class _Compiler:
         for item in loaded.tree.items:
             if type(item) in KINDS:
                 scope.declare(item.__dict__["name"], item)
-        for use in loaded.uses:
+        scope.own_broken = loaded.broken
+        scope.broken = set(loaded.broken)
+        scope.incomplete = not loaded.complete
+
+    def _uses(self, module: str) -> None:
+        for use in self.library.modules[module].uses:
             if use.name in self.scopes and use.name != module:
-                scope.use(self.scopes[use.name])
+                self.scopes[module].use(self.scopes[use.name])
+            elif use.name != module:
+                self.scopes[module].incomplete = True
 
     def _context(self, module: str) -> Context:
         return Context(self.scopes[module], {}, 0, None, None, ())
@@ -131,56 +144,64 @@ class _Compiler:
         except Poison:
             pass
 
-    def _own(self, module: str, kind: type[ast.Item]) -> list[ast.Item]:
-        return [symbol.item for symbol in self.scopes[module].own.values() if isinstance(symbol.item, kind)]
+    def _own(self, module: str, kind: type[T]) -> list[T]:
+        """A module's declarations of a kind; those that were declared twice too, for the errors in them."""
+        return [item for item in self.library.modules[module].tree.items if isinstance(item, kind)]
 
     # Declarations ---------------------------------------------------------------------------------------------
 
     def _signals(self, module: str) -> None:
-        for item in self._own(module, ast.Event):
-            assert isinstance(item, ast.Event)
-            self.events[item.name] = item.span
+        for event in self._own(module, ast.Event):
+            self.events[event.name] = event.span
         for item in self._own(module, ast.Signal):
-            assert isinstance(item, ast.Signal)
             known = self.signals.get(item.name)
-            fields = []
+            fields: list[FieldType] = []
             seen: dict[str, Span] = {}
+            check_signal(item, self.found)
             for field in item.fields_:
                 if field.name in seen:
                     self.found.append(Duplicate(field.span, seen[field.name], "field", field.name))
                     continue
                 seen[field.name] = field.span
-                self._try(lambda field=field: fields.append(self._field(field, module)))  # type: ignore[misc]
+                fields.append(self._field(field, module))
             if item.kind == "corridor" and not fields:
                 fields = [FieldType(side, "polyline", "m", False, None, None, None, item.span) for side in ("left", "right")]
             signal = SignalType(item.name, item.kind, item.many, tuple(fields), item.span)
-            if known is not None and known != signal:
-                self.found.append(SignalConflict(item.span, known.span, item.name))
-            else:
-                self.signals[item.name] = known or signal
-        for item in self._own(module, ast.Event):
-            assert isinstance(item, ast.Event)
-            if item.name in self.signals:
-                self.found.append(SignalConflict(item.span, self.signals[item.name].span, item.name))
+            if known is None:
+                self.signals[item.name] = signal
+            elif known != signal and self.scopes[module].own[item.name].item is item:
+                self.found.append(SignalConflict(item.span.head, known.span.head, item.name))
+        for name, span in self.events.items():
+            signal_of_name = self.signals.get(name)
+            if signal_of_name is not None and signal_of_name.span.file is not span.file:
+                self.found.append(SignalConflict(span.head, signal_of_name.span.head, name))
 
     def _field(self, field: ast.Field, module: str) -> FieldType:
+        """The contract of a field; where a part of it has an error, the field is there all the same."""
         if field.type in ("polyline", "bool"):
             if field.range or field.default or field.increasing:
-                self.x.fail(BadValue(field.span, f"a {field.type} has no range, order or default"))
+                self.found.append(BadValue(field.span, f"a {field.type} has no range, order or default"))
             return FieldType(field.name, field.type, "1", False, None, None, None, field.span)
         unit, dimension = field.type, parse_unit(field.type)[2]
-        lower, upper = self._range(field.range, unit, dimension, module)
-        default = None if field.default is None else self._finite(field.default, unit, dimension, module)
+        limits: list[tuple[float | None, float | None]] = []
+        defaults: list[float | None] = []
+        self._try(lambda: limits.append(self._range(field.range, unit, dimension, module)))
+        if field.default is not None:
+            self._try(lambda: defaults.append(self._finite(field.default, unit, dimension, module)))
+        (lower, upper), default = limits[0] if limits else (None, None), defaults[0] if defaults else None
         if default is not None and not _inside(default, lower, upper):
-            self.x.fail(BadValue(field.span, f"the default of `{field.name}` is outside its range"))
+            assert field.range is not None
+            at = field.default.__dict__["span"]
+            self.found.append(BadValue(at, f"the default of `{field.name}` is outside its range", field.range.span))
         return FieldType(field.name, "number", unit, field.increasing, lower, upper, default, field.span)
 
     def _range(self, limits: ast.Range | None, unit: str, dimension: Dimension, module: str) -> tuple[float | None, float | None]:
         """A range in SI; bounds without a unit are in the declared one."""
         if limits is None:
             return None, None
-        lower = self._literal(limits.lower, unit, dimension, module)
-        upper = self._literal(limits.upper, unit, dimension, module)
+        lower, upper = self.x.all(
+            lambda: self._literal(limits.lower, unit, dimension, module), lambda: self._literal(limits.upper, unit, dimension, module)
+        )
         if not lower <= upper:
             self.x.fail(BadValue(limits.span, "a range runs from low to high", None, "swap the bounds"))
         return lower, upper
@@ -189,7 +210,7 @@ class _Compiler:
         """A literal in SI that is not infinite: ranges have open ends, values don't."""
         value = self._literal(expr, unit, dimension, module)
         if not math.isfinite(value):
-            self.x.fail(BadValue(expr.__dict__["span"], "this value is not finite"))
+            self.x.fail(BadValue(expr.__dict__["span"], "this value is not finite", None, "only ranges may be open: `in [0, inf]`"))
         return value
 
     def _literal(self, expr: ast.Expr, unit: str, dimension: Dimension, module: str) -> float:
@@ -200,83 +221,112 @@ class _Compiler:
             return math.inf
         if not isinstance(expr, ast.Number):
             raise AssertionError(f"a bound is a literal, not {type(expr).__name__}")
-        if expr.unit:
-            own = parse_unit(expr.unit)[2]
-            if own != dimension:
-                self.x.fail(WrongDimension(expr.span, None, "this value", f"{name(dimension)} [{show(dimension)}]", name(own)))
-            return to_si(float(expr.text), expr.unit)
-        return to_si(float(expr.text), unit)
+        own = parse_unit(expr.unit)[2] if expr.unit else dimension
+        if own != dimension:
+            hint = f"write it in {unit}" + (", or leave the unit out" if unit != "1" else "")
+            self.x.fail(WrongDimension(expr.span, None, "this value", quantity(dimension), quantity(own), hint))
+        problem = literal_problem(expr.text, expr.unit or unit)
+        if problem:
+            self.x.fail(BadValue(expr.span, problem))
+        return to_si(float(expr.text), expr.unit or unit)
 
     def _params(self, module: str) -> None:
-        items = [i for i in self._own(module, ast.Param) if isinstance(i, ast.Param)]
+        items = self._own(module, ast.Param)
+        for item in items:
+            self.x.params.setdefault(f"{module}.{item.name}", parse_unit(item.unit)[2])
         for item in items:
             self._try(lambda item=item: self._param(item, module))  # type: ignore[misc]
 
     def _param(self, item: ast.Param, module: str) -> None:
         dimension = parse_unit(item.unit)[2]
-        self.x.params[f"{module}.{item.name}"] = dimension
-        value = self.x.number(item.value, self._context(module))
-        if value.dimension != dimension:
-            hint = f"write `{value.span.text} {item.unit}`" if value.dimension == NUMBER and isinstance(item.value, ast.Number) else ""
-            what = f"parameter `{item.name}`"
-            wanted = f"{name(dimension)} [{item.unit}]"
-            self.x.fail(WrongDimension(value.span, item.span, what, wanted, f"{value.spoken} [{show(value.dimension)}]", hint))
-        number = self._constant(value.node, value.span)
-        lower, upper = self._range(item.range, item.unit, dimension, module)
+        number, (lower, upper) = self.x.all(
+            lambda: self._param_value(item, dimension, module), lambda: self._range(item.range, item.unit, dimension, module)
+        )
         if not _inside(number, lower, upper):
             assert item.range is not None
-            self.x.fail(BadValue(value.span, f"the value of `{item.name}` is outside its range", item.range.span))
+            at = item.value.__dict__["span"]
+            self.x.fail(BadValue(at, f"the value of `{item.name}` is outside its range", item.range.span))
         qualified = f"{module}.{item.name}"
-        self.params[qualified] = ParamInfo(qualified, number, item.unit, lower, upper, item.source, item.span)
+        self.params.setdefault(qualified, ParamInfo(qualified, number, item.unit, lower, upper, item.source, item.span))
 
-    def _constant(self, node: ir.Num, span: Span) -> float:
+    def _param_value(self, item: ast.Param, dimension: Dimension, module: str) -> float:
+        value = self.x.number(item.value, self._context(module))
+        if value.dimension != dimension:
+            hint = calls.unit_hint(value, dimension)
+            if value.dimension == NUMBER and isinstance(item.value, ast.Number) and not item.value.unit:
+                hint = f"write the unit: `{item.value.text} {item.unit}`"
+            what = f"parameter `{item.name}`"
+            wanted = f"{name(dimension)} [{item.unit}]" if dimension != NUMBER else name(dimension)
+            declared = item.span.word(item.unit)
+            self.x.fail(WrongDimension(value.span, declared, what, wanted, quantity(value.dimension), hint))
+        return self._constant(value.node, value.span, module)
+
+    def _constant(self, node: ir.Num, span: Span, module: str) -> float:
         """The value of a number made of literals and parameters declared before."""
-        value = constant_value(node, lambda name: self.params[name].value if name in self.params else None)
+        for part in ir.below(node):
+            if isinstance(part, ir.Param) and part.name not in self.params:
+                self._without_value(part.name, span, module)
+        value = constant_value(node, lambda name: self.params[name].value)
         if value is None:
             self.x.fail(BadValue(span, "this is not constant", None, "use literals and parameters that are declared before"))
         if not math.isfinite(value):
-            self.x.fail(BadValue(span, "this value is not finite"))
+            self.x.fail(BadValue(span, "this value is not finite", None, "its arithmetic divides by zero or overflows"))
         return value
+
+    def _without_value(self, qualified: str, span: Span, module: str) -> NoReturn:
+        """Fail for a parameter that has no value yet; where its own error was reported, silently."""
+        own, _, short = qualified.rpartition(".")
+        symbol = self.scopes[module].own.get(short)
+        if own == module and symbol is not None:
+            declared: Span = symbol.item.__dict__["span"]
+            if declared.start < span.start < declared.end:
+                self.x.fail(BadValue(span.word(short), f"the value of `{short}` needs itself", None, "write its value"))
+            if declared.start > span.start:
+                hint, about = "move its declaration up", "it is declared here"
+                self.x.fail(BadValue(span.word(short), f"`{short}` is declared further down", declared.head, hint, about))
+        raise Poison
 
     def _tables(self, module: str) -> None:
         for item in self._own(module, ast.Table):
-            assert isinstance(item, ast.Table)
             self._try(lambda item=item: self._table(item, module))  # type: ignore[misc]
 
     def _table(self, item: ast.Table, module: str) -> None:
         argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
-        rows = [(self._finite(a, item.unit, argument, module), self._finite(b, item.result, result, module)) for a, b in item.rows]
-        for (before, _), (after, _), row in zip(rows, rows[1:], item.rows[1:]):
-            if not before < after:
-                self.x.fail(BadValue(row[0].__dict__["span"], "the knots of a table ascend", None, "sort the rows; each knot stands once"))
-        qualified = f"{module}.{item.name}"
-        self.tables[qualified] = TableInfo(
-            qualified, tuple(r[0] for r in rows), tuple(r[1] for r in rows), (item.unit, item.result), item.span
+        numbers = self.x.all(
+            *(lambda a=a: self._finite(a, item.unit, argument, module) for a, _ in item.rows),
+            *(lambda b=b: self._finite(b, item.result, result, module) for _, b in item.rows),
         )
-        self.x.tables[qualified] = (argument, result)
+        knots, values = tuple(numbers[: len(item.rows)]), tuple(numbers[len(item.rows) :])
+        for before, after, (above, _), (row, _) in zip(knots, knots[1:], item.rows, item.rows[1:]):
+            if not before < after:
+                hint, about = "sort the rows; each knot stands once", "not above this one"
+                self.x.fail(BadValue(row.__dict__["span"], "the knots of a table ascend", above.__dict__["span"], hint, about))
+        qualified = f"{module}.{item.name}"
+        self.tables.setdefault(qualified, TableInfo(qualified, knots, values, (item.unit, item.result), item.span))
 
     def _places(self, module: str) -> None:
         for item in self._own(module, ast.Place):
-            assert isinstance(item, ast.Place)
             self._try(lambda item=item: self._place(item, module))  # type: ignore[misc]
 
     def _place(self, item: ast.Place, module: str) -> None:
         length = parse_unit("m")[2]
-        points = tuple((self._finite(x, "m", length, module), self._finite(y, "m", length, module)) for x, y in item.points)
+        numbers = self.x.all(*(lambda n=n: self._finite(n, "m", length, module) for point in item.points for n in point))
+        points = tuple(zip(numbers[::2], numbers[1::2]))
         least = 3 if item.kind == "zone" else 2
         if len(set(points)) < least:
-            self.x.fail(BadValue(item.span, f"a {item.kind} has at least {least} different points"))
+            self.x.fail(BadValue(item.span.head, f"a {item.kind} has at least {least} different points"))
         qualified = f"{module}.{item.name}"
-        self.places[qualified] = PlaceInfo(qualified, item.kind, points, item.span)
+        self.places.setdefault(qualified, PlaceInfo(qualified, item.kind, points, item.span))
 
     def _definitions(self, module: str) -> None:
-        for symbol in self.scopes[module].own.values():
-            item = symbol.item
-            if isinstance(item, ast.Define):
-                # A definition may use the rule's timeline: check it with one at hand.
-                timeline = self.x.make(ir.Axis, "", "samples", 1, 0)
-                ctx = self._context(module).bind({}, 1, timeline)
-                self._try(lambda s=symbol, i=item, c=ctx: calls.check_definition(self.x, s, i, c))  # type: ignore[misc]
+        # A definition may use the rule's timeline, and a state's conditions range over the run: check them with one at hand.
+        timeline = self.x.make(ir.Axis, "", "samples", 1, 0)
+        ctx = self._context(module).bind({}, 1, timeline)
+        for item in self._own(module, ast.Define):
+            symbol = Symbol(item, module, f"{module}.{item.name}")
+            self._try(lambda s=symbol, i=item: calls.check_definition(self.x, s, i, ctx))  # type: ignore[misc]
+        for state in self._own(module, ast.State):
+            check_state(state, self.x, ctx)
 
     def _constraints(self, module: str) -> None:
         for item in self.library.modules[module].tree.items:
@@ -285,34 +335,33 @@ class _Compiler:
 
     def _constraint(self, item: ast.Constrain, module: str) -> None:
         formula = self.x.formula(item.condition, self._context(module)).node
+        if not settled(formula):
+            at = item.condition.__dict__["span"]
+            hint = "what the input must fulfil is an `assume` with a `monitor`, or a `rule`"
+            self.x.fail(BadValue(at, "a constraint is about parameters and tables, not about inputs", None, hint))
         self.constraints.append(ConstraintInfo(formula, item.because, item.span))
 
     def _rules(self) -> list[RuleInfo]:
         rules: list[RuleInfo] = []
         first: dict[str, ast.Item] = {}
-        assumptions = {item.__dict__["name"] for item in self._items(ast.Assume)}
+        broken = {name for scope in self.scopes.values() for name in scope.own_broken}
+        assumptions = {item.__dict__["name"] for item in self._items(ast.Assume)} | broken
         for module in self.order:
             for item in self.library.modules[module].tree.items:
                 if not isinstance(item, (ast.Rule, ast.Assume)):
                     continue
                 if item.name in first:
                     kind = "rule" if isinstance(item, ast.Rule) else "assumption"
-                    self.found.append(Duplicate(_head(item.span), _head(first[item.name].__dict__["span"]), kind, item.name))
-                    continue
-                first[item.name] = item
+                    self.found.append(Duplicate(item.span.head, first[item.name].__dict__["span"].head, kind, item.name))
                 rule = RuleBuilder(self.x, self._context(module)).build(item, assumptions)
-                if rule is not None:
+                if rule is not None and item.name not in first:
                     rules.append(rule)
+                first.setdefault(item.name, item)
         return rules
 
 
 def _inside(value: float, lower: float | None, upper: float | None) -> bool:
     return (lower is None or value >= lower) and (upper is None or value <= upper) and not math.isnan(value)
-
-
-def _head(span: Span) -> Span:
-    stop = span.file.text.find("\n", span.start)
-    return Span(span.file, span.start, min(span.end, stop if stop >= 0 else span.end))
 
 
 __all__ = ["Compiled", "compile_paths", "describe"]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from trackmarshal.node import Node
 from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
 from trackmarshal.source import SourceFile, Span, read
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.names import spelled
 from trackmarshal.syntax.trees import parse_kept
 
 _PRELUDE = Path(trackmarshal.prelude.__file__).parent
@@ -25,6 +28,10 @@ class LoadedModule(Node):
     file: SourceFile
     tree: ast.Module
     uses: tuple[ast.Use, ...]
+    #: Names whose declarations have errors of syntax, so that nothing more is said about their uses.
+    broken: set[str]
+    #: Whether all of its `use` declarations could be read.
+    complete: bool
 
 
 class Library:
@@ -84,6 +91,7 @@ class Library:
 
     def _load_file(self, path: Path) -> LoadedModule | None:
         pending = [path]
+        used: list[tuple[ast.Use, Path]] = []
         while pending:
             current = pending.pop()
             if current.resolve() in self._by_path:
@@ -97,8 +105,11 @@ class Library:
                 target = _module_path(use.name, root)
                 if target.is_file():
                     pending.append(target)
+                    used.append((use, target))
                 else:
                     self._missing(use, target, root)
+        for use, target in used:
+            self._misnamed(use, target)
         return self._by_path[path.resolve()]
 
     def _read(self, path: Path) -> LoadedModule | None:
@@ -111,27 +122,65 @@ class Library:
         self.found += found
         names = [item for item in tree.items if isinstance(item, ast.ModuleName)]
         top = Span(file, 0, min(len(file.text), 1))
+        broken = _broken(file, tree) if found else {}
         if not names:
-            if not found:
+            if "module" not in broken.values():
                 self.found.append(ModuleName(top, "the file does not say which module it is", "start it with `module NAME`"))
             name = path.stem
         else:
             name = names[0].name
             for extra in names[1:]:
-                self.found.append(ModuleName(extra.span, "a file holds one module", "remove this line"))
+                self.found.append(ModuleName(extra.span, "a file holds one module", "remove this line", names[0].span))
+            if tree.items[0].__dict__["span"].start < names[0].span.start:
+                self.found.append(ModuleName(names[0].span, "`module` comes first in a file", "move it to the top"))
         uses = tuple(item for item in tree.items if isinstance(item, ast.Use))
-        module = LoadedModule(name, path, file, tree, uses)
+        declared = {spelled(word) for word, keyword in broken.items() if keyword not in ("module", "use", "test", "constrain")}
+        module = LoadedModule(name, path, file, tree, uses, declared, "use" not in broken.values())
         if name in self.modules:
-            other = self.modules[name].file.path
-            self.found.append(ModuleName(names[0].span if names else top, f"module `{name}` is also in {other}", "rename one"))
+            other = self.modules[name]
+            at, first = (_named(m.tree, Span(m.file, 0, min(len(m.file.text), 1))) for m in (module, other))
+            self.found.append(ModuleName(at, f"two files are module `{name}`", "rename one of them", first))
             return None
         self.modules[name] = module
         return module
 
     def _missing(self, use: ast.Use, target: Path, root: Path) -> None:
-        known = [".".join(path.relative_to(root).with_suffix("").parts) for path in root.rglob("*.spec")] if root.is_dir() else []
-        known += [f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec")]
-        self.found.append(ModuleNotFound(use.span, use.name, self._shown(target), close_matches(use.name, known)))
+        known = [*_modules_below(root), *(f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec"))]
+        hint = close_matches(use.name, known) or "`use a.b` reads a/b.spec, from the folder in which this module's own name starts"
+        self.found.append(ModuleNotFound(use.span, use.name, self._shown(target), hint))
+
+    def _misnamed(self, use: ast.Use, target: Path) -> None:
+        """Report a `use` that finds a file of another module."""
+        found = self._by_path.get(target.resolve())
+        if found is not None and found.name != use.name:
+            problem = f"{self._shown(target)} is module `{found.name}`, not `{use.name}`"
+            self.found.append(ModuleName(use.span, problem, "a module `a.b` lives in a/b.spec", _named(found.tree, use.span)))
+
+
+_DECLARED = re.compile(r"^([A-Za-z_]\w*)[ \t]+([^\W\d][\w.-]*)", re.MULTILINE)
+
+
+def _broken(file: SourceFile, tree: ast.Module) -> dict[str, str]:
+    """What is named on lines in column 1 that are not in the tree, since they have errors of syntax: name -> keyword."""
+    parsed = {item.__dict__["span"].start for item in tree.items}
+    return {match[2]: match[1] for match in _DECLARED.finditer(file.text) if match.start() not in parsed}
+
+
+def _named(tree: ast.Module, otherwise: Span) -> Span:
+    """Where a file says which module it is."""
+    return next((item.span for item in tree.items if isinstance(item, ast.ModuleName)), otherwise)
+
+
+def _modules_below(root: Path, most: int = 2000) -> list[str]:
+    """Names of the modules in a folder; of the first ones found, where the folder is a large one."""
+    names: list[str] = []
+    for folder, folders, files in os.walk(root):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        most -= len(folders) + len(files)
+        names += [".".join(Path(folder, f).relative_to(root).with_suffix("").parts) for f in files if f.endswith(".spec")]
+        if most < 0:
+            break
+    return names
 
 
 def spec_files(path: Path) -> list[Path]:

@@ -7,7 +7,9 @@ from functools import cache
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 
+from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.build import CLAUSE_WORDS
 from trackmarshal.syntax.keywords import DECLARATIONS, RESERVED
 from trackmarshal.units import UNITS
 
@@ -23,6 +25,12 @@ _TELLING = (
 def names() -> SearchStrategy[str]:
     made = st.text("aeinorstZ_", min_size=1, max_size=6).filter(lambda name: name not in RESERVED)
     return st.one_of(st.sampled_from(("a", "b", "p", "v", *_TELLING)), made)
+
+
+@cache
+def predicates() -> SearchStrategy[str]:
+    """Names of predicates; one that looks like a clause is refused where it starts a line."""
+    return names().filter(lambda name: not close_matches(name, CLAUSE_WORDS, 0.75))
 
 
 @cache
@@ -141,7 +149,7 @@ def expressions(draw: st.DrawFn, depth: int = 3) -> ast.Expr:
         case "call":
             return draw(_calls(depth))
         case "infix":
-            return ast.Infix(inner(), draw(names()), inner())
+            return ast.Infix(inner(), draw(predicates()), inner())
         case "if":
             return ast.IfElse(inner(), inner(), inner())
         case "within":

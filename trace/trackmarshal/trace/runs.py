@@ -33,9 +33,10 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
     if stale:
         return Showing("stale", stale)
     names = {rule.name for rule in rules}
-    facts = [entry for entry in run.rules if entry.rule in names]
-    evaluated = tuple(sorted(entry.rule for entry in facts if entry.number("satisfied", "violated")))
-    fired = tuple(sorted(entry.rule for entry in facts if entry.number("violated")))
+    said = spec.facts(run)
+    facts = [said[name] for name in sorted(names) if name in said]
+    evaluated = tuple(entry.rule for entry in facts if entry.number("satisfied", "violated"))
+    fired = tuple(entry.rule for entry in facts if entry.number("violated"))
     match scenario.expect:
         case "ground_truth":
             return _against_truth(run, names, evaluated, fired)

@@ -6,7 +6,7 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable
 
-from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records import RuleFacts, RunSummary, SpecItem, SpecTest, TestResult
 from trackmarshal.trace.findings import Place
 
 _WORST_FIRST = ("failed", "error", "passed")
@@ -52,6 +52,8 @@ class Spec:
         self.runs: dict[str, RunSummary] = {}
         for run in sorted(runs, key=lambda r: (r.created, json.dumps(r.to_json(), sort_keys=True))):
             self.runs[run.scenario] = run
+        self._facts: dict[str, dict[str, RuleFacts]] = {}
+        self._stale: dict[tuple[str, str | None], str] = {}
 
     def rules(self, requirement: str) -> list[SpecItem]:
         """The rules that say they satisfy it."""
@@ -74,8 +76,20 @@ class Spec:
             return "the specs have changed since"
         return ""
 
+    def facts(self, run: RunSummary) -> dict[str, RuleFacts]:
+        """What each rule said in a run, by the rule's name."""
+        if run.scenario not in self._facts:
+            self._facts[run.scenario] = {entry.rule: entry for entry in run.rules}
+        return self._facts[run.scenario]
+
     def run_staleness(self, run: RunSummary, source_hash: str | None) -> str:
         """Why a run no longer says anything about the spec and the recording as they are now; empty when it does."""
+        key = (run.scenario, source_hash)
+        if key not in self._stale:
+            self._stale[key] = self._run_staleness(run, source_hash)
+        return self._stale[key]
+
+    def _run_staleness(self, run: RunSummary, source_hash: str | None) -> str:
         if source_hash is not None and run.source_hash != source_hash:
             return "the recording has changed since"
         for facts in run.rules:

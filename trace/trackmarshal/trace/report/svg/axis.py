@@ -77,7 +77,7 @@ def margin_axis(values: Sequence[float], start: float, stop: float) -> Axis:
     if low == high:
         low, high = -1.0, 1.0
     largest = max(-low, high)
-    matter = _what_matters(finite, low)
+    matter = _what_matters(finite)
     linear = None
     if largest > HUGE * matter:
         linear = 10.0 ** math.floor(math.log10(matter))
@@ -90,12 +90,9 @@ def margin_axis(values: Sequence[float], start: float, stop: float) -> Axis:
     return Axis(low, high, start, stop, linear)
 
 
-def _what_matters(finite: Sequence[float], low: float) -> float:
-    """The size of margins that must stay visible: the violations, or else the lower quarter."""
-    if low < 0.0:
-        negative = sorted(-v for v in finite if v < 0.0)
-        size = negative[len(negative) // 2]
-    else:
-        positive = sorted(v for v in finite if v > 0.0)
-        size = positive[len(positive) // 4] if positive else 1.0
+def _what_matters(finite: Sequence[float]) -> float:
+    """The size of margins that must stay visible: the violations', or else the lower quarter's."""
+    negative = sorted(-v for v in finite if v < 0.0)
+    positive = sorted(v for v in finite if v > 0.0)
+    size = negative[len(negative) // 2] if negative else positive[len(positive) // 4] if positive else 1.0
     return max(size, 1e-9)

@@ -1,0 +1,40 @@
+"""The examples in the documentation are specs that compile, and their tests pass."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from trackmarshal.semantics.compile import compile_paths
+from trackmarshal.testing.cases import prepare
+from trackmarshal.testing.run import run_tests
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = [
+    pytest.param(block, id=f"{page.name}-{number}")
+    for page in sorted((ROOT / "docs").glob("*.md"))
+    for number, block in enumerate(re.findall(r"```spec\n(.*?)```", page.read_text("utf-8"), re.DOTALL))
+]
+
+
+def test_there_are_examples() -> None:
+    assert len(EXAMPLES) >= 2
+
+
+@pytest.mark.parametrize("text", EXAMPLES)
+def test_example_compiles_and_passes_its_tests(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "example.spec"
+    path.write_text(text, encoding="utf-8")
+    compiled = compile_paths([path])
+    assert [str(d) for d in compiled.errors] == []
+    tests, found = prepare(compiled)
+    assert found == []
+    assert [(o.test.title, o.message) for o in run_tests(compiled.spec, tests) if o.outcome != "passed"] == []
+
+
+def test_every_declaration_and_clause_is_documented() -> None:
+    from trackmarshal.syntax.keywords import DECLARATIONS
+
+    page = (ROOT / "docs" / "language.md").read_text("utf-8")
+    assert [word for word in DECLARATIONS if f"`{word}" not in page] == []

@@ -1,0 +1,168 @@
+"""Curvilinear coordinates, gaps, distances and centre lines, worked out by hand, for both implementations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from support.bodies import BOTH, Geometry
+from support.tracks import loop, oval
+from trackmarshal.runtime.geometry import Corridor, Polyline, distance_to_paths
+
+BEND = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)]
+SQUARE = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
+EAST, NORTH, WEST, SOUTH = 0.0, math.pi / 2, math.pi, -math.pi / 2
+
+both = pytest.mark.parametrize("geometry", BOTH.values(), ids=BOTH.keys())
+
+
+@both
+@pytest.mark.parametrize(
+    ("point", "place"),
+    [
+        ((4.0, 1.0), (4.0, 1.0, EAST)),
+        ((4.0, -2.0), (4.0, -2.0, EAST)),
+        ((4.0, 0.0), (4.0, 0.0, EAST)),
+        ((9.0, 4.0), (14.0, 1.0, NORTH)),
+        ((8.0, 2.0), (8.0, 2.0, EAST)),  # as near to either: the first
+        ((13.0, -4.0), (10.0, -5.0, EAST)),  # nearest to the corner
+        ((-3.0, 2.0), (-3.0, 2.0, EAST)),  # before the start, along the first segment
+        ((9.0, 14.0), (24.0, 1.0, NORTH)),  # beyond the end, along the last
+        ((10.0, 17.0), (27.0, 0.0, NORTH)),
+        ((-50.0, 0.0), (-50.0, 0.0, EAST)),
+    ],
+)
+def test_stations_on_an_open_line(geometry: Geometry, point, place) -> None:  # type: ignore[no-untyped-def]
+    assert geometry.project(point, BEND) == pytest.approx(place)
+
+
+@both
+@pytest.mark.parametrize(
+    ("point", "place"),
+    [
+        ((4.0, 1.0), (4.0, 1.0, EAST)),
+        ((1.0, 4.0), (36.0, 1.0, SOUTH)),
+        ((-1.0, 4.0), (36.0, -1.0, SOUTH)),
+        ((-3.0, -4.0), (0.0, -5.0, EAST)),  # the start is at station 0, never at the length
+        ((6.0, 9.0), (24.0, 1.0, WEST)),
+        ((0.0, 0.0), (0.0, 0.0, EAST)),
+    ],
+)
+def test_stations_on_a_closed_line(geometry: Geometry, point, place) -> None:  # type: ignore[no-untyped-def]
+    assert geometry.project(point, SQUARE, True) == pytest.approx(place)
+    assert geometry.project(point, [*SQUARE, SQUARE[0]], True) == pytest.approx(place)
+    assert geometry.project(point, [SQUARE[0], *SQUARE], True) == pytest.approx(place)
+
+
+@both
+def test_nothing_jumps_across_the_ends(geometry: Geometry) -> None:
+    stations = [geometry.project((x, 1.0), BEND)[0] for x in np.linspace(-5.0, 5.0, 41).tolist()]
+    assert np.diff(stations) == pytest.approx(0.25)
+
+
+@both
+@pytest.mark.parametrize(
+    ("start", "end", "closed", "gap"),
+    [
+        (5.0, 12.0, False, 7.0),
+        (12.0, 5.0, False, -7.0),
+        (5.0, 12.0, True, 7.0),
+        (38.0, 3.0, True, 5.0),  # over the start
+        (3.0, 38.0, True, -5.0),
+        (0.0, 20.0, True, 20.0),  # half way round is ahead, from either side
+        (20.0, 0.0, True, 20.0),
+        (7.0, 7.0, True, 0.0),
+        (-90.0, 95.0, True, -15.0),
+        (math.nan, 1.0, True, math.nan),
+        (1.0, math.inf, True, math.nan),
+        (-math.inf, 1.0, False, math.nan),
+    ],
+)
+def test_gaps(geometry: Geometry, start: float, end: float, closed: bool, gap: float) -> None:
+    line = SQUARE if closed else BEND
+    assert geometry.gap(line, start, end, closed) == pytest.approx(gap, nan_ok=True)
+
+
+@both
+def test_distances(geometry: Geometry) -> None:
+    assert geometry.distance((4.0, -3.0), BEND) == 3.0
+    assert geometry.distance((13.0, -4.0), BEND) == 5.0
+    assert geometry.distance((-3.0, 4.0), BEND) == 5.0  # the line itself ends
+    assert geometry.distance((1.0, 5.0), SQUARE) == 5.0
+    assert geometry.distance((1.0, 5.0), SQUARE, True) == 1.0
+
+
+@both
+@pytest.mark.parametrize(
+    "line",
+    [
+        [],
+        [(1.0, 1.0)],
+        [(1.0, 1.0), (1.0, 1.0)],
+        [(0.0, 0.0), (math.nan, 1.0)],
+        [(0.0, 0.0), (math.inf, 1.0)],
+    ],
+)
+def test_unusable_lines(geometry: Geometry, line) -> None:  # type: ignore[no-untyped-def]
+    assert all(math.isnan(number) for number in geometry.project((1.0, 2.0), line))
+    assert math.isnan(geometry.distance((1.0, 2.0), line))
+    assert math.isnan(geometry.gap(line, 1.0, 2.0))
+
+
+@both
+@pytest.mark.parametrize("point", [(math.nan, 0.0), (0.0, math.inf), (-math.inf, 0.0), (1e30, 0.0)])
+def test_unusable_points(geometry: Geometry, point) -> None:  # type: ignore[no-untyped-def]
+    assert all(math.isnan(number) for number in geometry.project(point, BEND))
+    assert math.isnan(geometry.distance(point, BEND))
+
+
+def test_a_line_says_what_is_wrong_with_it() -> None:
+    assert Polyline([(1.0, 1.0), (1.0, 1.0)]).fault == "line has fewer than 2 distinct points"
+    assert Polyline(BEND[:2], True).fault == "line has fewer than 3 distinct points"
+    assert (
+        Polyline([(0.0, 0.0), (math.nan, 1.0)]).fault
+        == "line: point 1 is (nan, 1), not finite or beyond 1e+09 m"
+    )
+    assert Polyline(BEND).fault is None
+    assert Polyline(BEND).length == 20.0
+    assert Polyline(SQUARE, True).length == 40.0
+
+
+def test_unusable_points_do_not_touch_their_neighbours() -> None:
+    station, offset, direction = Polyline(BEND).project([4.0, math.nan, 9.0], [1.0, 0.0, 4.0])
+    assert station == pytest.approx([4.0, math.nan, 14.0], nan_ok=True)
+    assert offset == pytest.approx([1.0, math.nan, 1.0], nan_ok=True)
+    assert direction == pytest.approx([EAST, math.nan, NORTH], nan_ok=True)
+    assert Polyline(BEND).project([], [])[0].shape == (0,)
+
+
+@both
+def test_centre_lines(geometry: Geometry) -> None:
+    left, right = [(0.0, 4.0), (10.0, 4.0), (20.0, 4.0)], [(0.0, -2.0), (10.0, -2.0), (20.0, -2.0)]
+    assert geometry.centre(left, right) == [(0.0, 1.0), (10.0, 1.0), (20.0, 1.0)]
+    assert geometry.centre(left, [(-5.0, -2.0), (17.0, -2.0)]) == [(0.0, 1.0), (10.0, 1.0), (18.5, 1.0)]
+    (left, right), poses = loop(oval, 90, 4.0, 6.0)
+    for (x, y, h), (cx, cy) in zip(poses, geometry.centre(left, right[::-1][:-1], True)):
+        assert math.hypot(cx - (x + math.sin(h)), cy - (y - math.cos(h))) < 0.3
+
+
+def test_the_centre_of_an_unusable_corridor_is_an_unusable_line() -> None:
+    centre = Corridor([(0.0, 1.0), (math.nan, 1.0)], [(0.0, -1.0), (1.0, -1.0), (2.0, -1.0)]).centre
+    assert centre.fault is not None
+
+
+def test_distances_from_the_paths_of_many_cases() -> None:
+    path_x = np.array(
+        [[0.0, 10.0, 10.0, np.nan], [5.0, 5.0, 7.0, 7.0], [0.0, np.nan, 1.0, 2.0], [3.0, 4.0, 5.0, 6.0]]
+    )
+    path_y = np.array(
+        [[0.0, 0.0, 10.0, np.nan], [5.0, 5.0, 5.0, 5.0], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]
+    )
+    x = np.array([[4.0, 13.0], [6.0, 9.0], [0.0, 0.0], [3.0, 3.0]])
+    y = np.array([[-3.0, -4.0], [7.0, 5.0], [0.0, 0.0], [0.0, np.nan]])
+    distances = distance_to_paths(x, y, path_x, path_y, np.array([3, 4, 4, 1]))
+    assert distances == pytest.approx(
+        np.array([[3.0, 5.0], [2.0, 2.0], [np.nan] * 2, [np.nan] * 2]), nan_ok=True
+    )

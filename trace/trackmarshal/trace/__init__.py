@@ -1,0 +1,90 @@
+"""From requirement to evidence: the traceability matrix, its reports, and the gate.
+
+`build` makes the matrix of a project from its requirements folder and the engine's records; `render` prints it; `gate`
+says what fails it. Nothing here evaluates a rule: what the engine found comes in as `trackmarshal.records`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from datetime import date
+from pathlib import Path
+
+from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.trace import baseline as _baseline
+from trackmarshal.trace import files as _files
+from trackmarshal.trace import requirements as _requirements
+from trackmarshal.trace.codes import CODES
+from trackmarshal.trace.files import Results, load_results
+from trackmarshal.trace.findings import Finding, Place
+from trackmarshal.trace.matrix import Matrix, assemble
+from trackmarshal.trace.model import Project
+from trackmarshal.trace.render import FORMATS, render
+from trackmarshal.trace.spec import Spec
+from trackmarshal.trace.values import Placed
+
+
+def build(
+    project_root: Path,
+    spec_items: Sequence[SpecItem],
+    spec_tests: Sequence[SpecTest],
+    test_results: Iterable[TestResult] = (),
+    runs: Iterable[RunSummary] = (),
+    today: date | None = None,
+    *,
+    spec_fingerprint: str = "",
+    findings: Iterable[Finding] = (),
+) -> Matrix:
+    """The matrix of a project.
+
+    Results and runs that are not given count as not run. `today` (default: the clock's day) decides which waivers
+    hold. `spec_fingerprint` is that of everything evaluated (rules, parameters, tables): with it, results and runs
+    made from other parameters are stale. `findings` are those of reading the results (`load_results`). What is wrong
+    with the project becomes findings of the matrix; nothing is raised for it.
+    """
+    found = list(findings)
+    project = _requirements.load(project_root, found)
+    spec = Spec(spec_items, spec_tests, test_results, runs, spec_fingerprint)
+    hashes = _files.hashes(project_root, project, spec.items)
+    baseline = _baseline.load(project_root, project, found)
+    return assemble(project, spec, hashes, baseline, today or date.today(), found)
+
+
+def gate(matrix: Matrix) -> list[Finding]:
+    """What fails the gate: every finding of level error; empty when it passes."""
+    return [finding for finding in matrix.findings if finding.level == "error"]
+
+
+def load(project_root: Path) -> tuple[Project, tuple[Finding, ...]]:
+    """The documents of a project, its settings among them, and what is wrong with reading them."""
+    found: list[Finding] = []
+    return _requirements.load(project_root, found), tuple(found)
+
+
+def requirement_ids(project_root: Path) -> tuple[Placed, ...]:
+    """The ids that a spec may name in `satisfies`, each with its place."""
+    return tuple(_requirements.ids(project_root))
+
+
+def accept_baseline(project_root: Path, spec_items: Sequence[SpecItem], spec_tests: Sequence[SpecTest]) -> Path:
+    """Write down what there is now as accepted; returns the baseline's path."""
+    project, _ = load(project_root)
+    return _baseline.accept(project_root, project, spec_items, spec_tests)
+
+
+__all__ = [
+    "CODES",
+    "FORMATS",
+    "Finding",
+    "Matrix",
+    "Place",
+    "Project",
+    "Results",
+    "accept_baseline",
+    "build",
+    "gate",
+    "load",
+    "load_results",
+    "render",
+    "requirement_ids",
+]

@@ -1,0 +1,92 @@
+"""The gate: which cells have to be covered, and what a waiver excuses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from datetime import date
+
+from trackmarshal.trace.cells import Cell, Item
+from trackmarshal.trace.findings import Finding, error, warning
+from trackmarshal.trace.model import Demand, Project, Requirement, Stage, matches
+from trackmarshal.trace.values import Placed
+
+#: Findings that somebody may answer for. All others are mistakes, to be mended.
+WAIVABLE = frozenset({"T207", "T208", "T211", "T212", "T252"})
+#: Cells that a waiver may excuse. What failed, or is stale, is never excused.
+GAPS = frozenset({"missing", "partial"})
+
+
+class Waivers:
+    """The waivers that hold today, and which of them were needed."""
+
+    def __init__(self, project: Project, today: date) -> None:
+        self._all = project.waivers
+        self._today = today
+        self._holding = [w for w in project.waivers if w.granted <= today <= w.expires]
+        self._used: set[str] = set()
+
+    def cell(self, cell: Cell, requirement: Requirement, stage: Stage) -> Cell:
+        """The cell, waived where it is a gap that somebody answers for."""
+        if cell.status not in GAPS:
+            return cell
+        for waiver in self._holding:
+            if stage.id in waiver.stages and matches(requirement.id, waiver.requirements):
+                self._used.add(waiver.id)
+                detail = f"{waiver.owner}, {waiver.granted} until {waiver.expires}: {waiver.justification}"
+                item = Item("waiver", waiver.id, "", "waived", detail, waiver.id.place)
+                return Cell("waived", (item, *cell.items))
+        return cell
+
+    def finding(self, found: Finding) -> Finding:
+        """The finding, as a note where somebody answers for it."""
+        if found.code not in WAIVABLE or found.level != "error":
+            return found
+        for waiver in self._holding:
+            if found.code in waiver.codes and matches(found.subject, waiver.subjects):
+                self._used.add(waiver.id)
+                message = f"{found.message} (waived by {waiver.id} until {waiver.expires}: {waiver.justification})"
+                return replace(found, level="note", message=message)
+        return found
+
+    def check(self) -> Iterator[Finding]:
+        """What is wrong with the waivers themselves (T231 to T233)."""
+        for waiver in self._all:
+            place, name = waiver.id.place, str(waiver.id)
+            if waiver.expires < self._today:
+                message = f"the waiver `{name}` expired on {waiver.expires}"
+                yield error("T231", message, place, "close the gap, or have it granted anew", name)
+            elif waiver.granted > self._today:
+                yield error("T231", f"the waiver `{name}` holds from {waiver.granted} on", place, "correct the date", name)
+            elif waiver.id not in self._used:
+                yield warning("T232", f"the waiver `{name}` excuses nothing", place, "strike it: the gap is closed", name)
+            for code in waiver.codes:
+                if code not in WAIVABLE:
+                    help_ = "findings that can be waived: " + ", ".join(sorted(WAIVABLE))
+                    yield error("T233", f"`{code}` cannot be waived", code.place, help_, name)
+
+
+def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[Finding]:
+    """A finding for every cell that is less covered than the gate demands (T230)."""
+    stages = {str(stage.id): stage for stage in project.stages}
+    demands: Sequence[Demand] = project.gate or tuple(
+        Demand(stage.id, (Placed.at("*", stage.id.place),), "covered") for stage in project.stages
+    )
+    for requirement in project.by_id.values():
+        for name, cell in cells.get(requirement.id, {}).items():
+            wanted = [d.at_least for d in demands if d.stage == name and matches(requirement.id, d.requirements)]
+            if not wanted or cell.status in ("covered", "waived") or (cell.status == "partial" and "covered" not in wanted):
+                continue
+            degree = "covered" if "covered" in wanted else "partly covered"
+            message = f"`{requirement.id}` is {cell.status} at {name} ({stages[name].title}), and is to be {degree}{_why(cell)}"
+            yield error("T230", message, requirement.place, "", requirement.id)
+
+
+def _why(cell: Cell) -> str:
+    """The first items that keep a cell from being covered."""
+    open_ = [item for item in cell.items if item.status not in ("covered", "waived")]
+    if not open_:
+        return ": nothing counts here" if not cell.items else ""
+    shown = [f"{item.kind} `{item.name}`{f': {item.detail}' if item.detail else ''}" for item in open_[:3]]
+    more = f"; and {len(open_) - 3} more" if len(open_) > 3 else ""
+    return f" ({'; '.join(shown)}{more})"

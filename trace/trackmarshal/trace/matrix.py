@@ -1,0 +1,139 @@
+"""The traceability matrix: a pure function of the documents, the engine's records, the hashes of files, and the day."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import date
+
+from trackmarshal.trace import baseline as baselines
+from trackmarshal.trace import consistency, cycles, files, gates, links, runs, tests
+from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
+from trackmarshal.trace.files import Hashes
+from trackmarshal.trace.findings import Finding, in_order
+from trackmarshal.trace.links import Link
+from trackmarshal.trace.model import Project, Requirement, Stage, Waiver, matches
+from trackmarshal.trace.spec import Spec
+
+#: Findings that mean that a document could not be used as it is: reading, YAML, which document it is.
+UNUSABLE = frozenset(f"T1{number:02}" for number in range(1, 14))
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A requirement and its cells by stage; stages that do not ask anything of it have none."""
+
+    requirement: Requirement
+    depth: int  #: how many requirements above it, along its first parents
+    cells: Mapping[str, Cell]
+
+
+@dataclass(frozen=True, slots=True)
+class Matrix:
+    """Requirements against stages, with all that was found on the way."""
+
+    project: str
+    today: date
+    stages: tuple[Stage, ...]
+    rows: tuple[Row, ...]
+    links: tuple[Link, ...]
+    waivers: tuple[Waiver, ...]
+    findings: tuple[Finding, ...]
+    counts: Mapping[str, int]  #: how many rules, assumptions, tests, results and runs went in
+
+    @property
+    def passes(self) -> bool:
+        """The one verdict that every report prints: no finding is an error."""
+        return not any(finding.level == "error" for finding in self.findings)
+
+    @property
+    def unusable(self) -> bool:
+        """Whether a document could not be read, so that the matrix lacks what it says."""
+        return any(finding.code in UNUSABLE for finding in self.findings)
+
+    @property
+    def coverage(self) -> dict[str, dict[str, int]]:
+        """Per stage: how many requirements it asks of (`of`), and how many cells have each status."""
+        table: dict[str, dict[str, int]] = {}
+        for stage in self.stages:
+            statuses = [row.cells[stage.id].status for row in self.rows if stage.id in row.cells]
+            order = ("covered", *(s for s in reversed(STATUSES) if s != "covered"))
+            count = {status: statuses.count(status) for status in order}
+            table[str(stage.id)] = {"covered": count.pop("covered"), "of": len(statuses), **count}
+        return table
+
+
+def assemble(
+    project: Project,
+    spec: Spec,
+    hashes: Hashes,
+    baseline: baselines.Baseline | None,
+    today: date,
+    found: Iterable[Finding] = (),
+) -> Matrix:
+    """The matrix; `found` is what reading the inputs brought to light."""
+    waivers = gates.Waivers(project, today)
+    cells = _cells(project, spec, hashes, waivers)
+    loose = [
+        *consistency.check(project),
+        *links.check(project, spec),
+        *tests.check(project, spec),
+        *baselines.check(baseline, project, spec),
+        *runs.check(project, spec, hashes),
+        *files.check(project, spec, hashes),
+    ]
+    judged = [waivers.finding(finding) for finding in loose]
+    findings = in_order([*found, *judged, *gates.check(project, cells), *waivers.check()])
+    rows = tuple(Row(requirement, depth, cells[requirement.id]) for requirement, depth in _in_order(project))
+    counts = {
+        "requirements": len(rows),
+        "rules": sum(item.kind == "rule" for item in spec.items),
+        "assumptions": sum(item.kind == "assume" for item in spec.items),
+        "tests": len(spec.tests),
+        "test_results": len(spec.results),
+        "runs": len(spec.runs),
+    }
+    return Matrix(project.name, today, project.stages, rows, links.links(project, spec), project.waivers, findings, counts)
+
+
+def _in_order(project: Project) -> list[tuple[Requirement, int]]:
+    """Requirements in the order of files and lines, each followed by those that refine it (first parent counts)."""
+    demanded = sorted((r for r in project.by_id.values() if r.demanded), key=lambda r: r.place)
+    below: dict[str, list[Requirement]] = defaultdict(list)
+    tops: list[Requirement] = []
+    for requirement in demanded:
+        parent = next((project.by_id[p] for p in requirement.refines if p in project.by_id and project.by_id[p].demanded), None)
+        (tops if parent is None else below[parent.id]).append(requirement)
+    order: dict[str, int] = {}
+    for top in [*tops, *demanded]:  # the second time round: members of cycles, which no top leads to
+        stack = [(top, 0)]
+        while stack:
+            requirement, depth = stack.pop()
+            if requirement.id not in order:
+                order[str(requirement.id)] = depth
+                stack += [(child, depth + 1) for child in reversed(below[requirement.id])]
+    return [(project.by_id[name], depth) for name, depth in order.items()]
+
+
+def _cells(project: Project, spec: Spec, hashes: Hashes, waivers: gates.Waivers) -> dict[str, dict[str, Cell]]:
+    """The cells of every demanded requirement, those below first: what is open there shows above."""
+    demanded = [r for r in project.by_id.values() if r.demanded]
+    parents = {str(r.id): [str(p) for p in r.refines] for r in demanded}
+    children: dict[str, list[str]] = defaultdict(list)
+    for name, above in parents.items():
+        for parent in dict.fromkeys(above):
+            children[parent].append(name)
+    interfaces = {str(i.id): i for i in reversed(project.interfaces)}
+    ground = Ground(project, spec, hashes, interfaces, children)
+    asked = {str(s.id): {n for n in parents if matches(n, s.applies_to)} for s in project.stages}
+    cells: dict[str, dict[str, Cell]] = {name: {} for name in parents}
+    for name in cycles.children_first(parents):
+        requirement = project.by_id[name]
+        for stage in project.stages:
+            if name in asked[stage.id]:
+                below = {child: cells[child][stage.id] for child in children.get(name, ()) if stage.id in cells[child]}
+                made = cell(ground, requirement, stage, below)
+                if made is not None:
+                    cells[name][str(stage.id)] = waivers.cell(made, requirement, stage)
+    return cells
