@@ -269,6 +269,10 @@ def line(self: Expressions, value: Value, span: Span) -> ir.Line:
     if isinstance(value, LineValue):
         return value.line
     if isinstance(value, SignalValue) and value.signal.kind == "trajectory" and not value.signal.many:
+        for column in SHAPES["point"]:
+            field = value.signal.field(column)
+            if field is None or field.kind != "number" or parse_unit(field.unit)[2] != LENGTH:
+                self.fail(WrongKind(span, "a trajectory with a path", value.spoken, f"declare its column `{column}: m`"))
         return self.make(ir.Line, "path", value.signal.name, "")
     if isinstance(value, (SignalValue, AreaValue)):
         area = _area(self, value, span)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
@@ -139,10 +140,8 @@ class _Compiler:
         return Context(self.scopes[module], {}, 0, None, None, ())
 
     def _try(self, step: Callable[[], None]) -> None:
-        try:
+        with suppress(Poison):
             step()
-        except Poison:
-            pass
 
     def _own(self, module: str, kind: type[T]) -> list[T]:
         """A module's declarations of a kind; those that were declared twice too, for the errors in them."""
@@ -183,16 +182,15 @@ class _Compiler:
                 self.found.append(BadValue(field.span, f"a {field.type} has no range, order or default"))
             return FieldType(field.name, field.type, "1", False, None, None, None, field.span)
         unit, dimension = field.type, parse_unit(field.type)[2]
-        limits: list[tuple[float | None, float | None]] = []
-        defaults: list[float | None] = []
-        self._try(lambda: limits.append(self._range(field.range, unit, dimension, module)))
+        lower, upper, default = None, None, None
+        with suppress(Poison):
+            lower, upper = self._range(field.range, unit, dimension, module)
         if field.default is not None:
-            self._try(lambda: defaults.append(self._finite(field.default, unit, dimension, module)))
-        (lower, upper), default = limits[0] if limits else (None, None), defaults[0] if defaults else None
-        if default is not None and not _inside(default, lower, upper):
-            assert field.range is not None
-            at = field.default.__dict__["span"]
-            self.found.append(BadValue(at, f"the default of `{field.name}` is outside its range", field.range.span))
+            with suppress(Poison):
+                default = self._finite(field.default, unit, dimension, module)
+                if not _inside(default, lower, upper):
+                    at, limits = field.default.__dict__["span"], field.range.span if field.range else None
+                    self.found.append(BadValue(at, f"the default of `{field.name}` is outside its range", limits))
         return FieldType(field.name, "number", unit, field.increasing, lower, upper, default, field.span)
 
     def _range(self, limits: ast.Range | None, unit: str, dimension: Dimension, module: str) -> tuple[float | None, float | None]:
@@ -323,6 +321,11 @@ class _Compiler:
         timeline = self.x.make(ir.Axis, "", "samples", 1, 0)
         ctx = self._context(module).bind({}, 1, timeline)
         for item in self._own(module, ast.Define):
+            seen: dict[str, Span] = {}
+            for parameter in item.parameters:
+                if parameter.name in seen:
+                    self.found.append(Duplicate(parameter.span, seen[parameter.name], "parameter", parameter.name))
+                seen.setdefault(parameter.name, parameter.span)
             symbol = Symbol(item, module, f"{module}.{item.name}")
             self._try(lambda s=symbol, i=item: calls.check_definition(self.x, s, i, ctx))  # type: ignore[misc]
         for state in self._own(module, ast.State):

@@ -68,7 +68,6 @@ class ModuleName(Diagnostic):
     code = "E205"
     title = "the module's name does not fit"
     text = "{problem}"
-    label = "here"
     other_label = "the other one is here"
     remedy = "{hint}"
     explanation = "A file starts with `module NAME`, once, and a module `a.b` lives in a/b.spec, so that `use a.b` finds it."
@@ -167,7 +166,6 @@ class ClauseProblem(Diagnostic):
     code = "E213"
     title = "a clause is missing, double or misplaced"
     text = "{problem}"
-    label = "here"
     other_label = "the first one is here"
     remedy = "{hint}"
     explanation = (
@@ -212,7 +210,6 @@ class StateProblem(Diagnostic):
     code = "E217"
     title = "a state that never changes"
     text = "{problem}"
-    label = "here"
     remedy = "add a `becomes` that leads elsewhere, or remove the state"
     explanation = "A `state` that never leaves the value it starts with remembers nothing."
 
@@ -240,7 +237,6 @@ class UnknownReference(Diagnostic):
     code = "E219"
     title = "unknown word"
     text = "{problem}"
-    label = "here"
     remedy = "{hint}"
     explanation = "Some places take a word from a fixed list, or the name of a rule, an assumption or a reference declared elsewhere."
 
@@ -290,7 +286,6 @@ class BadValue(Diagnostic):
     code = "E306"
     title = "a value that cannot stand here"
     text = "{problem}"
-    label = "here"
     other_label = "{about}"
     remedy = "{hint}"
     explanation = (

@@ -10,7 +10,6 @@ class BadGiven(Diagnostic):
     code = "E421"
     title = "a test that gives something impossible"
     text = "{problem}"
-    label = "here"
     remedy = "{hint}"
     explanation = (
         "`given NAME = VALUE` gives a signal, an event, a parameter, a table or a place that the test's module can see: builders "
@@ -27,7 +26,6 @@ class BadExpectation(Diagnostic):
     code = "E422"
     title = "a test that expects something impossible"
     text = "{problem}"
-    label = "here"
     remedy = "{hint}"
     explanation = (
         "`expect VERDICT` names satisfied, violated, undefined or inactive; `margin X` expects it exactly, `margin about X within Y` "
@@ -43,7 +41,6 @@ class UnknownRuleOfTest(Diagnostic):
     code = "E423"
     title = "a test of something without a condition"
     text = "`{name}` has no condition to test"
-    label = "here"
     explanation = "An assumption without a `monitor` cannot be evaluated, so it cannot be tested."
 
     span: Span

@@ -19,7 +19,7 @@ def distance_to_paths(
     points = np.stack([np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)])
     path = np.stack([np.asarray(path_x, dtype=np.float64), np.asarray(path_y, dtype=np.float64)])
     there: Bools = np.arange(path.shape[2]) < np.asarray(lengths, dtype=np.intp)[:, None]
-    sound: Bools = (np.abs(path) <= LIMIT).all(axis=0)
+    sound: Bools = np.logical_and.reduce(np.abs(path) <= LIMIT, axis=0)
     fine: Bools = np.logical_and.reduce(sound | ~there, axis=1)
     usable = (np.abs(points) <= LIMIT).all(axis=0) & fine[:, None]
     points = np.where(usable, points, 0.0)[..., None]

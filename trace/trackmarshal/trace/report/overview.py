@@ -45,8 +45,8 @@ def index_context(
         "stages": [_stage(name, entry) for name, entry in matrix_summary.get("coverage", {}).items()],
         "statuses": STATUSES,
         "runs": [_run(run, page) for run, page in runs],
-        "checks": checks,
-        "tests": checks.get("tests"),
+        "checks": {"errors": None, "warnings": 0, "rules": None, **checks},
+        "tests": None if checks.get("tests") is None else {"failures": [], **checks["tests"]},
         "assumptions": _assumptions([run for run, _ in runs]),
     }
 

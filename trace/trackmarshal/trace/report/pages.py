@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 _TEMPLATES = Path(__file__).with_name("templates")
+#: What `meta` may hold, empty where it is not given: templates fail on names that are not there.
+_NO_META: dict[str, Any] = {"project": "", "spec_fingerprint": "", "date": "", "versions": {}, "command": "", "requirements": {}, "notes": []}
 
 
 def write_report(
@@ -38,16 +40,16 @@ def write_report(
     meta: {"project", "spec_fingerprint", "date", "versions": {name: version}, "command", "requirements": {id: title},
     "notes": [text]}; only what is given is shown. The date is the caller's: equal input makes equal pages.
     """
+    meta = {**_NO_META, **meta}
     read = [read_run(record) for record in runs]
     names = page_names([run.name for run in read])
     pages: dict[str, str] = {}
-    titles = meta.get("requirements", {})
     for number, run in enumerate(read):
         around = {
             "before": (read[number - 1].name, names[number - 1]) if number else None,
             "after": (read[number + 1].name, names[number + 1]) if number + 1 < len(read) else None,
         }
-        pages[f"runs/{names[number]}.html"] = _page("run.html.j2", {**run_context(run, titles), **around, "meta": meta})
+        pages[f"runs/{names[number]}.html"] = _page("run.html.j2", {**run_context(run, meta["requirements"]), **around, "meta": meta})
     linked = [(run, f"runs/{name}.html") for run, name in zip(read, names)]
     pages["index.html"] = _page("index.html.j2", index_context(linked, matrix_summary, missing, checks, meta, matrix_html is not None))
     if matrix_html is not None:
