@@ -187,7 +187,7 @@ def test_a_figure_of_eight_is_a_track(geometry: Geometry) -> None:
             False,
             "left border folds back on itself near (50.000, 5.000)",
         ),
-        (LEFT, LEFT, False, "left border folds back on itself near (100.000, 5.000)"),
+        (LEFT, LEFT, False, "left border meets right border near (50.000, 5.000)"),
         (
             [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0)],
             [(20.0, 0.0), (29.0, 0.0), (29.0, 9.0)],

@@ -143,7 +143,7 @@ def test_centre_lines(geometry: Geometry) -> None:
     left, right = [(0.0, 4.0), (10.0, 4.0), (20.0, 4.0)], [(0.0, -2.0), (10.0, -2.0), (20.0, -2.0)]
     assert geometry.centre(left, right) == [(0.0, 1.0), (10.0, 1.0), (20.0, 1.0)]
     assert geometry.centre(left, [(-5.0, -2.0), (17.0, -2.0)]) == [(0.0, 1.0), (10.0, 1.0), (18.5, 1.0)]
-    (left, right), poses = loop(oval, 90, 4.0, 6.0)
+    (left, right), poses = loop(oval, 400, 4.0, 6.0)
     for (x, y, h), (cx, cy) in zip(poses, geometry.centre(left, right[::-1][:-1], True)):
         assert math.hypot(cx - (x + math.sin(h)), cy - (y - math.cos(h))) < 0.3
 

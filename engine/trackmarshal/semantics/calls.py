@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
-from trackmarshal.semantics.errors import Recursive, UnknownReference, WrongArity, WrongDimension, WrongKind
+from trackmarshal.semantics.errors import (
+    Recursive,
+    TooLarge,
+    UnknownReference,
+    WrongArity,
+    WrongDimension,
+    WrongKind,
+)
 from trackmarshal.semantics.scope import Symbol, spoken
 from trackmarshal.semantics.shapes import SHAPES
 from trackmarshal.semantics.values import (
@@ -40,6 +47,8 @@ _SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
     "distance_to": ((2,), "2 arguments (a point, a line)"), "station_gap": ((3,), "3 arguments (a line, two stations)"),
     "centre": ((1,), "1 argument (a corridor)"), "path": ((1,), "1 argument (a trajectory)"),
 }  # fmt: skip
+#: How many definitions one declaration may be made of, each counted where it is written out.
+MOST_EXPANSIONS = 20_000
 _ON_LINE: dict[str, Dimension] = {"station": LENGTH, "offset": LENGTH, "direction": NUMBER, "distance_to": LENGTH}
 
 
@@ -101,6 +110,11 @@ def expand(self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value
     if symbol.qualified in ctx.stack:
         cycle = " -> ".join(q.rpartition(".")[2] for q in (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified))
         self.fail(Recursive(span, item.name, cycle))
+    if symbol.qualified in self.failed:
+        raise Poison
+    self.expansions += 1
+    if self.expansions > MOST_EXPANSIONS:
+        self.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
     bound = self.all(*(lambda p=p, v=v: _argument(self, p, v) for p, v in zip(item.parameters, args)))
     local = {p.name: value for p, value in zip(item.parameters, bound)}
     scope = self.scopes[symbol.module]

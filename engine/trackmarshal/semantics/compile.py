@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 from typing import NoReturn, TypeVar
@@ -139,10 +139,6 @@ class _Compiler:
     def _context(self, module: str) -> Context:
         return Context(self.scopes[module], {}, 0, None, None, ())
 
-    def _try(self, step: Callable[[], None]) -> None:
-        with suppress(Poison):
-            step()
-
     def _own(self, module: str, kind: type[T]) -> list[T]:
         """A module's declarations of a kind; those that were declared twice too, for the errors in them."""
         return [item for item in self.library.modules[module].tree.items if isinstance(item, kind)]
@@ -233,7 +229,7 @@ class _Compiler:
         for item in items:
             self.x.params.setdefault(f"{module}.{item.name}", parse_unit(item.unit)[2])
         for item in items:
-            self._try(lambda item=item: self._param(item, module))  # type: ignore[misc]
+            self.x.attempt(lambda item=item: self._param(item, module), item.span.head)  # type: ignore[misc]
 
     def _param(self, item: ast.Param, module: str) -> None:
         dimension = parse_unit(item.unit)[2]
@@ -286,7 +282,7 @@ class _Compiler:
 
     def _tables(self, module: str) -> None:
         for item in self._own(module, ast.Table):
-            self._try(lambda item=item: self._table(item, module))  # type: ignore[misc]
+            self.x.attempt(lambda item=item: self._table(item, module), item.span.head)  # type: ignore[misc]
 
     def _table(self, item: ast.Table, module: str) -> None:
         argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
@@ -304,7 +300,7 @@ class _Compiler:
 
     def _places(self, module: str) -> None:
         for item in self._own(module, ast.Place):
-            self._try(lambda item=item: self._place(item, module))  # type: ignore[misc]
+            self.x.attempt(lambda item=item: self._place(item, module), item.span.head)  # type: ignore[misc]
 
     def _place(self, item: ast.Place, module: str) -> None:
         length = parse_unit("m")[2]
@@ -327,14 +323,15 @@ class _Compiler:
                     self.found.append(Duplicate(parameter.span, seen[parameter.name], "parameter", parameter.name))
                 seen.setdefault(parameter.name, parameter.span)
             symbol = Symbol(item, module, f"{module}.{item.name}")
-            self._try(lambda s=symbol, i=item: calls.check_definition(self.x, s, i, ctx))  # type: ignore[misc]
+            if not self.x.attempt(lambda s=symbol, i=item: calls.check_definition(self.x, s, i, ctx), item.span.head):  # type: ignore[misc]
+                self.x.failed.add(symbol.qualified)
         for state in self._own(module, ast.State):
             check_state(state, self.x, ctx)
 
     def _constraints(self, module: str) -> None:
         for item in self.library.modules[module].tree.items:
             if isinstance(item, ast.Constrain):
-                self._try(lambda item=item: self._constraint(item, module))  # type: ignore[misc]
+                self.x.attempt(lambda item=item: self._constraint(item, module), item.span.head)  # type: ignore[misc]
 
     def _constraint(self, item: ast.Constrain, module: str) -> None:
         formula = self.x.formula(item.condition, self._context(module)).node

@@ -245,6 +245,20 @@ class UnknownReference(Diagnostic):
     hint: str = ""
 
 
+class TooLarge(Diagnostic):
+    code = "E221"
+    title = "a formula that is too large"
+    text = "written out, this is {size}"
+    remedy = "let fewer definitions build on each other"
+    explanation = (
+        "Definitions are written out where they are used. A chain of definitions of which each uses the one before twice doubles with "
+        "every link; a bound keeps every pass and every evaluation predictable."
+    )
+
+    span: Span
+    size: str
+
+
 class DimensionMismatch(Diagnostic):
     code = "E301"
     title = "dimensions do not match"

@@ -18,6 +18,7 @@ from trackmarshal.semantics.errors import (
     DimensionMismatch,
     Duplicate,
     RunAxis,
+    TooLarge,
     UnknownField,
     UnknownReference,
     UnusedVariable,
@@ -70,6 +71,22 @@ class Expressions:
         #: Names of tables -> (dimension of the argument, of the result).
         self.tables: dict[str, tuple[Dimension, Dimension]] = {}
         self.params: dict[str, Dimension] = {}
+        #: Definitions (qualified names) whose bodies have errors: nothing more is said about their uses.
+        self.failed: set[str] = set()
+        #: How many definitions were written out for the declaration at hand.
+        self.expansions = 0
+
+    def attempt(self, step: Callable[[], None], span: Span) -> bool:
+        """Check one declaration, or one clause: whether it has a meaning; what keeps it from one was reported."""
+        self.expansions = 0
+        try:
+            step()
+        except Poison:
+            return False
+        except RecursionError:
+            self.found.append(TooLarge(span, "nested too deeply"))
+            return False
+        return True
 
     def fail(self, diagnostic: Diagnostic) -> NoReturn:
         self.found.append(diagnostic)

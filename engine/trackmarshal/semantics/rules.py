@@ -7,7 +7,7 @@ import hashlib
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, SignalType
-from trackmarshal.semantics.errors import Ambiguous, ClauseProblem, RunAxis, UnknownReference
+from trackmarshal.semantics.errors import Ambiguous, ClauseProblem, RunAxis, TooLarge, UnknownReference
 from trackmarshal.semantics.expressions import Context, Expressions
 from trackmarshal.semantics.scope import Symbol
 from trackmarshal.semantics.values import Broken, FormulaValue, Poison, SignalValue
@@ -135,6 +135,7 @@ class RuleBuilder:
         ctx, body, failed = self.ctx, None, False
         clauses = [c for c in item.clauses if isinstance(c, (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.Require))]
         for position, clause in enumerate(clauses):
+            self.x.expansions = 0
             try:
                 match clause:
                     case ast.Along():
@@ -160,8 +161,10 @@ class RuleBuilder:
                         ctx = ctx.bind({clause.name: value})
                     case ast.Require():
                         body = self.x.formula(clause.condition, ctx).node
-            except Poison:
+            except (Poison, RecursionError) as error:
                 failed = True
+                if isinstance(error, RecursionError):
+                    self.x.found.append(TooLarge(clause.__dict__["span"].head, "nested too deeply"))
                 if isinstance(clause, (ast.Let, ast.Along)):  # a broken name, so that the clauses below are still checked
                     timeline = self.x.make(ir.Axis, "", "samples", 1, 0) if isinstance(clause, ast.Along) else None
                     ctx = ctx.bind({clause.name: Broken()}, 0, timeline)
@@ -213,7 +216,9 @@ def _with_exceptions(
     result: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]] = []
     for clause, axis, guard in steps:
         if isinstance(clause, ast.Except):
-            place = max(i for i, step in enumerate(result) if isinstance(step[0], ast.Bind))
+            place = max((i for i, step in enumerate(result) if isinstance(step[0], ast.Bind)), default=None)
+            if place is None:
+                continue  # reported with the clauses' places
             bind, bound, before = result[place]
             assert guard is not None
             allowed = x.make(ir.Not, guard)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from datetime import date
 from pathlib import Path
 
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
 from trackmarshal.trace import baseline as _baseline
 from trackmarshal.trace import files as _files
@@ -67,8 +68,11 @@ def requirement_ids(project_root: Path) -> tuple[Placed, ...]:
 
 
 def accept_baseline(project_root: Path, spec_items: Sequence[SpecItem], spec_tests: Sequence[SpecTest]) -> Path:
-    """Write down what there is now as accepted; returns the baseline's path."""
-    project, _ = load(project_root)
+    """Write down what there is now as accepted; returns the baseline's path. Raises what reading found wrong."""
+    project, found = load(project_root)
+    for finding in found:
+        file, line = (finding.place.file, finding.place.line) if finding.place else (None, None)
+        raise TrackmarshalError(finding.code, finding.message, file=file, line=line, help="mend this before accepting a baseline")
     return _baseline.accept(project_root, project, spec_items, spec_tests)
 
 

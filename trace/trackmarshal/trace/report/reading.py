@@ -67,14 +67,12 @@ class Rule:
 
     @property
     def nearness(self) -> float:
-        """The smallest margin as a share of the median one, over the candidates; infinite where there is no margin."""
-        shares = []
-        for lane in self.lanes.values():
-            known = lane.measured()
-            if known:
-                least, middle = min(known), median(known)
-                shares.append(0.0 if least <= 0.0 else least / middle)
-        return min(shares, default=math.inf)
+        """The smallest margin as a share of the median one, over the candidates; infinite where the median is not positive.
+
+        A margin that always is 0 (a trajectory that is made to end at rest) says nothing over time.
+        """
+        known = [margins for lane in self.lanes.values() if (margins := lane.measured())]
+        return min((max(0.0, min(margins)) / median(margins) for margins in known if median(margins) > 0.0), default=math.inf)
 
     @property
     def matters(self) -> bool:
@@ -120,6 +118,12 @@ class Run:
         """Per cycle, whether a rule of one kind (dynamic, static) makes a candidate unsafe."""
         lanes = [lane.verdict for rule in self.rules if rule.kind == kind for lane in rule.lanes.values()]
         return [any(letters[i] in UNSAFE for letters in lanes) for i in range(self.cycles)]
+
+    def whole_truth(self) -> list[bool | None]:
+        """All kinds of ground truth together: unsafe where one says so, safe where all do, else free."""
+        kinds = [truth for truth in self.truth.values() if any(value is not None for value in truth)]
+        together = zip(*kinds) if kinds else []
+        return [False if False in values else None if None in values else True for values in together]
 
     def by_requirement(self) -> dict[str, list[Rule]]:
         """Rules by the first requirement that they satisfy, in the order of the requirements' names; "" comes last."""

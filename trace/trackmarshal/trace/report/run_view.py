@@ -30,7 +30,7 @@ def run_context(run: Run, titles: Mapping[str, str]) -> dict[str, Any]:
         "times": f"{clock(run.t[0])} to {clock(run.t[-1])} {run.time_unit}" if run.cycles else "",
         "timeline": _both(lambda layout: timeline.timeline(run, layout, titles)) if run.cycles else None,
         "timeline_words": list(_timeline_words(run)),
-        "scene": tuple(scene.scene(run, frame) for frame in (view.WIDE, view.NARROW)) if _drawable(run) else None,
+        "scene": tuple("".join(scene.scenes(run, frame)) for frame in (view.WIDE, view.NARROW)) if _drawable(run) else None,
         "spacing": plain(scene.spacing(run)),
         "far": plain(scene.FAR),
         "positions": list(_positions(run)),
@@ -199,7 +199,7 @@ def _moment(run: Run) -> dict[str, Any] | None:
     index = int(firing["cycles"][0])
     # The point that decided is known of the worst cycle only; it is marked where that is the first one.
     where = firing["worst"]["where"] if firing["worst"]["cycle"] == index else []
-    pictures = [scene.moment(run, index, where, frame) for frame in (view.WIDE, view.NARROW)]
+    pictures = [scene.moment(run, index, where, frame) for frame in (view.WIDE_NEAR, view.NARROW_NEAR)]
     if pictures[0] is None:
         return None
     first = [r for r in run.rules for lane in r.lanes.values() if any(f["cycles"][0] == index for f in lane.firings)]

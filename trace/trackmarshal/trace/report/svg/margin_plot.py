@@ -24,7 +24,7 @@ def margin_plot(run: Run, rule: Rule, layout: Layout) -> str:
     across = time_axis(run.t, run.end, start, layout.width - layout.right)
     values = [m for lane in rule.lanes.values() for m, letter in zip(lane.margin, lane.verdict) if letter in "sv"]
     up = margin_axis(values, HEIGHT - BOTTOM, TOP)
-    parts = [*_truth(run, rule.kind, across), *_grid(run, rule, across, up, layout)]
+    parts = [*_truth(run, run.truth.get(rule.kind, ()), across, HEIGHT), *_grid(run, rule, across, up, layout)]
     for candidate, lane in rule.lanes.items():
         parts += _line(run, candidate, lane, across, up)
     parts.append(tag("line", x1=0.0, x2=0.0, y1=TOP, y2=HEIGHT - BOTTOM, class_="cursor", visibility="hidden"))
@@ -43,7 +43,7 @@ def score_plot(run: Run, layout: Layout) -> str:
     start = layout.gutter or LEAST_GUTTER
     across = time_axis(run.t, run.end, start, layout.width - layout.right)
     up = Axis(-0.25, 1.25, height - BOTTOM, TOP)
-    parts = []
+    parts = list(_truth(run, run.whole_truth(), across, height))
     for tick in across.ticks(layout.ticks):
         parts.append(tag("line", x1=across.at(tick), x2=across.at(tick), y1=TOP, y2=height - BOTTOM, class_="grid"))
     parts += _time_words(run, across, layout, height)
@@ -69,12 +69,12 @@ def score_plot(run: Run, layout: Layout) -> str:
     )  # fmt: skip
 
 
-def _truth(run: Run, kind: str, across: Axis) -> Iterator[str]:
-    for value, first, last in stretches(run.truth.get(kind, ())):
+def _truth(run: Run, truth: Sequence[bool | None], across: Axis, height: float) -> Iterator[str]:
+    for value, first, last in stretches(truth):
         if value is not None:
             x0, x1 = across.at(run.t[first]), across.at(run.end[last])
             words = f"ground truth: must be {'safe' if value else 'unsafe'}, {clock(run.t[first])} to {clock(run.t[last])} {run.time_unit}"
-            yield tag("rect", title(words), x=x0, y=TOP, width=x1 - x0, height=HEIGHT - TOP - BOTTOM, class_=f"g-{'safe' if value else 'unsafe'}")
+            yield tag("rect", title(words), x=x0, y=TOP, width=x1 - x0, height=height - TOP - BOTTOM, class_=f"g-{'safe' if value else 'unsafe'}")
 
 
 def _grid(run: Run, rule: Rule, across: Axis, up: Axis, layout: Layout) -> Iterator[str]:

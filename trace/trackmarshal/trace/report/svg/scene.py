@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from trackmarshal.trace.report.reading import CANDIDATES, Run, number
 from trackmarshal.trace.report.svg.axis import nice_step
 from trackmarshal.trace.report.svg.element import points, svg, tag, text, text_width, thinned, title
 from trackmarshal.trace.report.svg.labels import Places, around
-from trackmarshal.trace.report.svg.view import FOOT, Frame, Point, View, fit
-from trackmarshal.trace.report.words import clock, plain
+from trackmarshal.trace.report.svg.view import FOOT, Frame, Point, View, fit, main_direction
+from trackmarshal.trace.report.words import clock, count, interval, plain
 
 #: Vehicles farther away from the car than this (m) are not shown, so that the picture can be near.
 FAR = 120.0
+#: A path that is so many times as long as broad is cut into strips.
+ELONGATED = 5.0
 #: At most about so many poses are drawn; longer runs are drawn at a longer spacing than 1 s.
 MOST_POSES = 60
 FONT = 11.0
@@ -48,18 +50,63 @@ def marked_cycles(run: Run) -> list[int]:
     return found
 
 
-def scene(run: Run, frame: Frame) -> str:
-    """The whole run."""
-    cycles = marked_cycles(run)
+def scenes(run: Run, frame: Frame) -> list[str]:
+    """The whole run: one picture, or, where it is long and straight, several below each other, so that cars can be seen."""
     egos = {i: pose for i in range(run.cycles) if (pose := ego_pose(run, i)) is not None}
-    near = {name: _near(poses, egos) for name, poses in object_poses(run).items()}
-    shown = [(p.x, p.y) for p in egos.values()]
-    view = fit([*shown, *((p.x, p.y) for poses in near.values() for p in poses.values())], frame)
+    path = [(p.x, p.y) for p in egos.values()]
+    turn = main_direction(path)
+    along = [math.cos(turn) * x + math.sin(turn) * y for x, y in path]
+    across = [math.cos(turn) * y - math.sin(turn) * x for x, y in path]
+    length, breadth = max(along) - min(along), max(across) - min(across)
+    if length < ELONGATED * max(breadth, 12.0):
+        whole = _part(run, range(run.cycles))
+        return [_scene(run, whole, fit(whole.shown, frame), True)]
+    strips = min(frame.most_strips, math.ceil(length * frame.strip_scale / frame.width))
+    low, size = min(along), max(length / strips, 1e-9)
+    # By the way covered, each cycle once: a car that turns back does not reopen a strip.
+    number, cut = 0, [list[int]() for _ in range(strips)]
+    for i, s in zip(egos, along):
+        number = max(number, min(strips - 1, int((s - low) / size)))
+        cut[number].append(i)
+    flat = replace(frame, upright=False)
+    parts = [_part(run, range(numbers[0], numbers[-1] + 1)) for numbers in cut if numbers]
+    scale = min(fit(part.shown, flat, turn).scale for part in parts)
+    views = [fit(part.shown, flat, turn, scale) for part in parts]
+    return [_scene(run, part, view, part is parts[-1]) for part, view in zip(parts, views)]
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Consecutive cycles: the car's poses, and those of the vehicles that are near it."""
+
+    cycles: range
+    egos: Mapping[int, Pose]
+    near: Mapping[str, Mapping[int, Pose]]
+
+    @property
+    def shown(self) -> list[Point]:
+        return [(p.x, p.y) for poses in (self.egos, *self.near.values()) for p in poses.values()]
+
+
+def _part(run: Run, cycles: range) -> _Part:
+    egos = {i: pose for i in cycles if (pose := ego_pose(run, i)) is not None}
+    near = {name: _near({i: p for i, p in poses.items() if i in cycles}, egos) for name, poses in object_poses(run).items()}
+    return _Part(cycles, egos, near)
+
+
+def _scene(run: Run, part: _Part, view: View, last: bool) -> str:
+    """One picture; strips have one scale and one direction, which stand below the last of them."""
+    cycles = [i for i in marked_cycles(run) if i in part.cycles]
+    egos, near = part.egos, part.near
     places = Places(view.width, view.height)
+    times = f"{interval(run.t[part.cycles[0]], run.t[part.cycles[-1]])} {run.time_unit}"
     parts = [*_road(run, view), *_obstacles(run, view)]
+    if len(part.cycles) < run.cycles:
+        places.block((0.0, 0.0, 12 + text_width(times, 12), 18))
+        parts.append(text(8, 14, times, class_="tick"))
     for i in cycles:
         parts += _candidates(run, i, view, "faint")
-    parts.append(tag("path", d=points(thinned(view.path(shown), 1.0)), class_="trail ego-line"))
+    parts.append(tag("path", d=points(thinned(view.path((p.x, p.y) for p in egos.values()), 1.0)), class_="trail ego-line"))
     for poses in near.values():
         parts.append(tag("path", d=points(thinned(view.path((p.x, p.y) for p in poses.values()), 1.0)), class_="trail other-line"))
     labels: list[tuple[Point, float, str, str]] = []
@@ -76,7 +123,7 @@ def scene(run: Run, frame: Frame) -> str:
     parts += _names(near, view, places)
     parts += _time_labels(labels, view, places)
     parts.append(tag("g", class_="now"))
-    return _picture(run, view, parts, f"Scene of {run.name}", _described(run, near))
+    return _picture(view, parts, f"Scene of {run.name}, {times}", _described(run, near), last)
 
 
 def moment(run: Run, index: int, where: Sequence[Mapping[str, Any]], frame: Frame) -> str | None:
@@ -104,7 +151,7 @@ def moment(run: Run, index: int, where: Sequence[Mapping[str, Any]], frame: Fram
         parts += _callout(*view.at(pose.x, pose.y), name, "other-label", places, 12.0)
     parts += _callout(*view.at(ego.x, ego.y), "car under test", "ego-label", places, 12.0)
     words = f"The car under test at {clock(run.t[index])} s with {len(others)} vehicles within {FAR:g} m."
-    return _picture(run, view, parts, f"{run.name} at {clock(run.t[index])} s", words)
+    return _picture(view, parts, f"{run.name} at {clock(run.t[index])} s", words)
 
 
 def ego_pose(run: Run, index: int) -> Pose | None:
@@ -141,22 +188,24 @@ def _road(run: Run, view: View) -> Iterator[str]:
     track = run.record["track"]
     sides = [[(number(x), number(y)) for x, y in track[side]] for side in ("left", "right")]
     lines = [thinned(view.path(p for p in side if _known(*p)), 0.7) for side in sides]
-    if all(lines):
-        if track["closed"]:
-            yield tag("path", d=points(lines[0], True) + points(lines[1], True), class_="road", fill_rule="evenodd")
-        else:
-            yield tag("path", d=points([*lines[0], *reversed(lines[1])], True), class_="road")
-    for line, side in zip(lines, ("left", "right")):
-        near = list(_visible(line + line[:1] if track["closed"] else line, view))
-        if near:
-            yield tag("path", title(f"{side} border"), d="".join(points(piece) for piece in near), class_="border")
+    near = [list(_visible(line + line[:1] if track["closed"] else line, view)) for line in lines]
+    if all(len(pieces) == 1 for pieces in near):
+        yield tag("path", d=points([*near[0][0], *reversed(near[1][0])], True), class_="road")
+    elif all(lines) and track["closed"]:
+        yield tag("path", d=points(lines[0], True) + points(lines[1], True), class_="road", fill_rule="evenodd")
+    elif all(lines):
+        yield tag("path", d=points([*lines[0], *reversed(lines[1])], True), class_="road")
+    for pieces, side in zip(near, ("left", "right")):
+        if pieces:
+            yield tag("path", title(f"{side} border"), d="".join(points(piece) for piece in pieces), class_="border")
 
 
 def _visible(line: Sequence[Point], view: View) -> Iterator[list[Point]]:
-    """The pieces of a line whose segments may be in the picture."""
+    """The pieces of a line whose segments may be in the picture, or near it: the surface between them must fill its corners."""
+    room = max(view.width, view.height)
     piece: list[Point] = []
     for a, b in zip(line, line[1:]):
-        apart = max(a[0], b[0]) < 0 or min(a[0], b[0]) > view.width or max(a[1], b[1]) < 0 or min(a[1], b[1]) > view.height
+        apart = max(a[0], b[0]) < -room or min(a[0], b[0]) > view.width + room or max(a[1], b[1]) < -room or min(a[1], b[1]) > view.height + room
         if not apart:
             piece = piece or [a]
             piece.append(b)
@@ -203,7 +252,7 @@ def _footprint(pose: Pose, view: View, style: str, note: str, places: Places) ->
     yield tag("path", title(note), d=points(corners, True), class_=f"foot {style}")
     yield tag("path", d=points(corners[:2]), class_=f"nose {style}")
     xs, ys = [x for x, _ in corners], [y for _, y in corners]
-    places.block((min(xs), min(ys), max(xs), max(ys)))
+    places.block((min(xs) - 2, min(ys) - 2, max(xs) + 2, max(ys) + 2))
 
 
 def _first_firing(run: Run, egos: Mapping[int, Pose], view: View, places: Places) -> Iterator[str]:
@@ -211,7 +260,8 @@ def _first_firing(run: Run, egos: Mapping[int, Pose], view: View, places: Places
     if found is None or (index := found[2]["cycles"][0]) not in egos:
         return
     px, py = view.at(egos[index].x, egos[index].y)
-    words = f"{clock(run.t[index])} {run.time_unit}: {found[0].name} fires first"
+    others = len({r.name for r in run.rules for lane in r.lanes.values() for f in lane.firings if f["cycles"][0] == index}) - 1
+    words = f"{clock(run.t[index])} {run.time_unit}: {found[0].name}" + (f" and {count(others, 'other')}" if others else "")
     yield tag("circle", title(f"{words} ({found[1]})"), cx=px, cy=py, r=9.0, class_="firing-ring")
     places.block((px - 9, py - 9, px + 9, py + 9))
     yield from _callout(px, py, words, "callout", places, 9.0)
@@ -253,8 +303,11 @@ def _time_labels(labels: Iterable[tuple[Point, float, str, str]], view: View, pl
             yield text((box[0] + box[2]) / 2, box[3] - 0.5, words, class_=f"{style} small middle")
 
 
-def _picture(run: Run, view: View, parts: Sequence[str], name: str, description: str) -> str:
-    """The parts with a scale bar and the directions of x and y in a strip of their own below."""
+def _picture(view: View, parts: Sequence[str], name: str, description: str, foot_strip: bool = True) -> str:
+    """The parts, and below them the scale and the directions of x and y."""
+    matrix = " ".join(f"{value:.6g}" for value in (view.a, view.b, view.c, view.d, view.e, view.f))
+    if not foot_strip:
+        return svg(view.width, view.height, name, description, parts, class_="scene", data_matrix=matrix)
     metres, pixels = view.scale_bar()
     y = view.height + FOOT - 10
     foot = [
@@ -262,12 +315,11 @@ def _picture(run: Run, view: View, parts: Sequence[str], name: str, description:
         tag("path", d=f"M12 {y - 4}v4h{pixels:.2f}v-4", class_="scale"),
         text(18 + pixels, y, f"{plain(metres)} m", class_="tick"),
     ]
-    cx, cy = view.width - 34, view.height + FOOT / 2
+    cx, cy = view.width - 34, view.height + FOOT / 2 + 2
     for axis, (dx, dy) in (("x", (view.a, view.b)), ("y", (view.c, view.d))):
         ux, uy = dx / view.scale, dy / view.scale
-        foot.append(tag("line", x1=cx, y1=cy, x2=cx + 9 * ux, y2=cy + 9 * uy, class_="scale"))
-        foot.append(text(cx + 17 * ux, cy + 13 * uy + 4, axis, class_="tick middle"))
-    matrix = " ".join(f"{value:.6g}" for value in (view.a, view.b, view.c, view.d, view.e, view.f))
+        foot.append(tag("line", x1=cx, y1=cy, x2=cx + 8 * ux, y2=cy + 8 * uy, class_="scale"))
+        foot.append(text(cx + 15 * ux, cy + 12 * uy + 3.5, axis, class_="tick middle"))
     return svg(view.width, view.height + FOOT, name, description, [*parts, *foot], class_="scene", data_matrix=matrix)
 
 

@@ -19,12 +19,18 @@ class Frame:
     highest: float
     #: Whether the main direction of travel points up instead of to the right.
     upright: bool
+    #: Long straight scenes are cut into strips: at most so many, of about so many pixels a metre.
+    most_strips: int = 1
+    strip_scale: float = 1.0
 
 
-WIDE = Frame(1000.0, 520.0, upright=False)
-NARROW = Frame(380.0, 720.0, upright=True)
+WIDE = Frame(1000.0, 520.0, upright=False, most_strips=4, strip_scale=6.0)
+NARROW = Frame(380.0, 640.0, upright=True, most_strips=7, strip_scale=4.0)
+#: For one moment from near.
+WIDE_NEAR = Frame(1000.0, 420.0, upright=False)
+NARROW_NEAR = Frame(380.0, 440.0, upright=True)
 #: Pixels around what is shown, pixels below for the scale bar, and the least height.
-PAD, FOOT, LOWEST = 26.0, 30.0, 120.0
+PAD, FOOT, LOWEST = 24.0, 36.0, 90.0
 #: The least extent of a picture, in m.
 SMALLEST = 30.0
 
@@ -62,15 +68,18 @@ class View:
         ]
 
     def scale_bar(self) -> tuple[float, float]:
-        """A round length in m and its pixels, about a sixth of the width."""
-        metres = nice_step(self.width / self.scale, 6)
+        """A round length in m and its pixels, at most a quarter of the width."""
+        metres = nice_step(self.width / self.scale, 10)
         return metres, metres * self.scale
 
 
-def fit(points: Sequence[Point], frame: Frame, direction: float | None = None) -> View:
-    """The view that holds all points; turned to `direction` (rad), or else to that in which they extend most."""
+def fit(points: Sequence[Point], frame: Frame, direction: float | None = None, largest: float = math.inf) -> View:
+    """The view that holds all points; turned to `direction` (rad), or else to that in which they extend most.
+
+    `largest` limits the scale, in pixels a metre.
+    """
     known = [p for p in points if math.isfinite(p[0]) and math.isfinite(p[1])] or [(0.0, 0.0)]
-    turn = _main_direction(known) if direction is None else direction
+    turn = main_direction(known) if direction is None else direction
     if frame.upright:
         turn -= math.pi / 2
     cos, sin = math.cos(turn), math.sin(turn)
@@ -78,14 +87,14 @@ def fit(points: Sequence[Point], frame: Frame, direction: float | None = None) -
     up = [-sin * x + cos * y for x, y in known]
     left, right, low, high = min(across), max(across), min(up), max(up)
     extent, rise = max(right - left, SMALLEST), max(high - low, SMALLEST / 3)
-    scale = min((frame.width - 2 * PAD) / extent, (frame.highest - 2 * PAD) / rise)
+    scale = min((frame.width - 2 * PAD) / extent, (frame.highest - 2 * PAD) / rise, largest)
     drawn = max(rise * scale + 2 * PAD, LOWEST)
     x0 = frame.width / 2 - scale * (left + right) / 2
     y0 = drawn / 2 + scale * (low + high) / 2
     return View(scale * cos, scale * sin, scale * sin, -scale * cos, x0, y0, scale, frame.width, drawn)
 
 
-def _main_direction(points: Sequence[Point]) -> float:
+def main_direction(points: Sequence[Point]) -> float:
     """The direction of the largest spread, the way from the first to the last point."""
     count = len(points)
     mx, my = sum(p[0] for p in points) / count, sum(p[1] for p in points) / count

@@ -1,0 +1,210 @@
+"""The fast geometry against the reference, against the oracles and against shapely, on tracks of all kinds.
+
+Both implementations compute distances with the same formulas in the same order, so their results are the same doubles
+wherever numpy and libm agree on the sines and cosines of the headings; where they do not, they differ by rounding. Another
+exception: corners of the two footprints that lie on one line up to rounding, where the implementations may keep or leave out
+a corner of the hull.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from numpy.typing import NDArray
+
+from support.bodies import BOTH, Geometry, same_trigonometry
+from support.shared import oracle, shared
+from support.tracks import Borders, eight, loop, oval, race_line, scenario_borders
+from trackmarshal.backends.reference import geometry as reference
+from trackmarshal.runtime import geometry as fast
+
+BODY = (4.7, 2.0)
+Floats = NDArray[np.float64]
+
+both = pytest.mark.parametrize("geometry", BOTH.values(), ids=BOTH.keys())
+
+
+def cases(kind: str) -> list[dict[str, Any]]:
+    found = [case for case in oracle("seed_dev.json")["cases"] if case["kind"] == kind]
+    assert found
+    return found
+
+
+@both
+def test_boxes_of_the_oracle(geometry: Geometry) -> None:
+    for case in cases("rect_rect"):
+        given, expected = case["inputs"], case["expect"]
+        ego = tuple(given["ego"])
+        margin = geometry.clear(ego, ego, given["ego_size"], tuple(given["obstacle"]), given["obstacle_size"])
+        assert (margin < 0.0) == expected["collides"], case["id"]
+        if margin < 0.0:
+            assert margin == pytest.approx(expected["sat_gap"], rel=1e-9), case["id"]
+        else:
+            assert margin >= expected["sat_gap"] * (1.0 - 1e-9), case[
+                "id"
+            ]  # the distance along one axis is no more
+
+
+@both
+def test_corridors_of_the_oracle(geometry: Geometry) -> None:
+    for case in cases("corridor"):
+        given, expected = case["inputs"], case["expect"]
+        left, right, pose = given["ring"][:40], given["ring"][40:][::-1], tuple(given["pose"])
+        margin = geometry.inside(left, right, pose, pose, given["size"])
+        assert (margin >= 0.0) == expected["inside"], case["id"]
+        if expected["inside"]:
+            assert margin == pytest.approx(expected["clearance"], rel=1e-9), case["id"]
+
+
+def around(borders: Borders, count: int, seed: int, scatter: float = 1.5) -> Floats:
+    """Pairs of poses on and beside a track, (6, count)."""
+    generator = np.random.default_rng(seed)
+    left, right = np.array(borders[0]), np.array(borders[1])
+    middle = fast.Corridor(left, right).centre.points[:-1]
+    ahead = fast.Corridor(left, right).centre.points[1:] - middle
+    k = generator.integers(0, len(middle), count)
+    heading = np.arctan2(ahead[k, 1], ahead[k, 0])
+    width = np.sqrt(((left[0] - right[0]) ** 2).sum())
+    start = middle[k] + generator.normal(0.0, 0.25 * width * scatter, (count, 2))
+    step = generator.uniform(0.0, 4.0, count)
+    end = start + step[:, None] * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+    turned = heading + generator.normal(0.0, 0.3, count)
+    return np.stack([*start.T, turned, *end.T, turned + generator.normal(0.0, 0.1, count)])
+
+
+def same(found: Floats, expected: list[float], poses: Floats) -> None:
+    """The same doubles, except where sines and cosines are not."""
+    for k, (value, other) in enumerate(zip(found.tolist(), expected)):
+        if same_trigonometry(poses[2, k], poses[5, k]):
+            assert value == other, poses[:, k]
+        assert value == pytest.approx(other, rel=1e-9, abs=1e-12), poses[:, k]
+
+
+def compare(borders: Borders, closed: bool, poses: Floats) -> Floats:
+    left, right = borders
+    assert fast.Corridor(left, right, closed).fault is None
+    assert reference.corridor_fault(left, right, closed) is None
+    found = fast.Corridor(left, right, closed).margin_inside(*poses, *BODY)
+    expected = [
+        reference.hull_inside_margin(left, right, closed, (a, b, c), (d, e, f), *BODY)
+        for a, b, c, d, e, f in poses.T.tolist()
+    ]
+    same(found, expected, poses)
+    return found
+
+
+@pytest.mark.parametrize("scatter", [0.3, 1.5, 8.0])
+@pytest.mark.parametrize(("way", "count", "closed"), [(oval, 90, True), (oval, 90, False), (eight, 80, True)])
+def test_on_tracks_of_our_own(way: Any, count: int, closed: bool, scatter: float) -> None:
+    (left, right), _ = loop(way, count, 4.0, 6.0)
+    borders = (left, right) if closed else (left[:-3], right[:-3])
+    inside = compare(borders, closed, around(borders, 150, seed=5, scatter=scatter)) >= 0.0
+    assert inside.any()
+    assert scatter < 1.0 or not inside.all()
+
+
+def test_on_jagged_borders() -> None:
+    generator = np.random.default_rng(11)
+    for used in range(12):
+        x = np.cumsum(generator.uniform(0.05, 4.0, 40))
+        left = list(zip(x.tolist(), generator.uniform(2.0, 6.0, 40).tolist()))
+        right = list(zip(x.tolist(), generator.uniform(-6.0, -2.0, 40).tolist()))
+        poses = around((left, right), 60, seed=used, scatter=0.6)
+        compare((left, right), False, poses)
+
+
+@pytest.mark.parametrize("name", ["modena_T1_valid", "modena_T1_infeasible", "modena_T1_cutin_collision"])
+def test_on_the_tracks_of_the_recordings(name: str) -> None:
+    borders = scenario_borders(shared("data", "scenarios", f"{name}.saa"))
+    compare(borders, False, around(borders, 60, seed=2))
+
+
+@pytest.mark.parametrize("name", ["ltpl_berlin", "ltpl_modena"])
+def test_race_lines_stay_on_their_tracks(name: str) -> None:
+    (left, right), line = race_line(shared("data", "tracks", f"{name}.csv"))
+    track = fast.Corridor(left, right, closed=True)
+    assert track.fault is None
+    poses = np.concatenate([np.array(line).T, np.roll(line, -1, axis=0).T])
+    assert track.margin_inside(*poses, 4.7, 2.0).min() >= 0.0
+    assert track.margin_inside(*poses, 4.7, 6.0).min() < 0.0
+    some = np.random.default_rng(1).integers(0, len(line), 6)
+    expected = [
+        reference.hull_inside_margin(left, right, True, line[k], line[(k + 1) % len(line)], *BODY)
+        for k in some
+    ]
+    same(track.margin_inside(*poses[:, some], *BODY), expected, poses[:, some])
+
+
+def test_an_independent_geometry_agrees() -> None:
+    borders, _ = loop(oval, 150, 4.0, 6.0)
+    ring = [*borders[0][:-5], *borders[1][:-5][::-1]]
+    region = shapely.Polygon(ring)
+    poses = around(borders, 400, seed=8)
+    margins = fast.Polygon(ring).margin_inside(*poses, *BODY)
+    for (a, b, c, d, e, f), margin in zip(poses.T.tolist(), margins.tolist()):
+        corners = reference.footprint((a, b, c), *BODY) + reference.footprint((d, e, f), *BODY)
+        hull = shapely.convex_hull(shapely.MultiPoint(corners))
+        assert region.covers(hull) == (margin >= 0.0)
+        if margin >= 0.0:
+            assert margin == pytest.approx(region.exterior.distance(hull), rel=1e-9, abs=1e-9)
+
+
+def test_an_independent_geometry_agrees_on_clearance() -> None:
+    generator = np.random.default_rng(4)
+    poses, boxes = generator.uniform(-4.0, 4.0, (6, 400)), generator.uniform(-8.0, 8.0, (3, 400))
+    margins = fast.boxes_clear(*poses, *BODY, *boxes, 3.0, 1.5)
+    for (a, b, c, d, e, f), box, margin in zip(poses.T.tolist(), boxes.T.tolist(), margins.tolist()):
+        corners = reference.footprint((a, b, c), *BODY) + reference.footprint((d, e, f), *BODY)
+        hull = shapely.convex_hull(shapely.MultiPoint(corners))
+        other = shapely.Polygon(reference.footprint(tuple(box), 3.0, 1.5))
+        assert hull.intersects(other) == (margin <= 0.0)
+        assert max(0.0, margin) == pytest.approx(hull.distance(other), abs=1e-9)
+
+
+def test_boxes_and_sweeps() -> None:
+    generator = np.random.default_rng(6)
+    poses, boxes = generator.uniform(-6.0, 6.0, (6, 500)), generator.uniform(-9.0, 9.0, (6, 500))
+    found = fast.boxes_clear(*poses, *BODY, *boxes[:3], 3.0, 1.5)
+    swept = fast.sweeps_clear(*poses, *BODY, *boxes, 3.0, 1.5)
+    for k, (a, b, c, d, e, f) in enumerate(poses.T.tolist()):
+        box, there = tuple(boxes[:3, k].tolist()), tuple(boxes[3:, k].tolist())
+        expected = reference.clear_margin((a, b, c), (d, e, f), *BODY, box, 3.0, 1.5)  # type: ignore[arg-type]
+        assert found[k] == pytest.approx(expected, rel=1e-12)
+        if same_trigonometry(c, f, box[2]):
+            assert found[k] == expected
+        expected = reference.swept_clearance((a, b, c), (d, e, f), *BODY, box, there, 3.0, 1.5)  # type: ignore[arg-type]
+        assert swept[k] == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_curvilinear_coordinates(closed: bool) -> None:
+    (left, right), poses = loop(oval, 120, 4.0, 6.0)
+    generator = np.random.default_rng(9)
+    x, y = generator.uniform(-170.0, 170.0, (2, 500))
+    line = [(px, py) for px, py, _ in poses]
+    made = fast.Polyline(line, closed)
+    expected = [reference.project(px, py, line, closed) for px, py in zip(x.tolist(), y.tolist())]
+    assert np.array_equal(np.stack(made.project(x, y), axis=1), np.array(expected))
+    distances = [reference.distance_to_line(px, py, line, closed) for px, py in zip(x.tolist(), y.tolist())]
+    assert made.distance(x, y).tolist() == distances
+    start, end = generator.uniform(-2000.0, 2000.0, (2, 300))
+    gaps = [reference.station_gap(line, s, t, closed) for s, t in zip(start.tolist(), end.tolist())]
+    assert made.gap(start, end).tolist() == gaps
+    assert math.isclose(
+        made.length, sum(math.dist(a, b) for a, b in zip(line, line[1:] + line[: int(closed)]))
+    )
+    few = [(px, py) for k, (px, py) in enumerate(right) if k % 3]
+    centre = fast.Corridor(left, few, closed).centre.points
+    assert centre.tolist() == [list(p) for p in reference.centre_line(left, few, closed)]
+
+
+def test_points_in_zones() -> None:
+    (left, _), _ = loop(oval, 80, 4.0, 6.0)
+    generator = np.random.default_rng(10)
+    x, y = generator.uniform(-170.0, 170.0, (2, 600))
+    expected = [reference.in_zone_margin(px, py, left) for px, py in zip(x.tolist(), y.tolist())]
+    assert fast.Polygon(left).signed_distance(x, y).tolist() == expected

@@ -1,0 +1,197 @@
+"""Properties of geometry on generated corridors: narrow, bulging, with walls and posts, near and far, for poses of all kinds."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from trackmarshal.backends.reference import geometry as reference
+from trackmarshal.runtime import geometry as fast
+
+Point = tuple[float, float]
+Pose = tuple[float, float, float]
+
+small = st.floats(-1.0, 1.0)
+headings = st.floats(-7.0, 7.0)
+sizes = st.tuples(st.floats(0.2, 12.0), st.floats(0.2, 4.0))
+
+
+@st.composite
+def corridors(draw: st.DrawFn) -> tuple[list[Point], list[Point]]:
+    """Borders along a winding way; some of their points are pushed across, as bulges, walls or spikes."""
+    count = draw(st.integers(3, 14))
+    bends = draw(st.lists(small, min_size=count, max_size=count))
+    steps = draw(st.lists(st.floats(0.3, 20.0), min_size=count, max_size=count))
+    half = draw(st.floats(1.0, 8.0))
+    x = y = heading = 0.0
+    borders: tuple[list[Point], list[Point]] = ([], [])
+    for bend, step in zip(bends, steps):
+        for side, border in ((1.0, borders[0]), (-1.0, borders[1])):
+            push = draw(st.sampled_from([0.0, 0.0, 0.0, 0.0, 0.5, 0.9, -0.4])) * half
+            reach = side * (half - push)
+            border.append((x - reach * math.sin(heading), y + reach * math.cos(heading)))
+        heading += 0.5 * bend
+        x, y = x + step * math.cos(heading), y + step * math.sin(heading)
+    return borders
+
+
+@st.composite
+def moves(draw: st.DrawFn, borders: tuple[list[Point], list[Point]]) -> tuple[Pose, Pose]:
+    """Two poses: about the middle of the way mostly, anywhere sometimes; the second near the first mostly."""
+    k = draw(st.integers(0, len(borders[0]) - 1))
+    (lx, ly), (rx, ry) = borders[0][k], borders[1][k]
+    across = draw(st.floats(-0.5, 1.5))
+    x, y = lx + across * (rx - lx) + 3.0 * draw(small), ly + across * (ry - ly) + 3.0 * draw(small)
+    heading = draw(headings)
+    if draw(st.booleans()):
+        heading = math.atan2(ry - ly, rx - lx) + math.pi / 2 + 0.2 * draw(small)
+    length, turn = (
+        draw(st.sampled_from([0.0, 0.5, 2.5, 2.5, 30.0])),
+        draw(st.sampled_from([0.0, 0.1, 0.1, 2.0])) * draw(small),
+    )
+    way = heading + draw(st.sampled_from([0.0, 0.05, 1.0])) * draw(small)
+    return (x, y, heading), (x + length * math.cos(way), y + length * math.sin(way), heading + turn)
+
+
+def margins(
+    borders: tuple[list[Point], list[Point]], move: tuple[Pose, Pose], body: tuple[float, float]
+) -> tuple[float, float]:
+    expected = reference.hull_inside_margin(*borders, False, *move, *body)
+    found = float(fast.Corridor(*borders).margin_inside(*move[0], *move[1], *body)[0])
+    return expected, found
+
+
+@given(st.data(), corridors(), sizes)
+def test_fast_is_the_reference(
+    data: st.DataObject, borders: tuple[list[Point], list[Point]], body: tuple[float, float]
+) -> None:
+    corridor = fast.Corridor(*borders)
+    assert corridor.fault == reference.corridor_fault(*borders, False)
+    expected, found = margins(borders, data.draw(moves(borders)), body)
+    assert math.isnan(found) == math.isnan(expected) == (corridor.fault is not None)
+    if not math.isnan(found):
+        assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+        assert (found >= 0.0) == (expected >= 0.0) or max(abs(found), abs(expected)) < 1e-12
+
+
+@given(st.data(), corridors(), sizes)
+def test_many_at_once_are_each_by_itself(
+    data: st.DataObject, borders: tuple[list[Point], list[Point]], body: tuple[float, float]
+) -> None:
+    several = data.draw(st.lists(moves(borders), min_size=1, max_size=6))
+    corridor = fast.Corridor(*borders)
+    rows = [(*start, *end) for start, end in several]
+    broken = data.draw(st.sampled_from([math.nan, math.inf, -math.inf, 1e300]))
+    rows.insert(len(rows) // 2, (*rows[0][:3], *rows[0][3:5], broken))
+    together = corridor.margin_inside(*np.array(rows).T, *body)
+    alone = np.concatenate([corridor.margin_inside(*row, *body) for row in rows])
+    assert np.array_equal(together, alone, equal_nan=True)
+    assert math.isnan(together[len(several) // 2])
+
+
+@given(st.data(), corridors(), st.tuples(st.floats(0.2, 2.0), st.floats(0.2, 1.0)))
+def test_inside_means_that_every_corner_and_every_pose_between_is(
+    data: st.DataObject, borders: tuple[list[Point], list[Point]], body: tuple[float, float]
+) -> None:
+    start, end = data.draw(moves(borders))
+    if data.draw(st.booleans()):
+        end = (*end[:2], start[2])
+    margin = margins(borders, (start, end), body)[1]
+    if not margin >= 0.0:
+        return
+    ring = [*borders[0], *borders[1][::-1]]
+    for pose in (start, end):
+        for corner in reference.footprint(pose, *body):
+            assert reference.in_zone_margin(*corner, ring) >= margin - 1e-9
+    t = data.draw(st.floats(0.0, 1.0))
+    if start[2] == end[2]:  # without turning, what is swept is what the footprints in between cover
+        between = (start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1]), start[2])
+        assert margins(borders, (between, between), body)[1] >= margin - 1e-9
+
+
+@given(st.data(), corridors(), sizes, st.floats(1.0, 2.0), st.floats(1.0, 2.0))
+def test_a_larger_vehicle_has_no_larger_margin(
+    data: st.DataObject,
+    borders: tuple[list[Point], list[Point]],
+    body: tuple[float, float],
+    longer: float,
+    wider: float,
+) -> None:
+    move = data.draw(moves(borders))
+    margin = margins(borders, move, body)[1]
+    larger = margins(borders, move, (body[0] * longer, body[1] * wider))[1]
+    assume(not math.isnan(margin))
+    if margin >= 0.0:
+        assert larger <= margin + 1e-9
+    else:
+        assert larger < 1e-9
+
+
+@given(st.data(), corridors(), sizes, headings, st.tuples(small, small))
+def test_rigid_motions_change_nothing(
+    data: st.DataObject,
+    borders: tuple[list[Point], list[Point]],
+    body: tuple[float, float],
+    turn: float,
+    shift: Point,
+) -> None:
+    move = data.draw(moves(borders))
+    cos, sin = math.cos(turn), math.sin(turn)
+
+    def moved(x: float, y: float) -> Point:
+        return cos * x - sin * y + 1000.0 * shift[0], sin * x + cos * y + 1000.0 * shift[1]
+
+    there = tuple([moved(*point) for point in border] for border in borders)
+    poses = tuple((*moved(x, y), heading + turn) for x, y, heading in move)
+    corridor, elsewhere = fast.Corridor(*borders), fast.Corridor(*there)
+    assume(corridor.fault is None and elsewhere.fault is None)
+    margin = float(corridor.margin_inside(*move[0], *move[1], *body)[0])
+    other = float(elsewhere.margin_inside(*poses[0], *poses[1], *body)[0])
+    if min(abs(margin), abs(other)) > 1e-6:
+        assert other == pytest.approx(margin, rel=1e-6, abs=1e-6)
+
+
+@given(st.data(), corridors(), sizes)
+def test_both_directions_are_the_same_sweep(
+    data: st.DataObject, borders: tuple[list[Point], list[Point]], body: tuple[float, float]
+) -> None:
+    start, end = data.draw(moves(borders))
+    there, back = margins(borders, (start, end), body)[1], margins(borders, (end, start), body)[1]
+    assert back == pytest.approx(there, rel=1e-9, abs=1e-9, nan_ok=True)
+
+
+poses = st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0), headings)
+
+
+@given(poses, poses, sizes, poses, sizes)
+def test_clearance(
+    start: Pose, end: Pose, body: tuple[float, float], box: Pose, size: tuple[float, float]
+) -> None:
+    expected = reference.clear_margin(start, end, *body, box, *size)
+    found = float(fast.boxes_clear(*start, *end, *body, *box, *size))
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    back = float(fast.sweeps_clear(*box, *box, *size, *start, *end, *body))
+    assert back == pytest.approx(found, rel=1e-9, abs=1e-9)
+    for pose in (start, end):  # what is swept holds both footprints
+        assert found <= float(fast.boxes_clear(*pose, *pose, *body, *box, *size)) + 1e-9
+
+
+lines = st.lists(st.tuples(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0)), min_size=2, max_size=20)
+
+
+@given(lines, st.booleans(), st.tuples(st.floats(-80.0, 80.0), st.floats(-80.0, 80.0)))
+def test_curvilinear_coordinates(line: list[Point], closed: bool, point: Point) -> None:
+    made = fast.Polyline(line, closed)
+    assert made.fault == reference.line_fault(line, closed)
+    expected = reference.project(*point, line, closed)
+    found = tuple(float(part[0]) for part in made.project(*point))
+    assert np.array_equal(found, expected, equal_nan=True)
+    assume(made.fault is None)
+    assert float(made.distance(*point)[0]) == reference.distance_to_line(*point, line, closed)
+    if closed:
+        assert 0.0 <= found[0] < made.length
+        assert abs(float(made.gap(found[0], found[0] + 0.3 * made.length)[0]) - 0.3 * made.length) < 1e-6

@@ -1,0 +1,42 @@
+"""The matrix for people and machines: one module a format, one verdict in all of them."""
+
+from __future__ import annotations
+
+from trackmarshal.trace.matrix import Matrix
+
+FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github")
+
+
+def render(matrix: Matrix, format: str = "text", *, colour: bool = False) -> str:  # noqa: A002 - the option's name
+    """The matrix in one of FORMATS; `colour` is for text on a terminal. Raises ValueError for another format."""
+    match format:
+        case "text":
+            from trackmarshal.trace.render import text
+
+            return text.render(matrix, colour=colour)
+        case "json":
+            from trackmarshal.trace.render import data
+
+            return data.render(matrix)
+        case "csv":
+            from trackmarshal.trace.render import table
+
+            return table.render_csv(matrix)
+        case "md":
+            from trackmarshal.trace.render import table
+
+            return table.render_markdown(matrix)
+        case "html":
+            from trackmarshal.trace.render import html
+
+            return html.render(matrix)
+        case "sarif":
+            from trackmarshal.trace.render import exchange
+
+            return exchange.render_sarif(matrix)
+        case "github":
+            from trackmarshal.trace.render import exchange
+
+            return exchange.render_github(matrix)
+        case _:
+            raise ValueError(f"unknown format {format!r}, known are {', '.join(FORMATS)}")

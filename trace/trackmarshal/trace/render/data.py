@@ -1,0 +1,76 @@
+"""The matrix as strict JSON; its schema is matrix.schema.json beside this file."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from trackmarshal.trace.cells import Item
+from trackmarshal.trace.findings import Finding, Place
+from trackmarshal.trace.matrix import Matrix, Row
+from trackmarshal.trace.render.words import verdict
+
+FORMAT = "trackmarshal-matrix"
+VERSION = 1
+
+
+def render(matrix: Matrix) -> str:
+    return json.dumps(record(matrix), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+
+
+def record(matrix: Matrix) -> dict[str, Any]:
+    """The matrix as plain data."""
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "project": matrix.project,
+        "date": matrix.today.isoformat(),
+        "verdict": verdict(matrix),
+        "stages": [{"id": stage.id, "title": stage.title, "shows": stage.shows} for stage in matrix.stages],
+        "requirements": [_row(row) for row in matrix.rows],
+        "findings": [_finding(finding) for finding in matrix.findings],
+        "coverage": matrix.coverage,
+        "waivers": [
+            {
+                "id": w.id, "stages": list(w.stages), "requirements": list(w.requirements), "codes": list(w.codes),
+                "subjects": list(w.subjects), "justification": w.justification, "owner": w.owner,
+                "granted": w.granted.isoformat(), "expires": w.expires.isoformat(), "span": str(w.id.place),
+            }
+            for w in matrix.waivers
+        ],
+        "links": [
+            {"kind": link.kind, "source": link.source, "target": link.target, "state": link.state, "span": str(link.place)}
+            for link in matrix.links
+        ],
+        "counts": dict(matrix.counts),
+    }  # fmt: skip
+
+
+def _row(row: Row) -> dict[str, Any]:
+    r = row.requirement
+    return {
+        "id": r.id, "title": r.title, "statement": r.statement, "rationale": r.rationale, "status": r.status, "asil": r.asil,
+        "derived_from": list(r.derived_from), "refines": list(r.refines), "source": r.source, "span": str(r.place),
+        "stages": {
+            stage: {"status": cell.status, "items": [_item(item) for item in cell.items]} for stage, cell in row.cells.items()
+        },
+    }  # fmt: skip
+
+
+def _item(item: Item) -> dict[str, Any]:
+    return {
+        "kind": item.kind, "name": item.name, "title": item.title, "status": item.status, "detail": item.detail,
+        "span": _span(item.place),
+    }  # fmt: skip
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    return {
+        "code": finding.code, "level": finding.level, "message": finding.message, "span": _span(finding.place),
+        "help": finding.help or None, "subject": finding.subject or None,
+        "also": [{"span": str(place), "message": label} for place, label in finding.also],
+    }  # fmt: skip
+
+
+def _span(place: Place | None) -> str | None:
+    return None if place is None else str(place)

@@ -1,0 +1,81 @@
+"""The findings for tools: SARIF 2.1.0 and GitHub's workflow commands."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+from urllib.parse import quote
+
+import trackmarshal
+from trackmarshal.trace.codes import CODES
+from trackmarshal.trace.findings import Finding, Place
+from trackmarshal.trace.matrix import Matrix
+from trackmarshal.trace.render.words import tally, verdict
+
+_COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
+
+
+def render_sarif(matrix: Matrix) -> str:
+    """One run with all findings; its properties carry the verdict and the coverage."""
+    codes = sorted({finding.code for finding in matrix.findings})
+    rules = [
+        {"id": code, "shortDescription": {"text": CODES[code][0]}, "fullDescription": {"text": CODES[code][1]}} for code in codes
+    ]
+    run = {
+        "tool": {"driver": {"name": "trackmarshal", "version": trackmarshal.__version__, "rules": rules}},
+        "columnKind": "unicodeCodePoints",
+        "results": [_result(finding, codes.index(finding.code)) for finding in matrix.findings],
+        "properties": {"verdict": verdict(matrix), "coverage": matrix.coverage},
+    }
+    log = {"$schema": "https://json.schemastore.org/sarif-2.1.0.json", "version": "2.1.0", "runs": [run]}
+    return json.dumps(log, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
+
+
+def _result(finding: Finding, index: int) -> dict[str, Any]:
+    text = finding.message + (f"\nhelp: {finding.help}" if finding.help else "")
+    result: dict[str, Any] = {"ruleId": finding.code, "ruleIndex": index, "level": finding.level, "message": {"text": text}}
+    if finding.place is not None:
+        result["locations"] = [{"physicalLocation": _location(finding.place)}]
+    if finding.also:
+        result["relatedLocations"] = [
+            {"id": number, "physicalLocation": _location(place), "message": {"text": label}}
+            for number, (place, label) in enumerate(finding.also)
+        ]
+    return result
+
+
+def _location(place: Place) -> dict[str, Any]:
+    location: dict[str, Any] = {"artifactLocation": {"uri": quote(place.file)}}
+    if place.line:
+        location["region"] = {"startLine": place.line, **({"startColumn": place.column} if place.column else {})}
+    return location
+
+
+def render_github(matrix: Matrix) -> str:
+    """One workflow command a finding, and the verdict at the end."""
+    lines = [_command(finding) for finding in matrix.findings]
+    level = "notice" if matrix.passes else "error"
+    lines.append(f"::{level} title=traceability::{_data(f'{verdict(matrix)}: {tally(matrix)}')}")
+    return "\n".join(lines) + "\n"
+
+
+def _command(finding: Finding) -> str:
+    properties: dict[str, object] = {}
+    if finding.place is not None:
+        properties["file"] = finding.place.file
+        if finding.place.line:
+            properties["line"] = finding.place.line
+        if finding.place.column:
+            properties["col"] = finding.place.column
+    properties["title"] = f"{finding.code} {CODES[finding.code][0]}"
+    shown = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
+    text = "\n".join([finding.message, *([f"help: {finding.help}"] if finding.help else [])])
+    return f"::{_COMMANDS[finding.level]} {shown}::{_data(text)}"
+
+
+def _data(text: str) -> str:
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _data(text).replace(":", "%3A").replace(",", "%2C")

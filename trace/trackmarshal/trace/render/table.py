@@ -1,0 +1,84 @@
+"""The matrix as a table: CSV for spreadsheets, Markdown for merge requests."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+from trackmarshal.trace.cells import Item
+from trackmarshal.trace.matrix import Matrix
+from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally, verdict
+
+
+def render_csv(matrix: Matrix) -> str:
+    """A row a requirement; for each stage a column with the status and one with the items."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    stages = [str(stage.id) for stage in matrix.stages]
+    head = ["id", "title", "asil", "status", "refines", "derived_from", "file", "line"]
+    writer.writerow(head + [name for stage in stages for name in (stage, f"{stage} items")])
+    for row in matrix.rows:
+        r = row.requirement
+        line: list[str] = [r.id, r.title, r.asil, r.status, " ".join(r.refines), " ".join(r.derived_from), r.place.file, str(r.place.line)]
+        for stage in stages:
+            cell = row.cells.get(stage)
+            line += ["", ""] if cell is None else [cell.status, "; ".join(_item(item) for item in cell.items)]
+        writer.writerow([_harmless(value) for value in line])
+    return out.getvalue()
+
+
+def _item(item: Item) -> str:
+    title = f' "{item.title}"' if item.kind == "test" else ""
+    place = f" ({item.place})" if item.place else ""
+    return f"{item.kind} {item.name}{title} {item.status}{place}"
+
+
+def _harmless(value: str) -> str:
+    """A value that no spreadsheet takes for a formula."""
+    text = printable(value)
+    return f"'{text}" if text[:1] in ("=", "+", "-", "@") else text
+
+
+def render_markdown(matrix: Matrix) -> str:
+    """Verdict, matrix, findings."""
+    stages = [str(stage.id) for stage in matrix.stages]
+    lines = [
+        f"# Traceability of {_escaped(matrix.project)}",
+        "",
+        f"**{verdict(matrix).upper()}** on {matrix.today.isoformat()}: {tally(matrix)}. From {inputs(matrix)}.",
+        "",
+        "| requirement | " + " | ".join(stages) + " |",
+        "|---" * (len(stages) + 1) + "|",
+    ]
+    for row in matrix.rows:
+        statuses = [row.cells[stage].status if stage in row.cells else "" for stage in stages]
+        cells = [f"{SIGNS[status]} {status}" if status else "" for status in statuses]
+        name = "&nbsp;" * 4 * row.depth + f"**{row.requirement.id}** {_escaped(row.requirement.title)}"
+        lines.append("| " + " | ".join([name, *cells]) + " |")
+    coverage = matrix.coverage
+    totals = [f"{coverage[stage]['covered']}/{coverage[stage]['of']}" for stage in stages]
+    lines += ["| covered of | " + " | ".join(totals) + " |", ""]
+    lines += [f"- {stage.id}, {_escaped(stage.title)}: {_escaped(stage.shows)}" for stage in matrix.stages]
+    if matrix.findings:
+        lines += ["", "## Findings", ""]
+    for finding in matrix.findings:
+        place = f" `{finding.place}`" if finding.place else ""
+        help_ = f" *{_escaped(finding.help)}*" if finding.help else ""
+        lines.append(f"- **{finding.level} {finding.code}**{place}: {_escaped(finding.message, code=True)}{help_}")
+    if matrix.waivers:
+        lines += ["", "## Waivers", ""]
+    for waiver in matrix.waivers:
+        what = f"{', '.join(waiver.stages)} of {', '.join(waiver.requirements)}" if waiver.stages else ", ".join(waiver.codes)
+        said = f"{_escaped(what)}, {_escaped(waiver.owner)}, {waiver.granted} until {waiver.expires}"
+        lines.append(f"- **{waiver.id}** ({said}): {_escaped(waiver.justification)}")
+    return "\n".join(lines) + "\n"
+
+
+def _escaped(text: str, code: bool = False) -> str:
+    """Text in one line that Markdown leaves alone; with `code`, backquotes keep their meaning."""
+    marks = "\\|<>*_[]#" if code else "\\|<>*_[]#`"
+    plain = printable(text)
+    parts = plain.split("`") if code and plain.count("`") % 2 == 0 else [plain]
+    for number in range(0, len(parts), 2):
+        parts[number] = "".join(f"\\{char}" if char in marks else char for char in parts[number])
+    return "`".join(part.replace("|", "\\|") if number % 2 else part for number, part in enumerate(parts))

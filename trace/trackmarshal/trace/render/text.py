@@ -1,0 +1,93 @@
+"""The matrix for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from trackmarshal.trace.cells import Cell
+from trackmarshal.trace.matrix import Matrix, Row
+from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally, verdict
+
+_COLOURS = {"covered": "32", "waived": "36", "partial": "33", "missing": "33", "stale": "35", "failed": "31"}
+_LEVELS = {"error": "1;31", "warning": "1;33", "note": "1;32"}
+_TITLE = 34
+
+
+def render(matrix: Matrix, *, colour: bool = False) -> str:
+    """Verdict, table, what is open, findings."""
+    return "\n".join(_lines(matrix, _Paint(colour))) + "\n"
+
+
+class _Paint:
+    def __init__(self, colour: bool) -> None:
+        self._colour = colour
+
+    def __call__(self, code: str, text: str) -> str:
+        return f"\033[{code}m{text}\033[0m" if self._colour and code else text
+
+
+def _lines(matrix: Matrix, paint: _Paint) -> Iterator[str]:
+    word = verdict(matrix)
+    yield f"traceability of {printable(matrix.project) or 'a project without a name'}, {matrix.today.isoformat()}"
+    yield paint("1;32" if word == "pass" else "1;31", f"{word.upper()}") + f": {tally(matrix)}"
+    yield f"from {inputs(matrix)}"
+    if matrix.rows and matrix.stages:
+        yield ""
+        yield from _table(matrix, paint)
+    open_cells = list(_open(matrix))
+    if open_cells:
+        yield ""
+        yield "open, and not demanded or answered for:" if matrix.passes else "open:"
+        yield from open_cells
+    if matrix.findings:
+        yield ""
+        yield "findings:"
+    for finding in matrix.findings:
+        where = f"{finding.place}: " if finding.place else ""
+        yield f"{where}{paint(_LEVELS[finding.level], f'{finding.level}[{finding.code}]')}: {printable(finding.message)}"
+        for place, label in finding.also:
+            yield f"    {place}: {printable(label)}"
+        if finding.help:
+            yield f"    help: {printable(finding.help)}"
+
+
+def _table(matrix: Matrix, paint: _Paint) -> Iterator[str]:
+    names = [_name(row) for row in matrix.rows]
+    width = max(len("covered of"), *map(len, names))
+    columns = [(str(stage.id), max(9, len(stage.id))) for stage in matrix.stages]
+    yield "  ".join(["requirement".ljust(width), *(name.ljust(size) for name, size in columns)]).rstrip()
+    for name, row in zip(names, matrix.rows):
+        cells = [_shown(row.cells.get(stage), size, paint) for stage, size in columns]
+        yield "  ".join([name.ljust(width), *cells]).rstrip()
+    coverage = matrix.coverage
+    totals = [f"{coverage[stage]['covered']}/{coverage[stage]['of']}".ljust(size) for stage, size in columns]
+    yield "  ".join(["covered of".ljust(width), *totals]).rstrip()
+
+
+def _name(row: Row) -> str:
+    title = printable(row.requirement.title)
+    title = title if len(title) <= _TITLE else title[: _TITLE - 1] + "…"
+    return f"{'  ' * min(row.depth, 4)}{row.requirement.id} {title}"
+
+
+def _shown(cell: Cell | None, size: int, paint: _Paint) -> str:
+    if cell is None:
+        return "·".ljust(size)
+    return paint(_COLOURS[cell.status], f"{SIGNS[cell.status]} {cell.status}".ljust(size))
+
+
+def _open(matrix: Matrix) -> Iterator[str]:
+    """What keeps cells from being covered; cells that are open because of a requirement below point to it."""
+    for row in matrix.rows:
+        for stage, cell in row.cells.items():
+            if cell.status == "covered":
+                continue
+            yield f"  {row.requirement.id} {stage} {cell.status}"
+            waivers = [item for item in cell.items if item.kind == "waiver"]
+            items = waivers or [item for item in cell.items if item.status != "covered"]
+            for item in items[:6]:
+                detail = f": {printable(item.detail)}" if item.detail and item.kind != "requirement" else f": {item.status}"
+                title = f' "{printable(item.title)}"' if item.kind == "test" and item.title else ""
+                yield f"    {item.kind} {printable(item.name)}{title}{detail}"
+            if len(items) > 6:
+                yield f"    and {len(items) - 6} more"

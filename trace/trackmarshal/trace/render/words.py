@@ -1,0 +1,42 @@
+"""Words and signs that the reports share."""
+
+from __future__ import annotations
+
+from trackmarshal.trace.findings import LEVELS
+from trackmarshal.trace.matrix import Matrix
+
+#: Beside the word, never instead of it; from best to worst.
+SIGNS = {"covered": "✓", "waived": "⚑", "partial": "◐", "missing": "○", "stale": "↻", "failed": "✗"}
+
+MEANINGS = {
+    "covered": "all that counts here is there, is up to date and passed",
+    "waived": "a gap that somebody answers for until a day",
+    "partial": "some of what counts here is missing",
+    "missing": "nothing of what counts here is there, or it was not run",
+    "stale": "what it was made from has changed since",
+    "failed": "a test failed, or a run contradicts its expectation",
+}
+
+
+def verdict(matrix: Matrix) -> str:
+    """The one verdict, as a word."""
+    return "pass" if matrix.passes else "fail"
+
+
+def tally(matrix: Matrix) -> str:
+    """How many findings of each level."""
+    number = {level: sum(finding.level == level for finding in matrix.findings) for level in LEVELS}
+    return ", ".join(f"{count} {level}{'' if count == 1 else 's'}" for level, count in number.items())
+
+
+def inputs(matrix: Matrix) -> str:
+    """What went in."""
+    names = {"test_results": "test results"}
+    return ", ".join(
+        f"{count} {names.get(what, what) if count != 1 else names.get(what, what)[:-1]}" for what, count in matrix.counts.items()
+    )
+
+
+def printable(text: str) -> str:
+    """Text in one line, without control characters that would steer a terminal."""
+    return "".join(char if char.isprintable() else " " for char in text)
