@@ -25,6 +25,11 @@ CODES = {
         "A configuration is a module whose parameters, tables, zones and lines replace those of the same name in the spec; each "
         "must exist there, with the same unit's dimension, and lie inside the range that the spec declares.",
     ),
+    "E404": (
+        "nothing to evaluate",
+        "The spec has no rules, or the assumption has no `monitor`. Of nothing it could only be said that nothing is violated; that is "
+        "refused, since it would read as safe.",
+    ),
     "E403": ("constraints of the spec do not hold", "The parameters as configured break a `constrain` of the spec; its rules would be unsound."),
 }
 
@@ -36,11 +41,16 @@ class Evaluator:
         from trackmarshal.backends.results import chosen_rules
 
         for name in names or ():
-            if spec.rule(name) is None:
+            rule = spec.rule(name)
+            if rule is None:
                 known = [rule.name for rule in spec.rules]
                 raise TrackmarshalError("E401", f"the spec has no rule `{name}`", help=close_matches(name, known) or ", ".join(known))
+            if rule.formula is None:
+                raise TrackmarshalError("E404", f"`{name}` has no condition to evaluate", help="add a `monitor` to the assumption")
         self.spec = spec
         self.rules: list[RuleInfo] = chosen_rules(spec, names)
+        if not self.rules:
+            raise TrackmarshalError("E404", "the spec has no rule to evaluate", help="without a rule, anything would be safe")
         self.backend = backend
         self.reader = CaseReader(spec, {pair for rule in self.rules for pair in rule.reads})
         self._program: Any = None

@@ -20,6 +20,7 @@ CODES = {
     ),
     "E003": ("the file is empty", "A spec file starts with `module NAME`. An empty file demands nothing, which is hardly meant."),
     "E004": ("the file is not UTF-8", "Spec files are UTF-8 text, with or without a byte order mark, with LF or CRLF line ends."),
+    "E006": ("no spec files here", "The folder holds no file whose name ends in .spec, so that nothing would be checked or evaluated."),
     "E005": ("a control character in the file", "A NUL or another control character is never part of a spec; the file may be binary."),
 }  # fmt: skip
 
@@ -125,9 +126,12 @@ def read(path: Path, shown: str | None = None) -> SourceFile:
     """Read a spec file; raises E001 to E005. `shown` is the path that reports print."""
     name = shown or str(path)
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise TrackmarshalError("E002", f"{path.stat().st_size} bytes, the limit is {MAX_BYTES}", file=name, help="split it")
-        data = path.read_bytes()
-    except OSError as error:
-        raise TrackmarshalError("E001", error.strerror or str(error), file=name, help="check the path") from error
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)  # no more: it may be a device without an end
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        message = getattr(error, "strerror", None) or str(error)
+        raise TrackmarshalError("E001", f"cannot be read: {message}", file=name, help="check the path and its permissions") from error
+    if len(data) > MAX_BYTES:
+        message = f"the file is larger than {MAX_BYTES // 1_000_000} MB"
+        raise TrackmarshalError("E002", message, file=name, help="split it into modules, if it is a spec")
     return decode(name, data)

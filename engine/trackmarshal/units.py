@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from fractions import Fraction
 from functools import lru_cache
 
@@ -132,6 +133,21 @@ def _factor(name: str, exponent: Fraction) -> str:
     if exponent == 1:
         return name
     return f"{name}^{exponent}" if exponent.denominator == 1 else f"{name}^({exponent})"
+
+
+def parse_shown(text: str) -> Dimension:
+    """The dimension that `show` gave a text for; raises ValueError for any other text."""
+    dimension, sign = NUMBER, 1
+    for part in re.findall(r"[*/]|[^*/(]+(?:\([^)]*\))?", text):
+        if part in "*/":
+            sign = 1 if part == "*" else -1
+            continue
+        unit, _, exponent = part.partition("^")
+        if unit != "1":
+            if unit not in UNITS:
+                raise ValueError(unit)
+            dimension = times(dimension, power(UNITS[unit][1], sign * Fraction(exponent.strip("()") or 1)))
+    return dimension
 
 
 def name(dimension: Dimension) -> str:

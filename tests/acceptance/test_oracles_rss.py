@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from support import rss
 from support.command import BACKENDS, evaluate, number
 from support.shared import SUPERVISOR, oracle

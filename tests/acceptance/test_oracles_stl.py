@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from support.command import BACKENDS, evaluate, number
 from support.formulas import module, series
 from support.shared import oracle

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from support import race_line
 from support.command import BACKENDS, close, evaluate, number
 from support.shared import SUPERVISOR, shared
@@ -56,11 +57,12 @@ def test_trajectories(name: str, backend: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("name", LINES)
-def test_places(name: str, backend: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("line", LINES)
+def test_places(line: str, backend: str, tmp_path: Path) -> None:
     """Place by place, each as a trajectory that has only this place: violated exactly where more is asked for."""
-    lap = race_line.read(shared("data", "tracks", name))
-    plans = [{column: [values[place]] * 2 for column, values in lap.items()} for place in range(len(lap["v"]))]
+    lap = race_line.read(shared("data", "tracks", line))
+    count = len(lap["v"])
+    plans = [{name: [column[place]] * 2 for name, column in lap.items()} for place in range(count)]
     for grip in (ENOUGH, TOO_LITTLE):
         found = friction(tmp_path, plans, grip, backend)
         assert {result["verdict"] for result in found} <= {"satisfied", "violated"}

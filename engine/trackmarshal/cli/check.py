@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
     from trackmarshal.diagnostics.base import Diagnostic
-    from trackmarshal.errors import TrackmarshalError
     from trackmarshal.semantics.compile import Compiled
 
 FORMATS = ("text", "json", "sarif", "github")
@@ -28,7 +28,14 @@ def run(args: argparse.Namespace) -> int:
     project = optional_project(args)
     paths = [Path(p) for p in args.paths] or [find_project(args) / "specs"]
     compiled = compile_paths(paths, project)
-    found: list[Diagnostic | TrackmarshalError] = [*compiled.failures, *findings(compiled, project)]
+    found: list[Diagnostic | TrackmarshalError] = [*compiled.failures, *findings(compiled)]
+    unusable = bool(compiled.failures)
+    if project is not None:
+        try:
+            found += unknown_requirements(compiled, project)
+        except TrackmarshalError as error:  # the specs' own errors are reported all the same
+            found.insert(0, error)
+            unusable = True
     print_findings(found, args.format)
     errors = sum(getattr(f, "level", "error") == "error" for f in found)
     if args.format == "text" and not args.quiet:
@@ -36,19 +43,43 @@ def run(args: argparse.Namespace) -> int:
         warnings = len(found) - errors
         summary = f"{len(compiled.order)} modules, {rules} rules and assumptions: {errors} errors, {warnings} warnings"
         print(summary, file=sys.stderr if found else sys.stdout)
-    if compiled.failures:
+    if unusable:
         return 2
     return 1 if errors else 0
 
 
-def findings(compiled: Compiled, project: Path | None) -> list[Diagnostic]:
-    """What the compiler, the tests and the links to requirements have against some specs."""
+def findings(compiled: Compiled) -> list[Diagnostic]:
+    """What the compiler, the constraints and the tests have against some specs, in the order of places."""
     from trackmarshal.testing.cases import prepare
 
-    found = list(compiled.found)
-    found += prepare(compiled)[1]
-    if project is not None:
-        found += unknown_requirements(compiled, project)
+    found = [*compiled.found, *prepare(compiled)[1], *unconstrained(compiled)]
+    return sorted(found, key=lambda d: (d.span.file.path, d.span.start, d.code))
+
+
+def unconstrained(compiled: Compiled) -> list[Diagnostic]:
+    """Constraints that the parameters' own values break; those on values with errors of their own are left out."""
+    from trackmarshal.ir import nodes as ir
+    from trackmarshal.semantics.errors import Unconstrained
+
+    spec = compiled.spec
+    if not spec.constraints:
+        return []
+    from trackmarshal.backends.reference.evaluator import Reference
+    from trackmarshal.runtime.case import Case
+    from trackmarshal.units import from_si
+
+    values = Reference(spec, Case())
+    found: list[Diagnostic] = []
+    for constraint in spec.constraints:
+        nodes = list(ir.below(constraint.formula))
+        params = dict.fromkeys(node.name for node in nodes if isinstance(node, ir.Param))
+        tables = {node.table for node in nodes if isinstance(node, ir.Lookup)}
+        if not (spec.params.keys() >= params.keys() and spec.tables.keys() >= tables):
+            continue
+        if values.truth(constraint.formula, {}).verdict != "satisfied":
+            infos = [spec.params[name] for name in params]
+            shown = ", ".join(f"{i.name.rpartition('.')[2]} = {from_si(i.value, i.unit):g} {i.unit}" for i in infos)
+            found.append(Unconstrained(constraint.span.head, shown, constraint.because or "change a value, or the constraint"))
     return found
 
 
@@ -56,14 +87,19 @@ def unknown_requirements(compiled: Compiled, project: Path) -> list[Diagnostic]:
     """`satisfies` clauses that name no requirement of the project."""
     from trackmarshal.diagnostics.base import close_matches
     from trackmarshal.semantics.errors import UnknownRequirement
+    from trackmarshal.syntax import ast
     from trackmarshal.trace import requirements
 
     known = {str(name) for name in requirements.ids(project)}
+    items = [item for name in compiled.order for item in compiled.library.modules[name].tree.items]
     return [
-        UnknownRequirement(span, name, close_matches(name, known))
-        for rule in compiled.spec.rules
-        for name, span in rule.satisfies
-        if name not in known
+        UnknownRequirement(name.span, name.name, close_matches(name.name, known) or "requirements are declared in requirements/*.yaml")
+        for item in items
+        if isinstance(item, (ast.Rule, ast.Assume))
+        for clause in item.clauses
+        if isinstance(clause, ast.Satisfies)
+        for name in clause.ids
+        if name.name not in known
     ]
 
 

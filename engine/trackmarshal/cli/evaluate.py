@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.output import dump, number, rule_json, table
 from trackmarshal.cli.project import optional_project
+from trackmarshal.diagnostics.excerpt import printable
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
 
 #: The longest line of data that is read, in characters.
 MAX_LINE = 400_000_000
+_HELP = 'a case is one line, such as {"id": 1, "signals": {"plan": {"t": [0, 0.1], ...}}}'
 
 CODES = {
     "D101": ("a line that is not JSON", "Data is JSON Lines: one JSON object a line, UTF-8."),
@@ -46,13 +50,14 @@ def run(args: argparse.Namespace) -> int:
     spec = load([Path(args.spec)], [Path(p) for p in args.settings], optional_project(args))
     evaluator = Evaluator(spec, args.rule, args.backend)
     status = 0
+    broken = evaluator.broken_constraints()
     pending: list[tuple[object, Case | TrackmarshalError]] = []
     for item in _cases(args.data, evaluator):
         pending.append(item)
         if len(pending) == CHUNK:
-            status = max(status, _flush(pending, evaluator, args))
+            status = max(status, _flush(pending, evaluator, broken, args))
             pending = []
-    return max(status, _flush(pending, evaluator, args))
+    return max(status, _flush(pending, evaluator, broken, args))
 
 
 def _cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Case | TrackmarshalError]]:
@@ -62,37 +67,62 @@ def _cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Case | Tra
             continue
         identity: object = None
         try:
-            raw = _parse(line, line_number)
-            identity = raw.get("id") if isinstance(raw, dict) else None
+            raw = _parse(line)
+            identity = _identity(raw)
             yield identity, evaluator.read(raw)
         except TrackmarshalError as error:
-            error.line = error.line or line_number
+            error.file, error.line = path, line_number
             yield identity if identity is not None else line_number, error
 
 
-def _parse(line: bytes, number_: int) -> Any:
+def _identity(raw: object) -> object:
+    """What a case is called; raises D201 for a name that could not be written back."""
+    identity = raw.get("id") if isinstance(raw, dict) else None
+    if isinstance(identity, (dict, list)) or (isinstance(identity, float) and not math.isfinite(identity)):
+        raise TrackmarshalError("D201", "`id` is a string or a finite number", help="leave it out to have the number of the line")
+    return identity
+
+
+def _parse(line: bytes) -> Any:
     try:
-        return json.loads(line.decode("utf-8-sig"))
+        return json.loads(line.decode("utf-8-sig"), object_pairs_hook=_object)
     except UnicodeDecodeError as error:
-        raise TrackmarshalError("D101", f"line {number_} is not UTF-8", line=number_) from error
+        message = f"byte {line[error.start]:#04x} in column {error.start + 1} is not UTF-8"
+        raise TrackmarshalError("D101", message, help="save the data as UTF-8") from error
     except RecursionError as error:
-        raise TrackmarshalError("D101", f"line {number_} is nested too deeply", line=number_) from error
-    except ValueError as error:
-        raise TrackmarshalError("D101", f"line {number_}: {error}", line=number_) from error
+        raise TrackmarshalError("D101", "nested too deeply", help="a case is an object of lists of numbers") from error
+    except json.JSONDecodeError as error:
+        raise TrackmarshalError("D101", f"not JSON: {error.msg}, in column {error.colno}", help=_HELP) from error
+    except ValueError as error:  # Python refuses whole numbers of thousands of digits
+        raise TrackmarshalError("D101", "a number has too many digits", help="write it as 1.5e9") from error
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object; a key that stands twice is refused, since readers disagree on which one counts."""
+    result = dict(pairs)
+    if len(result) != len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise TrackmarshalError("D101", f"the key `{twice}` stands twice in one object", help="keep one of them")
+    return result
 
 
 def _lines(path: str) -> Iterator[bytes]:
+    if path == "-" and sys.stdin is None:
+        raise TrackmarshalError("D102", "there is no standard input", file=path, help="name a file with --data")
     try:
-        stream = sys.stdin.buffer if path == "-" else Path(path).open("rb")  # noqa: SIM115 - standard input stays open
-    except OSError as error:
-        raise TrackmarshalError("D102", error.strerror or str(error), file=path) from error
-    with stream:
-        while line := stream.readline(MAX_LINE):
-            yield line
+        with nullcontext(sys.stdin.buffer) if path == "-" else Path(path).open("rb") as stream:
+            while line := stream.readline(MAX_LINE):
+                yield line
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        message = getattr(error, "strerror", None) or str(error)
+        raise TrackmarshalError("D102", f"cannot be read: {message}", file=path, help="check the path; - is standard input") from error
 
 
-def _flush(pending: list[tuple[object, Case | TrackmarshalError]], evaluator: Evaluator, args: argparse.Namespace) -> int:
-    """Evaluate and print a chunk; 2 when a line could not be read, else 0."""
+def _flush(
+    pending: list[tuple[object, Case | TrackmarshalError]], evaluator: Evaluator, broken: list[str], args: argparse.Namespace
+) -> int:
+    """Evaluate and print a chunk; `broken` are constraints that do not hold as configured; 2 when a line could not be read, else 0."""
     cases = [case for _, case in pending if not isinstance(case, TrackmarshalError)]
     results = iter(evaluator.evaluate(cases, args.series))
     status = 0
@@ -101,20 +131,24 @@ def _flush(pending: list[tuple[object, Case | TrackmarshalError]], evaluator: Ev
             status = 2
             print(_error_line(identity, case, args.format))
         else:
-            broken = evaluator.broken_constraints(case) if case.params else []
+            own = evaluator.broken_constraints(case) if case.params or case.tables else broken
             show = _json_line if args.format == "jsonl" else _text
-            print(show(next(results), broken))
+            print(show(next(results), own))
     return status
 
 
 def _error_line(identity: object, error: TrackmarshalError, format_: str) -> str:
     if format_ == "jsonl":
-        return dump({"id": identity, "error": {"code": error.code, "message": error.message}})
-    return f"case {identity}: error[{error.code}]: {error.message}"
+        found = {"code": error.code, "message": error.message, "line": error.line, "help": error.help}
+        return dump({"id": identity, "error": found})
+    lines = [f"case {identity}: error[{error.code}]: {error.message}", f"  --> {error.file}:{error.line}"]
+    return "\n".join(printable(line) for line in [*lines, *([f"  = help: {error.help}"] if error.help else [])])
 
 
 def _json_line(result: CaseResult, broken: list[str]) -> str:
-    line: dict[str, Any] = {"id": result.id, "safe": result.safe, "rules": {n: rule_json(r) for n, r in result.rules.items()}}
+    # Where a constraint is broken, the rules are unsound: whatever they say, it is not known to be safe.
+    safe = result.safe and not broken
+    line: dict[str, Any] = {"id": result.id, "safe": safe, "rules": {n: rule_json(r) for n, r in result.rules.items()}}
     if result.faults:
         line["faults"] = list(result.faults)
     if broken:
@@ -125,10 +159,11 @@ def _json_line(result: CaseResult, broken: list[str]) -> str:
 def _text(result: CaseResult, broken: list[str]) -> str:
     rows = []
     for name, rule in result.rules.items():
-        where = ", ".join(f"{k}={v}" for k, v in rule.witness.binders.items()) if rule.witness else rule.reason
+        where = printable(", ".join(f"{k}={v}" for k, v in rule.witness.binders.items()) if rule.witness else rule.reason)
         span = str(rule.witness.span) if rule.witness and rule.witness.span else ""
         shown = number(rule.margin)
         rows.append([name, rule.verdict, f"{shown:.6g}" if isinstance(shown, float) else shown, rule.unit, where, span])
-    lines = [f"case {result.id}: {'safe' if result.safe else 'UNSAFE'}", table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"])]
-    lines += [f"input: {fault}" for fault in result.faults] + [f"constraint: {text}" for text in broken]
+    safe = result.safe and not broken
+    lines = [printable(f"case {result.id}: {'safe' if safe else 'UNSAFE'}"), table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"])]
+    lines += [printable(f"input: {fault}") for fault in result.faults] + [f"constraint: {text}" for text in broken]
     return "\n".join(lines)

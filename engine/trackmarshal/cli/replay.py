@@ -77,14 +77,21 @@ def evaluator_for(
     `folder` is where the recording lies, when its `source` is no path from here.
     """
     from trackmarshal.evaluation import Evaluator, load
+    from trackmarshal.scenarios.replay import known_tables
 
     near = folder or Path(recording.source).parent
     used = [_setting(name, recording, near, project) for name in recording.use]
     spec: Spec = load([spec_path], [*used, *settings], project)
     evaluator = Evaluator(spec, rules, backend)
-    broken = evaluator.broken_constraints()
+    tables, _ = known_tables(recording, spec)
+    try:
+        configured = evaluator.read({"params": recording.params, "tables": tables})
+    except TrackmarshalError as error:
+        error.file = error.file or recording.source
+        raise
+    broken = evaluator.broken_constraints(configured)
     if broken:
-        raise TrackmarshalError("E403", broken[0])
+        raise TrackmarshalError("E403", broken[0], help="change the parameters in the spec, the configuration or the recording")
     return evaluator
 
 

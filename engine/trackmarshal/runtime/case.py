@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,6 +15,9 @@ from trackmarshal.units import from_si, to_si
 
 NAN = math.nan
 Point = tuple[float, float]
+Line = tuple[Point, ...]
+#: Lines that a reader remembers: more than one run's tracks have, few enough to hold.
+KEPT_LINES = 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +80,8 @@ class CaseReader:
         self._params = _by_short_name(spec.params)
         self._tables = _by_short_name(spec.tables)
         self._places = _by_short_name(spec.places)
-        self._lines: dict[int, tuple[object, list[Point]]] = {}
+        self._recent: OrderedDict[int, tuple[object, Line]] = OrderedDict()
+        self._known: OrderedDict[Line, Line] = OrderedDict()
 
     def read(self, raw: object) -> Case:
         """A case from plain data as `cli.md` describes it; raises TrackmarshalError D201 to D204."""
@@ -208,12 +213,13 @@ class CaseReader:
             else:
                 case.lines[signal.name, name] = self._line(case, signal.name, name, data[name])
 
-    def _line(self, case: Case, signal: str, name: str, raw: object) -> list[Point]:
-        """Points of a line; the same object (a track shared by many cases) is read once."""
-        known = self._lines.get(id(raw))
-        if known is not None and known[0] is raw:
-            return known[1]
-        points = _points(raw, f"{signal}.{name}" if name else signal)
+    def _line(self, case: Case, signal: str, name: str, raw: object) -> Line:
+        """Points of a line. The same object, and equal ones of late (a track that many cases share), give the same
+        tuple, so that evaluators prepare it once."""
+        recent = self._recent.get(id(raw))
+        if recent is not None and recent[0] is raw:
+            return recent[1]
+        points = tuple(_points(raw, f"{signal}.{name}" if name else signal))
         for index, (x, y) in enumerate(points):
             if not (math.isfinite(x) and math.isfinite(y)):
                 case.fault("D215", signal, name, index, "a point is not finite")
@@ -221,7 +227,11 @@ class CaseReader:
         if len(points) < 2:
             case.fault("D217", signal, name, None, f"{len(points)} points, at least 2 are needed")
             return points
-        self._lines[id(raw)] = (raw, points)
+        points = self._known.setdefault(points, points)
+        self._recent[id(raw)] = (raw, points)
+        for kept in (self._recent, self._known):
+            while len(kept) > KEPT_LINES:
+                kept.popitem(last=False)
         return points
 
     @staticmethod

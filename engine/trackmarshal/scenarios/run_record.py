@@ -47,7 +47,10 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
         "use": list(recording.use),
         "notes": list(recording.notes),
         "ignored_tables": list(replay.ignored),
-        "vehicle": {"length": _size("length", recording, evaluator), "width": _size("width", recording, evaluator)},
+        "vehicle": {
+            "length": _size("length", recording, evaluator),
+            "width": _size("width", recording, evaluator),
+        },
         "track": {
             "left": _points(recording.track["left"]),
             "right": _points(recording.track["right"]),
@@ -55,10 +58,15 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
         },
         "obstacles": [_box(obstacle) for obstacle in recording.obstacles],
         "t": [_number(cycle.t) for cycle in recording.cycles],
-        "ego": {name: [_rounded(c.ego.get(name, math.nan)) for c in recording.cycles] for name in ("x", "y", "heading", "v")},
+        "ego": {
+            name: [_rounded(c.ego.get(name, math.nan)) for c in recording.cycles]
+            for name in ("x", "y", "heading", "v")
+        },
         "objects": _objects(recording.cycles),
         "decision": [cycle.decision for cycle in replay.cycles],
-        "decision_from": [None if c.decision_from is None else _number(c.decision_from) for c in replay.cycles],
+        "decision_from": [
+            None if c.decision_from is None else _number(c.decision_from) for c in replay.cycles
+        ],
         "candidates": {name: _candidate(name, replay) for name in CANDIDATES},
         "rules": [_rule(rule, replay, evaluator) for rule in evaluator.rules],
         "assumptions": [_assumption(rule) for rule in evaluator.spec.rules if rule.kind == "assume"],
@@ -85,7 +93,9 @@ def _candidate(name: str, replay: Replay) -> dict[str, Any]:
     ]
     return {
         "safe": [c.results[name].safe if name in c.results else None for c in replay.cycles],
-        "paths": [_path(c.candidates[name]) if name in c.candidates else None for c in replay.recording.cycles],
+        "paths": [
+            _path(c.candidates[name]) if name in c.candidates else None for c in replay.recording.cycles
+        ],
         "faults": faults,
     }
 
@@ -152,19 +162,35 @@ def _firings(
 def _worst(results: Mapping[int, RuleResult]) -> tuple[int, RuleResult]:
     """The cycle that is violated by the most; where none is violated, the first undefined one, then the first open one."""
     order = {"violated": 0, "undefined": 1, "open": 2}
-    return min(results.items(), key=lambda item: (order[item[1].verdict], 0.0 if math.isnan(item[1].margin) else item[1].margin))
+    return min(
+        results.items(),
+        key=lambda item: (order[item[1].verdict], 0.0 if math.isnan(item[1].margin) else item[1].margin),
+    )
 
 
-def _least(rule: RuleInfo, candidate: str, results: Sequence[RuleResult | None], recording: Recording) -> dict[str, Any] | None:
+def _least(
+    rule: RuleInfo, candidate: str, results: Sequence[RuleResult | None], recording: Recording
+) -> dict[str, Any] | None:
     """The cycle with the smallest margin; None where no cycle has one."""
-    known = {i: r for i, r in enumerate(results) if r is not None and r.verdict in ("satisfied", "violated") and not math.isnan(r.margin)}
+    known = {
+        i: r
+        for i, r in enumerate(results)
+        if r is not None and r.verdict in ("satisfied", "violated") and not math.isnan(r.margin)
+    }
     if not known:
         return None
     # With equal margins (a strict comparison exactly on its boundary) the violated one counts.
-    return _moment(rule, candidate, min(known.items(), key=lambda item: (item[1].margin, item[1].verdict != "violated")), recording)
+    return _moment(
+        rule,
+        candidate,
+        min(known.items(), key=lambda item: (item[1].margin, item[1].verdict != "violated")),
+        recording,
+    )
 
 
-def _moment(rule: RuleInfo, candidate: str, at: tuple[int, RuleResult], recording: Recording) -> dict[str, Any]:
+def _moment(
+    rule: RuleInfo, candidate: str, at: tuple[int, RuleResult], recording: Recording
+) -> dict[str, Any]:
     """One result with what decided it: which sample or object, its place, and the line of the spec."""
     number, result = at
     cycle = recording.cycles[number]
@@ -203,7 +229,10 @@ def _binder(name: str, value: int | str, rule: RuleInfo, signals: Mapping[str, A
     elif isinstance(value, str) and isinstance(data, list):
         for index, element in enumerate(data):
             if str(element.get("id", index)) == value:
-                found["x"], found["y"] = _rounded(element.get("x", math.nan)), _rounded(element.get("y", math.nan))
+                found["x"], found["y"] = (
+                    _rounded(element.get("x", math.nan)),
+                    _rounded(element.get("y", math.nan)),
+                )
                 break
     return found
 
@@ -237,7 +266,10 @@ _BOX = ("x", "y", "heading", "length", "width")
 
 
 def _box(element: Mapping[str, Any]) -> dict[str, Any]:
-    return {"id": str(element.get("id", "")), **{field: _rounded(element.get(field, math.nan)) for field in _BOX}}
+    return {
+        "id": str(element.get("id", "")),
+        **{field: _rounded(element.get(field, math.nan)) for field in _BOX},
+    }
 
 
 def _path(columns: Columns) -> dict[str, list[Number]]:

@@ -48,7 +48,11 @@ class Library:
         """Load files, or all of a folder's, with what they use; the names of the modules asked for, in order."""
         names = []
         for path in paths:
-            for file in spec_files(path):
+            files = spec_files(path)
+            if not files:
+                help_ = "name a .spec file, or a folder with some"
+                self.failures.append(TrackmarshalError("E006", "no .spec files in this folder", file=str(path), help=help_))
+            for file in files:
                 module = self._load_file(file)
                 if module is not None:
                     names.append(module.name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 from trackmarshal.node import Node
@@ -13,8 +13,8 @@ from trackmarshal.syntax.wrapping import WIDTH, Wrapping, end_column, new_line
 #: Where the bodies of clauses start, in rules and assumptions, and in tests.
 CLAUSE_COLUMN = 12
 TEST_COLUMN = 9
-#: A value wider than this does not push the ranges of its neighbours to the right.
-WIDEST_VALUE = 40
+#: A value or a range wider than this does not push what stands after its neighbours to the right.
+WIDEST = 40
 
 
 class Piece(NamedTuple):
@@ -39,6 +39,7 @@ class Columns(NamedTuple):
     name: int = 0
     unit: int = 0
     value: int = 0
+    range: int = 0
 
 
 class Layout:
@@ -63,13 +64,17 @@ class Layout:
             default=0,
         )
         params = [item for item in run if isinstance(item, ast.Param)]
-        unit = max((len(self._n.unit(item.unit)) for item in params), default=0)
-        values = [
-            len(self._n.expr(item.value, SUM))
-            for item in params
-            if item.range is not None or item.source is not None
-        ]
-        return Columns(name, unit, max((width for width in values if width <= WIDEST_VALUE), default=0))
+        return Columns(
+            name,
+            max((len(self._n.unit(item.unit)) for item in params), default=0),
+            _widest(
+                self._n.expr(item.value, SUM) for item in params if item.range or item.source is not None
+            ),
+            _widest(self._range(item.range) for item in params if item.range and item.source is not None),
+        )
+
+    def _range(self, range_: ast.Range) -> str:
+        return self._n.range(range_.lower, range_.upper)
 
     # Declarations of one piece --------------------------------------------------------------------------------
 
@@ -92,12 +97,12 @@ class Layout:
         name, unit = self._n.name(item.name).ljust(columns.name), self._n.unit(item.unit).ljust(columns.unit)
         head = f"param {name} : {unit} = "
         value = self._w.lay(item.value, SUM, len(head))
-        rest = [] if item.range is None else [self._n.range(item.range.lower, item.range.upper)]
-        rest += [] if item.source is None else [f"source {quoted(item.source)}"]
-        text = head + (value.ljust(columns.value) if rest else value)
-        for more in rest:
-            text = self._w.append(text, 0, more, 2)
-        return text
+        source = "" if item.source is None else f"source {quoted(item.source)}"
+        limits = "" if item.range is None else self._range(item.range)
+        text = head + (value.ljust(columns.value) if limits or source else value)
+        if limits:
+            text = self._w.append(text, 0, limits.ljust(columns.range) if source else limits, 2)
+        return self._w.append(text, 0, source, 2) if source else text
 
     def _constrain(self, item: ast.Constrain, columns: Columns) -> str:
         head = "constrain "
@@ -108,7 +113,7 @@ class Layout:
         head = f"{item.keyword} {self._n.name(item.name)}"
         if item.parameters:
             parameters = [(f"{self._n.name(p.name)}: {self._n.unit(p.type)}", None) for p in item.parameters]
-            head += f"({self._w.fill(parameters, len(head) + 1, 4, 12)})"
+            head += f"({self._w.fill(parameters, len(head) + 1, len(head) + 1, 12)})"
         head += " =" if item.result is None else f" -> {self._n.unit(item.result)} ="
         level = SUM if item.keyword == "define" else EXPRESSION
         flat = self._n.expr(item.body, level)
@@ -135,7 +140,7 @@ class Layout:
     def _field(self, field: ast.Field) -> str:
         text = f"{self._n.name(field.name)}: {self._n.unit(field.type)}"
         text += " increasing" if field.increasing else ""
-        text += "" if field.range is None else f" {self._n.range(field.range.lower, field.range.upper)}"
+        text += "" if field.range is None else f" {self._range(field.range)}"
         return text + ("" if field.default is None else f" default {self._n.expr(field.default)}")
 
     def _table(self, item: ast.Table, columns: Columns) -> Laid:
@@ -156,9 +161,9 @@ class Layout:
         head = self._titled(item.kind, item.name, item.text) + (" = polygon" if item.kind == "zone" else " =")
         points = [f"({self._n.expr(x)}, {self._n.expr(y)})" for x, y in item.points]
         pieces = [Piece(head, 0), *(_between(text, point) for text, point in zip(points, item.points))]
-        return Laid(
-            pieces, f"{head} " + self._w.fill([(point, None) for point in points], len(head) + 1, 2, 0, "")
-        )
+        flat = f"{head} {' '.join(points)}"
+        filled = new_line(2) + self._w.fill([(point, None) for point in points], 2, 2, 0, "")
+        return Laid(pieces, flat if len(flat) <= WIDTH else head + filled)
 
     # Declarations with clauses --------------------------------------------------------------------------------
 
@@ -253,7 +258,7 @@ class Layout:
         pieces = [Piece(self._titled("rulebook", item.name, item.title), 0)]
         for number, chain in enumerate(item.chains):
             names = [self._n.name(name.name) for name in chain.names]
-            parts = [f"{name} {relation}" for name, relation in zip(names, chain.relations)] + names[-1:]
+            parts = names[:1] + [f"{relation} {name}" for relation, name in zip(chain.relations, names[1:])]
             comma = "," if number < len(item.chains) - 1 else ""
             text = self._w.fill([(part, None) for part in parts], 2, 4, len(comma), "")
             pieces.append(_placed(text + comma, chain))
@@ -266,7 +271,7 @@ class Layout:
 
     def _given(self, given: ast.Given) -> str:
         start = f"given  {self._n.name(given.name)} = "
-        text = start + self._w.lay(given.value, EXPRESSION, 2 + len(start))
+        text = start + self._w.value(given.value, 2 + len(start), 2)
         if not given.changes:
             return text
         changes: list[tuple[str, ast.Expr | None]] = []
@@ -289,6 +294,10 @@ class Layout:
         if expect.binder is not None:
             parts.append(f"at {self._n.name(expect.binder)} = {expect.at}")
         return self._w.fill([(part, None) for part in parts], 2, TEST_COLUMN, 0)
+
+
+def _widest(texts: Iterable[str]) -> int:
+    return max((len(text) for text in texts if len(text) <= WIDEST), default=0)
 
 
 def _placed(text: str, node: Node) -> Piece:

@@ -15,13 +15,14 @@ from trackmarshal.units import UNIT_PATTERN
     EXPRESSION, IMPLICATION, DISJUNCTION, CONJUNCTION, UNTIL, UNARY, COMPARISON, SUM, ADDITIVE, PRODUCT, FACTOR, POWER, POSTFIX,
 ) = range(1, 14)  # fmt: skip
 
-#: Operator -> (its level, the level of its left operand, of its right operand).
+#: Operator -> (its level, the level of its left operand, of its right operand). Comparisons would take an `if` without
+#: parentheses, and people would not.
 LEVELS = {
     "iff": (EXPRESSION, EXPRESSION, IMPLICATION), "xor": (EXPRESSION, EXPRESSION, IMPLICATION),
     "implies": (IMPLICATION, DISJUNCTION, IMPLICATION), "or": (DISJUNCTION, DISJUNCTION, CONJUNCTION),
     "and": (CONJUNCTION, CONJUNCTION, UNTIL),
-    "<": (COMPARISON, SUM, SUM), "<=": (COMPARISON, SUM, SUM), ">": (COMPARISON, SUM, SUM), ">=": (COMPARISON, SUM, SUM),
-    "==": (COMPARISON, SUM, SUM), "!=": (COMPARISON, SUM, SUM),
+    "<": (COMPARISON, ADDITIVE, ADDITIVE), "<=": (COMPARISON, ADDITIVE, ADDITIVE), ">": (COMPARISON, ADDITIVE, ADDITIVE), ">=": (COMPARISON, ADDITIVE, ADDITIVE),
+    "==": (COMPARISON, ADDITIVE, ADDITIVE), "!=": (COMPARISON, ADDITIVE, ADDITIVE),
     "+": (ADDITIVE, ADDITIVE, PRODUCT), "-": (ADDITIVE, ADDITIVE, PRODUCT),
     "*": (PRODUCT, PRODUCT, FACTOR), "/": (PRODUCT, PRODUCT, FACTOR), "^": (POWER, POSTFIX, POSTFIX),
 }  # fmt: skip
@@ -116,11 +117,11 @@ class Notation:
 
     def predicate_left(self, node: ast.Infix) -> str:
         """The left side of `a behind b`; a predicate with a unit's name must not become a unit."""
-        left = self.expr(node.left, SUM)
+        left = self.expr(node.left, ADDITIVE)
         return f"({left})" if _UNIT.match(node.predicate) and _BARE_NUMBER_END.search(left) else left
 
     def _infix(self, node: ast.Infix) -> str:
-        return f"{self.predicate_left(node)} {self.name(node.predicate)} {self.expr(node.right, SUM)}"
+        return f"{self.predicate_left(node)} {self.name(node.predicate)} {self.expr(node.right, ADDITIVE)}"
 
     def prefix(self, node: ast.Unary) -> str:
         """`not ` or `-`."""
@@ -129,9 +130,8 @@ class Notation:
     def parenthesised(self, node: ast.Unary) -> bool:
         """Whether the operand of `not` and `-` stands in parentheses."""
         if node.op == "not":
-            return (
-                level_of(node.operand) < UNARY or level_of(node.operand) == COMPARISON
-            )  # `not a in zone z` misleads
+            # `not a in zone z` could be read without them, and would be misread.
+            return level_of(node.operand) < UNARY or level_of(node.operand) in (COMPARISON, SUM)
         # Two minus signs would start a comment.
         return level_of(node.operand) <= FACTOR
 
@@ -161,10 +161,10 @@ class Notation:
         return f"if {self.expr(node.condition)} then {then} else {otherwise}"
 
     def _within(self, node: ast.Within) -> str:
-        return f"{self.operand(node.value, SUM, False)} {self.range(node.lower, node.upper)}"
+        return f"{self.expr(node.value, ADDITIVE)} {self.range(node.lower, node.upper)}"
 
     def _in_zone(self, node: ast.InZone) -> str:
-        return f"{self.operand(node.value, SUM, False)} {self.sign('in')} zone {self.name(node.zone)}"
+        return f"{self.expr(node.value, ADDITIVE)} {self.sign('in')} zone {self.name(node.zone)}"
 
     def temporal(self, node: ast.Temporal) -> str:
         """`weak next`, `always[0 s, 1 s]`."""
@@ -183,7 +183,7 @@ class Notation:
 
     def _record(self, node: ast.RecordValue) -> str:
         entries = ", ".join(map(self.argument, node.names, node.values))
-        return f"{{{entries}}}"
+        return f"{{ {entries} }}" if entries else "{}"
 
     def _list(self, node: ast.ListValue) -> str:
         return f"[{', '.join(map(self.expr, node.values))}]"
@@ -207,7 +207,7 @@ def open_ended(node: ast.Expr) -> bool:
         elif isinstance(node, ast.Until):
             last, level = node.right, UNARY
         elif isinstance(node, ast.Infix):
-            last, level = node.right, SUM
+            last, level = node.right, ADDITIVE
         else:
             return False
         if level_of(last) < level:

@@ -7,6 +7,7 @@ from typing import Any
 
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.notation import (
+    ADDITIVE,
     EXPRESSION,
     IMPLICATION,
     LEVELS,
@@ -56,7 +57,7 @@ class Wrapping:
         """A text, and two blanks and more if that fits, else more on a line of its own."""
         if end_column(text, column) + 2 + len(more) <= WIDTH:
             return f"{text}  {more}"
-        return f"{text}{new_line(indent)}{more}"
+        return f"{text.rstrip()}{new_line(indent)}{more}"
 
     def fill(
         self,
@@ -141,26 +142,36 @@ class Wrapping:
     def _infix(self, node: ast.Infix, column: int, tail: int) -> str:
         # The predicate stays on the line of its left side: at a line's start it would look like a clause.
         name = self.notation.name(node.predicate)
-        parentheses = level_of(node.left) < SUM or self.notation.predicate_left(node) != self.notation.expr(
-            node.left, SUM
-        )
+        parentheses = level_of(node.left) < ADDITIVE or self.notation.predicate_left(
+            node
+        ) != self.notation.expr(node.left, ADDITIVE)
         left = self._lay(node.left, parentheses, column, 1 + len(name))
-        return f"{left} {name}{new_line(column + 2)}" + self.lay(node.right, SUM, column + 2, tail)
+        return f"{left} {name}{new_line(column + 2)}" + self.lay(node.right, ADDITIVE, column + 2, tail)
 
     def _if_else(self, node: ast.IfElse, column: int, tail: int) -> str:
-        inner = column + 2
-        condition = self.lay(node.condition, EXPRESSION, column + len("if "))
-        then = self._operand(node.then, SUM, False, inner + len("then "))
-        otherwise = self.lay(node.otherwise, SUM, inner + len("else "), tail)
-        return f"if {condition}{new_line(inner)}then {then}{new_line(inner)}else {otherwise}"
+        lines, word = [], "if "
+        while True:
+            condition = self.notation.expr(node.condition)
+            then = self.notation.operand(node.then, SUM, False)
+            if column + len(f"{word}{condition} then {then}") <= WIDTH:
+                lines.append(f"{word}{condition} then {then}")
+            else:
+                lines.append(word + self.lay(node.condition, EXPRESSION, column + len(word)))
+                inner = column + 2
+                lines.append("  then " + self._operand(node.then, SUM, False, inner + len("then ")))
+            if not isinstance(node.otherwise, ast.IfElse):
+                break
+            node, word = node.otherwise, "else if "
+        lines.append("else " + self.lay(node.otherwise, SUM, column + len("else "), tail))
+        return new_line(column).join(lines)
 
     def _within(self, node: ast.Within, column: int, tail: int) -> str:
-        value = self._operand(node.value, SUM, False, column)
+        value = self.lay(node.value, ADDITIVE, column)
         return f"{value}{new_line(column + 2)}{self.notation.range(node.lower, node.upper)}"
 
     def _in_zone(self, node: ast.InZone, column: int, tail: int) -> str:
         zone = f" {self.notation.sign('in')} zone {self.notation.name(node.zone)}"
-        return self._operand(node.value, SUM, False, column, tail + len(zone)) + zone
+        return self.lay(node.value, ADDITIVE, column, tail + len(zone)) + zone
 
     def _attribute(self, node: ast.Attribute, column: int, tail: int) -> str:
         name = f".{self.notation.name(node.name)}"
@@ -170,27 +181,51 @@ class Wrapping:
 
     def _call(self, node: ast.Call, column: int, tail: int) -> str:
         head = self.notation.function(node) + "("
-        return (
-            head
-            + self._arguments(argument_names(node), node.args, column + len(head), column + 2, tail + 1)
-            + ")"
-        )
+        return head + self._arguments(argument_names(node), node.args, column + len(head), tail + 1) + ")"
 
     def _record(self, node: ast.RecordValue, column: int, tail: int) -> str:
-        return "{" + self._arguments(node.names, node.values, column + 1, column + 2, tail + 1) + "}"
+        if not node.values:
+            return "{}"
+        return "{ " + self._arguments(node.names, node.values, column + 2, tail + 2) + " }"
 
     def _list(self, node: ast.ListValue, column: int, tail: int) -> str:
-        return (
-            "["
-            + self._arguments(("",) * len(node.values), node.values, column + 1, column + 2, tail + 1)
-            + "]"
-        )
+        return "[" + self._arguments(("",) * len(node.values), node.values, column + 1, tail + 1) + "]"
 
-    def _arguments(
-        self, names: tuple[str, ...], values: tuple[ast.Expr, ...], column: int, indent: int, tail: int
-    ) -> str:
-        prefixes = (f"{self.notation.name(name)}: " if name else "" for name in names)
-        return self.fill(zip(prefixes, values), column, indent, tail)
+    def _arguments(self, names: tuple[str, ...], values: tuple[ast.Expr, ...], column: int, tail: int) -> str:
+        return self.fill(self._named(names, values), column, column, tail)
+
+    def _named(
+        self, names: tuple[str, ...], values: tuple[ast.Expr, ...]
+    ) -> list[tuple[str, ast.Expr | None]]:
+        return [
+            (f"{self.notation.name(name)}: " if name else "", value) for name, value in zip(names, values)
+        ]
+
+    def value(self, node: ast.Expr, column: int, indent: int, tail: int = 0) -> str:
+        """What a test gives: on one line, or a record's fields and a list's records on lines of their own."""
+        if column + len(self.notation.expr(node)) + tail <= WIDTH:
+            return self.notation.expr(node)
+        inner = indent + 2
+        if isinstance(node, ast.RecordValue):
+            parts = self._named(node.names, node.values)
+            brackets = "{}"
+        elif isinstance(node, ast.ListValue) and any(
+            isinstance(value, ast.RecordValue) for value in node.values
+        ):
+            parts = self._named(("",) * len(node.values), node.values)
+            brackets = "[]"
+        elif isinstance(node, ast.ListValue):
+            filled = self.fill(self._named(("",) * len(node.values), node.values), inner, inner, 0)
+            return f"[{new_line(inner)}{filled}{new_line(indent)}]"
+        else:
+            return self.lay(node, EXPRESSION, column, tail)
+        lines = [
+            prefix + ("" if part is None else self.value(part, inner + len(prefix), inner, 1))
+            for prefix, part in parts
+        ]
+        return (
+            brackets[0] + new_line(inner) + f",{new_line(inner)}".join(lines) + new_line(indent) + brackets[1]
+        )
 
 
 def _chain(node: ast.Binary) -> tuple[ast.Expr, list[tuple[str, ast.Expr]]]:

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NoReturn
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
-from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.node import Node
+from trackmarshal.runtime.case import check_table
+from trackmarshal.semantics import calls
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
 from trackmarshal.semantics.expressions import Context
@@ -16,9 +21,11 @@ from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.testing.builders import BUILDERS, Builder
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
-from trackmarshal.units import LENGTH, NUMBER, Dimension, from_si, name, parse_unit, show
+from trackmarshal.units import Dimension, from_si, name, parse_shown, parse_unit, quantity, to_si
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive")
+#: The units of the columns that builders make.
+_COLUMNS = {"t": "s", "s": "m", "x": "m", "y": "m", "heading": "rad", "kappa": "1/m", "v": "m/s", "a": "m/s^2"}
 
 
 class PreparedTest(Node):
@@ -43,32 +50,29 @@ class PreparedTest(Node):
 def prepare(compiled: Compiled) -> tuple[list[PreparedTest], list[Diagnostic]]:
     """All tests that have a meaning, and what is wrong with the others."""
     prepared: list[PreparedTest] = []
-    found: list[Diagnostic] = []
+    found = compiled.expressions.found
+    before = len(found)
     titles: dict[tuple[str, str], Span] = {}
     for module in compiled.order:
         for item in compiled.library.modules[module].tree.items:
             if not isinstance(item, ast.Test):
                 continue
-            rule = compiled.spec.rule(item.rule)
-            if rule is None:
-                continue  # the compiler reported the name, or the rule's own errors
-            if rule.formula is None:
-                found.append(UnknownRuleOfTest(_head(item.span), item.rule))
-                continue
             if (item.rule, item.title) in titles:
-                found.append(
-                    BadGiven(
-                        _head(item.span),
-                        "another test of this rule has the same title",
-                        "say what this one shows",
-                    )
-                )
-            titles[item.rule, item.title] = item.span
+                first, hint = titles[item.rule, item.title], "say what this one shows"
+                problem = "another test of this rule has the same title"
+                found.append(BadGiven(item.span.head, problem, hint, first, "the first one is here"))
+            titles.setdefault((item.rule, item.title), item.span.head)
+            rule = compiled.spec.rule(item.rule)
+            if rule is not None and rule.formula is None:
+                found.append(UnknownRuleOfTest(item.span.head.word(item.rule), item.rule))
             try:
-                prepared.append(_Preparation(compiled, module, found).test(item, rule))
+                test = _Preparation(compiled, module, found).test(item, rule)
             except Poison:
                 continue
-    return prepared, found
+            if test is not None:
+                prepared.append(test)
+    reported, found[before:] = found[before:], []
+    return prepared, reported
 
 
 class _Preparation:
@@ -78,27 +82,30 @@ class _Preparation:
         self._x = compiled.expressions
         self._ctx = Context(self._scope, {}, 0, None, None, ())
         self._found = found
+        self._kind: type[BadGiven | BadExpectation] = BadGiven
 
-    def fail(self, span: Span, problem: str, hint: str = "") -> None:
-        self._found.append(BadGiven(span, problem, hint))
+    def fail(self, span: Span, problem: str, hint: str = "", other: Span | None = None) -> NoReturn:
+        self._found.append(BadGiven(span, problem, hint, other) if other else self._kind(span, problem, hint))
         raise Poison
 
-    def test(self, item: ast.Test, rule: RuleInfo) -> PreparedTest:
+    def test(self, item: ast.Test, rule: RuleInfo | None) -> PreparedTest | None:
+        """The test; None for one of a rule that has errors of its own, or no formula: what it gives is checked all the same."""
         case: dict[str, Any] = {"id": item.title, "signals": {}, "params": {}, "tables": {}, "places": {}}
-        failed = False
         given: set[str] = set()
-        for entry in item.givens:
-            try:
-                if entry.name in given:
-                    self.fail(entry.span, f"`{entry.name}` is given twice")
-                given.add(entry.name)
-                self._given(entry, case)
-            except Poison:
-                failed = True
-        expect = self._expectation(item.expect, rule, item)
-        if failed:
-            raise Poison
-        return PreparedTest(rule, item.title, case, *expect, _head(item.span))
+
+        def give(entry: ast.Given) -> None:
+            if entry.name in given:
+                self.fail(entry.span, f"`{entry.name}` is given twice", "keep one of them")
+            given.add(entry.name)
+            self._given(entry, case)
+
+        _, expect = self._x.all(
+            lambda: self._x.all(*(lambda e=entry: give(e) for entry in item.givens)),
+            lambda: self._expectation(item.expect, rule),
+        )
+        if rule is None or rule.formula is None:
+            return None
+        return PreparedTest(rule, item.title, case, *expect, item.span.head)
 
     # What is given --------------------------------------------------------------------------------------------
 
@@ -106,62 +113,82 @@ class _Preparation:
         symbol = self._scope.find(entry.name)
         item = symbol.item if symbol is not None else None
         if symbol is None or not isinstance(item, (ast.Signal, ast.Event, ast.Param, ast.Table, ast.Place)):
-            known = [
-                n
-                for n in self._scope.names()
-                if isinstance(getattr(self._scope.find(n), "item", None), (ast.Signal, ast.Event, ast.Param))
-            ]
-            self.fail(
-                entry.span,
-                f"`{entry.name}` is no signal, event, parameter, table or place",
-                close_matches(entry.name, known),
-            )
-            return
+            if entry.name in self._scope.broken:
+                raise Poison  # its declaration has an error of syntax
+            self._unknown(entry)
         if entry.changes and not (isinstance(item, ast.Signal) and self._spec.signals[item.name].sequence):
-            self.fail(entry.changes[0].span, "`with` changes columns of a timeline")
+            self.fail(entry.changes[0].span, "`with` changes columns of a timeline", f"give all of `{entry.name}` in one value")
         match item:
             case ast.Signal():
                 case["signals"][entry.name] = self._signal(self._spec.signals[item.name], entry)
             case ast.Event():
                 if not isinstance(entry.value, ast.Boolean):
-                    self.fail(entry.span, "an event is true or false")
-                else:
-                    case["signals"][entry.name] = entry.value.value
+                    self.fail(_span(entry.value), f"the event `{item.name}` is true or false")
+                case["signals"][entry.name] = entry.value.value
             case ast.Param():
-                info = self._spec.params[symbol.qualified]
-                case["params"][symbol.qualified] = self._number(entry.value, info.unit)
+                info = self._spec.params.get(symbol.qualified)
+                if info is None:
+                    raise Poison  # its declaration was reported
+                case["params"][symbol.qualified] = self._param(info, entry.value)
             case ast.Table():
-                units = self._spec.tables[symbol.qualified].units
-                case["tables"][symbol.qualified] = [self._pair(row, units) for row in self._list(entry.value)]
+                table = self._spec.tables.get(symbol.qualified)
+                if table is None:
+                    raise Poison
+                rows = self._x.all(*(lambda r=row: self._pair(r, table.units) for row in self._list(entry.value)))
+                try:
+                    check_table(table, rows)
+                except TrackmarshalError as error:
+                    self.fail(_span(entry.value), error.message, error.help or "")
+                case["tables"][symbol.qualified] = rows
             case ast.Place():
-                case["places"][symbol.qualified] = [
-                    self._pair(row, ("m", "m")) for row in self._list(entry.value)
-                ]
+                case["places"][symbol.qualified] = self._points(entry.value)
+
+    def _unknown(self, entry: ast.Given) -> NoReturn:
+        kinds = (ast.Signal, ast.Event, ast.Param, ast.Table, ast.Place)
+        symbols = {name: self._scope.find(name) for name in self._scope.names()}
+        known = [name for name, symbol in symbols.items() if symbol is not None and isinstance(symbol.item, kinds)]
+        hint = close_matches(entry.name, known) or "only what the test's module declares or uses can be given"
+        problem = f"`{entry.name}` is no signal, event, parameter, table, zone or line"
+        if entry.name in symbols and symbols[entry.name] is None:
+            problem, hint = f"`{entry.name}` is declared in two used modules", "rename one, or use only one of the modules"
+        self.fail(entry.span.word(entry.name), problem, hint)
+
+    def _param(self, info: ParamInfo, value: ast.Expr) -> float:
+        number = self._number(value, info.unit, f"the parameter `{info.name.rpartition('.')[2]}`")
+        si = to_si(number, info.unit)
+        if not math.isfinite(si):
+            self.fail(_span(value), "a parameter is finite")
+        if (info.lower is not None and si < info.lower) or (info.upper is not None and si > info.upper):
+            self.fail(_span(value), "the parameter is outside its range", "", info.span.head)
+        return number
 
     def _signal(self, signal: SignalType, entry: ast.Given) -> Any:
         if signal.many:
-            return [self._record(signal, element) for element in self._list(entry.value)]
+            return self._x.all(*(lambda e=element: self._record(signal, e) for element in self._list(entry.value)))
         if signal.sequence:
             columns = self._columns(signal, entry.value)
-            for change in entry.changes:
-                self._change(signal, columns, change)
+            self._x.all(*(lambda c=change: self._change(signal, columns, c) for change in entry.changes))
             return columns
         if signal.kind == "state":
             return self._record(signal, entry.value)
         if signal.kind == "polyline":
-            return [self._pair(row, ("m", "m")) for row in self._list(entry.value)]
+            return self._points(entry.value)
         if isinstance(entry.value, ast.Call):
             return self._build(entry.value, "corridor")
         if not isinstance(entry.value, ast.RecordValue):
-            self.fail(entry.span, "a corridor is built, or given as { left: [...], right: [...] }")
-        assert isinstance(entry.value, ast.RecordValue)
-        result: dict[str, Any] = {}
-        for field, value in zip(entry.value.names, entry.value.values):
-            if field == "closed" and isinstance(value, ast.Boolean):
-                result[field] = value.value
-            else:
-                result[field] = [self._pair(row, ("m", "m")) for row in self._list(value)]
-        return result
+            self.fail(_span(entry.value), "a corridor is built, or given as `{ left: [...], right: [...] }`", _HOW["corridor"])
+        return self._entries(entry.value, self._side)
+
+    def _side(self, side: str, value: ast.Expr) -> Any:
+        """One entry of a corridor."""
+        if side == "closed":
+            if not isinstance(value, ast.Boolean):
+                self.fail(_span(value), "`closed` is true or false")
+            return value.value
+        if side not in ("left", "right"):
+            hint = close_matches(side, ("left", "right", "closed")) or "it has left, right and closed"
+            self.fail(_span(value), f"a corridor has no `{side}`", hint)
+        return self._points(value)
 
     def _columns(self, signal: SignalType, value: ast.Expr) -> dict[str, Any]:
         if isinstance(value, ast.Call):
@@ -169,36 +196,36 @@ class _Preparation:
             columns: dict[str, Any] = {}
             for field in signal.fields_:
                 if field.name in built:
+                    unit = _COLUMNS[field.name]
+                    if field.kind != "number" or parse_unit(field.unit)[2] != parse_unit(unit)[2]:
+                        problem = f"`{value.function}` gives `{field.name}` in {unit}, which does not fit its declaration"
+                        self.fail(value.span, problem, "give the columns yourself, or declare it with this dimension", field.span)
                     columns[field.name] = [from_si(number, field.unit) for number in built[field.name]]
             return columns
         if not isinstance(value, ast.RecordValue):
-            self.fail(
-                _span(value),
-                "a timeline is built, or given as { column: [...] }",
-                "for example `line(v: 20 m/s)`",
-            )
-        assert isinstance(value, ast.RecordValue)
-        given = {}
-        for column, content in zip(value.names, value.values):
-            field = self._field(signal, column, _span(content))
-            given[column] = [self._scalar(field, element) for element in self._list(content)]
-        return given
+            self.fail(_span(value), "a timeline is built, or given as `{ column: [...] }`", _HOW["trajectory"])
+
+        def column(field_name: str, content: ast.Expr) -> list[Any]:
+            field = self._field(signal, field_name, _span(content))
+            return self._x.all(*(lambda e=element: self._scalar(field, e) for element in self._list(content)))
+
+        return self._entries(value, column)
 
     def _change(self, signal: SignalType, columns: dict[str, Any], change: ast.Change) -> None:
         field = self._field(signal, change.field, change.span)
         count = max((len(column) for column in columns.values()), default=0)
-        column = list(
-            columns.get(
-                change.field, [None if field.default is None else from_si(field.default, field.unit)] * count
-            )
-        )
+        default = None if field.default is None else from_si(field.default, field.unit)
+        column = list(columns.get(change.field, [default] * count))
         value = self._scalar(field, change.value)
         if change.index is None:
             column = [value] * count
         else:
-            index = int(float(change.index))
-            if index != float(change.index) or index >= count:
-                self.fail(change.span, f"there is no sample {change.index}: the trajectory has {count}")
+            index = _index(change.index)
+            if index is None:
+                self.fail(change.span, "an index is a whole number, from 0")
+            if index >= len(column):
+                last = f"the last one is [{len(column) - 1}]" if column else ""
+                self.fail(change.span, f"`{change.field}` has no sample {index}", last)
             column[index] = value
         columns[change.field] = column
 
@@ -207,155 +234,172 @@ class _Preparation:
         fitting = [b.name for b in BUILDERS.values() if b.builds == kind]
         if builder is None or builder.builds != kind:
             hint = close_matches(call.function, fitting) or "there are " + ", ".join(fitting)
-            self.fail(call.span, f"`{call.function}` builds no {kind}", hint)
-        assert builder is not None
+            self.fail(call.span.word(call.function), f"`{call.function}` builds no {kind}", hint)
         arguments = self._arguments(call, builder)
         try:
             return builder.build(**arguments)
-        except Exception as error:
-            self.fail(
-                call.span,
-                f"{builder.name}: {getattr(error, 'message', error)}",
-                getattr(error, "help", None) or "",
-            )
-            raise AssertionError from error
+        except TrackmarshalError as error:
+            self.fail(call.span, f"`{builder.name}`: {error.message}", error.help or "")
 
     def _arguments(self, call: ast.Call, builder: Builder) -> dict[str, float]:
-        arguments: dict[str, float] = {}
-        for argument, value in zip(call.names, call.args):
-            parameter = builder.parameters.get(argument)
+        def argument(named: str, value: ast.Expr) -> tuple[str, float]:
+            parameter = builder.parameters.get(named)
+            takes = f"`{builder.name}` takes " + ", ".join(builder.parameters)
+            if not named:
+                self.fail(_span(value), "the arguments of builders are named", takes)
             if parameter is None:
-                hint = close_matches(argument, builder.parameters) or "it takes " + ", ".join(
-                    builder.parameters
-                )
-                self.fail(
-                    _span(value),
-                    f"`{builder.name}` has no argument `{argument}`"
-                    if argument
-                    else "arguments of builders are named",
-                    hint,
-                )
-            assert parameter is not None
-            arguments[argument] = self._number(value, parameter.unit)
+                self.fail(_span(value), f"`{builder.name}` has no argument `{named}`", close_matches(named, builder.parameters) or takes)
+            if call.names.count(named) > 1:
+                self.fail(_span(value), f"`{named}` is given twice", "keep one of them")
+            return named, self._number(value, parameter.unit, f"the argument `{named}`")
+
+        arguments = dict(self._x.all(*(lambda n=n, v=v: argument(n, v) for n, v in zip(call.names, call.args))))
         missing = [n for n, p in builder.parameters.items() if p.required and n not in arguments]
         if missing:
-            self.fail(call.span, f"`{builder.name}` needs {', '.join(missing)}")
+            shown = ", ".join(f"{n}: ... {builder.parameters[n].unit}" for n in missing)
+            self.fail(call.span, f"`{builder.name}` needs {' and '.join(f'`{n}`' for n in missing)}", f"write `{builder.name}({shown})`")
         return arguments
 
     def _record(self, signal: SignalType, value: ast.Expr) -> dict[str, Any]:
         if not isinstance(value, ast.RecordValue):
-            self.fail(_span(value), f"`{signal.name}` takes a record", "for example `{ x: 0 m, y: 0 m }`")
-        assert isinstance(value, ast.RecordValue)
-        return {
-            n: self._scalar(self._field(signal, n, _span(v)), v) for n, v in zip(value.names, value.values)
-        }
+            self.fail(_span(value), f"`{signal.name}` takes a record", _HOW["record"])
+        return self._entries(value, lambda n, v: self._scalar(self._field(signal, n, _span(v)), v))
+
+    def _entries(self, record: ast.RecordValue, read: Any) -> dict[str, Any]:
+        """The entries of `{ name: value }`, each read by a function of both."""
+
+        def entry(field: str, value: ast.Expr) -> tuple[str, Any]:
+            if record.names.count(field) > 1:
+                self.fail(_span(value), f"`{field}` is given twice", "keep one of them")
+            return field, read(field, value)
+
+        return dict(self._x.all(*(lambda n=n, v=v: entry(n, v) for n, v in zip(record.names, record.values))))
 
     def _field(self, signal: SignalType, field: str, span: Span) -> FieldType:
         kind = signal.field(field)
         if kind is None:
             names = [f.name for f in signal.fields_]
-            self.fail(
-                span,
-                f"`{signal.name}` has no field `{field}`",
-                close_matches(field, names) or "it has " + ", ".join(names),
-            )
-        assert kind is not None
+            hint = close_matches(field, names) or "it has " + ", ".join(names)
+            self.fail(span, f"`{signal.name}` has no field `{field}`", hint)
         return kind
 
     def _scalar(self, field: FieldType, value: ast.Expr) -> Any:
         if field.kind == "bool":
             if not isinstance(value, ast.Boolean):
                 self.fail(_span(value), f"`{field.name}` is true or false")
-            return value.value if isinstance(value, ast.Boolean) else None
-        return self._number(value, field.unit)
+            return value.value
+        return self._number(value, field.unit, f"`{field.name}`")
 
     def _list(self, value: ast.Expr) -> tuple[ast.Expr, ...]:
         if not isinstance(value, ast.ListValue):
-            self.fail(_span(value), "a list is needed here", "write [ ... ]")
-        assert isinstance(value, ast.ListValue)
+            self.fail(_span(value), "a list is needed here", "write `[...]`")
         return value.values
+
+    def _points(self, value: ast.Expr) -> list[list[float]]:
+        return self._x.all(*(lambda r=row: self._pair(r, ("m", "m")) for row in self._list(value)))
 
     def _pair(self, value: ast.Expr, units: tuple[str, str]) -> list[float]:
         parts = self._list(value)
         if len(parts) != 2:
-            self.fail(_span(value), "a pair is needed here", "write [x, y]")
-        return [self._number(part, unit) for part, unit in zip(parts, units)]
+            self.fail(_span(value), f"a pair is needed here, this has {len(parts)} entries", "write `[x, y]`")
+        return self._x.all(*(lambda p=part, u=unit: self._number(p, u, "this") for part, unit in zip(parts, units)))
 
-    def _number(self, value: ast.Expr, unit: str) -> float:
+    def _number(self, value: ast.Expr, unit: str, what: str) -> float:
         """A constant in the unit that the data comes in; `nan` and `inf` are allowed here and only here."""
         special = _special(value)
         if special is not None:
             return special
-        number = self._si(value, parse_unit(unit)[2], f"a value in {unit}")
-        return from_si(number, unit)
+        return from_si(self._si(value, parse_unit(unit)[2], what), unit)
 
     def _si(self, value: ast.Expr, dimension: Dimension, what: str) -> float:
-        try:
-            checked = self._x.number(value, self._ctx)
-        except Poison:
-            self._move()
-            raise
+        checked = self._x.number(value, self._ctx)
         if checked.dimension != dimension:
-            hint = (
-                f"write `{_span(value).text.strip()} {show(dimension)}`"
-                if checked.dimension == NUMBER
-                else ""
-            )
-            self.fail(_span(value), f"{what} is needed, this is {checked.spoken}", hint)
+            problem = f"{what} is {quantity(dimension)}, not {quantity(checked.dimension)}"
+            self.fail(_span(value), problem, calls.unit_hint(checked, dimension))
         params = self._spec.params
-        number = constant_value(checked.node, lambda q: params[q].value if q in params else None)
+        if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(checked.node)):
+            raise Poison  # a parameter whose declaration was reported
+        number = constant_value(checked.node, lambda qualified: params[qualified].value)
         if number is None:
-            self.fail(_span(value), "a test gives constants")
-        assert number is not None
+            self.fail(_span(value), "this depends on an input", "a test gives constants")
         return number
-
-    def _move(self) -> None:
-        """Take over what the expression checker reported."""
-        self._found.append(self._x.found.pop())
 
     # What is expected -----------------------------------------------------------------------------------------
 
     def _expectation(
-        self, expect: ast.Expect, rule: RuleInfo, item: ast.Test
-    ) -> tuple[str, float | None, float, str | None, str | None]:  # fmt: skip
-        if expect.verdict not in VERDICTS:
-            self._wrong(
-                expect.span,
-                f"`{expect.verdict}` is no verdict",
-                close_matches(expect.verdict, VERDICTS) or ", ".join(VERDICTS),
-            )
-        margin, tolerance = None, 0.0
-        if expect.margin is not None:
-            margin = self._margin(expect.margin, rule)
-            tolerance = 0.0 if expect.tolerance is None else self._margin(expect.tolerance, rule)
-        at = expect.at.strip('"') if expect.at is not None else None
-        if (
-            at is not None
-            and expect.at is not None
-            and not expect.at.startswith('"')
-            and float(at) != int(float(at))
-        ):
-            self._wrong(expect.span, "an index is a whole number")
+        self, expect: ast.Expect, rule: RuleInfo | None
+    ) -> tuple[str, float | None, float, str | None, str | None]:
+        self._kind = BadExpectation
+        margin, tolerance, at, _ = self._x.all(
+            lambda: None if expect.margin is None else self._margin(expect.margin, rule),
+            lambda: 0.0 if expect.tolerance is None else self._tolerance(expect.tolerance, rule),
+            lambda: self._at(expect, rule),
+            lambda: self._verdict(expect),
+        )
+        if margin is not None and expect.verdict == "undefined" and not math.isnan(margin):
+            assert expect.margin is not None
+            self.fail(_span(expect.margin), "an undefined rule has no margin", "expect the verdict only")
         return expect.verdict, margin, tolerance, expect.binder, at
 
-    def _margin(self, value: ast.Expr, rule: RuleInfo) -> float:
+    def _verdict(self, expect: ast.Expect) -> None:
+        if expect.verdict not in VERDICTS:
+            hint = close_matches(expect.verdict, VERDICTS) or f"a verdict is {', '.join(VERDICTS[:-1])} or {VERDICTS[-1]}"
+            self.fail(expect.span.word(expect.verdict), f"`{expect.verdict}` is no verdict that a test can expect", hint)
+
+    def _at(self, expect: ast.Expect, rule: RuleInfo | None) -> str | None:
+        """The index, or the id of an object, at which the rule is expected to be decided."""
+        if expect.at is None or expect.binder is None:
+            return None
+        if rule is not None and rule.formula is not None:
+            variables = dict.fromkeys(_variables(rule.formula))
+            if expect.binder not in variables:
+                hint = close_matches(expect.binder, variables) or ("it has " + ", ".join(variables) if variables else "it has none")
+                self.fail(expect.span.word(expect.binder), f"`{rule.name}` has no variable `{expect.binder}`", hint)
+        if expect.at.startswith('"'):
+            return expect.at.strip('"')
+        index = _index(expect.at)
+        if index is None:
+            self.fail(expect.span.word(expect.at), "an index is a whole number, from 0")
+        return str(index)
+
+    def _tolerance(self, value: ast.Expr, rule: RuleInfo | None) -> float:
+        tolerance = self._margin(value, rule)
+        if not 0.0 <= tolerance < math.inf:
+            self.fail(_span(value), "a tolerance is finite and not negative")
+        return tolerance
+
+    def _margin(self, value: ast.Expr, rule: RuleInfo | None) -> float:
         special = _special(value)
         if special is not None:
             return special
+        if rule is None or rule.formula is None:
+            return 0.0
         if rule.unit == "mixed":
-            self._wrong(
-                _span(value), f"the margins of `{rule.name}` have several dimensions; expect the verdict only"
-            )
-        dimension = LENGTH if rule.unit == "m" else _dimension(rule.unit)
-        return self._si(value, dimension, f"{name(dimension)} (the margin of `{rule.name}`)")
-
-    def _wrong(self, span: Span, problem: str, hint: str = "") -> None:
-        self._found.append(BadExpectation(span, problem, hint))
-        raise Poison
+            problem = f"the margins of `{rule.name}` have several dimensions"
+            self.fail(_span(value), problem, "expect the verdict only")
+        dimension = parse_shown(rule.unit)
+        return self._si(value, dimension, f"the margin of `{rule.name}`")
 
 
-def _dimension(unit: str) -> Dimension:
-    return parse_unit(unit.replace("^(", "^").replace(")", ""))[2]
+_HOW = {
+    "trajectory": "for example `line(v: 20 m/s)`",
+    "corridor": "for example `straight_track(width: 12 m)`",
+    "record": "for example `{ x: 0 m, y: 0 m }`",
+}
+
+
+def _variables(formula: ir.Formula) -> Iterable[str]:
+    for node in ir.below(formula):
+        if isinstance(node, ir.Quantify):
+            yield from node.names
+        elif isinstance(node, ir.First):
+            yield node.name
+
+
+def _index(text: str) -> int | None:
+    """A whole number as written, or None."""
+    number = float(text)
+    return int(number) if math.isfinite(number) and number == int(number) else None
 
 
 def _special(value: ast.Expr) -> float | None:
@@ -371,11 +415,6 @@ def _special(value: ast.Expr) -> float | None:
 def _span(expr: ast.Expr) -> Span:
     span: Span = expr.__dict__["span"]
     return span
-
-
-def _head(span: Span) -> Span:
-    stop = span.file.text.find("\n", span.start)
-    return Span(span.file, span.start, min(span.end, stop if stop >= 0 else span.end))
 
 
 __all__ = ["PreparedTest", "prepare"]

@@ -10,16 +10,19 @@ class BadGiven(Diagnostic):
     code = "E421"
     title = "a test that gives something impossible"
     text = "{problem}"
+    other_label = "{about}"
     remedy = "{hint}"
     explanation = (
         "`given NAME = VALUE` gives a signal, an event, a parameter, a table or a place that the test's module can see: builders "
         "(arc, line, ...), records `{ field: value }`, lists, and `with column[index] = value` to change what a builder made. Values "
-        "have the declared dimension."
+        "have the declared dimension. Every test of a rule has its own title."
     )
 
     span: Span
     problem: str
     hint: str = ""
+    other: Span | None = None
+    about: str = "declared here"
 
 
 class BadExpectation(Diagnostic):

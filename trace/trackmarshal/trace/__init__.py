@@ -6,7 +6,7 @@ says what fails it. Nothing here evaluates a rule: what the engine found comes i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import date
 from pathlib import Path
 
@@ -34,21 +34,22 @@ def build(
     today: date | None = None,
     *,
     spec_fingerprint: str = "",
+    run_fingerprints: Mapping[str, str] | None = None,
     findings: Iterable[Finding] = (),
 ) -> Matrix:
     """The matrix of a project.
 
     Results and runs that are not given count as not run. `today` (default: the clock's day) decides which waivers
-    hold. `spec_fingerprint` is that of everything evaluated (rules, parameters, tables): with it, results and runs
-    made from other parameters are stale. `findings` are those of reading the results (`load_results`). What is wrong
+    hold. With `spec_fingerprint`, that of all rules, parameters and tables, test results made from others are stale;
+    with `run_fingerprints`, by scenario that of what it is replayed with, so are runs. `findings` are those of reading the results (`load_results`). What is wrong
     with the project becomes findings of the matrix; nothing is raised for it.
     """
     found = list(findings)
     project = _requirements.load(project_root, found)
-    spec = Spec(spec_items, spec_tests, test_results, runs, spec_fingerprint)
+    spec = Spec(spec_items, spec_tests, test_results, runs, spec_fingerprint, run_fingerprints)
     hashes = _files.hashes(project_root, project, spec.items)
     baseline = _baseline.load(project_root, project, found)
-    return assemble(project, spec, hashes, baseline, today or date.today(), found)
+    return assemble(project, spec, hashes, baseline, today=today or date.today(), found=found)
 
 
 def gate(matrix: Matrix) -> list[Finding]:

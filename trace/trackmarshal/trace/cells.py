@@ -177,7 +177,7 @@ def _linked(kind: str, wanted: Sequence[str], linked: Sequence[SpecItem], judge:
     for name in wanted:
         if name not in there:
             place = getattr(name, "place", None)
-            items.append(Item(kind, name, "", "missing", "named by the requirement, but nothing of this name satisfies it", place))
+            items.append(Item(kind, name, "", "missing", f"no {kind if kind != 'monitor' else 'assumption'} of this name satisfies it", place))
     return _together(items)
 
 
@@ -215,15 +215,18 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
             items.append(Item("run", scenario.path, scenario.title, shows.status, shows.detail, Place(scenario.path)))
     if not seen:
         return None, []
-    return _over_runs(seen, {rule.name for rule in rules}), items
+    evaluated = {name for shows in seen for name in shows.evaluated}
+    for rule in rules:
+        if evaluated and rule.name not in evaluated:
+            items.append(Item("rule", rule.name, rule.title, "missing", "evaluated in none of these runs", item_place(rule)))
+    return _over_runs(seen, {rule.name for rule in rules}, evaluated), items
 
 
-def _over_runs(seen: Sequence[Showing], rules: set[str]) -> str:
+def _over_runs(seen: Sequence[Showing], rules: set[str], evaluated: set[str]) -> str:
     """Runs add to each other: every rule has to be evaluated in one of them, and one of them has to be conclusive."""
     for status in ("failed", "stale"):
         if any(shows.status == status for shows in seen):
             return status
-    evaluated = {name for shows in seen for name in shows.evaluated}
     if evaluated == rules and any(shows.status == "covered" for shows in seen):
         return "covered"
     return "partial" if evaluated else "missing"

@@ -45,11 +45,11 @@ class Finding:
         return "\n".join(lines)
 
 
-def error(code: str, message: str, place: Place | None, help: str = "", subject: str = "") -> Finding:  # noqa: A002
+def error(code: str, message: str, place: Place | None, help: str = "", subject: str = "") -> Finding:
     return Finding(code, "error", message, place, help, subject)
 
 
-def warning(code: str, message: str, place: Place | None, help: str = "", subject: str = "") -> Finding:  # noqa: A002
+def warning(code: str, message: str, place: Place | None, help: str = "", subject: str = "") -> Finding:
     return Finding(code, "warning", message, place, help, subject)
 
 

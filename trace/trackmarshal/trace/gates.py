@@ -82,11 +82,17 @@ def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator
             yield error("T230", message, requirement.place, "", requirement.id)
 
 
+def _said(item: Item) -> str:
+    if item.kind == "requirement" or not item.detail:
+        return f"is {item.status}"
+    return f'"{item.title}": {item.detail}' if item.kind == "test" else f"is {item.status}: {item.detail}"
+
+
 def _why(cell: Cell) -> str:
     """The first items that keep a cell from being covered."""
     open_ = [item for item in cell.items if item.status not in ("covered", "waived")]
     if not open_:
-        return ": nothing counts here" if not cell.items else ""
-    shown = [f"{item.kind} `{item.name}`{f': {item.detail}' if item.detail else ''}" for item in open_[:3]]
+        return ": there is nothing that counts here" if not cell.items else ""
+    shown = [f"{item.kind} `{item.name}` {_said(item)}" for item in open_[:3]]
     more = f"; and {len(open_) - 3} more" if len(open_) > 3 else ""
     return f" ({'; '.join(shown)}{more})"

@@ -69,6 +69,7 @@ def assemble(
     spec: Spec,
     hashes: Hashes,
     baseline: baselines.Baseline | None,
+    *,
     today: date,
     found: Iterable[Finding] = (),
 ) -> Matrix:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from trackmarshal.records import RuleFacts, RunSummary, SpecItem, SpecTest, TestResult
 from trackmarshal.trace.findings import Place
@@ -30,11 +30,14 @@ class Spec:
         results: Iterable[TestResult],
         runs: Iterable[RunSummary],
         fingerprint: str = "",
+        run_fingerprints: Mapping[str, str] | None = None,
     ) -> None:
         self.items = sorted(items, key=_where)
         self.tests = sorted(tests, key=_where)
-        #: Of everything that is evaluated; empty when the caller does not know it.
+        #: Of everything that tests evaluate; empty when the caller does not know it.
         self.fingerprint = fingerprint
+        #: Of what each scenario is replayed with, by its path; scenarios that are missing are not compared.
+        self.run_fingerprints = run_fingerprints or {}
         self.by_name: dict[str, SpecItem] = {}
         self.by_requirement: dict[str, list[SpecItem]] = defaultdict(list)
         for item in self.items:
@@ -96,6 +99,6 @@ class Spec:
             item = self.by_name.get(facts.rule)
             if item is not None and item.fingerprint != facts.fingerprint:
                 return f"`{item.name}` has changed since"
-        if self.fingerprint and run.spec_fingerprint != self.fingerprint:
+        if self.run_fingerprints.get(run.scenario, run.spec_fingerprint) != run.spec_fingerprint:
             return "the specs have changed since"
         return ""

@@ -109,7 +109,7 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
     return None
 
 
-class _TooDeep(Exception):  # noqa: N818 - it stops the reading, it is reported as a finding
+class _TooDeep(Exception):
     def __init__(self, place: Place) -> None:
         self.place = place
 

@@ -29,6 +29,8 @@ class Batch:
         self._masks: dict[ir.Axis, Bools | None] = {}
         #: Projections onto lines that were made already, with the arguments they belong to.
         self.projections: dict[tuple[Any, ...], Any] = {}
+        #: Borders and lines prepared for this batch, each with the data that it was made from.
+        self.prepared: dict[tuple[Any, ...], tuple[Any, Any]] = {}
 
     def lengths(self, signal: str) -> NDArray[np.intp]:
         """(cases,): how many samples or elements each case has."""

@@ -89,30 +89,32 @@ def _shaped(result: Any, shape: tuple[int, ...], parts: int) -> Any:
     return tuple(np.asarray(part).reshape(shape) for part in result)
 
 
-def _keep(key: tuple[Any, ...], owner: Any, make: Callable[[], Any]) -> Any:
-    """A prepared object for data that is the same object as before; `owner` keeps that data alive, so ids stay unique."""
-    known = _prepared.get(key)
-    if known is not None:
+def _keep(batch: Batch, key: tuple[Any, ...], owner: Any, make: Callable[[], Any]) -> Any:
+    """A prepared object for data that is the same object as before; `owner` keeps that data alive, so ids stay unique.
+
+    The batch keeps all of its own, however many tracks it has; the last ones stay for the batches to come.
+    """
+    held = batch.prepared.get(key)
+    if held is None:
+        held = _prepared.get(key) or (owner, make())
+        batch.prepared[key] = _prepared[key] = held
         _prepared.move_to_end(key)
-        return known[1]
-    made = make()
-    _prepared[key] = (owner, made)
-    while len(_prepared) > KEPT:
-        _prepared.popitem(last=False)
-    return made
+        while len(_prepared) > KEPT:
+            _prepared.popitem(last=False)
+    return held[1]
 
 
 def _corridor(batch: Batch, index: int, name: str) -> geometry.Corridor:
     case = batch.cases[index]
     left, right, closed = case.lines[name, "left"], case.lines[name, "right"], case.closed.get(name, False)
     key = ("corridor", id(left), id(right), closed)
-    corridor: geometry.Corridor = _keep(key, (left, right), lambda: geometry.Corridor(_points(left), _points(right), closed))
+    corridor: geometry.Corridor = _keep(batch, key, (left, right), lambda: geometry.Corridor(_points(left), _points(right), closed))
     return corridor
 
 
 def _polygon(batch: Batch, index: int, area: ir.Area) -> geometry.Polygon:
     points = batch.cases[index].places.get(area.name, batch.spec.places[area.name].points)
-    polygon: geometry.Polygon = _keep(("polygon", id(points)), points, lambda: geometry.Polygon(_points(points)))
+    polygon: geometry.Polygon = _keep(batch, ("polygon", id(points)), points, lambda: geometry.Polygon(_points(points)))
     return polygon
 
 
@@ -133,7 +135,7 @@ def _line(batch: Batch, index: int, line: ir.Line) -> geometry.Polyline:
             return centre
         case _:
             raise AssertionError(f"unknown line {line.kind}")
-    made: geometry.Polyline = _keep(("line", id(points), closed), points, lambda: geometry.Polyline(_points(points), closed))
+    made: geometry.Polyline = _keep(batch, ("line", id(points), closed), points, lambda: geometry.Polyline(_points(points), closed))
     return made
 
 

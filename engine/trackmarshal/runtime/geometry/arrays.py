@@ -15,6 +15,8 @@ Bools = NDArray[np.bool_]
 
 #: Numbers beyond this are no position: the spacing of doubles there exceeds a tenth of a micrometre.
 LIMIT = 1e9
+#: Points that are no farther apart than this in x and y are the same point [m].
+SAME = 1e-9
 #: How much farther than the nearest a segment may seem and still be looked at exactly [m].
 SLACK = 1e-6
 
@@ -38,12 +40,14 @@ def coordinates_fault(name: str, points: Floats, least: int, closed: bool) -> st
 
 
 def distinct(points: Floats, closed: bool) -> Floats:
-    """The points without repetitions of the one before; of a closed chain also without its repeated first point."""
-    if len(points) < 2:
-        return points
-    kept = np.concatenate([[True], (points[1:] != points[:-1]).any(axis=1)])
-    points = points[kept]
-    while closed and len(points) > 1 and (points[-1] == points[0]).all():
+    """The points without repetitions of the last one kept; of a closed chain also without its repeated first point."""
+    if len(points) > 1 and (np.abs(points[1:] - points[:-1]) <= SAME).all(axis=1).any():
+        kept = [0]
+        for k in range(1, len(points)):
+            if not (np.abs(points[k] - points[kept[-1]]) <= SAME).all():
+                kept.append(k)
+        points = points[kept]
+    while closed and len(points) > 1 and (np.abs(points[-1] - points[0]) <= SAME).all():
         points = points[:-1]
     return points
 

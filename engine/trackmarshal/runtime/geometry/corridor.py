@@ -8,7 +8,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from trackmarshal.runtime.geometry.arrays import Floats, as_points, coordinates_fault, distinct, place, vector
+from trackmarshal.runtime.geometry.arrays import (
+    SAME,
+    Floats,
+    as_points,
+    coordinates_fault,
+    distinct,
+    place,
+    vector,
+)
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.crossings import meeting_fault, meetings, turns
 from trackmarshal.runtime.geometry.polyline import Polyline, centre_line
@@ -88,13 +96,13 @@ def corridor_region(left: Floats, right: Floats, closed: bool) -> Region | str:
             return fault
     lefts, rights = distinct(left, closed), distinct(right, closed)
     if not closed:
-        ring = np.concatenate([lefts, rights[::-1]])
-        cap = ["end of the corridor"]
-        names = ["left border"] * (len(lefts) - 1) + cap + ["right border"] * (len(rights) - 1) + cap
-        real = (ring != np.roll(ring, -1, axis=0)).any(axis=1)
-        border = Border([distinct(ring, True)], closed=True)
-        fault = meeting_fault(border, [name for name, there in zip(names, real) if there], meetings(border))
-        return fault or Region([counter_clockwise(distinct(ring, True))])
+        # Where both borders end in one point there is no end to cross.
+        apart = [bool((np.abs(lefts[at] - rights[at]) > SAME).any()) for at in (0, -1)]
+        ends = [["end of the corridor"] * there for there in apart]
+        names = ["left border"] * (len(lefts) - 1) + ends[1] + ["right border"] * (len(rights) - 1) + ends[0]
+        ring = distinct(np.concatenate([lefts, rights[::-1]]), True)
+        border = Border([ring], closed=True)
+        return meeting_fault(border, names, meetings(border)) or Region([counter_clockwise(ring)])
     border = Border([lefts, rights], closed=True)
     pairs = meetings(border)
     fault = meeting_fault(border, ["left border"] * len(lefts) + ["right border"] * len(rights), pairs)

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from trackmarshal.runtime.geometry.arrays import Bools, Floats, distinct
+from trackmarshal.runtime.geometry.arrays import SAME, Bools, Floats, distinct
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.crossings import meeting_place, meetings, turn, turns
 
@@ -29,7 +29,9 @@ def union_of_quads(left: Floats, right: Floats) -> list[Floats] | None:
     if areas.min() <= 0.0 or not _simple(quads).all():
         return None
     forward, backward = (right != next_right).any(axis=1), (left != next_left).any(axis=1)
-    if forward.sum() < 3 or backward.sum() < 3:
+    tiny = (np.abs(next_right - right) <= SAME).all(axis=1) & forward
+    tiny |= (np.abs(next_left - left) <= SAME).all(axis=1) & backward
+    if tiny.any() or min(forward.sum(), backward.sum()) < 3:
         return None
     border = Border([right[forward], next_left[backward][::-1]], closed=True)
     owner = np.concatenate([np.flatnonzero(forward), np.flatnonzero(backward)[::-1]])

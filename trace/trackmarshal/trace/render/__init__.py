@@ -7,7 +7,7 @@ from trackmarshal.trace.matrix import Matrix
 FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github")
 
 
-def render(matrix: Matrix, format: str = "text", *, colour: bool = False) -> str:  # noqa: A002 - the option's name
+def render(matrix: Matrix, format: str = "text", *, colour: bool = False) -> str:
     """The matrix in one of FORMATS; `colour` is for text on a terminal. Raises ValueError for another format."""
     match format:
         case "text":

@@ -37,8 +37,14 @@ def _lines(matrix: Matrix, paint: _Paint) -> Iterator[str]:
     open_cells = list(_open(matrix))
     if open_cells:
         yield ""
-        yield "open, and not demanded or answered for:" if matrix.passes else "open:"
+        yield "not covered:"
         yield from open_cells
+    if matrix.waivers:
+        yield ""
+        yield "waivers:"
+    for waiver in matrix.waivers:
+        until = f"{printable(waiver.owner)}, {waiver.granted} until {waiver.expires}"
+        yield f"  {waiver.id} ({until}): {printable(waiver.justification)}"
     if matrix.findings:
         yield ""
         yield "findings:"
@@ -77,14 +83,17 @@ def _shown(cell: Cell | None, size: int, paint: _Paint) -> str:
 
 
 def _open(matrix: Matrix) -> Iterator[str]:
-    """What keeps cells from being covered; cells that are open because of a requirement below point to it."""
+    """The cells that are not covered, each with what keeps it from being so."""
     for row in matrix.rows:
         for stage, cell in row.cells.items():
             if cell.status == "covered":
                 continue
-            yield f"  {row.requirement.id} {stage} {cell.status}"
-            waivers = [item for item in cell.items if item.kind == "waiver"]
-            items = waivers or [item for item in cell.items if item.status != "covered"]
+            waiver = next((item.name for item in cell.items if item.kind == "waiver"), "")
+            items = [item for item in cell.items if item.status != "covered" and item.kind != "waiver"]
+            if waiver:
+                yield f"  {row.requirement.id} {stage} waived by {waiver}"
+                continue
+            yield f"  {row.requirement.id} {stage} {cell.status}" + ("" if items else ": there is nothing that counts here")
             for item in items[:6]:
                 detail = f": {printable(item.detail)}" if item.detail and item.kind != "requirement" else f": {item.status}"
                 title = f' "{printable(item.title)}"' if item.kind == "test" and item.title else ""

@@ -35,6 +35,7 @@ def index_context(
     return {
         "meta": meta,
         "state": state([run for run, _ in runs], matrix_summary, findings, checks),
+        "cards": _cards([run for run, _ in runs], matrix_summary, findings, checks),
         "matrix": matrix,
         "findings": [
             {"level": level, "words": words, "items": items}
@@ -78,9 +79,13 @@ def state(
     if not matrix_summary.get("coverage"):
         undone.append("no coverage was computed")
     if wrong:
-        return State("bad", "Not complete", f"{_capital(listed(wrong))}{'; ' + listed(undone) if undone else ''}.")
+        return State(
+            "bad", "Not complete", f"{_capital(listed(wrong))}{'; ' + listed(undone) if undone else ''}."
+        )
     if undone:
-        return State("warn", "Nothing wrong found, but not everything was done", f"{_capital(listed(undone))}.")
+        return State(
+            "warn", "Nothing wrong found, but not everything was done", f"{_capital(listed(undone))}."
+        )
     held = []
     covered = sum(int(entry["covered"]) for entry in matrix_summary["coverage"].values())
     asked = sum(int(entry["of"]) for entry in matrix_summary["coverage"].values())
@@ -88,7 +93,11 @@ def state(
     assert tests is not None
     held.append(f"all {tests['passed']} tests passed" if tests["passed"] > 1 else "the only test passed")
     judged = [run for run in runs if run.record["truths"]]
-    held.append(f"{len(judged)} of {count(len(runs), 'run')} could be held against ground truth and lie inside it" if judged else "no run has ground truth")
+    held.append(
+        f"{len(judged)} of {count(len(runs), 'run')} could be held against ground truth and lie inside it"
+        if judged
+        else "no run has ground truth"
+    )
     warnings = sum(f["level"] == "warning" for f in findings) + int(checks.get("warnings", 0))
     if warnings or covered < asked or not judged:
         extra = f"; {count(warnings, 'warning')} should be looked at" if warnings else ""
@@ -96,8 +105,41 @@ def state(
     return State("good", "Complete", f"{_capital(listed(held))}.")
 
 
+def _cards(
+    runs: Sequence[Run], matrix_summary: Mapping[str, Any], findings: Sequence[Mapping[str, Any]], checks: Mapping[str, Any]
+) -> list[tuple[str, str]]:  # fmt: skip
+    """Four numbers at a glance, each with what it counts."""
+    stages = matrix_summary.get("coverage", {}).values()
+    tests = checks.get("tests")
+    judged = [run for run in runs if run.record["truths"]]
+    inside = sum(all(truth["inside"] for truth in run.record["truths"]) for run in judged)
+    levels = {level: sum(f["level"] == level for f in findings) for level in LEVELS}
+    return [
+        (
+            f"{sum(int(s['covered']) for s in stages)} of {sum(int(s['of']) for s in stages)}",
+            "demands of the V-model covered",
+        ),
+        (
+            f"{tests['passed']} of {tests['passed'] + tests['failed']}" if tests else "none",
+            "tests in specs passed",
+        ),
+        (
+            f"{inside} of {len(judged)}",
+            f"runs inside their ground truth; {count(len(runs) - len(judged), 'run')} without",
+        ),
+        (
+            str(levels["error"]),
+            f"to be mended; {count(levels['warning'], 'warning')}, {count(levels['note'], 'note')}",
+        ),
+    ]
+
+
 def _runs(names: Sequence[str]) -> str:
-    return f"{names[0]} lies" if len(names) == 1 else f"{len(names)} runs ({listed(names[:4])}{' …' if len(names) > 4 else ''}) lie"
+    return (
+        f"{names[0]} lies"
+        if len(names) == 1
+        else f"{len(names)} runs ({listed(names[:4])}{' …' if len(names) > 4 else ''}) lie"
+    )
 
 
 def _capital(words: str) -> str:
@@ -142,7 +184,9 @@ def _run(run: Run, page: str) -> dict[str, Any]:
         "safe": run.cycles - run.unsafe_cycles,
         "unsafe": run.unsafe_cycles,
         "truths": [truth_words(truth) for truth in run.record["truths"]],
-        "first": None if found is None else {"rule": found[0].name, "t": clock(run.t[found[2]["cycles"][0]]), "candidate": found[1]},
+        "first": None
+        if found is None
+        else {"rule": found[0].name, "t": clock(run.t[found[2]["cycles"][0]]), "candidate": found[1]},
         "fired": len(run.fired),
         "end": f"{clock(run.t[-1] - run.t[0])} {run.time_unit}" if run.cycles else "",
     }

@@ -18,7 +18,15 @@ if TYPE_CHECKING:
 
 _TEMPLATES = Path(__file__).with_name("templates")
 #: What `meta` may hold, empty where it is not given: templates fail on names that are not there.
-_NO_META: dict[str, Any] = {"project": "", "spec_fingerprint": "", "date": "", "versions": {}, "command": "", "requirements": {}, "notes": []}
+_NO_META: dict[str, Any] = {
+    "project": "",
+    "spec_fingerprint": "",
+    "date": "",
+    "versions": {},
+    "command": "",
+    "requirements": {},
+    "notes": [],
+}
 
 
 def write_report(
@@ -49,9 +57,13 @@ def write_report(
             "before": (read[number - 1].name, names[number - 1]) if number else None,
             "after": (read[number + 1].name, names[number + 1]) if number + 1 < len(read) else None,
         }
-        pages[f"runs/{names[number]}.html"] = _page("run.html.j2", {**run_context(run, meta["requirements"]), **around, "meta": meta})
+        pages[f"runs/{names[number]}.html"] = _page(
+            "run.html.j2", {**run_context(run, meta["requirements"]), **around, "meta": meta}
+        )
     linked = [(run, f"runs/{name}.html") for run, name in zip(read, names)]
-    pages["index.html"] = _page("index.html.j2", index_context(linked, matrix_summary, missing, checks, meta, matrix_html is not None))
+    pages["index.html"] = _page(
+        "index.html.j2", index_context(linked, matrix_summary, missing, checks, meta, matrix_html is not None)
+    )
     if matrix_html is not None:
         pages["matrix.html"] = matrix_html
     _write(folder, pages)
@@ -81,7 +93,9 @@ def _write(folder: Path, pages: Mapping[str, str]) -> None:
             # Lone surrogates (from odd paths) have no encoding; a page must not fail on them.
             path.write_bytes(text.encode("utf-8", "replace"))
     except OSError as error:
-        raise TrackmarshalError("T292", error.strerror or str(error), file=str(path), help="name another folder") from error
+        raise TrackmarshalError(
+            "T292", error.strerror or str(error), file=str(path), help="name another folder"
+        ) from error
 
 
 def _page(template: str, context: Mapping[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -63,7 +64,9 @@ class Rule:
     @property
     def first(self) -> float:
         """When it first fired; infinite where it never did."""
-        return min((number(f["from"]) for lane in self.lanes.values() for f in lane.firings), default=math.inf)
+        return min(
+            (number(f["from"]) for lane in self.lanes.values() for f in lane.firings), default=math.inf
+        )
 
     @property
     def nearness(self) -> float:
@@ -72,7 +75,10 @@ class Rule:
         A margin that always is 0 (a trajectory that is made to end at rest) says nothing over time.
         """
         known = [margins for lane in self.lanes.values() if (margins := lane.measured())]
-        return min((max(0.0, min(margins)) / median(margins) for margins in known if median(margins) > 0.0), default=math.inf)
+        return min(
+            (max(0.0, min(margins)) / median(margins) for margins in known if median(margins) > 0.0),
+            default=math.inf,
+        )
 
     @property
     def matters(self) -> bool:
@@ -111,8 +117,21 @@ class Run:
 
     def first_firing(self) -> tuple[Rule, str, Mapping[str, Any]] | None:
         """The first firing of all: its rule, candidate and record."""
-        found = [(f["cycles"][0], r, c, f) for r in self.rules for c, lane in r.lanes.items() for f in lane.firings]
+        found = [
+            (f["cycles"][0], r, c, f) for r in self.rules for c, lane in r.lanes.items() for f in lane.firings
+        ]
         return min(found, key=lambda item: item[0])[1:] if found else None
+
+    def beginnings(self) -> dict[int, list[tuple[Rule, str, Mapping[str, Any]]]]:
+        """The cycles in which a rule fires for the first time in the run, with rule, candidate and firing."""
+        found: dict[int, list[tuple[Rule, str, Mapping[str, Any]]]] = {}
+        for rule in self.rules:
+            first = min((f["cycles"][0] for lane in rule.lanes.values() for f in lane.firings), default=None)
+            for candidate, lane in rule.lanes.items():
+                found_here = [(rule, candidate, f) for f in lane.firings if f["cycles"][0] == first]
+                if first is not None and found_here:
+                    found.setdefault(int(first), []).extend(found_here)
+        return dict(sorted(found.items()))
 
     def kind_unsafe(self, kind: str) -> list[bool]:
         """Per cycle, whether a rule of one kind (dynamic, static) makes a candidate unsafe."""
@@ -149,7 +168,7 @@ def read_run(record: Mapping[str, Any]) -> Run:
 def _run(name: str, record: Mapping[str, Any]) -> Run:
     t = [number(value) for value in record["t"]]
     unit = "s"
-    if not all(math.isfinite(value) for value in t) or any(not a < b for a, b in zip(t, t[1:])):
+    if not all(math.isfinite(value) for value in t) or any(not a < b for a, b in itertools.pairwise(t)):
         t, unit = [float(i) for i in range(len(t))], "cycles"
     columns = {"decision": record["decision"], **{f"ego.{k}": v for k, v in record["ego"].items()}}
     columns |= {f"ground_truth.{kind}": truth for kind, truth in record["ground_truth"].items()}
@@ -166,7 +185,18 @@ def _run(name: str, record: Mapping[str, Any]) -> Run:
                 raise ValueError(f"unknown verdicts {sorted(unknown)}")
             margin = [math.nan if m is None else number(m) for m in lane["margin"]]
             lanes[candidate] = Lane(lane["verdict"], margin, lane["least"], lane["firings"])
-        fields = ("name", "title", "what", "kind", "requirements", "unit", "because", "source", "span", "text")
+        fields = (
+            "name",
+            "title",
+            "what",
+            "kind",
+            "requirements",
+            "unit",
+            "because",
+            "source",
+            "span",
+            "text",
+        )
         rules.append(Rule(*(entry[field] for field in fields), lanes))
     if unknown := set(record["decision"]) - set(DECISIONS):
         raise ValueError(f"unknown decisions {sorted(unknown)}")
@@ -180,7 +210,7 @@ def _run(name: str, record: Mapping[str, Any]) -> Run:
 def _ends(t: Sequence[float]) -> list[float]:
     if len(t) < 2:
         return [value + 0.1 for value in t]
-    steps = [b - a for a, b in zip(t, t[1:])]
+    steps = [b - a for a, b in itertools.pairwise(t)]
     usual = median(steps)
     return [a + (step if step <= LONGEST_HOLD * usual else usual) for a, step in zip(t, [*steps, usual])]
 
@@ -208,4 +238,6 @@ def stretches(values: Iterable[Any]) -> Iterator[tuple[Any, int, int]]:
 
 
 def _bad(name: str, message: str) -> TrackmarshalError:
-    return TrackmarshalError("T291", f"run `{name}`: {message}", help="make the record with trackmarshal.scenarios.run_record")
+    return TrackmarshalError(
+        "T291", f"run `{name}`: {message}", help="make the record with trackmarshal.scenarios.run_record"
+    )

@@ -63,7 +63,11 @@ def decided_by(moment: Mapping[str, Any]) -> str:
     """Which sample or object decided, in words; empty where nothing in particular did."""
     parts = []
     for binder in moment["where"]:
-        place = [f"{name} = {quantity(number(binder[name]), unit)}" for name, unit in (("x", "m"), ("y", "m")) if binder[name] is not None]
+        place = [
+            f"{name} = {quantity(number(binder[name]), unit)}"
+            for name, unit in (("x", "m"), ("y", "m"))
+            if binder[name] is not None
+        ]
         if isinstance(binder["value"], int):
             what = f"sample {binder['value']}" + (f" of {binder['signal']}" if binder["signal"] else "")
             if binder["t"] is not None:

@@ -14,6 +14,7 @@ from trackmarshal.backends.reference.geometry.points import (
     folds_back,
     meet,
     meeting_place,
+    same,
     segment,
     side,
     usable,
@@ -77,9 +78,11 @@ def corridor_region(left: tuple[Point, ...], right: tuple[Point, ...], closed: b
             return fault
     lefts, rights = distinct(left, closed), distinct(right, closed)
     if not closed:
-        names = [LEFT] * (len(lefts) - 1) + [CAP] + [RIGHT] * (len(rights) - 1) + [CAP]
-        ring = lefts + rights[::-1]
-        sides = [(a, b, name) for a, b, name in zip(ring, [*ring[1:], ring[0]], names) if a != b]
+        # Where both borders end in one point there is no end to cross.
+        near, far = ([] if same(lefts[at], rights[at]) else [CAP] for at in (0, -1))
+        names = [LEFT] * (len(lefts) - 1) + far + [RIGHT] * (len(rights) - 1) + near
+        ring = distinct(lefts + rights[::-1], True)
+        sides = list(zip(ring, [*ring[1:], ring[0]], names))
         outline = _to_the_left([(a, b) for a, b, _ in sides])
         return _crossing_fault([sides]) or Region(outline, (outline,))
     rings = [

@@ -12,6 +12,8 @@ Pose = tuple[float, float, float]
 
 #: Numbers beyond this are no position: the spacing of doubles there exceeds a tenth of a micrometre.
 LIMIT = 1e9
+#: Points that are no farther apart than this in x and y are the same point [m].
+SAME = 1e-9
 
 
 class Segment(NamedTuple):
@@ -106,13 +108,18 @@ def meeting_place(a: Point, b: Point, c: Point, d: Point) -> Point:
     return a[0] + t * ex, a[1] + t * ey
 
 
+def same(a: Point, b: Point) -> bool:
+    """Whether two points are one."""
+    return abs(a[0] - b[0]) <= SAME and abs(a[1] - b[1]) <= SAME
+
+
 def distinct(points: Sequence[Sequence[float]], closed: bool) -> list[Point]:
-    """The points without repetitions of the one before; of a closed chain also without its repeated first point."""
+    """The points without repetitions of the last one kept; of a closed chain also without its repeated first point."""
     kept: list[Point] = []
     for x, y in points:
-        if not kept or (x, y) != kept[-1]:
+        if not kept or not same((x, y), kept[-1]):
             kept.append((float(x), float(y)))
-    while closed and len(kept) > 1 and kept[-1] == kept[0]:
+    while closed and len(kept) > 1 and same(kept[-1], kept[0]):
         kept.pop()
     return kept
 

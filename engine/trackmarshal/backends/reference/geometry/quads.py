@@ -12,6 +12,7 @@ from trackmarshal.backends.reference.geometry.points import (
     meet,
     meeting_place,
     orientation,
+    same,
     segment,
     side,
 )
@@ -43,16 +44,23 @@ def union_of_quads(left: Sequence[Point], right: Sequence[Point]) -> Region | No
 
 
 def paired(left: Sequence[Point], right: Sequence[Point]) -> list[tuple[Point, Point]] | None:
-    """Left and right points in pairs, without repetitions of the pair before; None for unequal counts."""
+    """Left and right points in pairs, without repetitions; None for unequal counts or tiny steps."""
     if len(left) != len(right):
         return None
     pairs: list[tuple[Point, Point]] = []
     for pair in zip(left, right):
-        if not pairs or pair != pairs[-1]:
+        if not pairs or not _same(pair, pairs[-1]):
             pairs.append(pair)
-    while len(pairs) > 1 and pairs[-1] == pairs[0]:
+    while len(pairs) > 1 and _same(pairs[-1], pairs[0]):
         pairs.pop()
+    steps = zip(pairs, [*pairs[1:], pairs[0]])
+    if any(p != q and same(p, q) for pair, following in steps for p, q in zip(pair, following)):
+        return None
     return pairs if len(pairs) >= 3 else None
+
+
+def _same(pair: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
+    return same(pair[0], other[0]) and same(pair[1], other[1])
 
 
 def _border(pairs: Sequence[tuple[Point, Point]], quads: Sequence[Sequence[Side]]) -> tuple[Side, ...] | None:

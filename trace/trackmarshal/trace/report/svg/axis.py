@@ -18,7 +18,9 @@ def nice_step(span: float, wanted: int) -> float:
         return 1.0
     raw = span / max(1, wanted)
     power = 10.0 ** math.floor(math.log10(raw))
-    return next((factor * power for factor in (1.0, 2.0, 5.0) if factor * power >= raw * (1 - 1e-9)), 10.0 * power)
+    return next(
+        (factor * power for factor in (1.0, 2.0, 5.0) if factor * power >= raw * (1 - 1e-9)), 10.0 * power
+    )
 
 
 def nice_ticks(low: float, high: float, wanted: int) -> list[float]:

@@ -6,11 +6,25 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from trackmarshal.trace.report.reading import CANDIDATES, DECISIONS, UNSAFE, VERDICTS, Rule, Run, number, stretches
+from trackmarshal.trace.report.reading import (
+    CANDIDATES,
+    DECISIONS,
+    UNSAFE,
+    VERDICTS,
+    Rule,
+    Run,
+    number,
+    stretches,
+)
 from trackmarshal.trace.report.words import clock, decided_by, interval, quantity
 
 #: What is written into a stretch, the longest that fits; textures carry the same, so colour never is alone.
-_WORDS = {"violated": ("violated", "V"), "undefined": ("undefined", "?"), "open": ("open", "O"), "inactive": ("inactive", "·")}
+_WORDS = {
+    "violated": ("violated", "V"),
+    "undefined": ("undefined", "?"),
+    "open": ("open", "O"),
+    "inactive": ("inactive", "·"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +68,13 @@ def overall(run: Run) -> Group:
             rows += [_truth_row(run, kind, truth), _kind_row(run, kind, truth)]
     for candidate in CANDIDATES:
         if any(value is not None for value in run.safe[candidate]):
-            rows.append(Row(f"{candidate} trajectory", f"all rules on the {candidate} trajectory", [Lane("", _safe(run, candidate))]))
+            rows.append(
+                Row(
+                    f"{candidate} trajectory",
+                    f"all rules on the {candidate} trajectory",
+                    [Lane("", _safe(run, candidate))],
+                )
+            )
     rows.append(Row("decision", "what is driven", [Lane("", list(_decisions(run)))]))
     return Group("Overall", rows)
 
@@ -70,22 +90,51 @@ def rule_groups(run: Run, requirement_titles: Mapping[str, str]) -> list[Group]:
 
 
 def _truth_row(run: Run, kind: str, truth: Sequence[bool | None]) -> Row:
-    look = {True: ("must-safe", ("must be safe", "safe", "S")), False: ("must-unsafe", ("must be unsafe", "unsafe", "U")), None: ("free", ("either", ""))}
+    look = {
+        True: ("must-safe", ("must be safe", "safe", "S")),
+        False: ("must-unsafe", ("must be unsafe", "unsafe", "U")),
+        None: ("free", ("either", "")),
+    }
     segments = _segments(run, truth, lambda v: look[v][0], lambda v: look[v][1], lambda v: look[v][1][0])
     return Row(f"{kind} ground truth", f"what a right verdict of the {kind} rules is", [Lane("", segments)])
 
 
 def _kind_row(run: Run, kind: str, truth: Sequence[bool | None]) -> Row:
     unsafe = run.kind_unsafe(kind)
-    segments = _segments(run, unsafe, lambda v: "violated" if v else "satisfied", lambda v: ("unsafe", "V") if v else ("safe", ""), lambda v: "unsafe" if v else "safe")
-    wrong = ["missed" if t is False and not u else "false alarm" if t is True and u else "" for t, u in zip(truth, unsafe)]
-    flags = [s for s in _segments(run, wrong, lambda v: "outside" if v else "", lambda v: (v,), lambda v: f"{v}: outside the ground truth") if s.style]
+    segments = _segments(
+        run,
+        unsafe,
+        lambda v: "violated" if v else "satisfied",
+        lambda v: ("unsafe", "V") if v else ("safe", ""),
+        lambda v: "unsafe" if v else "safe",
+    )
+    wrong = [
+        "missed" if t is False and not u else "false alarm" if t is True and u else ""
+        for t, u in zip(truth, unsafe)
+    ]
+    flags = [
+        s
+        for s in _segments(
+            run,
+            wrong,
+            lambda v: "outside" if v else "",
+            lambda v: (v,),
+            lambda v: f"{v}: outside the ground truth",
+        )
+        if s.style
+    ]
     return Row(f"{kind} rules", f"any {kind} rule on any candidate", [Lane("", segments, flags)])
 
 
 def _safe(run: Run, candidate: str) -> list[Segment]:
-    look = {True: ("satisfied", ("safe",)), False: ("violated", ("unsafe", "V")), None: ("absent", ("none", ""))}
-    return _segments(run, run.safe[candidate], lambda v: look[v][0], lambda v: look[v][1], lambda v: look[v][1][0])
+    look = {
+        True: ("satisfied", ("safe",)),
+        False: ("violated", ("unsafe", "V")),
+        None: ("absent", ("none", "")),
+    }
+    return _segments(
+        run, run.safe[candidate], lambda v: look[v][0], lambda v: look[v][1], lambda v: look[v][1][0]
+    )
 
 
 def _decisions(run: Run) -> Iterable[Segment]:
@@ -106,7 +155,11 @@ def _rule_row(run: Run, rule: Rule) -> Row:
             moment = worst.get(first)
             if moment is None or style not in ("violated", "undefined", "open"):
                 return style
-            size = "" if style == "undefined" else f", worst {quantity(number(moment['margin']), moment['unit'])} at {clock(number(moment['t']))} s"
+            size = (
+                ""
+                if style == "undefined"
+                else f", worst {quantity(number(moment['margin']), moment['unit'])} at {clock(number(moment['t']))} s"
+            )
             where = decided_by(moment)
             return f"{style}{size}{'; ' + where if where else ''}"
 
@@ -123,7 +176,11 @@ def _rule_row(run: Run, rule: Rule) -> Row:
 
 
 def _segments(
-    run: Run, values: Iterable[Any], style: Callable[[Any], str], words: Callable[[Any], tuple[str, ...]], note: Callable[[Any], str]
+    run: Run,
+    values: Iterable[Any],
+    style: Callable[[Any], str],
+    words: Callable[[Any], tuple[str, ...]],
+    note: Callable[[Any], str],
 ) -> list[Segment]:
     return [
         Segment(style(value), first, last, words(value), f"{_when(run, first, last)}: {note(value)}")

@@ -13,14 +13,29 @@ STATUSES = {
 }  # fmt: skip
 
 
-def coverage_bar(stage: str, counts: Mapping[str, int], of: int, width: float = 240.0, height: float = 14.0) -> str:
+def coverage_bar(
+    stage: str, counts: Mapping[str, int], of: int, width: float = 240.0, height: float = 14.0
+) -> str:
     """One bar; every status has a texture of its own, and the numbers stand beside it in words."""
     parts = [tag("rect", x=0.5, y=0.5, width=width - 1, height=height - 1, class_="b-frame")]
     x = 0.0
     for status, amount in counts.items():
         if amount and of:
             share = width * amount / of
-            parts.append(tag("rect", title(f"{amount} {STATUSES[status]}"), x=x, y=0.0, width=share, height=height, class_=f"c-{status}"))
+            parts.append(
+                tag(
+                    "rect",
+                    title(f"{amount} {STATUSES[status]}"),
+                    x=x,
+                    y=0.0,
+                    width=share,
+                    height=height,
+                    class_=f"c-{status}",
+                )
+            )
             x += share
-    spoken = ", ".join(f"{amount} {STATUSES[status]}" for status, amount in counts.items() if amount) or "nothing demanded"
+    spoken = (
+        ", ".join(f"{amount} {STATUSES[status]}" for status, amount in counts.items() if amount)
+        or "nothing demanded"
+    )
     return svg(width, height, f"Coverage of {stage}", spoken, parts, class_="bar")

@@ -11,7 +11,11 @@ CHARACTER = 0.56
 
 def tag(name: str, *children: str, **attributes: object) -> str:
     """An element; `class_` is `class`, other underscores are hyphens, None leaves an attribute out."""
-    parts = [f' {key.rstrip("_").replace("_", "-")}="{_value(value)}"' for key, value in attributes.items() if value is not None]
+    parts = [
+        f' {key.rstrip("_").replace("_", "-")}="{_value(value)}"'
+        for key, value in attributes.items()
+        if value is not None
+    ]
     inside = "".join(children)
     return f"<{name}{''.join(parts)}>{inside}</{name}>" if inside else f"<{name}{''.join(parts)}/>"
 
@@ -26,7 +30,9 @@ def title(words: str) -> str:
     return tag("title", escape(words)) if words else ""
 
 
-def svg(width: float, height: float, name: str, description: str, children: Iterable[str], **attributes: object) -> str:
+def svg(
+    width: float, height: float, name: str, description: str, children: Iterable[str], **attributes: object
+) -> str:
     """A picture with its name and text equivalent; it scales with its container. Stands alone as XML, too."""
     return tag(
         "svg", title(name), tag("desc", escape(description)), *children,

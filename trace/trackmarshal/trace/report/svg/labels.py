@@ -33,7 +33,9 @@ class Places:
         return None
 
 
-def around(x: float, y: float, width: float, height: float, gaps: Iterable[float], angles: Iterable[float]) -> Iterable[Box]:
+def around(
+    x: float, y: float, width: float, height: float, gaps: Iterable[float], angles: Iterable[float]
+) -> Iterable[Box]:
     """Boxes about a point at several distances and directions (rad, 0 to the right, clockwise on the screen)."""
     from math import cos, sin
 

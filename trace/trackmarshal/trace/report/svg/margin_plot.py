@@ -22,14 +22,25 @@ def margin_plot(run: Run, rule: Rule, layout: Layout) -> str:
     """The margins of one rule."""
     start = layout.gutter or LEAST_GUTTER
     across = time_axis(run.t, run.end, start, layout.width - layout.right)
-    values = [m for lane in rule.lanes.values() for m, letter in zip(lane.margin, lane.verdict) if letter in "sv"]
+    values = [
+        m for lane in rule.lanes.values() for m, letter in zip(lane.margin, lane.verdict) if letter in "sv"
+    ]
     up = margin_axis(values, HEIGHT - BOTTOM, TOP)
-    parts = [*_truth(run, run.truth.get(rule.kind, ()), across, HEIGHT), *_grid(run, rule, across, up, layout)]
+    parts = [
+        *_truth(run, run.truth.get(rule.kind, ()), across, HEIGHT),
+        *_grid(run, rule, across, up, layout),
+    ]
     for candidate, lane in rule.lanes.items():
         parts += _line(run, candidate, lane, across, up)
-    parts.append(tag("line", x1=0.0, x2=0.0, y1=TOP, y2=HEIGHT - BOTTOM, class_="cursor", visibility="hidden"))
+    parts.append(
+        tag("line", x1=0.0, x2=0.0, y1=TOP, y2=HEIGHT - BOTTOM, class_="cursor", visibility="hidden")
+    )
     known = [v for v in values if math.isfinite(v)]
-    span = f"margins from {quantity(min(known), rule.unit)} to {quantity(max(known), rule.unit)}" if known else "no finite margin"
+    span = (
+        f"margins from {quantity(min(known), rule.unit)} to {quantity(max(known), rule.unit)}"
+        if known
+        else "no finite margin"
+    )
     scale = ", logarithmic on both sides of zero" if up.linear is not None else ""
     return svg(
         layout.width, HEIGHT, f"Margin of {rule.name}", f"{span}{scale}; below zero is violated.", parts, class_="plot",
@@ -45,10 +56,21 @@ def score_plot(run: Run, layout: Layout) -> str:
     up = Axis(-0.25, 1.25, height - BOTTOM, TOP)
     parts = list(_truth(run, run.whole_truth(), across, height))
     for tick in across.ticks(layout.ticks):
-        parts.append(tag("line", x1=across.at(tick), x2=across.at(tick), y1=TOP, y2=height - BOTTOM, class_="grid"))
+        parts.append(
+            tag("line", x1=across.at(tick), x2=across.at(tick), y1=TOP, y2=height - BOTTOM, class_="grid")
+        )
     parts += _time_words(run, across, layout, height)
     for value, words in ((1.0, "safe"), (0.0, "unsafe")):
-        parts.append(tag("line", x1=start, x2=across.stop, y1=up.at(value), y2=up.at(value), class_="bound" if value == 0 else "grid"))
+        parts.append(
+            tag(
+                "line",
+                x1=start,
+                x2=across.stop,
+                y1=up.at(value),
+                y2=up.at(value),
+                class_="bound" if value == 0 else "grid",
+            )
+        )
         parts.append(text(start - 6, up.at(value) + 4, words, class_="tick end"))
     for index, candidate in enumerate(CANDIDATES):
         steps: list[str] = []
@@ -57,10 +79,16 @@ def score_plot(run: Run, layout: Layout) -> str:
             if safe is not None:
                 y = up.at(float(safe)) + shift
                 joined = steps and run.safe[candidate][first - 1] is not None
-                steps.append(f"{'L' if joined else 'M'}{short(across.at(run.t[first]))} {short(y)}H{short(across.at(run.end[last]))}")
+                steps.append(
+                    f"{'L' if joined else 'M'}{short(across.at(run.t[first]))} {short(y)}H{short(across.at(run.end[last]))}"
+                )
         if steps:
-            parts.append(tag("path", title(f"{candidate} trajectory"), d="".join(steps), class_=f"line {candidate}"))
-    parts.append(tag("line", x1=0.0, x2=0.0, y1=TOP, y2=height - BOTTOM, class_="cursor", visibility="hidden"))
+            parts.append(
+                tag("path", title(f"{candidate} trajectory"), d="".join(steps), class_=f"line {candidate}")
+            )
+    parts.append(
+        tag("line", x1=0.0, x2=0.0, y1=TOP, y2=height - BOTTOM, class_="cursor", visibility="hidden")
+    )
     unsafe = {c: sum(value is False for value in run.safe[c]) for c in CANDIDATES}
     spoken = ", ".join(f"{c} unsafe in {n} of {run.cycles} cycles" for c, n in unsafe.items())
     return svg(
@@ -74,7 +102,15 @@ def _truth(run: Run, truth: Sequence[bool | None], across: Axis, height: float) 
         if value is not None:
             x0, x1 = across.at(run.t[first]), across.at(run.end[last])
             words = f"ground truth: must be {'safe' if value else 'unsafe'}, {clock(run.t[first])} to {clock(run.t[last])} {run.time_unit}"
-            yield tag("rect", title(words), x=x0, y=TOP, width=x1 - x0, height=height - TOP - BOTTOM, class_=f"g-{'safe' if value else 'unsafe'}")
+            yield tag(
+                "rect",
+                title(words),
+                x=x0,
+                y=TOP,
+                width=x1 - x0,
+                height=height - TOP - BOTTOM,
+                class_=f"g-{'safe' if value else 'unsafe'}",
+            )
 
 
 def _grid(run: Run, rule: Rule, across: Axis, up: Axis, layout: Layout) -> Iterator[str]:
@@ -83,16 +119,24 @@ def _grid(run: Run, rule: Rule, across: Axis, up: Axis, layout: Layout) -> Itera
     yield from _time_words(run, across, layout, HEIGHT)
     for value in up.ticks(5):
         y = up.at(value)
-        yield tag("line", x1=across.start, x2=across.stop, y1=y, y2=y, class_="bound" if value == 0 else "grid")
+        yield tag(
+            "line", x1=across.start, x2=across.stop, y1=y, y2=y, class_="bound" if value == 0 else "grid"
+        )
         yield text(across.start - 6, y + 4, plain(value, 3), class_="tick end")
     if layout.gutter:
-        yield text(12, TOP + 10, f"margin in {spoken_unit(rule.unit)}" if rule.unit != "1" else "margin", class_="tick")
+        yield text(
+            12,
+            TOP + 10,
+            f"margin in {spoken_unit(rule.unit)}" if rule.unit != "1" else "margin",
+            class_="tick",
+        )
         yield text(12, TOP + 26, "logarithmic away from 0" if up.linear is not None else "", class_="tick")
 
 
 def _time_words(run: Run, across: Axis, layout: Layout, height: float) -> Iterator[str]:
-    for tick in across.ticks(layout.ticks):
-        words = clock(tick) + (f" {run.time_unit}" if across.at(tick) + 24 > across.stop else "")
+    ticks = across.ticks(layout.ticks)
+    for tick in ticks:
+        words = clock(tick) + (f" {run.time_unit}" if tick == ticks[-1] else "")
         x = min(across.at(tick), layout.width - text_width(words, layout.font) / 2 - 1)
         yield text(x, height - 7, words, class_="tick middle")
 
@@ -114,14 +158,29 @@ def _line(run: Run, candidate: str, lane: Lane, across: Axis, up: Axis) -> Itera
             piece = [(across.at(middles[i]), up.at(lane.margin[i])) for i in range(first, last + 1)]
             yield tag("path", d=_piece(piece), class_="line firing")
             x, y = piece[0]
-            yield tag("circle", title(f"{candidate}: violated from {clock(run.t[first])} {run.time_unit}"), cx=x, cy=y, r=3.0, class_="firing-dot")
+            yield tag(
+                "circle",
+                title(f"{candidate}: violated from {clock(run.t[first])} {run.time_unit}"),
+                cx=x,
+                cy=y,
+                r=3.0,
+                class_="firing-dot",
+            )
     for letter, first, last in stretches(lane.verdict):
         if letter in "uo":
             x0, x1 = across.at(run.t[first]), across.at(run.end[last])
             word = "undefined" if letter == "u" else "open"
             place = 12.0 if candidate == CANDIDATES[0] else 6.0
             note = f"{candidate}: {word} {clock(run.t[first])} to {clock(run.t[last])} {run.time_unit}"
-            yield tag("rect", title(note), x=x0, y=HEIGHT - BOTTOM - place, width=max(x1 - x0, 1.5), height=5.0, class_=f"b-{word}")
+            yield tag(
+                "rect",
+                title(note),
+                x=x0,
+                y=HEIGHT - BOTTOM - place,
+                width=max(x1 - x0, 1.5),
+                height=5.0,
+                class_=f"b-{word}",
+            )
 
 
 def _piece(piece: Sequence[tuple[float, float]]) -> str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from html import escape
 
 from trackmarshal.trace.report.reading import Run
 from trackmarshal.trace.report.svg.axis import Axis, time_axis
-from trackmarshal.trace.report.svg.bands import Group, Lane, Row, Segment, overall, rule_groups
+from trackmarshal.trace.report.svg.bands import Lane, Row, Segment, overall, rule_groups
 from trackmarshal.trace.report.svg.element import fitted, short, svg, tag, text, text_width, title
 from trackmarshal.trace.report.words import clock, count
 
@@ -35,6 +36,8 @@ class Layout:
 WIDE = Layout(width=1000.0, gutter=236.0, lane=11.0, font=12.0, ticks=16)
 NARROW = Layout(width=380.0, gutter=0.0, lane=11.0, font=12.0, ticks=7)
 HEAD, GROUP_HEAD, GAP = 24.0, 24.0, 6.0
+#: Size of the words inside bands, as in the page's style; they are bold.
+SMALL = 9.5
 #: More stretches than this in one lane are drawn as one path a verdict, without words and notes.
 MOST_SEGMENTS = 80
 
@@ -61,13 +64,15 @@ def timeline(run: Run, layout: Layout, requirement_titles: Mapping[str, str]) ->
 
 
 def _time_ticks(run: Run, axis: Axis, layout: Layout, height: float) -> Iterator[str]:
-    for tick in axis.ticks(layout.ticks):
+    ticks = axis.ticks(layout.ticks)
+    for tick in ticks:
         x = axis.at(tick)
         yield tag("line", x1=x, x2=x, y1=HEAD - 4, y2=height - HEAD + 4, class_="grid")
-        last = x + 24 > axis.stop
-        words = clock(tick) + (f" {run.time_unit}" if last else "")
+        words = clock(tick) + (f" {run.time_unit}" if tick == ticks[-1] else "")
         for y in (HEAD - 8, height - 8):
-            yield text(min(x, layout.width - text_width(words, layout.font) / 2 - 1), y, words, class_="tick middle")
+            yield text(
+                min(x, layout.width - text_width(words, layout.font) / 2 - 1), y, words, class_="tick middle"
+            )
 
 
 def _row(row: Row, run: Run, axis: Axis, layout: Layout, y: float) -> tuple[list[str], float]:
@@ -77,9 +82,20 @@ def _row(row: Row, run: Run, axis: Axis, layout: Layout, y: float) -> tuple[list
     drawn: list[str] = []
     if layout.gutter:
         words = fitted(row.label, layout.gutter - 28, layout.font)
-        drawn.append(tag("text", title(row.note), _plain(words), x=12.0, y=y + height / 2 + 4, class_="label"))
+        drawn.append(
+            tag("text", title(row.note), escape(words), x=12.0, y=y + height / 2 + 4, class_="label")
+        )
     else:
-        drawn.append(tag("text", title(row.note), _plain(fitted(row.label, layout.width - 16, layout.font)), x=layout.start, y=y + layout.font - 1, class_="label"))
+        drawn.append(
+            tag(
+                "text",
+                title(row.note),
+                escape(fitted(row.label, layout.width - 16, layout.font)),
+                x=layout.start,
+                y=y + layout.font - 1,
+                class_="label",
+            )
+        )
         y += layout.above
     for lane in row.lanes:
         if lane.mark:
@@ -95,14 +111,27 @@ def _lane(lane: Lane, run: Run, axis: Axis, y: float, height: float) -> Iterator
     else:
         for segment in lane.segments:
             x0, x1 = _span(segment, run, axis)
-            words = next((w for w in segment.words if text_width(w, height - 2) + 4 <= x1 - x0), "")
-            box = tag("rect", title(segment.note), x=x0, y=y, width=max(x1 - x0, 1.2), height=height, class_=f"b-{segment.style}")
+            words = next((w for w in segment.words if text_width(w, SMALL) * 1.1 + 4 <= x1 - x0), "")
+            box = tag(
+                "rect",
+                title(segment.note),
+                x=x0,
+                y=y,
+                width=max(x1 - x0, 1.2),
+                height=height,
+                class_=f"b-{segment.style}",
+            )
             yield box
             if words:
-                yield text((x0 + x1) / 2, y + height - 2.5, words, class_=f"w-{segment.style}", font_size=height - 2)
+                yield text((x0 + x1) / 2, y + height / 2 + 3.4, words, class_=f"w-{segment.style}")
     for flag in lane.flags:
         x0, x1 = _span(flag, run, axis)
-        yield tag("path", title(flag.note), d=f"M{short(x0)} {short(y + height + 2)}h{short(max(x1 - x0, 2))}v4h-{short(max(x1 - x0, 2))}Z", class_="b-outside")
+        yield tag(
+            "path",
+            title(flag.note),
+            d=f"M{short(x0)} {short(y + height + 2)}h{short(max(x1 - x0, 2))}v4h-{short(max(x1 - x0, 2))}Z",
+            class_="b-outside",
+        )
 
 
 def _dense(segments: Sequence[Segment], run: Run, axis: Axis, y: float, height: float) -> Iterator[str]:
@@ -114,7 +143,12 @@ def _dense(segments: Sequence[Segment], run: Run, axis: Axis, y: float, height: 
         paths.setdefault(segment.style, []).append(f"M{short(x0)} {short(y)}h{wide}v{short(height)}h-{wide}Z")
     order = ("absent", "inactive", "satisfied", "open", "undefined", "violated")
     for style in sorted(paths, key=lambda s: order.index(s) if s in order else -1):
-        yield tag("path", title(f"{count(len(paths[style]), 'stretch', 'stretches')} {style}"), d="".join(paths[style]), class_=f"b-{style}")
+        yield tag(
+            "path",
+            title(f"{count(len(paths[style]), 'stretch', 'stretches')} {style}"),
+            d="".join(paths[style]),
+            class_=f"b-{style}",
+        )
 
 
 def _span(segment: Segment, run: Run, axis: Axis) -> tuple[float, float]:
@@ -122,13 +156,9 @@ def _span(segment: Segment, run: Run, axis: Axis) -> tuple[float, float]:
 
 
 def _cursor(height: float) -> str:
-    return tag("line", x1=0.0, x2=0.0, y1=HEAD - 4, y2=height - HEAD + 4, class_="cursor", visibility="hidden")
-
-
-def _plain(words: str) -> str:
-    from html import escape
-
-    return escape(words)
+    return tag(
+        "line", x1=0.0, x2=0.0, y1=HEAD - 4, y2=height - HEAD + 4, class_="cursor", visibility="hidden"
+    )
 
 
 def strip(run: Run, width: float = 260.0, height: float = 16.0) -> str:
@@ -136,7 +166,15 @@ def strip(run: Run, width: float = 260.0, height: float = 16.0) -> str:
     group = overall(run)
     axis = time_axis(run.t, run.end, 0.0, width)
     parts = list(_lane(group.rows[-1].lanes[0], run, axis, 0.0, height)) if run.cycles else []
-    return svg(width, height, f"What is driven in {run.name}", "; ".join(_spoken(group.rows[-1])), parts, class_="strip", preserveAspectRatio="none")
+    return svg(
+        width,
+        height,
+        f"What is driven in {run.name}",
+        "; ".join(_spoken(group.rows[-1])),
+        parts,
+        class_="strip",
+        preserveAspectRatio="none",
+    )
 
 
 def _spoken(row: Row) -> list[str]:

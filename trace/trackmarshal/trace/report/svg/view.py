@@ -30,7 +30,7 @@ NARROW = Frame(380.0, 640.0, upright=True, most_strips=7, strip_scale=4.0)
 WIDE_NEAR = Frame(1000.0, 420.0, upright=False)
 NARROW_NEAR = Frame(380.0, 440.0, upright=True)
 #: Pixels around what is shown, pixels below for the scale bar, and the least height.
-PAD, FOOT, LOWEST = 24.0, 36.0, 90.0
+PAD, FOOT, LOWEST = 14.0, 36.0, 90.0
 #: The least extent of a picture, in m.
 SMALLEST = 30.0
 
@@ -63,7 +63,10 @@ class View:
         forward, side = (math.cos(heading), math.sin(heading)), (-math.sin(heading), math.cos(heading))
         corners = ((0.5, 0.5), (0.5, -0.5), (-0.5, -0.5), (-0.5, 0.5))
         return [
-            self.at(x + i * length * forward[0] + j * width * side[0], y + i * length * forward[1] + j * width * side[1])
+            self.at(
+                x + i * length * forward[0] + j * width * side[0],
+                y + i * length * forward[1] + j * width * side[1],
+            )
             for i, j in corners
         ]
 
@@ -73,7 +76,9 @@ class View:
         return metres, metres * self.scale
 
 
-def fit(points: Sequence[Point], frame: Frame, direction: float | None = None, largest: float = math.inf) -> View:
+def fit(
+    points: Sequence[Point], frame: Frame, direction: float | None = None, largest: float = math.inf
+) -> View:
     """The view that holds all points; turned to `direction` (rad), or else to that in which they extend most.
 
     `largest` limits the scale, in pixels a metre.
@@ -102,5 +107,7 @@ def main_direction(points: Sequence[Point]) -> float:
     yy = sum((p[1] - my) ** 2 for p in points)
     xy = sum((p[0] - mx) * (p[1] - my) for p in points)
     angle = 0.5 * math.atan2(2 * xy, xx - yy)
-    ahead = math.cos(angle) * (points[-1][0] - points[0][0]) + math.sin(angle) * (points[-1][1] - points[0][1])
+    ahead = math.cos(angle) * (points[-1][0] - points[0][0]) + math.sin(angle) * (
+        points[-1][1] - points[0][1]
+    )
     return angle if ahead >= 0 else angle + math.pi

@@ -14,12 +14,12 @@
   function say(i) {
     var found = [];
     data.rules.forEach(function (rule) {
+      var parts = {};
       rule.lanes.forEach(function (lane) {
-        var letter = lane.v[i];
-        if (letter === "v") found.push(rule.name + " (" + lane.c + ") " + lane.m[i]);
-        else if (letter === "u") found.push(rule.name + " (" + lane.c + ") undefined");
-        else if (letter === "o") found.push(rule.name + " (" + lane.c + ") open");
+        var letter = lane.v[i], said = letter === "v" ? lane.m[i] : letter === "u" ? "undefined" : letter === "o" ? "open" : "";
+        if (said) (parts[said] = parts[said] || []).push(lane.c);
       });
+      Object.keys(parts).forEach(function (said) { found.push(rule.name + " " + said + " (" + (parts[said].length > 1 ? "both" : parts[said][0]) + ")"); });
     });
     var more = found.length > 4 ? " and " + (found.length - 4) + " more" : "";
     words.textContent = data.t[i] + " " + data.unit + " · " + data.decision[i] + " · " + (found.length ? found.slice(0, 4).join(", ") + more : "all safe");
@@ -63,6 +63,7 @@
     document.querySelectorAll("svg.scene g.now").forEach(function (group) {
       var matrix = group.ownerSVGElement.dataset.matrix.split(" ").map(Number);
       group.textContent = "";
+      group.ownerSVGElement.classList.add("stepping");
       Object.keys(data.paths).forEach(function (name) { shape(group, matrix, name, pairs(data.paths[name][i]), "plan near " + name, false); });
       data.others[i].forEach(function (box) { shape(group, matrix, "other", corners(box), "foot other", true); });
       if (data.ego[i]) {
