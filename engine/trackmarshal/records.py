@@ -60,7 +60,9 @@ class SpecItem:
     source: str = ""
     owner: str = ""  #: assumptions: who answers for it
     evidence: str = ""  #: assumptions: path of the record that backs it
-    monitored: bool = True  #: whether something is evaluated: always for rules, with a `monitor` for assumptions
+    monitored: bool = (
+        True  #: whether something is evaluated: always for rules, with a `monitor` for assumptions
+    )
     compares: bool = True  #: whether it compares numbers, so that a test can sit exactly on its boundary
 
     def to_json(self) -> dict[str, Any]:
@@ -155,7 +157,12 @@ class RuleFacts:
     def to_json(self) -> dict[str, Any]:
         counts = {candidate: dict(count) for candidate, count in self.counts.items()}
         first = self.first_violation
-        return {"rule": self.rule, "fingerprint": self.fingerprint, "counts": counts, "first_violation": first}
+        return {
+            "rule": self.rule,
+            "fingerprint": self.fingerprint,
+            "counts": counts,
+            "first_violation": first,
+        }
 
     @classmethod
     def from_json(cls, data: object) -> RuleFacts:
@@ -172,7 +179,9 @@ class TruthFacts:
     """How a run compares with one kind of its ground truth (`dynamic`, `static`)."""
 
     inside: bool
-    violations: tuple[str, ...] = ()  #: where verdict and ground truth contradict each other, one sentence each
+    violations: tuple[
+        str, ...
+    ] = ()  #: where verdict and ground truth contradict each other, one sentence each
     rules: tuple[str, ...] = ()  #: the rules that this truth judges; empty: all
 
     def to_json(self) -> dict[str, Any]:
@@ -277,8 +286,10 @@ def load(path: Path, shown: str | None = None) -> ResultsFile:
         raise TrackmarshalError("T290", error.strerror or str(error), file=name, help=_HELP) from error
     except (ValueError, RecursionError) as error:
         line = error.lineno if isinstance(error, json.JSONDecodeError) else None
-        reason = error.msg if isinstance(error, json.JSONDecodeError) else type(error).__name__
-        raise TrackmarshalError("T290", f"not strict JSON: {reason}", file=name, line=line, help=_HELP) from error
+        reason = error.msg if isinstance(error, json.JSONDecodeError) else str(error)
+        raise TrackmarshalError(
+            "T290", f"not strict JSON: {reason}", file=name, line=line, help=_HELP
+        ) from error
 
 
 _HELP = "delete it, or write it again with `trackmarshal test` or `trackmarshal replay`"
@@ -355,7 +366,14 @@ class _Fields:
 
 
 def _kind(value: object) -> str:
-    names = {dict: "an object", list: "a list", str: "a text", bool: "a Boolean", int: "a number", float: "a number"}
+    names = {
+        dict: "an object",
+        list: "a list",
+        str: "a text",
+        bool: "a Boolean",
+        int: "a number",
+        float: "a number",
+    }
     return names.get(type(value), "null")
 
 

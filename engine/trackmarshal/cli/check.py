@@ -28,32 +28,35 @@ def run(args: argparse.Namespace) -> int:
     project = optional_project(args)
     paths = [Path(p) for p in args.paths] or [find_project(args) / "specs"]
     compiled = compile_paths(paths, project)
-    found: list[Diagnostic | TrackmarshalError] = [*compiled.failures, *findings(compiled)]
-    unusable = bool(compiled.failures)
-    if project is not None:
-        try:
-            found += unknown_requirements(compiled, project)
-        except TrackmarshalError as error:  # the specs' own errors are reported all the same
-            found.insert(0, error)
-            unusable = True
+    found = examine(compiled, project)
     print_findings(found, args.format)
     errors = sum(getattr(f, "level", "error") == "error" for f in found)
     if args.format == "text" and not args.quiet:
         rules = len(compiled.spec.rules)
         warnings = len(found) - errors
-        summary = f"{len(compiled.order)} modules, {rules} rules and assumptions: {errors} errors, {warnings} warnings"
+        what = f"{_count(len(compiled.order), 'module')}, {_count(rules, 'rule or assumption', 'rules and assumptions')}"
+        summary = f"{what}: {_count(errors, 'error')}, {_count(warnings, 'warning')}"
         print(summary, file=sys.stderr if found else sys.stdout)
-    if unusable:
+    if compiled.failures:
         return 2
     return 1 if errors else 0
 
 
-def findings(compiled: Compiled) -> list[Diagnostic]:
-    """What the compiler, the constraints and the tests have against some specs, in the order of places."""
+def _count(number: int, one: str, many: str | None = None) -> str:
+    return f"{number} {one if number == 1 else many or one + 's'}"
+
+
+def examine(compiled: Compiled, project: Path | None) -> list[Diagnostic | TrackmarshalError]:
+    """What can be said against some specs: by the compiler, the constraints, the tests and the links to requirements.
+
+    Files that cannot be read come first, then everything in the order of places.
+    """
     from trackmarshal.testing.cases import prepare
 
     found = [*compiled.found, *prepare(compiled)[1], *unconstrained(compiled)]
-    return sorted(found, key=lambda d: (d.span.file.path, d.span.start, d.code))
+    if project is not None:
+        found += unknown_requirements(compiled, project)
+    return [*compiled.failures, *sorted(found, key=lambda d: (d.span.file.path, d.span.start, d.code))]
 
 
 def unconstrained(compiled: Compiled) -> list[Diagnostic]:

@@ -28,19 +28,44 @@ OK, FINDINGS, UNUSABLE, INTERNAL = 0, 1, 2, 3
 def main(argv: list[str] | None = None) -> int:
     """Run the command; 0 all well, 1 findings, 2 unusable input or arguments, 3 internal error."""
     arguments = sys.argv[1:] if argv is None else argv
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # text that the terminal's encoding lacks is escaped
+            stream.reconfigure(errors="backslashreplace")
     try:
-        status = _dispatch(arguments)
-        sys.stdout.flush()
+        status = _guarded(arguments)
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                stream.flush()
         return status
-    except SystemExit as stop:
-        return UNUSABLE if stop.code not in (0, None) else OK
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
         # The reader of our output went away; that is its business, not an error.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        for stream in (sys.stdout, sys.stderr):
+            if stream is not None:
+                os.dup2(nowhere, stream.fileno())
         return OK
+
+
+def _guarded(arguments: list[str]) -> int:
+    """Run the verb; everything that is reported to the user becomes text and an exit status."""
+    try:
+        return _dispatch(arguments)
+    except SystemExit as stop:
+        return UNUSABLE if stop.code not in (0, None) else OK
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        from trackmarshal.cli.output import print_problem
+
+        help_ = "check the path, its permissions and the space left"
+        print_problem(TrackmarshalError("E411", error.strerror or str(error), file=_path(error), help=help_))
+        return UNUSABLE
+    except MemoryError:
+        print("error[E411]: not enough memory for this input", file=sys.stderr)
+        return UNUSABLE
     except TrackmarshalError as error:
         from trackmarshal.cli.output import print_problem
 
@@ -55,6 +80,11 @@ def main(argv: list[str] | None = None) -> int:
         print(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
         print("  This is a defect of trackmarshal. Set TRACKMARSHAL_DEBUG=1 for the details and report it.", file=sys.stderr)
         return INTERNAL
+
+
+def _path(error: OSError) -> str | None:
+    """Which file an error of the system is about."""
+    return None if error.filename is None else os.fsdecode(error.filename) if isinstance(error.filename, (str, bytes)) else str(error.filename)
 
 
 def _dispatch(arguments: list[str]) -> int:

@@ -13,6 +13,7 @@ CODES = {
         "A project is a folder with requirements/v-model.yaml. Verbs without a PATH work on the project that the current folder is in; "
         "`--project DIR` names another.",
     ),
+    "E411": ("the system refuses", "A file or a folder cannot be read or written: it is not there, its permissions forbid it, or the disk is full."),
 }
 MARKER = Path("requirements") / "v-model.yaml"
 

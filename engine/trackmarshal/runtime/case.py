@@ -86,6 +86,10 @@ class CaseReader:
     def read(self, raw: object) -> Case:
         """A case from plain data as `cli.md` describes it; raises TrackmarshalError D201 to D204."""
         data = _mapping(raw, "the case")
+        for key in data.keys() - _KEYS:
+            hint = close_matches(str(key), _KEYS)
+            if hint:  # a misspelt override that is left out would change what is evaluated
+                raise TrackmarshalError("D203", f"a case has no `{key}`", help=hint)
         case = Case(id=data.get("id"))
         self._overrides(case, data)
         signals = _mapping(data.get("signals", {}), "`signals`")
@@ -105,26 +109,28 @@ class CaseReader:
                 self._state(case, signal, needed, signals[name])
             else:
                 self._lines_of(case, signal, needed, signals[name])
+        if len(case.faults) > MOST_FAULTS:
+            case.faults = _condensed(case.faults)
         return case
 
     # Overrides ------------------------------------------------------------------------------------------------
 
     def _overrides(self, case: Case, data: Mapping[str, Any]) -> None:
-        for name, value in _mapping(data.get("params") or {}, "`params`").items():
+        for name, value in _given(data, "params").items():
             info = _find(self._params, name, "parameter")
             case.params[info.name] = check_param(info, _number(value, f"params.{name}"))
-        for name, rows in _mapping(data.get("tables") or {}, "`tables`").items():
+        for name, rows in _given(data, "tables").items():
             table = _find(self._tables, name, "table")
             case.tables[table.name] = check_table(table, rows)
-        for name, points in _mapping(data.get("places") or {}, "`places`").items():
+        for name, points in _given(data, "places").items():
             place = _find(self._places, name, "place")
-            case.places[place.name] = _points(points, f"places.{name}")
+            case.places[place.name] = check_place(place, points)
 
     # Signals --------------------------------------------------------------------------------------------------
 
     def _event(self, case: Case, name: str, value: object) -> None:
         if value is not None and not isinstance(value, bool):
-            raise TrackmarshalError("D202", f"event `{name}` is true, false or null, not {value!r}")
+            raise TrackmarshalError("D202", f"event `{name}` is true, false or null, not {_type(value)}")
         if value is None:
             case.fault("D211", name, "", None, "the event is missing")
         case.scalars[name] = {"": value}
@@ -132,6 +138,7 @@ class CaseReader:
     def _state(self, case: Case, signal: SignalType, needed: set[str], raw: object) -> None:
         data = _mapping(raw, f"signal `{signal.name}`")
         values: dict[str, Any] = {}
+        _refuse_misspelt(signal, data, needed)
         for kind in _wanted(signal, needed):
             value = data.get(kind.name, self._default(kind))
             if kind.name not in data and kind.default is None:
@@ -143,7 +150,12 @@ class CaseReader:
         elements = _sequence(raw, f"signal `{signal.name}`")
         records = [_mapping(element, f"{signal.name}[{i}]") for i, element in enumerate(elements)]
         case.counts[signal.name] = len(records)
-        case.names[signal.name] = [str(record.get("id", i)) for i, record in enumerate(records)]
+        names = case.names[signal.name] = [_name(record, i, signal.name) for i, record in enumerate(records)]
+        if len(set(names)) < len(names):
+            index = next(i for i, name in enumerate(names) if name in names[:i])
+            case.fault("D218", signal.name, "id", index, f"`{names[index]}` stands twice", False)
+        for record in records:
+            _refuse_misspelt(signal, record, needed)
         columns: dict[str, Sequence[Any]] = {}
         for kind in _wanted(signal, needed):
             column = []
@@ -156,7 +168,10 @@ class CaseReader:
 
     def _timeline(self, case: Case, signal: SignalType, needed: set[str], raw: object) -> None:
         data = _mapping(raw, f"signal `{signal.name}`")
-        kinds = _wanted(signal, needed)
+        # The order of samples counts for every rule, whether it reads the time or not.
+        orders = {k.name for k in signal.fields_ if k.increasing and data.get(k.name) is not None}
+        kinds = _wanted(signal, needed | orders)
+        _refuse_misspelt(signal, data, needed)
         given = {k.name: _sequence(data[k.name], f"{signal.name}.{k.name}") for k in kinds if data.get(k.name) is not None}
         # Columns that no rule reads count too: where one is longer, samples are missing from the others.
         present = [k.name for k in signal.fields_ if k.kind != "polyline" and data.get(k.name) is not None]
@@ -204,7 +219,7 @@ class CaseReader:
         data = _mapping(raw, f"signal `{signal.name}`")
         closed = data.get("closed", False)
         if not isinstance(closed, bool):
-            raise TrackmarshalError("D202", f"{signal.name}.closed is true or false, not {closed!r}")
+            raise TrackmarshalError("D202", f"{signal.name}.closed is true or false, not {_type(closed)}")
         case.closed[signal.name] = closed
         for name in {kind.name for kind in signal.fields_ if kind.kind == "polyline"} & (needed | {"left", "right"}):
             if data.get(name) is None:
@@ -244,7 +259,8 @@ class CaseReader:
             if value is None:
                 case.fault("D215", signal.name, kind.name, index, "the value is missing", False)
             elif not isinstance(value, bool):
-                raise TrackmarshalError("D202", f"{signal.name}.{kind.name} is true, false or null, not {value!r}")
+                place = _place(signal.name, kind.name, index)
+                raise TrackmarshalError("D202", f"{place} is true, false or null, not {_type(value)}")
             return value
         number = _number(value, signal.name, kind.name, index)
         if kind.unit not in _SI:
@@ -253,9 +269,55 @@ class CaseReader:
             case.fault("D215", signal.name, kind.name, index, "not finite", False)
             return NAN
         if (kind.lower is not None and number < kind.lower) or (kind.upper is not None and number > kind.upper):
-            message = f"{value!r} {kind.unit} is outside its range"
+            low, high = (("-inf", "inf")[i] if b is None else f"{from_si(b, kind.unit):g}" for i, b in enumerate((kind.lower, kind.upper)))
+            message = f"{value!r} {kind.unit} is outside [{low}, {high}]"
             case.fault("D216", signal.name, kind.name, index, message, False)
         return number
+
+
+#: What a case may hold; other keys are the user's own.
+_KEYS = {"id", "params", "tables", "places", "signals"}
+#: More faults than this are summed up, a few for each field.
+MOST_FAULTS = 20
+
+
+def _given(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    """The overrides of one kind; null and absent mean none."""
+    value = data.get(key)
+    return {} if value is None else _mapping(value, f"`{key}`")
+
+
+def _name(record: Mapping[str, Any], index: int, signal: str) -> str:
+    """What an element is called: its id, or its index."""
+    name = record.get("id")
+    if name is None:
+        return str(index)
+    if isinstance(name, bool) or not isinstance(name, (str, int, float)):
+        raise TrackmarshalError("D202", f"{signal}[{index}].id is a string or a number, not {_type(name)}")
+    return str(name)
+
+
+def _refuse_misspelt(signal: SignalType, data: Mapping[str, Any], needed: set[str]) -> None:
+    """Refuse a field whose name is almost that of one that is left out, and whose default would stand in for it."""
+    left_out = [k.name for k in signal.fields_ if k.default is not None and k.name in needed and k.name not in data]
+    if left_out:
+        for key in data.keys() - {k.name for k in signal.fields_} - {"id"}:
+            hint = close_matches(str(key), left_out, 0.75)
+            if hint:
+                raise TrackmarshalError("D203", f"`{signal.name}` has no field `{key}`", help=hint)
+
+
+def _condensed(faults: list[Fault]) -> list[Fault]:
+    """The first faults of each kind and field, and how many more there are."""
+    groups: dict[tuple[str, str, str], list[Fault]] = {}
+    for fault in faults:
+        groups.setdefault((fault.code, fault.signal, fault.field), []).append(fault)
+    result: list[Fault] = []
+    for (code, signal, name), group in groups.items():
+        result += group[:3]
+        if len(group) > 3:
+            result.append(Fault(code, signal, name, None, f"and {len(group) - 3} more"))
+    return result
 
 
 #: Units whose numbers need no conversion; the rest take a multiplication.
@@ -267,7 +329,7 @@ def check_param(info: ParamInfo, value: float) -> float:
     number = to_si(value, info.unit)
     short = info.name.rpartition(".")[2]
     if not math.isfinite(number):
-        raise TrackmarshalError("D204", f"parameter `{short}` is not finite")
+        raise TrackmarshalError("D204", f"parameter `{short}` is not finite", help="leave it out to keep the spec's own value")
     if (info.lower is not None and number < info.lower) or (info.upper is not None and number > info.upper):
         help_ = f"the range is declared at {info.span}"
         raise TrackmarshalError("D204", f"parameter `{short}` = {value!r} {info.unit} is outside its range", help=help_)
@@ -279,10 +341,24 @@ def check_table(info: TableInfo, rows: object) -> tuple[tuple[float, ...], tuple
     short = info.name.rpartition(".")[2]
     pairs = [(to_si(x, info.units[0]), to_si(y, info.units[1])) for x, y in _points(rows, f"tables.{short}")]
     if not pairs or any(not (math.isfinite(x) and math.isfinite(y)) for x, y in pairs):
-        raise TrackmarshalError("D204", f"table `{short}` has no rows, or a value that is not finite")
+        raise TrackmarshalError("D204", f"table `{short}` has no rows, or a value that is not finite", help=_ROWS)
     if any(not a[0] < b[0] for a, b in zip(pairs, pairs[1:])):
-        raise TrackmarshalError("D204", f"the knots of table `{short}` do not ascend")
+        raise TrackmarshalError("D204", f"the knots of table `{short}` do not ascend", help=_ROWS)
     return tuple(p[0] for p in pairs), tuple(p[1] for p in pairs)
+
+
+_ROWS = "rows are [x, y], finite, in the declared units, with x ascending"
+
+
+def check_place(info: PlaceInfo, points: object) -> list[Point]:
+    """Points of a zone (three or more different ones) or a line (two or more), finite; raises D202 or D204."""
+    short = info.name.rpartition(".")[2]
+    found = _points(points, f"places.{short}")
+    least = 3 if info.kind == "zone" else 2
+    if len(set(found)) < least or not all(math.isfinite(x) and math.isfinite(y) for x, y in found):
+        help_ = f"a {info.kind} is a list of at least {least} different points [x, y] in m"
+        raise TrackmarshalError("D204", f"the points of `{short}` are too few, or not finite", help=help_)
+    return found
 
 
 def _wanted(signal: SignalType, needed: set[str]) -> list[FieldType]:
@@ -318,7 +394,9 @@ def _by_short_name(infos: Mapping[str, Any]) -> dict[str, list[Any]]:
 def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
     found = known.get(name, [])
     if not found:
-        raise TrackmarshalError("D203", f"the spec declares no {what} `{name}`", help=close_matches(name, known) or None)
+        shorts = [key for key in known if "." not in key]
+        listed = f"it declares {', '.join(shorts[:12])}" + (", ..." if len(shorts) > 12 else "") if shorts else f"it has no {what}s"
+        raise TrackmarshalError("D203", f"the spec declares no {what} `{name}`", help=close_matches(name, known) or listed)
     if len({info.name for info in found}) > 1:
         choices = " or ".join(f"`{info.name}`" for info in found)
         raise TrackmarshalError("D203", f"{what} `{name}` is declared in several modules", help=f"write {choices}")
@@ -350,14 +428,19 @@ def _number(value: object, *where: object) -> float:
     if value is None:
         return NAN
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        place = ".".join(str(part) for part in where if part is not None)
-        if value in ("nan", "inf", "-inf"):
-            return float(str(value))
-        raise TrackmarshalError("D202", f"{place} is a number or null, not {_type(value)}")
+        if isinstance(value, str) and value in ("nan", "inf", "-inf"):
+            return float(value)
+        raise TrackmarshalError("D202", f"{_place(*where)} is a number or null, not {_type(value)}")
     try:
         return float(value)
     except OverflowError:
         return math.inf
+
+
+def _place(*where: object) -> str:
+    """Where a value stands: plan.v[3]."""
+    text = ".".join(part for part in where if isinstance(part, str))
+    return text + "".join(f"[{part}]" for part in where if isinstance(part, int))
 
 
 def _points(raw: object, what: str) -> list[Point]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -31,7 +32,7 @@ from trackmarshal.semantics.values import (
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import LENGTH, NUMBER, Dimension, name, parse_unit, power, quantity, show
+from trackmarshal.units import LENGTH, NUMBER, SPEED, Dimension, name, parse_unit, power, quantity, show
 
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions import Context, Expressions
@@ -49,6 +50,8 @@ _SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
 }  # fmt: skip
 #: How many definitions one declaration may be made of, each counted where it is written out.
 MOST_EXPANSIONS = 20_000
+#: How many definitions may be inside each other.
+DEEPEST = 50
 _ON_LINE: dict[str, Dimension] = {"station": LENGTH, "offset": LENGTH, "direction": NUMBER, "distance_to": LENGTH}
 
 
@@ -112,6 +115,8 @@ def expand(self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value
         self.fail(Recursive(span, item.name, cycle))
     if symbol.qualified in self.failed:
         raise Poison
+    if len(ctx.stack) >= DEEPEST:
+        self.fail(TooLarge(ctx.site or span, f"nested more than {DEEPEST} definitions deep"))
     self.expansions += 1
     if self.expansions > MOST_EXPANSIONS:
         self.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
@@ -151,12 +156,12 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
     """The argument as the body sees it: of the declared dimension, or through the declared shape."""
     kind, span = parameter.type, value.__dict__["span"]
     if kind in SHAPES:
+        wanted_fields = f"something with {', '.join(SHAPES[kind])} for `{parameter.name}: {kind}`"
         if not isinstance(value, RecordValue):
-            self.fail(WrongKind(span, f"a {kind} for `{parameter.name}`", value.spoken))
-        for field, dimension in SHAPES[kind].items():
-            if value.shape.get(field, "missing") != dimension:
-                self.fail(WrongKind(span, f"a {kind} for `{parameter.name}` (it has {', '.join(SHAPES[kind])})", value.spoken,
-                                    f"it lacks `{field}`, or it has another dimension"))  # fmt: skip
+            self.fail(WrongKind(span, wanted_fields, value.spoken))
+        lacking = _lacking(value, SHAPES[kind])
+        if lacking:
+            self.fail(WrongKind(span, wanted_fields, value.spoken, lacking))
         return RecordValue(value.what, value.signal, SHAPES[kind], value.read, value.previous, span)
     if kind in ("trajectory", "polyline"):
         return LineValue(line(self, value, span), span)
@@ -205,7 +210,9 @@ def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Valu
     argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
     if not isinstance(value, NumberValue) or value.dimension != argument:
         what = f"the argument of `{item.name}`"
-        self.fail(WrongDimension(value.__dict__["span"], item.span.head, what, quantity(argument), _spoken(value)))
+        hint = unit_hint(value, argument) if isinstance(value, NumberValue) else ""
+        declared = item.span.head.word(item.unit)
+        self.fail(WrongDimension(value.__dict__["span"], declared, what, quantity(argument), _spoken(value), hint))
     return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span)
 
 
@@ -272,10 +279,24 @@ def fields(self: Expressions, value: Value, shape: str, span: Span, ctx: Context
     for field, dimension in SHAPES[shape].items():
         node = value.read(field, ctx.site or span) if value.shape.get(field, "missing") == dimension else None
         if not isinstance(node, ir.Num):
-            hint = close_matches(field, value.shape) or f"declare `{field}: {show(dimension or NUMBER)}`"
+            hint = _lacking(value, SHAPES[shape])
             self.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value.spoken, hint))
         nodes.append(node)
     return tuple(nodes)
+
+
+def _lacking(value: RecordValue, shape: Mapping[str, Dimension | None]) -> str:
+    """Why a record does not fit a shape; empty when it does."""
+    for field, dimension in shape.items():
+        wanted = dimension or NUMBER
+        if field not in value.shape:
+            similar = close_matches(field, [name for name in value.shape if name not in shape])
+            unit = "rad" if field == "heading" else show(wanted)
+            return f"it has no `{field}`" + (f"; {similar}" if similar else f": declare `{field}: {unit}`")
+        if value.shape[field] != dimension:
+            found = value.shape[field]
+            return f"its `{field}` is {'a Boolean' if found is None else quantity(found)}, not {quantity(wanted)}"
+    return ""
 
 
 def line(self: Expressions, value: Value, span: Span) -> ir.Line:
@@ -288,10 +309,10 @@ def line(self: Expressions, value: Value, span: Span) -> ir.Line:
             if field is None or field.kind != "number" or parse_unit(field.unit)[2] != LENGTH:
                 self.fail(WrongKind(span, "a trajectory with a path", value.spoken, f"declare its column `{column}: m`"))
         return self.make(ir.Line, "path", value.signal.name, "")
-    if isinstance(value, (SignalValue, AreaValue)):
-        area = _area(self, value, span)
-        if area.kind == "corridor":
-            return self.make(ir.Line, "centre", area.name, "")
+    if isinstance(value, AreaValue) and value.area.kind == "corridor":
+        return self.make(ir.Line, "centre", value.area.name, "")
+    if isinstance(value, SignalValue) and value.signal.kind == "corridor":
+        return self.make(ir.Line, "centre", value.signal.name, "")
     self.fail(WrongKind(span, "a line, a trajectory or a corridor", value.spoken))
 
 
@@ -319,7 +340,8 @@ def _footprint(self: Expressions, values: list[Value], spans: list[Span], span: 
 
 def _length(self: Expressions, value: Value) -> ir.Num:
     if not isinstance(value, NumberValue) or value.dimension != LENGTH:
-        self.fail(WrongDimension(value.__dict__["span"], None, "this argument", quantity(LENGTH), _spoken(value)))
+        hint = unit_hint(value, LENGTH) if isinstance(value, NumberValue) else ""
+        self.fail(WrongDimension(value.__dict__["span"], None, "this argument", quantity(LENGTH), _spoken(value), hint))
     return value.node
 
 
@@ -343,6 +365,8 @@ def unit_hint(value: NumberValue, wanted: Dimension) -> str:
         return f"leave the unit out: `{literal[1]}`"
     if not literal[2]:
         return f"write the unit: `{literal[1]} {unit}`"
+    if literal[2] == "km" and wanted == SPEED:
+        unit = "km/h"
     return f"write a unit of {name(wanted)}, such as `{literal[1]} {unit}`"
 
 

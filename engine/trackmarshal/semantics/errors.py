@@ -57,11 +57,12 @@ class ImportCycle(Diagnostic):
     title = "modules use each other in a circle"
     text = "import cycle: {cycle}"
     label = "this `use` closes the circle"
-    remedy = "move what both need into a module of its own"
+    remedy = "{hint}"
     explanation = "Modules are read in an order in which each comes after those that it uses; a circle has no such order."
 
     span: Span
     cycle: str
+    hint: str
 
 
 class ModuleName(Diagnostic):
@@ -94,7 +95,7 @@ class UnknownRequirement(Diagnostic):
 class Ambiguous(Diagnostic):
     code = "E208"
     title = "a name with two meanings"
-    text = "`{name}` is declared in two used modules"
+    text = "`{name}` is declared in {modules}"
     label = "which one?"
     other_label = "one is here"
     remedy = "rename one, or use only one of the modules"
@@ -103,13 +104,14 @@ class Ambiguous(Diagnostic):
     span: Span
     other: Span
     name: str
+    modules: str
 
 
 class WrongArity(Diagnostic):
     code = "E209"
     title = "wrong number of arguments"
-    text = "`{name}` takes {wanted}, not {given}"
-    label = "{given} here"
+    text = "`{name}` takes {wanted}; {given}"
+    label = "{given}"
     other_label = "declared here"
     explanation = "The number of arguments differs from the number of parameters of the definition or the built-in function."
 

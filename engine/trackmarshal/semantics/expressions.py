@@ -60,6 +60,10 @@ class Context(Node):
         )
 
 
+#: What to do instead of remembering something.
+STATE_HINT = "write what the rule needs from the signals of one cycle"
+
+
 class Expressions:
     """Lowers expressions; `signals` maps the names of signals to their types, `found` collects diagnostics."""
 
@@ -84,9 +88,13 @@ class Expressions:
         except Poison:
             return False
         except RecursionError:
-            self.found.append(TooLarge(span, "nested too deeply"))
+            self.too_deep(span)
             return False
         return True
+
+    def too_deep(self, span: Span) -> None:
+        """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
+        self.found.append(TooLarge(span, "nested too deeply"))
 
     def fail(self, diagnostic: Diagnostic) -> NoReturn:
         self.found.append(diagnostic)
@@ -107,7 +115,8 @@ class Expressions:
     def number(self, expr: ast.Expr, ctx: Context) -> NumberValue:
         value = self.value(expr, ctx)
         if not isinstance(value, NumberValue):
-            self.fail(WrongKind(_span(expr), "a number", value.spoken))
+            hint = "`if FORMULA then 1 else 0` makes a number of a formula" if isinstance(value, FormulaValue) else ""
+            self.fail(WrongKind(_span(expr), "a number", value.spoken, hint))
         return value
 
     def formula(self, expr: ast.Expr, ctx: Context) -> FormulaValue:
@@ -158,8 +167,6 @@ class Expressions:
                 return self._until(expr, ctx)
             case ast.Quantified():
                 return self._quantified(expr, ctx)
-            case ast.RecordValue() | ast.ListValue():
-                self.fail(WrongKind(span, "an expression", "a literal value", "records and lists stand in tests only"))
             case _:
                 raise AssertionError(f"unknown expression {type(expr).__name__}")
 
@@ -209,7 +216,7 @@ class Expressions:
             case ast.Define() | ast.Table():
                 self.fail(WrongKind(span, "a value", f"the function `{item.name}`", f"call it: `{item.name}(...)`"))
             case ast.State():
-                self.fail(RunAxis(span, f"state `{item.name}`"))
+                self.fail(RunAxis(span, f"state `{item.name}`", STATE_HINT))
             case ast.Reference() | ast.Rulebook():
                 self.fail(WrongKind(span, "a value", f"the name of a {type(item).__name__.lower()}"))
             case _:
@@ -255,10 +262,13 @@ class Expressions:
             if field is not None and field.kind == "polyline" and not signal.many:
                 return LineValue(self.make(ir.Line, "signal", signal.name, expr.name), span)
             known = ["first", "last"] if signal.sequence else [f.name for f in signal.fields_ if f.kind == "polyline"]
-            hint = close_matches(expr.name, known)
+            hint, shown = close_matches(expr.name, known), ", ".join(known)
+            if signal.sequence or signal.many:
+                parts = f"{'samples' if signal.sequence else 'elements'} with {', '.join(f.name for f in signal.fields_)}"
+                shown = f"{shown}, and {parts}" if shown else parts
             if signal.field(expr.name) is not None:
                 hint = f"bind a variable first: `for all x in {signal.name}`"
-            self.fail(UnknownField(span, value.spoken, expr.name, ", ".join(known) or "nothing to read", hint))
+            self.fail(UnknownField(span, value.spoken, expr.name, shown or "nothing to read", hint))
         self.fail(WrongKind(_span(expr.value), "a record", value.spoken))
 
     # Arithmetic and logic -----------------------------------------------------------------------------------
@@ -285,7 +295,9 @@ class Expressions:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
             return
-        hint = calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension) or _factor(left.dimension, right.dimension)
+        sides = ("left side", "right side") if action in ("compare", "add", "subtract") else ("first one", "second one")
+        hint = calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension)
+        hint = hint or _factor(left.dimension, right.dimension, *sides)
         self.fail(DimensionMismatch(left.span, right.span, action, quantity(left.dimension), quantity(right.dimension), hint))
 
     def _power(self, expr: ast.Binary, ctx: Context) -> Value:
@@ -326,7 +338,7 @@ class Expressions:
 
     def timeline(self, what: str, span: Span, ctx: Context) -> ir.Axis:
         if ctx.timeline is None:
-            self.fail(RunAxis(span, what, "for the planned horizon, add `along SIGNAL as NAME` to the rule"))
+            self.fail(RunAxis(ctx.site or span, what, "for the planned horizon, add `along SIGNAL as NAME` to the rule"))
         return ctx.timeline
 
     def _temporal(self, expr: ast.Temporal, ctx: Context) -> Value:
@@ -406,7 +418,7 @@ class Expressions:
             self.found.append(Duplicate(span.word(name), known.__dict__["span"].head, "variable", name))
 
     def _variable(self, signal: SignalType, axis: ir.Axis, offset: int, name: str, span: Span) -> RecordValue:
-        what = f"`{name}`, {'a sample' if signal.sequence else 'an element'} of `{signal.name}`"
+        what = f"`{name}` ({'a sample' if signal.sequence else 'an element'} of `{signal.name}`)"
 
         def number(field: str) -> ir.Num:
             return self.make(ir.Column, axis, field, offset)
@@ -450,14 +462,14 @@ def _span(expr: ast.Expr) -> Span:
     return span
 
 
-def _factor(left: Dimension, right: Dimension) -> str:
-    """What would make two dimensions one."""
+def _factor(left: Dimension, right: Dimension, a: str, b: str) -> str:
+    """What would make two dimensions one; `a` and `b` are what messages call the two."""
     if power(right, Fraction(2)) == left:
-        return "square the right side, or take the square root of the left one"
+        return f"square the {b}, or take the square root of the {a}"
     if power(left, Fraction(2)) == right:
-        return "square the left side, or take the square root of the right one"
+        return f"square the {a}, or take the square root of the {b}"
     factor = over(right, left)
     unit, inverse = show(factor), show(over(NUMBER, factor))
     if unit.startswith("1/"):
-        return f"divide the left side by a quantity in {inverse}, or multiply the right side by it"
-    return f"multiply the left side by a quantity in {unit}, or divide the right side by it"
+        return f"divide the {a} by a quantity in {inverse}, or multiply the {b} by it"
+    return f"multiply the {a} by a quantity in {unit}, or divide the {b} by it"

@@ -78,7 +78,10 @@ class Library:
                     target = uses[step]
                     if done.get(target.name) is False:
                         cycle = [*path[path.index(target.name) :], target.name]
-                        self.found.append(ImportCycle(target.span, " -> ".join(cycle)))
+                        hint = "move what both need into a module of its own"
+                        if target.name == name:
+                            hint = "remove it: a module sees its own names"
+                        self.found.append(ImportCycle(target.span, " -> ".join(cycle), hint))
                     elif target.name in self.modules:
                         stack.append((target.name, 0))
                 else:
@@ -129,7 +132,8 @@ class Library:
         broken = _broken(file, tree) if found else {}
         if not names:
             if "module" not in broken.values():
-                self.found.append(ModuleName(top, "the file does not say which module it is", "start it with `module NAME`"))
+                hint = f"start it with `module {path.stem}`"
+                self.found.append(ModuleName(top, "the file does not say which module it is", hint))
             name = path.stem
         else:
             name = names[0].name

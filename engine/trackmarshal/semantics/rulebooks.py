@@ -7,7 +7,7 @@ from contextlib import suppress
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.spec import RulebookInfo
 from trackmarshal.semantics.errors import BadValue, RulebookCycle, RunAxis, StateProblem, UnknownReference
-from trackmarshal.semantics.expressions import Context, Expressions
+from trackmarshal.semantics.expressions import STATE_HINT, Context, Expressions
 from trackmarshal.semantics.values import Broken, Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -69,7 +69,7 @@ def _told(path: list[str], relations: list[tuple[str, str, str]]) -> str:
 
 def check_state(item: ast.State, x: Expressions, ctx: Context) -> None:
     """Memory over the run is checked, and refused: this version has no evaluator for it."""
-    x.found.append(RunAxis(item.span.head, f"state `{item.name}`", "write what the rule needs from the signals of one cycle"))
+    x.found.append(RunAxis(item.span.head, f"state `{item.name}`", STATE_HINT))
     if all(transition.state == item.start for transition in item.transitions):
         x.found.append(StateProblem(item.span.head, f"`{item.name}` is `{item.start}` for ever"))
     try:

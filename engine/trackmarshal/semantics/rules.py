@@ -7,7 +7,7 @@ import hashlib
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, SignalType
-from trackmarshal.semantics.errors import Ambiguous, ClauseProblem, RunAxis, TooLarge, UnknownReference
+from trackmarshal.semantics.errors import Ambiguous, ClauseProblem, RunAxis, UnknownReference
 from trackmarshal.semantics.expressions import Context, Expressions
 from trackmarshal.semantics.scope import Symbol
 from trackmarshal.semantics.values import Broken, FormulaValue, Poison, SignalValue
@@ -141,8 +141,8 @@ class RuleBuilder:
                     case ast.Along():
                         signal = self.x.value(clause.signal, ctx)
                         if not isinstance(signal, SignalValue) or not signal.signal.sequence or not _has_time(signal.signal):
-                            hint = "a timeline has a column `t: s increasing`"
-                            self.x.fail(ClauseProblem(clause.signal.span, f"`{clause.signal.name}` has no time column", hint))
+                            hint = "a timeline is a trajectory or a series with a column `t: s increasing`"
+                            self.x.fail(ClauseProblem(clause.signal.span, f"`{clause.signal.name}` is no timeline", hint))
                         bound, names = self.x.axis(clause.signal, (clause.name,), False, clause.span, ctx)
                         ctx = ctx.bind(names, 1, bound)
                         steps.append((clause, bound, None))
@@ -164,7 +164,7 @@ class RuleBuilder:
             except (Poison, RecursionError) as error:
                 failed = True
                 if isinstance(error, RecursionError):
-                    self.x.found.append(TooLarge(clause.__dict__["span"].head, "nested too deeply"))
+                    self.x.too_deep(clause.__dict__["span"].head)
                 if isinstance(clause, (ast.Let, ast.Along)):  # a broken name, so that the clauses below are still checked
                     timeline = self.x.make(ir.Axis, "", "samples", 1, 0) if isinstance(clause, ast.Along) else None
                     ctx = ctx.bind({clause.name: Broken()}, 0, timeline)

@@ -70,7 +70,8 @@ class Scope:
             return self.own[name]
         found = self.used.get(name, [])
         if len(found) > 1:
-            return Ambiguous(span, _head(found[0].item), name)
+            modules = " and ".join(f"`{symbol.module}`" for symbol in found)
+            return Ambiguous(span, _head(found[0].item), name, modules)
         if found:
             return found[0]
         if name in self.broken:

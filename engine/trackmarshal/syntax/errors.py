@@ -87,7 +87,7 @@ class BadText(Diagnostic):
 class UnknownUnit(Diagnostic):
     code = "E106"
     title = "unknown unit"
-    text = "unknown unit `{unit}`"
+    text = "unknown {what} `{unit}`"
     label = "not a unit"
     remedy = "{hint}"
     explanation = (
@@ -96,6 +96,7 @@ class UnknownUnit(Diagnostic):
     )
 
     span: Span
+    what: str
     unit: str
     hint: str = ""
 

@@ -19,20 +19,16 @@ _OPERATORS = {
     "_IN", "DOT",
 }  # fmt: skip
 _CLAUSES = {f"_{word.upper()}" for words in CLAUSES.values() for word in words} | {"_FOR_ALL", "_EXISTS"}
-_SHAPES = {
-    "_POINT",
-    "_POSE",
-    "_MOVING",
-    "_BODY",
-    "_VEHICLE",
-    "_TRAJECTORY",
-    "_CORRIDOR",
-    "_POLYLINE",
-    "_BOOL",
-    "_SERIES",
-    "_STATE",
-    "_OBJECT",
-}
+_KINDS = {"_POINT", "_POSE", "_MOVING", "_BODY", "_VEHICLE", "_TRAJECTORY", "_CORRIDOR", "_POLYLINE", "_BOOL"}
+
+
+def spoken_kinds(terminals: set[str]) -> str:
+    """The words that may stand for a type beside a unit, or the empty string."""
+    return (
+        ", ".join(sorted(name.lstrip("_").lower() for name in terminals & _KINDS))
+        if "UNIT" in terminals
+        else ""
+    )
 
 
 def spoken(terminals: set[str]) -> str:
@@ -40,8 +36,7 @@ def spoken(terminals: set[str]) -> str:
     names = set(terminals)
     words: list[str] = []
     if names >= _EXPRESSION:
-        what = "a formula or a number" if "NOT" in names else "a number or an expression"
-        words.append(what)
+        words.append("an expression")
         names -= _EXPRESSION | _FORMULA | {"MINUS", "_IF", "√", "_TRUE", "_FALSE", "_IN", "__ANON_0"}
         names = {name for name in names if not name.startswith("__")}
     elif len(names & _OPERATORS) > 2:

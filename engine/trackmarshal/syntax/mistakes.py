@@ -16,10 +16,11 @@ from trackmarshal.syntax.errors import (
     UnknownClause,
     UnknownUnit,
 )
-from trackmarshal.syntax.expectation import spoken
+from trackmarshal.syntax.expectation import spoken, spoken_kinds
+from trackmarshal.syntax.foreign_units import unit_hint
 from trackmarshal.syntax.keywords import CLAUSES, DECLARATIONS, RESERVED
 from trackmarshal.syntax.names import GREEK
-from trackmarshal.syntax.slips import hint_for
+from trackmarshal.syntax.slips import FOREIGN_WORDS, hint_for, open_brackets
 from trackmarshal.units import UNITS
 
 if TYPE_CHECKING:
@@ -29,23 +30,10 @@ _NOT_CODE = re.compile(r'"(?:[^"\\\n]|\\.)*"|--[^\n]*')
 _WORD = re.compile(rf"[A-Za-z_{''.join(GREEK)}][A-Za-z0-9_{''.join(GREEK)}]*")
 _UNIT_TEXT = re.compile(r"[^\W\d_]+(?:\^-?[0-9]+|[²³])?(?:[/*·][^\W\d_]+(?:\^-?[0-9]+|[²³])?)*")
 _AFTER_NUMBER = re.compile(
-    r"(?<![\w.])(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*(?=[^\W\d_])"
+    r"(?<![\w.])(?<![A-Za-z0-9]-)(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*(?=[^\W\d_])"
 )
+_UNIT_MORE = re.compile(r"[\^²³*][^\s,()\[\]{}|]*")
 _ONE_UNIT = re.compile(r"[^\W\d_]+")
-
-#: Units that authors reach for, and what to write.
-_FOREIGN = {
-    "mph": "1 mph = 1.609344 km/h", "kph": "write `km/h`", "kmh": "write `km/h`", "kmph": "write `km/h`", "mps": "write `m/s`",
-    "sec": "write `s`", "secs": "write `s`", "second": "write `s`", "seconds": "write `s`", "hr": "write `h`", "hrs": "write `h`",
-    "hour": "write `h`", "hours": "write `h`", "minute": "write `min`", "minutes": "write `min`", "meter": "write `m`",
-    "meters": "write `m`", "metre": "write `m`", "metres": "write `m`", "ft": "1 ft = 0.3048 m", "yd": "1 yd = 0.9144 m",
-    "mi": "1 mi = 1.609344 km", "mile": "1 mile = 1.609344 km", "miles": "1 mile = 1.609344 km", "inch": "1 inch = 2.54 cm",
-    "kn": "the kilonewton is `kN`, one knot 0.514444 m/s", "g": "1000 g = 1 kg; standard gravity is 9.80665 m/s^2",
-    "lb": "1 lb = 0.45359237 kg", "lbs": "1 lb = 0.45359237 kg", "degree": "write `deg`", "degrees": "write `deg`",
-    "radian": "write `rad`", "radians": "write `rad`", "percent": "write `%`", "hz": "write `Hz`", "nm": "write `N*m`, or `J`",
-    "Nm": "write `N*m`, or `J`", "ton": "write `t`", "tons": "write `t`", "hp": "1 hp = 0.7457 kW", "S": "write `s`",
-    "M": "write `m`",
-}  # fmt: skip
 
 
 def explained(error: UnexpectedInput, file: SourceFile, base: int, end: int) -> Diagnostic:
@@ -152,19 +140,18 @@ class Mistake:
                 return None
             if name not in UNITS:
                 at = match.start() + part.start()
-                return UnknownUnit(
-                    Span(self.file, at, at + len(name)), name, self._unit_hint(name, match.group())
-                )
+                kinds = spoken_kinds(self.expected)
+                what = "unit or kind" if kinds else "unit"
+                hint = unit_hint(name, match.group(), kinds)
+                return UnknownUnit(Span(self.file, at, at + len(name)), what, name, hint)
+        more = _UNIT_MORE.match(self.file.text, match.end())
+        if more and bare:
+            whole = match.group() + more.group()
+            span = Span(self.file, match.start(), match.start() + len(whole))
+            return UnknownUnit(
+                span, "unit", whole, "an exponent is written once, as in `m/s^2`, and is a whole number"
+            )
         return None
-
-    def _unit_hint(self, name: str, whole: str) -> str:
-        known = [unit for unit in UNITS if unit.lower() == name.lower()]
-        hint = _FOREIGN.get(name) or (f"write `{known[0]}`" if known else close_matches(name, UNITS))
-        if not hint:
-            hint = f"the units are {', '.join(UNITS)}"
-        if "/" in whole and name != whole.split("/", maxsplit=1)[0] and _FOREIGN.get(name) is None:
-            hint += f"; to divide by a quantity called `{name}`, put blanks around `/`"
-        return hint
 
     def _clause(self) -> Diagnostic | None:
         """A misspelt clause keyword, which the parser may have taken for a predicate."""
@@ -175,14 +162,15 @@ class Mistake:
             return None
         span = Span(self.file, *word.span(1))
         keyword = self.file.text[self.base :].split(maxsplit=1)[0]
-        hint = close_matches(word[1], CLAUSES.get(keyword, ()), 0.7)
+        hint = FOREIGN_WORDS.get(word[1], "") or close_matches(word[1], CLAUSES.get(keyword, ()), 0.7)
         if (
             not hint
             and word.start(1) == self.start
             and keyword in CLAUSES
             and spoken(self.expected).startswith("a clause")
         ):
-            hint = f"the clauses of `{keyword}` are {', '.join(CLAUSES[keyword])}"
+            words = ", ".join("for all" if word == "for" else word for word in CLAUSES[keyword])
+            hint = f"the clauses of `{keyword}` are {words}"
         return UnknownClause(span, word[1], hint) if hint and span.column > 1 else None
 
     def _bracket(self) -> Diagnostic | None:
@@ -194,12 +182,7 @@ class Mistake:
             and self.found not in ")]}"
         ):
             return None
-        stack: list[tuple[str, int]] = []
-        for offset, char in enumerate(self.before):
-            if char in "([{":
-                stack.append((char, offset))
-            elif char in ")]}" and stack:
-                stack.pop()
+        stack = open_brackets(self.before)
         if not stack:
             return None
         bracket, offset = stack[-1]

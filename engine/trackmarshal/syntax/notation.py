@@ -221,7 +221,10 @@ def level_of(node: ast.Expr) -> int:
         return LEVELS[node.op][0]
     if isinstance(node, ast.Unary):
         return UNARY if node.op == "not" else FACTOR
-    return _NODE_LEVELS[type(node)]
+    level = _NODE_LEVELS.get(type(node))
+    if level is None:
+        raise TypeError(f"no notation for a {type(node).__name__}")
+    return level
 
 
 _NODE_LEVELS: dict[type[ast.Expr], int] = {

@@ -6,6 +6,9 @@ import re
 import unicodedata
 
 from trackmarshal.syntax.keywords import CLAUSES, DECLARATIONS, RESERVED
+from trackmarshal.syntax.names import GREEK
+
+_CLAUSES = frozenset().union(*CLAUSES.values())
 
 #: Texts that start where the error is, longest first, and what to write.
 _HERE = {
@@ -19,8 +22,8 @@ _HERE = {
     "≦": "write `≤` or `<=`", "≧": "write `≥` or `>=`", "⩽": "write `≤` or `<=`", "⩾": "write `≥` or `>=`",
     "⇒": "write `→` or `implies`", "⟹": "write `→` or `implies`", "⇔": "write `↔` or `iff`", "⟺": "write `↔` or `iff`",
     "⊕": "write `xor`", "×": "write `·` or `*`", "⋅": "write `·` or `*`", "∙": "write `·` or `*`", "÷": "write `/`", "∕": "write `/`",
-    "–": "write `-`", "—": "write `-`, or `--` for a comment", "‐": "write `-`", "“": 'write "', "”": 'write "', "„": 'write "',
-    "’": 'write "', "‘": 'write "', "°": "write `deg`", "∞": "write `inf`", "∉": "write `¬ (x ∈ [a, b])`",
+    "–": "write `-`", "—": "write `-`, or `--` for a comment", "‐": "write `-`", "“": 'write `"`', "”": 'write `"`', "„": 'write `"`',
+    "’": 'write `"`', "‘": 'write `"`', "°": "write `deg`", "∞": "write `inf`", "∉": "write `¬ (x ∈ [a, b])`",
     "∄": "write `¬ ∃`", "⁻": "write the exponent as `^-1`", "¹": "an exponent 1 says nothing", "⁴": "write `^4`",
     "\u00a0": "this is a no-break space; write a blank", "\ufeff": "a byte order mark belongs to the start of the file only",
 }  # fmt: skip
@@ -28,15 +31,16 @@ _HERE = {
 #: Texts whose second half the parser stumbles over.
 _ACROSS = {
     "<>": "write `!=`", "**": "write `^` for a power", "==": "write `=` once, to name a value", "^^": "write `^` once",
-    "++": "write `+` once", "--": "a comment starts with `--`", "..": "write `[a, b]` for a range", "!!": "write `not`",
+    "++": "write `+` once", "//": "a comment starts with `--`", "--": "a comment starts with `--`", "..": "write `[a, b]` for a range", "!!": "write `not`",
 }  # fmt: skip
 
-#: Words before the error, on its line.
-_WORDS = {
+#: Words of other languages where a quantifier or an operator stands.
+FOREIGN_WORDS = {
     "forall": "write `for all`", "foreach": "write `for all`", "every": "write `for all`", "each": "write `for all`",
-    "any": "write `exists`", "some": "write `exists`", "elif": "write `else (if ...)`", "elseif": "write `else (if ...)`",
-    "mod": "there is no remainder", "equals": "write `==`", "is": "write `==`, or name a predicate",
+    "any": "write `exists`", "some": "write `exists`", "elif": "write `else if`", "elseif": "write `else if`",
+    "mod": "there is no remainder", "equals": "write `==`",
 }  # fmt: skip
+_OWN_SIGNS = frozenset("≤≥≠·²³√∀∃∈∧∨¬→↔−").union(GREEK)
 
 
 def hint_for(text: str, start: int, found: str, before: str, expected: set[str]) -> str:
@@ -79,15 +83,16 @@ def _word(found: str, line: str, expected: set[str]) -> str:
         owners = [keyword for keyword, words in CLAUSES.items() if found in words]
         if owners:
             return f"`{found}` is a clause of {' and '.join(f'`{keyword}`' for keyword in owners)}"
-    for word in re.findall(r"[a-z]+", f"{line} {found}"):
-        if word in _WORDS:
-            return _WORDS[word]
-    return ""
+    # `forall p in plan` reads as a predicate `p` between two things until the `in`.
+    quantifier = re.search(r"([a-z]+)\s+\w+\s*\Z", line)
+    if found in ("in", "∈") and quantifier and quantifier[1] in FOREIGN_WORDS:
+        return FOREIGN_WORDS[quantifier[1]]
+    return FOREIGN_WORDS.get(found, "")
 
 
 def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
     keyword = before.split(maxsplit=1)[0] if before.split() else ""
-    clause = line.split(maxsplit=1)[0] if line.split() else ""
+    clause = next((word for word in reversed(re.findall(r"[a-z]+", before)) if word in _CLAUSES), keyword)
     if keyword == "param" and "COLON" in expected and found == "=":
         return "a parameter states its unit: `param mass: kg = 1160 kg`; the unit of a plain number is 1"
     if expected == {"UNIT"}:
@@ -100,22 +105,45 @@ def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
         lower = re.search(r"\b([a-z])\w*\Z", line)
         if lower and clause in ("satisfies", "assuming", "assume"):
             return "an id starts with a capital letter: `S-1-A-4`"
-        return "names have letters, digits and `_`" if expected & {"DOT", "EQUAL", "STRING", "$END"} else ""
+        return (
+            "names have letters, digits and `_`"
+            if expected & {"DOT", "EQUAL", "COLON", "STRING", "$END"}
+            else ""
+        )
     if "LSQB" in expected and "_ZONE" in expected and found.isidentifier():
         return f"for a range write `in [a, b]`, for a place `in zone {found}`"
+    if "LSQB" in expected and "_ZONE" in expected and found == "(":
+        return "a range stands in square brackets, `in [a, b]`, and both ends belong to it"
     if found in ("{", "}") and keyword in ("rule", "assume", "state", "test"):
         return "clauses stand without braces"
-    if found == "[" and "LPAR" not in expected and "DOT" in expected:
+    if found == "[" and "DOT" in expected:
         return "a column is not indexed: bind its samples with `for all p in plan`"
-    if found == "." and re.search(r"[0-9]\Z", line):
+    if re.search(r"[0-9]\.\s*\Z", before) and expected == {"NAME"}:
         return "a number with a point has digits after it"
+    if "_ELSE" in expected:
+        return "an `if` chooses between two values: `if CONDITION then A else B`"
+    if not found and "_EXPECT" in expected:
+        return "a test says what it expects: `expect satisfied`"
+    if found and found in ")]}" and not open_brackets(before):
+        return f"nothing is open that `{found}` could close"
     if found == ":" and re.search(r"\b(for[ \t]+all|exists)\b", line) is None and "EQUAL" in expected:
         return "write `=`"
     return ""
 
 
+def open_brackets(code: str) -> list[tuple[str, int]]:
+    """The brackets of a text without strings and comments that are not closed in it, outermost first."""
+    stack: list[tuple[str, int]] = []
+    for offset, char in enumerate(code):
+        if char in "([{":
+            stack.append((char, offset))
+        elif char in ")]}" and stack:
+            stack.pop()
+    return stack
+
+
 def _strange(found: str) -> str:
-    if len(found) != 1 or found.isascii():
+    if len(found) != 1 or found.isascii() or found in _OWN_SIGNS:
         return ""
     name = unicodedata.name(found[0], "")
     return f"the character is U+{ord(found[0]):04X} {name}".rstrip()

@@ -150,7 +150,7 @@ class _Preparation:
         hint = close_matches(entry.name, known) or "only what the test's module declares or uses can be given"
         problem = f"`{entry.name}` is no signal, event, parameter, table, zone or line"
         if entry.name in symbols and symbols[entry.name] is None:
-            problem, hint = f"`{entry.name}` is declared in two used modules", "rename one, or use only one of the modules"
+            problem, hint = f"`{entry.name}` is declared in several used modules", "rename one, or use only one of the modules"
         self.fail(entry.span.word(entry.name), problem, hint)
 
     def _param(self, info: ParamInfo, value: ast.Expr) -> float:
@@ -301,7 +301,8 @@ class _Preparation:
     def _pair(self, value: ast.Expr, units: tuple[str, str]) -> list[float]:
         parts = self._list(value)
         if len(parts) != 2:
-            self.fail(_span(value), f"a pair is needed here, this has {len(parts)} entries", "write `[x, y]`")
+            entries = "1 entry" if len(parts) == 1 else f"{len(parts)} entries"
+            self.fail(_span(value), f"a pair is needed here, this has {entries}", "write `[x, y]`")
         return self._x.all(*(lambda p=part, u=unit: self._number(p, u, "this") for part, unit in zip(parts, units)))
 
     def _number(self, value: ast.Expr, unit: str, what: str) -> float:
@@ -312,6 +313,8 @@ class _Preparation:
         return from_si(self._si(value, parse_unit(unit)[2], what), unit)
 
     def _si(self, value: ast.Expr, dimension: Dimension, what: str) -> float:
+        if isinstance(value, (ast.ListValue, ast.RecordValue)):
+            self.fail(_span(value), f"{what} is one value, not a {'list' if isinstance(value, ast.ListValue) else 'record'}")
         checked = self._x.number(value, self._ctx)
         if checked.dimension != dimension:
             problem = f"{what} is {quantity(dimension)}, not {quantity(checked.dimension)}"

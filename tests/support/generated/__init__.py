@@ -5,9 +5,14 @@
 """
 
 from support.generated.choices import Choices, RandomChoices
+from support.generated.formulas import FormulaWriter, Scope
 from support.generated.inputs import Inputs
+from support.generated.laws import Laws, laws
 from support.generated.modules import ModuleWriter
 from support.generated.subject import Subject, subject
-from support.generated.vocabulary import World
+from support.generated.vocabulary import SETS, World
 
-__all__ = ["Choices", "Inputs", "ModuleWriter", "RandomChoices", "Subject", "World", "subject"]
+__all__ = [
+    "SETS", "Choices", "FormulaWriter", "Inputs", "Laws", "ModuleWriter", "RandomChoices", "Scope", "Subject", "World",
+    "laws", "subject",
+]  # fmt: skip

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from support.generated.choices import Choices
 from support.generated.vocabulary import (
-    HUGE, LENGTH, NUMBER, PLAIN, SETS, SHAPES, TIME, TIMELINES, UNITS, DefineInfo, Dimension, World, spelled,
+    COMMON, HUGE, LENGTH, NUMBER, PLAIN, SETS, SHAPES, TIMELINES, UNITS, DefineInfo, Dimension, World, spelled,
 )  # fmt: skip
 
 #: Functions whose last digit depends on the platform's libm.
@@ -28,8 +28,11 @@ class Scope:
     numbers: tuple[tuple[str, Dimension], ...] = ()
     formulas: tuple[str, ...] = ()
     timeline: bool = False
-    #: Samples of a trajectory among the records (they have a predecessor).
+    #: Samples of timelines among the records (they have a predecessor).
     samples: tuple[str, ...] = ()
+    #: Lines and corridors that are parameters of a definition.
+    lines: tuple[str, ...] = ()
+    corridors: tuple[str, ...] = ()
     axes: int = 0
 
     def bind(self, name: str, fields: dict[str, Dimension | None], sample: bool) -> Scope:
@@ -41,15 +44,14 @@ class Scope:
 class FormulaWriter:
     """Writes expressions; `soft` numbers may use inexact functions, in places where an error stays small.
 
-    exact: "no" inexact functions at all, "gentle" ones only where errors don't grow, "any".
-    domains: the signals that inner quantifiers may range over. geometry: whether to use geometry.
+    inexact: "no" inexact functions at all, "gentle" ones only where errors don't grow, "any" everywhere.
+    domains: the signals that inner quantifiers may range over.
     """
 
-    def __init__(self, choices: Choices, world: World, inexact: str, geometry: bool) -> None:
+    def __init__(self, choices: Choices, world: World, inexact: str = "no") -> None:
         self.choices = choices
         self.world = world
         self.inexact = inexact
-        self.geometry = geometry
         self.domains = (*TIMELINES, *SETS)
         self._names = 0
 
@@ -90,11 +92,18 @@ class FormulaWriter:
             ways.append(lambda: f"floor({self.number(NUMBER, depth - 1, scope, self._any)})")
             if self.inexact == "any" or (self.inexact == "gentle" and soft):
                 ways += [lambda: self._inexact(depth, scope)] * 3
-        ways += [lambda n=name: self._lookup(n, depth, scope) for name, t in self.world.tables.items() if t.result == dimension]
+        ways += [lambda n=name: self._lookup(n, depth, scope) for name, t in self.world.tables.items() if t.result == dimension] * 2
         ways += [lambda n=n, d=d: self._call(n, d, depth, scope) for n, d in self._callable(scope) if d.result == dimension]
-        if self.geometry:
-            ways += [lambda w=way: w(depth, scope) for way in self._geometric(dimension)]
+        ways += self.on_lines(dimension, depth, scope)
         return self.choices.pick(ways)()
+
+    def on_lines(self, dimension: Dimension, depth: int, scope: Scope) -> list[Callable[[], str]]:
+        """Numbers read off lines; there are none without geometry."""
+        return []
+
+    def in_places(self, depth: int, scope: Scope) -> list[Callable[[], str]]:
+        """Geometric predicates; there are none without geometry."""
+        return []
 
     @property
     def _any(self) -> bool:
@@ -170,7 +179,7 @@ class FormulaWriter:
     def _callable(self, scope: Scope) -> list[tuple[str, DefineInfo]]:
         return [
             (name, define) for name, define in self.world.defines.items()
-            if (scope.timeline or not define.temporal) and all(isinstance(t, tuple) or self._records(t, scope) for _, t in define.parameters)
+            if (scope.timeline or not define.temporal) and all(isinstance(t, tuple) or self.known(t, scope) for _, t in define.parameters)
         ]  # fmt: skip
 
     def _records(self, shape: str, scope: Scope) -> list[str]:
@@ -184,9 +193,13 @@ class FormulaWriter:
                 known += [(f"{name}.first", signal.dimensions()), (f"{name}.last", signal.dimensions())]
         return [name for name, fields in known if all(fields.get(f, "none") == d for f, d in wanted)]
 
+    def known(self, kind: str, scope: Scope) -> list[str]:
+        """What may stand for a parameter that is not a number."""
+        return self._records(kind, scope)
+
     def _argument(self, kind: Dimension | str, depth: int, scope: Scope) -> str:
         if isinstance(kind, str):
-            return self.choices.pick(self._records(kind, scope))
+            return self.choices.pick(self.known(kind, scope))
         return self.number(kind, depth - 1, scope, self._any)
 
     def _call(self, name: str, define: DefineInfo, depth: int, scope: Scope) -> str:
@@ -221,9 +234,10 @@ class FormulaWriter:
             return self.choices.pick(flags)
         if self.choices.chance(3):
             return self.choices.pick(("true", "false"))
-        if self.geometry and self.choices.chance(25):
-            return self._geometric_atom(depth, scope)
-        dimension = self.choices.pick(tuple(UNITS))
+        geometric = self.in_places(depth, scope)
+        if geometric and self.choices.chance(30):
+            return self.choices.pick(geometric)()
+        dimension = self.choices.pick((*COMMON, *COMMON, *UNITS))
         if self.choices.chance(12):
             low, value, high = (self.number(dimension, depth - 1, scope, soft) for _ in range(3))
             return f"({value} {self.choices.pick(('in', '∈'))} [{low}, {high}])"
@@ -246,7 +260,7 @@ class FormulaWriter:
         names = [self.fresh("q") for _ in range(count)]
         inner = replace(scope, axes=scope.axes + 1)
         for name in names:
-            inner = inner.bind(name, fields, domain == "plan")
+            inner = inner.bind(name, fields, domain in TIMELINES)
         text = self.choices.pick(("for all", "exists", "∀", "∃"))
         text += " consecutive " if count > 1 else " "
         text += ", ".join(names) + f" {self.choices.pick(('in', '∈'))} {domain}"
@@ -274,14 +288,3 @@ class FormulaWriter:
         high = low + self.choices.pick((0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 50.0))
         texts = [self.choices.pick((f"{spelled(v)} s", f"{spelled(v * 1000)} ms")) for v in (low, high)]
         return f"[{texts[0]}, {texts[1]}]"
-
-    # Geometry -------------------------------------------------------------------------------------------------
-
-    def _geometric(self, dimension: Dimension) -> list[Callable[[int, Scope], str]]:
-        raise NotImplementedError
-
-    def _geometric_atom(self, depth: int, scope: Scope) -> str:
-        raise NotImplementedError
-
-
-__all__ = ["DEEPEST", "INEXACT", "TIME", "FormulaWriter", "Scope"]

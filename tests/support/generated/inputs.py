@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 from support.generated.choices import Choices
+from support.generated.places import Road
 from support.generated.vocabulary import HUGE, PLAIN, SETS, TIMELINES, FieldInfo, World
 
 _BAD: tuple[Any, ...] = (None, math.nan, math.inf, -math.inf, "nan", "inf", 10**400)
@@ -18,6 +19,7 @@ class Inputs:
         self.choices = choices
         self.world = world
         self.longest = longest
+        self._road = Road(choices)
 
     def case(self, index: int, dirt: int) -> dict[str, Any]:
         """One case with its overrides."""
@@ -33,6 +35,8 @@ class Inputs:
                 signals[name] = self.objects(name, dirt)
             else:
                 signals[name] = self.record(signal.fields, dirt)
+        if self.world.road:
+            signals.update(self._road.signals(dirt))
         for name in self.world.events:
             signals[name] = self._flag(dirt)
         case: dict[str, Any] = {"id": index, "signals": signals}
@@ -72,7 +76,7 @@ class Inputs:
     def objects(self, name: str, dirt: int) -> list[dict[str, Any]]:
         """A set: often small, often empty."""
         fields = self.world.signals[name].fields
-        elements = [self.record(fields, dirt) for _ in range(self.choices.pick((0, 1, 2, 3, 4)))]
+        elements = [self.record(fields, dirt) for _ in range(self.choices.pick((0, 1, 2, 3, 2, 3, 4)))]
         for number, element in enumerate(elements):
             if self.choices.chance(60):
                 element["id"] = f"o{number}"
@@ -125,3 +129,7 @@ class Inputs:
                 tables[name] = rows
         if tables:
             case["tables"] = tables
+        places = {name: self._road.ring() for name in self.world.zones if self.choices.chance(15)}
+        places |= {name: self._road.line() for name in self.world.lines if self.choices.chance(15)}
+        if places:
+            case["places"] = places

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 from support.generated.choices import Choices
 from support.generated.formulas import DEEPEST, FormulaWriter, Scope
+from support.generated.places import PlaceWriter, Road
 from support.generated.vocabulary import (
-    PLAIN, SHAPES, SIGNALS, TIMELINES, UNITS, DefineInfo, Dimension, FieldInfo, ParamInfo, SignalInfo, TableInfo, World, spelled,
+    COMMON, PLAIN, SHAPES, SIGNALS, TIMELINES, UNITS, DefineInfo, Dimension, FieldInfo, ParamInfo, SignalInfo, TableInfo, World, spelled,
 )  # fmt: skip
 
 
@@ -16,8 +17,8 @@ class ModuleWriter:
 
     def __init__(self, choices: Choices, inexact: str = "no", geometry: bool = False) -> None:
         self.choices = choices
-        self.world = World()
-        self.writer = FormulaWriter(choices, self.world, inexact, geometry)
+        self.world = World(road=geometry)
+        self.writer = (PlaceWriter if geometry else FormulaWriter)(choices, self.world, inexact)
         self.lines = ["module made"]
 
     @property
@@ -29,6 +30,8 @@ class ModuleWriter:
         self.signals()
         self._params()
         self._tables()
+        if self.world.road:
+            self._places()
         self._definitions(depth)
 
     def signals(self) -> None:
@@ -62,7 +65,7 @@ class ModuleWriter:
 
     def _params(self) -> None:
         for index in range(self.choices.integer(0, 4)):
-            dimension = self.choices.pick(tuple(UNITS))
+            dimension = self.choices.pick((*COMMON, *UNITS))
             unit = self.choices.pick(UNITS[dimension])
             value = self.choices.pick(PLAIN)
             bounded = self.choices.chance(50)
@@ -74,7 +77,7 @@ class ModuleWriter:
 
     def _tables(self) -> None:
         for index in range(self.choices.integer(0, 2)):
-            argument, result = self.choices.pick(tuple(UNITS)), self.choices.pick(tuple(UNITS))
+            argument, result = self.choices.pick(tuple(UNITS)), self.choices.pick(COMMON)
             units = UNITS[argument][0], UNITS[result][0]
             rows = self.choices.integer(1, 4)
             name = f"curve{index}"
@@ -85,15 +88,31 @@ class ModuleWriter:
             self.world.tables[name] = TableInfo(argument, result, rows)
             self.lines.append(f"table {name}(x: {units[0]}) -> {units[1]} = linear clamp {''.join(texts)}|")
 
+    def _places(self) -> None:
+        self.lines += ["signal track : corridor { left: polyline, right: polyline }", "signal fence : polyline"]
+        road = Road(self.choices)
+        for index in range(self.choices.integer(1, 2)):
+            self.world.zones.append(f"area{index}")
+            self.lines.append(f"zone area{index} = polygon {_points(road.ring())}")
+        for index in range(self.choices.integer(0, 1)):
+            self.world.lines.append(f"mark{index}")
+            self.lines.append(f"line mark{index} = {_points(road.line())}")
+
     def _definitions(self, depth: int) -> None:
         for index in range(self.choices.integer(0, 3)):
             parameters: list[tuple[str, Dimension | str]] = []
             for number in range(self.choices.integer(0, 3)):
-                kind: Dimension | str = self.choices.pick(tuple(SHAPES)) if self.choices.chance(40) else self.choices.pick(tuple(UNITS))
+                kind: Dimension | str = self.choices.pick(tuple(UNITS))
+                if self.choices.chance(40):
+                    kind = self.choices.pick((*SHAPES, "polyline", "corridor", "trajectory") if self.world.road else tuple(SHAPES))
                 parameters.append((f"a{number}", kind))
             scope = Scope()
             for name, kind in parameters:
-                if isinstance(kind, str):
+                if kind == "corridor":
+                    scope = replace(scope, corridors=(*scope.corridors, name))
+                elif kind in ("polyline", "trajectory"):
+                    scope = replace(scope, lines=(*scope.lines, name))
+                elif isinstance(kind, str):
                     scope = scope.bind(name, dict(SHAPES[kind]), False)
                 else:
                     scope = replace(scope, numbers=(*scope.numbers, (name, kind)))
@@ -106,29 +125,26 @@ class ModuleWriter:
                 name, result = f"holds{index}", None
                 self.lines.append(f"predicate {name}{head} = {self.writer.formula(depth, scope, False)}")
             else:
-                name, result = f"of{index}", self.choices.pick(tuple(UNITS))
+                name, result = f"of{index}", self.choices.pick(COMMON)
                 arrow = f" -> {UNITS[result][0]}" if self.choices.chance(70) else ""
                 self.lines.append(f"define {name}{head}{arrow} = {self.writer.number(result, depth, scope, False)}")
             self.world.defines[name] = DefineInfo(tuple(parameters), result, temporal)
 
     def rule(self, name: str, depth: int) -> None:
         """A rule, or an assumption with a monitor, with any of the clauses that change its meaning."""
-        self.clauses(name, depth)
-
-    def clauses(self, name: str, depth: int, condition: str | None = None) -> None:
         choices = self.choices
         assume = choices.chance(10)
         lines = [f"{'assume' if assume else 'rule'} {name} \"made up\""]
         scope = Scope()
         head = choices.integer(0, 3)
-        if head == 3 and choices.chance(30):
+        if head == 3 and choices.chance(20):
             lines.append(f"  whenever {self.writer.formula(depth - 1, scope, self.writer.inexact == 'any')}")
         if head >= 2:
             timeline = choices.pick(TIMELINES)
             sample = self.writer.fresh("s")
-            scope = replace(scope.bind(sample, self.world.signals[timeline].dimensions(), timeline == "plan"), timeline=True, axes=1)
+            scope = replace(scope.bind(sample, self.world.signals[timeline].dimensions(), True), timeline=True, axes=1)
             lines.append(f"  along {timeline} as {sample}")
-        if len(lines) < 3 and not any("whenever" in line for line in lines) and choices.chance(20):
+        if len(lines) < 3 and not any("whenever" in line for line in lines) and choices.chance(15):
             lines.append(f"  whenever {self.writer.formula(depth - 1, scope, self.writer.inexact == 'any')}")
         for _ in range(choices.pick((0, 1, 1, 2))):
             scope = self._let(lines, scope, depth)
@@ -139,7 +155,7 @@ class ModuleWriter:
             if choices.chance(20):
                 lines.append(f'  except {self.writer.formula(depth - 1, scope, self.writer.inexact == "any")} "for a reason"')
         scope = self._let(lines, scope, depth)
-        lines.append(f"  {'monitor' if assume else 'require'} {condition or self.writer.formula(depth, scope)}")
+        lines.append(f"  {'monitor' if assume else 'require'} {self.writer.formula(depth, scope)}")
         self.lines += lines
 
     def _let(self, lines: list[str], scope: Scope, depth: int) -> Scope:
@@ -152,6 +168,10 @@ class ModuleWriter:
         dimension = self.choices.pick(tuple(UNITS))
         lines.append(f"  let {name} = {self.writer.number(dimension, depth - 1, scope, self.writer.inexact == 'any')}")
         return replace(scope, numbers=(*scope.numbers, (name, dimension)))
+
+
+def _points(points: list[list[float]]) -> str:
+    return " ".join(f"({_signed(x)}, {_signed(y)})" for x, y in points)
 
 
 def _signed(value: float) -> str:

@@ -28,6 +28,9 @@ UNITS: dict[Dimension, tuple[str, ...]] = {
     (0, 2): ("s^2",),
 }
 
+#: Dimensions that most numbers have, so that tables, parameters and definitions find uses.
+COMMON = (NUMBER, LENGTH, SPEED, TIME)
+
 #: What the shapes of a definition's parameters let it read.
 SHAPES: dict[str, dict[str, Dimension]] = {
     "point": {"x": LENGTH, "y": LENGTH},
@@ -111,6 +114,8 @@ class World:
     tables: dict[str, TableInfo] = field(default_factory=dict)
     zones: list[str] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
+    #: Whether there is a track (a corridor) and a fence (a polyline).
+    road: bool = False
     defines: dict[str, DefineInfo] = field(default_factory=dict)
 
 

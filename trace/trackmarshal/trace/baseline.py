@@ -33,10 +33,17 @@ def snapshot(project: Project, items: Sequence[SpecItem], tests: Sequence[SpecTe
         "format": FORMAT,
         "version": VERSION,
         "requirements": {
-            str(r.id): {"statement": _hash(r), "derived_from": sorted(r.derived_from), "refines": sorted(r.refines)}
+            str(r.id): {
+                "statement": _hash(r),
+                "derived_from": sorted(r.derived_from),
+                "refines": sorted(r.refines),
+            }
             for r in sorted(project.requirements, key=lambda r: r.id)
         },
-        "interfaces": {str(i.id): {"leads_to": sorted(i.leads_to)} for i in sorted(project.interfaces, key=lambda i: i.id)},
+        "interfaces": {
+            str(i.id): {"leads_to": sorted(i.leads_to)}
+            for i in sorted(project.interfaces, key=lambda i: i.id)
+        },
         "items": {
             name: {
                 "kind": item.kind,
@@ -72,10 +79,19 @@ def load(root: Path, project: Project, found: list[Finding]) -> Baseline | None:
         return _checked(data)
     except FileNotFoundError:
         message = "the project names a baseline, but there is none"
-        found.append(error("T220", message, project.baseline.place, "accept one with `trackmarshal trace --accept-baseline`"))
+        found.append(
+            error(
+                "T220",
+                message,
+                project.baseline.place,
+                "accept one with `trackmarshal trace --accept-baseline`",
+            )
+        )
     except (OSError, ValueError, RecursionError) as problem:
         said = problem.strerror if isinstance(problem, OSError) else str(problem) or type(problem).__name__
-        found.append(error("T220", f"the baseline cannot be read: {said}", place, "restore it from version control"))
+        found.append(
+            error("T220", f"the baseline cannot be read: {said}", place, "restore it from version control")
+        )
     return None
 
 
@@ -100,7 +116,10 @@ def _fits(table: object, lists: Sequence[str], texts: Sequence[str]) -> bool:
     return isinstance(table, dict) and all(
         isinstance(entry, dict)
         and all(isinstance(entry.get(name), str) for name in texts)
-        and all(isinstance(entry.get(name), list) and all(isinstance(i, str) for i in entry[name]) for name in lists)
+        and all(
+            isinstance(entry.get(name), list) and all(isinstance(i, str) for i in entry[name])
+            for name in lists
+        )
         for entry in table.values()
     )
 
@@ -120,10 +139,16 @@ def check(baseline: Baseline | None, project: Project, spec: Spec) -> Iterator[F
             if gone:
                 message = f"`{name}` had {_list(gone)} under `{field}` when the baseline was accepted"
                 yield error("T224", message, requirement.place, _ACCEPT, name)
-        if entry["statement"] != _hash(requirement):
+        if requirement.statement and entry["statement"] != _hash(requirement):
             rules = [item.name for item in spec.by_requirement.get(name, ())]
-            review = f"review {_list(rules)} against it, then accept it" if rules else "review what depends on it, then accept it"
-            message = f"the statement of `{name}` has changed since the baseline: what was made from it is suspect"
+            review = (
+                f"review {_list(rules)} against it, then accept it"
+                if rules
+                else "review what depends on it, then accept it"
+            )
+            message = (
+                f"the statement of `{name}` has changed since the baseline: what was made from it is suspect"
+            )
             yield warning("T225", message, requirement.statement.place, review, name)
     interfaces = {str(i.id): i for i in project.interfaces}
     for name, entry in baseline["interfaces"].items():
@@ -162,13 +187,19 @@ def _additions(baseline: Baseline, project: Project, spec: Spec, place: Place) -
     tests = Counter((test.rule, test.title) for test in spec.tests if test.rule in spec.by_name) - known
     added = {
         "requirement": len(set(project.by_id) - set(baseline["requirements"])),
-        "rule": sum(item.kind == "rule" and name not in baseline["items"] for name, item in spec.by_name.items()),
-        "assumption": sum(item.kind == "assume" and name not in baseline["items"] for name, item in spec.by_name.items()),
+        "rule": sum(
+            item.kind == "rule" and name not in baseline["items"] for name, item in spec.by_name.items()
+        ),
+        "assumption": sum(
+            item.kind == "assume" and name not in baseline["items"] for name, item in spec.by_name.items()
+        ),
         "test": sum(tests.values()),
     }
     said = [f"{number} {what}{'' if number == 1 else 's'}" for what, number in added.items() if number]
     if said:
-        message = f"new since the baseline: {', '.join(said)}; until it is accepted, their removal goes unnoticed"
+        message = (
+            f"new since the baseline: {', '.join(said)}; until that is accepted, a removal goes unnoticed"
+        )
         help_ = "accept them with `trackmarshal trace --accept-baseline`"
         yield Finding("T226", "note", message, place, help_)
 

@@ -87,6 +87,11 @@ def cell(ground: Ground, requirement: Requirement, stage: Stage, below: Mapping[
     return Cell(status, tuple(items))
 
 
+def item_kind(item: SpecItem) -> str:
+    """What is evaluated: a rule, or the monitor of an assumption."""
+    return "rule" if item.kind == "rule" else "monitor"
+
+
 Proof = tuple[str | None, list[Item]]
 
 
@@ -126,7 +131,9 @@ def _parent(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
 def _adoption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     if not requirement.adopted:
         return None, []
-    return _together([Item("adoption", requirement.source, "", "covered", requirement.adopted, requirement.place)])
+    return _together(
+        [Item("adoption", requirement.source, "", "covered", requirement.adopted, requirement.place)]
+    )
 
 
 def _document(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
@@ -145,7 +152,9 @@ def _document(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
 
 
 def _rule(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
-    return _linked("rule", requirement.metrics, ground.spec.rules(requirement.id), lambda item: ("covered", item.source))
+    return _linked(
+        "rule", requirement.metrics, ground.spec.rules(requirement.id), lambda item: ("covered", item.source)
+    )
 
 
 def _monitor(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
@@ -157,7 +166,9 @@ def _monitor(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
 
 def _assumption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     def judge(item: SpecItem) -> tuple[str, str]:
-        lacks = [f"no {name}" for name, there in (("owner", item.owner), ("monitor", item.monitored)) if not there]
+        lacks = [
+            f"no {name}" for name, there in (("owner", item.owner), ("monitor", item.monitored)) if not there
+        ]
         if not item.evidence:
             lacks.append("no evidence")
         elif ground.hashes.get(item.evidence) is None:
@@ -167,7 +178,9 @@ def _assumption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof
     return _linked("assumption", requirement.assumptions, ground.spec.assumptions(requirement.id), judge)
 
 
-def _linked(kind: str, wanted: Sequence[str], linked: Sequence[SpecItem], judge: Callable[[SpecItem], tuple[str, str]]) -> Proof:
+def _linked(
+    kind: str, wanted: Sequence[str], linked: Sequence[SpecItem], judge: Callable[[SpecItem], tuple[str, str]]
+) -> Proof:
     """Items that satisfy a requirement, and those that it names and that don't."""
     items = []
     for item in linked:
@@ -177,7 +190,16 @@ def _linked(kind: str, wanted: Sequence[str], linked: Sequence[SpecItem], judge:
     for name in wanted:
         if name not in there:
             place = getattr(name, "place", None)
-            items.append(Item(kind, name, "", "missing", f"no {kind if kind != 'monitor' else 'assumption'} of this name satisfies it", place))
+            items.append(
+                Item(
+                    kind,
+                    name,
+                    "",
+                    "missing",
+                    f"no {kind if kind != 'monitor' else 'assumption'} of this name satisfies it",
+                    place,
+                )
+            )
     return _together(items)
 
 
@@ -186,7 +208,9 @@ def _test(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     for rule in spec.evaluated(requirement.id):
         tests = spec.tests_of.get(rule.name, ())
         if not tests:
-            items.append(Item("test", rule.name, rule.title, "missing", "has no test", item_place(rule)))
+            items.append(
+                Item(item_kind(rule), rule.name, rule.title, "missing", "has no test", item_place(rule))
+            )
         for test in tests:
             result = spec.results.get((test.rule, test.title))
             stale = "" if result is None else spec.staleness(result)
@@ -197,7 +221,10 @@ def _test(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
             elif result.outcome == "passed":
                 status, detail = "covered", "passed"
             else:
-                status, detail = "failed", f"{result.outcome}: {result.message}" if result.message else result.outcome
+                status, detail = (
+                    "failed",
+                    f"{result.outcome}: {result.message}" if result.message else result.outcome,
+                )
             items.append(Item("test", rule.name, test.title, status, detail, item_place(test)))
     return _together(items)
 
@@ -212,13 +239,24 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
         if scenario.stage == stage.id and matches(requirement.id, scenario.requirements):
             shows = showing(scenario, rules, ground.spec, ground.hashes)
             seen.append(shows)
-            items.append(Item("run", scenario.path, scenario.title, shows.status, shows.detail, Place(scenario.path)))
+            items.append(
+                Item("run", scenario.path, scenario.title, shows.status, shows.detail, Place(scenario.path))
+            )
     if not seen:
         return None, []
     evaluated = {name for shows in seen for name in shows.evaluated}
     for rule in rules:
         if evaluated and rule.name not in evaluated:
-            items.append(Item("rule", rule.name, rule.title, "missing", "evaluated in none of these runs", item_place(rule)))
+            items.append(
+                Item(
+                    item_kind(rule),
+                    rule.name,
+                    rule.title,
+                    "missing",
+                    "evaluated in none of these runs",
+                    item_place(rule),
+                )
+            )
     return _over_runs(seen, {rule.name for rule in rules}, evaluated), items
 
 

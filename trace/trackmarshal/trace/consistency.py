@@ -34,7 +34,15 @@ def _unique(what: str, ids: Iterable[Placed]) -> Iterator[Finding]:
     for id_ in ids:
         if id_ in first:
             also = ((first[id_].place, "first given here"),)
-            yield Finding("T130", "error", f"the {what} `{id_}` is given twice", id_.place, "number one of them anew", str(id_), also)
+            yield Finding(
+                "T130",
+                "error",
+                f"the {what} `{id_}` is given twice",
+                id_.place,
+                "give one of them another id",
+                str(id_),
+                also,
+            )
             continue
         first[id_] = id_
         skeleton = id_.upper().translate(_ALIKE)
@@ -42,7 +50,7 @@ def _unique(what: str, ids: Iterable[Placed]) -> Iterator[Finding]:
             other = alike[skeleton]
             message = f"the {what}s `{other}` and `{id_}` are easily taken for each other"
             also = ((other.place, "the other one"),)
-            yield Finding("T131", "error", message, id_.place, "number one of them anew", str(id_), also)
+            yield Finding("T131", "error", message, id_.place, "give one of them another id", str(id_), also)
         else:
             alike[skeleton] = id_
 
@@ -59,11 +67,18 @@ def _model(project: Project) -> Iterator[Finding]:
     for name in (*(i.id for i in project.interfaces), *project.infeasible):
         for end in name.split("-"):
             if end not in known:
-                yield error("T146", f"`{name}` names no subsystem `{end}`", name.place, did_you_mean(end, known), name)
+                help_ = did_you_mean(end, known) or "known are " + ", ".join(sorted(known))
+                yield error(
+                    "T146", f"`{name}` is to join `{end}`, which is no subsystem", name.place, help_, name
+                )
     for interface in project.interfaces:
         yield from _interface(interface, project)
-    joined = {frozenset(name.split("-")) for name in (*(i.id for i in project.interfaces), *project.infeasible)}
-    subsystems = sorted(project.subsystems, key=lambda s: s.role != "vehicle")  # so that pairs are named vehicle first
+    joined = {
+        frozenset(name.split("-")) for name in (*(i.id for i in project.interfaces), *project.infeasible)
+    }
+    subsystems = sorted(
+        project.subsystems, key=lambda s: s.role != "vehicle"
+    )  # so that pairs are named vehicle first
     for number, one in enumerate(subsystems):
         for other in subsystems[number + 1 :]:
             if frozenset((str(one.id), str(other.id))) not in joined:
@@ -86,16 +101,36 @@ def _interface(interface: Interface, project: Project) -> Iterator[Finding]:
             message = f"the interface `{name}` between the vehicle and its environment is not analysed"
             if len(interface.ends) == 1:
                 message = f"the properties of the vehicle, `{name}`, are not analysed"
-            help_ = "add `issues`: what kind of issue with this interface could pose a risk to safe operation?"
+            help_ = (
+                "add `issues`: what kind of issue with this interface could pose a risk to safe operation?"
+            )
             yield error("T133", message, name.place, help_, name)
         elif not interface.rationale:
-            yield error("T133", f"why `{name}` is not analysed is not said", name.place, "add `issues` or a `rationale`", name)
+            yield error(
+                "T133",
+                f"why `{name}` is not analysed is not said",
+                name.place,
+                "add `issues` or a `rationale`",
+                name,
+            )
     for issue in interface.issues:
         if not issue.leads_to:
-            yield error("T134", f"the issue `{issue.id}` leads nowhere", issue.id.place, "name the requirements that answer it", name)
+            yield error(
+                "T134",
+                f"the issue `{issue.id}` leads nowhere",
+                issue.id.place,
+                "name the requirements that answer it",
+                name,
+            )
         if not issue.id.startswith(f"{name}."):
-            yield error("T134", f"the issue `{issue.id}` stands under `{name}`", issue.id.place, f"call it `{name}.1` or the like", name)
-        yield from _targets(issue.leads_to, f"the issue `{issue.id}` leads", project, name)
+            yield error(
+                "T134",
+                f"the issue `{issue.id}` stands under `{name}`",
+                issue.id.place,
+                f"call it `{name}.1` or the like",
+                name,
+            )
+        yield from _targets(issue.leads_to, f"the issue `{issue.id}` leads to", project, name)
         for target in issue.leads_to:
             requirement = project.by_id.get(target)
             if requirement is not None and name not in requirement.derived_from:
@@ -110,10 +145,16 @@ def _targets(targets: tuple[Placed, ...], said: str, project: Project, subject: 
     seen: set[str] = set()
     for target in targets:
         if target in seen:
-            yield error("T142", f"{said} to `{target}` twice", target.place, "name it once", subject)
+            yield error("T142", f"{said} `{target}` twice", target.place, "name it once", subject)
         seen.add(target)
         if target not in project.by_id:
-            yield error("T137", f"{said} to `{target}`, which does not exist", target.place, did_you_mean(target, project.by_id), subject)
+            yield error(
+                "T137",
+                f"{said} `{target}`, which does not exist",
+                target.place,
+                did_you_mean(target, project.by_id),
+                subject,
+            )
 
 
 def _requirements(project: Project) -> Iterator[Finding]:
@@ -121,14 +162,20 @@ def _requirements(project: Project) -> Iterator[Finding]:
     for requirement in project.requirements:
         yield from wording.check(requirement)
         yield from _derivation(requirement, interfaces)
-        yield from _targets(requirement.refines, f"`{requirement.id}` refines, that is leads up", project, requirement.id)
+        yield from _targets(requirement.refines, f"`{requirement.id}` refines", project, requirement.id)
         yield from _integrity(requirement, project)
         yield from _listed_once(requirement)
     parents = {str(r.id): r.refines for r in project.by_id.values()}
     for cycle in cycles.cycles(parents):
         place = project.by_id[cycle[0]].place
         help_ = "a requirement cannot refine itself, however far around; drop one of the links"
-        yield error("T138", f"requirements refine each other in a circle: {cycles.shown(cycle)}", place, help_, cycle[0])
+        yield error(
+            "T138",
+            f"requirements refine each other in a circle: {cycles.shown(cycle)}",
+            place,
+            help_,
+            cycle[0],
+        )
 
 
 def _derivation(requirement: Requirement, interfaces: dict[str, Interface]) -> Iterator[Finding]:
@@ -141,14 +188,24 @@ def _derivation(requirement: Requirement, interfaces: dict[str, Interface]) -> I
     for source in requirement.derived_from:
         interface = interfaces.get(source)
         if source in seen:
-            yield error("T142", f"`{name}` is derived from `{source}` twice", source.place, "name it once", name)
+            yield error(
+                "T142", f"`{name}` is derived from `{source}` twice", source.place, "name it once", name
+            )
         elif interface is None:
             message = f"`{name}` is derived from the interface `{source}`, which does not exist"
             yield error("T132", message, source.place, did_you_mean(source, interfaces), name)
         elif requirement.demanded and name not in interface.leads_to:
             message = f"`{name}` is derived from `{source}`, but no issue of `{source}` leads to `{name}`"
             also = ((interface.id.place, f"`{source}` is analysed here"),)
-            yield Finding("T135", "error", message, source.place, "add the issue that it answers, or drop the link", str(name), also)
+            yield Finding(
+                "T135",
+                "error",
+                message,
+                source.place,
+                "add the issue that it answers, or drop the link",
+                str(name),
+                also,
+            )
         seen.add(source)
 
 
@@ -171,7 +228,13 @@ def _listed_once(requirement: Requirement) -> Iterator[Finding]:
         seen: set[str] = set()
         for name in names:
             if name in seen:
-                yield error("T142", f"`{requirement.id}` lists `{name}` twice under `{field}`", name.place, "list it once", requirement.id)
+                yield error(
+                    "T142",
+                    f"`{requirement.id}` lists `{name}` twice under `{field}`",
+                    name.place,
+                    "list it once",
+                    requirement.id,
+                )
             seen.add(name)
 
 
@@ -183,7 +246,8 @@ def _v_model(project: Project) -> Iterator[Finding]:
     ]  # fmt: skip
     for stage in named:
         if stage not in stages:
-            yield error("T148", f"there is no stage `{stage}`", stage.place, did_you_mean(stage, stages), stage)
+            help_ = did_you_mean(stage, stages) or "known are " + ", ".join(stages)
+            yield error("T148", f"there is no stage `{stage}`", stage.place, help_, stage)
     ids = [str(r.id) for r in project.requirements if r.demanded]
     patterns = [
         *(p for s in project.stages for p in s.applies_to), *(p for s in project.scenarios for p in s.requirements),
@@ -192,13 +256,28 @@ def _v_model(project: Project) -> Iterator[Finding]:
     ]  # fmt: skip
     for pattern in patterns:
         if not any(matches(id_, (pattern,)) for id_ in ids):
-            yield warning("T149", f"`{pattern}` fits no requirement", pattern.place, did_you_mean(pattern, ids), pattern)
+            yield warning(
+                "T149", f"`{pattern}` fits no requirement", pattern.place, did_you_mean(pattern, ids), pattern
+            )
     for scenario in project.scenarios:
         if scenario.expect == "fire" and not scenario.by:
-            yield error("T127", f"`{scenario.path}` is to fire, but `by` does not say which rules", scenario.path.place, "add `by`")
+            yield error(
+                "T127",
+                f"`{scenario.path}` is to fire, but `by` does not say which rules",
+                scenario.path.place,
+                "add `by`",
+            )
     for waiver in project.waivers:
-        cells, findings = bool(waiver.stages) + bool(waiver.requirements), bool(waiver.codes) + bool(waiver.subjects)
+        cells, findings = (
+            bool(waiver.stages) + bool(waiver.requirements),
+            bool(waiver.codes) + bool(waiver.subjects),
+        )
         if (cells, findings) not in ((2, 0), (0, 2)):
             message = f"`{waiver.id}` says neither which cells nor which findings it waives"
-            yield error("T127", message, waiver.id.place, "give `stages` and `requirements`, or `codes` and `subjects`", waiver.id)
-
+            yield error(
+                "T127",
+                message,
+                waiver.id.place,
+                "give `stages` and `requirements`, or `codes` and `subjects`",
+                waiver.id,
+            )

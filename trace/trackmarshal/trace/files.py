@@ -41,7 +41,13 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
     for entry in project.evidence:
         actual = found.get(entry.path)
         if actual is None:
-            yield error("T250", f"the evidence `{entry.path}` is not there", entry.path.place, "write it, or strike the entry", entry.path)
+            yield error(
+                "T250",
+                f"the evidence `{entry.path}` is not there",
+                entry.path.place,
+                "write it, or strike the entry",
+                entry.path,
+            )
         elif entry.sha256 and actual != entry.sha256:
             message = f"the evidence `{entry.path}` has changed since it was reviewed"
             help_ = f"review it again, then set `sha256: {actual}`"
@@ -49,7 +55,9 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
     for item in spec.by_name.values():
         if item.kind == "assume" and item.evidence and found.get(item.evidence) is None:
             message = f"the evidence `{item.evidence}` of the assumption `{item.name}` is not there"
-            yield error("T252", message, item_place(item), "write it; paths are relative to the project", item.name)
+            yield error(
+                "T252", message, item_place(item), "write it; paths are relative to the project", item.name
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +81,9 @@ def load_results(root: Path, folder: str = "out/results") -> Results:
             file = records.load(path, shown)
             read.append((file.created, shown, file))
         except TrackmarshalError as problem:
-            found.append(error(problem.code, problem.message, Place(shown, problem.line or 0), problem.help or ""))
+            found.append(
+                error(problem.code, problem.message, Place(shown, problem.line or 0), problem.help or "")
+            )
     for _, _, file in sorted(read, key=lambda entry: entry[:2]):  # the newest last
         for item in file.items:
             if isinstance(item, TestResult):

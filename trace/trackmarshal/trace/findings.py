@@ -66,7 +66,9 @@ def in_order(found: Iterable[Finding]) -> tuple[Finding, ...]:
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """A suggestion for a misspelt word, or the empty text."""
     names = sorted(set(known))
-    if len(names) > 2_000:  # close matches cost time in proportion; among very many names only near-equal ones help
+    if (
+        len(names) > 2_000
+    ):  # close matches cost time in proportion; among very many names only near-equal ones help
         names = [name for name in names if name[:1] == word[:1] and abs(len(name) - len(word)) <= 2][:2_000]
     close = get_close_matches(word, names, n=2, cutoff=0.6)
     return "did you mean " + " or ".join(f"`{name}`" for name in close) + "?" if close else ""

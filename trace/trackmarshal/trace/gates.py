@@ -45,7 +45,9 @@ class Waivers:
         for waiver in self._holding:
             if found.code in waiver.codes and matches(found.subject, waiver.subjects):
                 self._used.add(waiver.id)
-                message = f"{found.message} (waived by {waiver.id} until {waiver.expires}: {waiver.justification})"
+                message = (
+                    f"{found.message} (waived by {waiver.id} until {waiver.expires}: {waiver.justification})"
+                )
                 return replace(found, level="note", message=message)
         return found
 
@@ -53,13 +55,27 @@ class Waivers:
         """What is wrong with the waivers themselves (T231 to T233)."""
         for waiver in self._all:
             place, name = waiver.id.place, str(waiver.id)
+            if date.min in (waiver.granted, waiver.expires):
+                continue  # a day that cannot be read was reported where it stands
             if waiver.expires < self._today:
                 message = f"the waiver `{name}` expired on {waiver.expires}"
                 yield error("T231", message, place, "close the gap, or have it granted anew", name)
             elif waiver.granted > self._today:
-                yield error("T231", f"the waiver `{name}` holds from {waiver.granted} on", place, "correct the date", name)
+                yield error(
+                    "T231",
+                    f"the waiver `{name}` holds from {waiver.granted} on",
+                    place,
+                    "correct the date",
+                    name,
+                )
             elif waiver.id not in self._used:
-                yield warning("T232", f"the waiver `{name}` excuses nothing", place, "strike it: the gap is closed", name)
+                yield warning(
+                    "T232",
+                    f"the waiver `{name}` excuses nothing",
+                    place,
+                    "strike it: the gap is closed",
+                    name,
+                )
             for code in waiver.codes:
                 if code not in WAIVABLE:
                     help_ = "findings that can be waived: " + ", ".join(sorted(WAIVABLE))
@@ -74,11 +90,17 @@ def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator
     )
     for requirement in project.by_id.values():
         for name, cell in cells.get(requirement.id, {}).items():
-            wanted = [d.at_least for d in demands if d.stage == name and matches(requirement.id, d.requirements)]
-            if not wanted or cell.status in ("covered", "waived") or (cell.status == "partial" and "covered" not in wanted):
+            wanted = [
+                d.at_least for d in demands if d.stage == name and matches(requirement.id, d.requirements)
+            ]
+            if (
+                not wanted
+                or cell.status in ("covered", "waived")
+                or (cell.status == "partial" and "covered" not in wanted)
+            ):
                 continue
-            degree = "covered" if "covered" in wanted else "partly covered"
-            message = f"`{requirement.id}` is {cell.status} at {name} ({stages[name].title}), and is to be {degree}{_why(cell)}"
+            degree = "covered" if "covered" in wanted else "at least partial"
+            message = f"`{requirement.id}` at {name} ({stages[name].title}): {cell.status}, wanted {degree}; {_why(cell)}"
             yield error("T230", message, requirement.place, "", requirement.id)
 
 
@@ -92,7 +114,7 @@ def _why(cell: Cell) -> str:
     """The first items that keep a cell from being covered."""
     open_ = [item for item in cell.items if item.status not in ("covered", "waived")]
     if not open_:
-        return ": there is nothing that counts here" if not cell.items else ""
+        return "there is nothing that counts here"
     shown = [f"{item.kind} `{item.name}` {_said(item)}" for item in open_[:3]]
     more = f"; and {len(open_) - 3} more" if len(open_) > 3 else ""
-    return f" ({'; '.join(shown)}{more})"
+    return f"{'; '.join(shown)}{more}"

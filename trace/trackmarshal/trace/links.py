@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from trackmarshal.records import SpecItem
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
@@ -15,8 +15,7 @@ from trackmarshal.trace.spec import Spec, item_place
 STATES = ("covers", "orphaned", "outdated", "unwanted", "ambiguous")
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Link:
+class Link(NamedTuple):
     """A link from what is below to what it answers for."""
 
     kind: str  #: "derived_from", "refines", "satisfies", "assuming", "tests", "result"
@@ -36,10 +35,18 @@ def _of_requirements(project: Project) -> Iterator[Link]:
     for requirement in project.requirements:
         for source in requirement.derived_from:
             interface = interfaces.get(source)
-            state = "orphaned" if interface is None else "covers" if requirement.id in interface.leads_to else "unwanted"
+            state = (
+                "orphaned"
+                if interface is None
+                else "covers"
+                if requirement.id in interface.leads_to
+                else "unwanted"
+            )
             yield Link("derived_from", str(requirement.id), str(source), state, source.place)
         for parent in requirement.refines:
-            yield Link("refines", str(requirement.id), str(parent), _state(project.by_id.get(parent)), parent.place)
+            yield Link(
+                "refines", str(requirement.id), str(parent), _state(project.by_id.get(parent)), parent.place
+            )
 
 
 def _state(requirement: Requirement | None) -> str:
@@ -65,7 +72,9 @@ def _of_tests(spec: Spec) -> Iterator[Link]:
     known = {(test.rule, test.title) for test in spec.tests}
     for key, result in spec.results.items():
         state = "orphaned" if key not in known else "outdated" if spec.staleness(result) else "covers"
-        yield Link("result", result.outcome, f"{result.rule}: {result.title}", state, Place(result.file, result.line))
+        yield Link(
+            "result", result.outcome, f"{result.rule}: {result.title}", state, Place(result.file, result.line)
+        )
 
 
 def check(project: Project, spec: Spec) -> Iterator[Finding]:
@@ -82,7 +91,9 @@ def check(project: Project, spec: Spec) -> Iterator[Finding]:
     parents = {str(p) for r in project.requirements if r.demanded for p in r.refines}
     for requirement in project.requirements:
         if requirement.demanded:
-            yield from _requirement(requirement, project, spec, requirement.id in parents, matches(requirement.id, asks_for_rules))
+            yield from _requirement(
+                requirement, project, spec, requirement.id in parents, matches(requirement.id, asks_for_rules)
+            )
 
 
 def _item(item: SpecItem, project: Project, spec: Spec) -> Iterator[Finding]:
@@ -98,26 +109,42 @@ def _item(item: SpecItem, project: Project, spec: Spec) -> Iterator[Finding]:
             yield error("T210", f"{said} satisfies `{ref.id}` twice", place, "name it once", item.name)
         elif target is None:
             help_ = did_you_mean(ref.id, project.by_id)
-            yield error("T201", f"{said} satisfies `{ref.id}`, which is no requirement", place, help_, item.name)
+            yield error(
+                "T201", f"{said} satisfies `{ref.id}`, which is no requirement", place, help_, item.name
+            )
         elif not target.demanded:
             help_ = "drop the link, or the rule"
-            yield error("T203", f"{said} satisfies `{ref.id}`, which is demanded no longer", place, help_, item.name)
+            yield error(
+                "T203", f"{said} satisfies `{ref.id}`, which is demanded no longer", place, help_, item.name
+            )
         seen.add(ref.id)
     for ref in item.assuming:
         assumed = spec.by_name.get(ref.id)
         if assumed is None or assumed.kind != "assume":
             help_ = did_you_mean(ref.id, (i.name for i in spec.items if i.kind == "assume"))
             place = Place(item.file, ref.line, ref.column)
-            yield error("T204", f"{said} relies on `{ref.id}`, which is no assumption", place, help_, item.name)
+            yield error(
+                "T204", f"{said} relies on `{ref.id}`, which is no assumption", place, help_, item.name
+            )
     if item.kind == "assume":
-        lacks = [name for name, there in (("owner", item.owner), ("monitor", item.monitored), ("evidence", item.evidence)) if not there]
+        lacks = [
+            name
+            for name, there in (
+                ("owner", item.owner),
+                ("monitor", item.monitored),
+                ("evidence", item.evidence),
+            )
+            if not there
+        ]
         if lacks:
             message = f"{said} has no {' and no '.join(lacks)}"
             help_ = "an assumption is somebody's, is watched while driving, and is backed by a record"
             yield error("T208", message, item_place(item), help_, item.name)
 
 
-def _requirement(requirement: Requirement, project: Project, spec: Spec, is_parent: bool, asked: bool) -> Iterator[Finding]:
+def _requirement(
+    requirement: Requirement, project: Project, spec: Spec, is_parent: bool, asked: bool
+) -> Iterator[Finding]:
     name = requirement.id
     for field, kind, said in (("metrics", "rule", "rule"), ("assumptions", "assume", "assumption")):
         listed = requirement.metrics if field == "metrics" else requirement.assumptions
@@ -126,14 +153,23 @@ def _requirement(requirement: Requirement, project: Project, spec: Spec, is_pare
             if item is None or item.kind != kind:
                 of_kind = [i.name for i in spec.items if i.kind == kind]
                 help_ = did_you_mean(wanted, of_kind) or f"restore the {said}, or strike it from `{field}`"
-                yield error("T205", f"`{name}` names `{wanted}` under `{field}`, but there is no such {said}", wanted.place, help_, wanted)
+                yield error(
+                    "T205",
+                    f"`{name}` names `{wanted}` under `{field}`, but there is no such {said}",
+                    wanted.place,
+                    help_,
+                    wanted,
+                )
             elif all(ref.id != name for ref in item.satisfies):
                 also = ((item_place(item), f"`{wanted}` is here"),)
-                message = f"`{name}` names `{wanted}` under `{field}`, but `{wanted}` does not satisfy `{name}`"
-                yield Finding("T206", "error", message, wanted.place, f"add `satisfies {name}` to it", str(wanted), also)
+                message = (
+                    f"`{name}` names `{wanted}` under `{field}`, but `{wanted}` does not satisfy `{name}`"
+                )
+                yield Finding(
+                    "T206", "error", message, wanted.place, f"add `satisfies {name}` to it", str(wanted), also
+                )
     if asked and not is_parent and name not in spec.by_requirement:
-        close = did_you_mean(name, (ref.id for i in spec.items for ref in i.satisfies if ref.id not in project.by_id))
-        help_ = close or f"write a rule with `satisfies {name}`"
+        help_ = f"write a rule with `satisfies {name}`"
         yield error("T207", f"`{name}` has no rule and no assumption", requirement.place, help_, name)
 
 

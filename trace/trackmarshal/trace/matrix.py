@@ -95,7 +95,16 @@ def assemble(
         "test_results": len(spec.results),
         "runs": len(spec.runs),
     }
-    return Matrix(project.name, today, project.stages, rows, links.links(project, spec), project.waivers, findings, counts)
+    return Matrix(
+        project.name,
+        today,
+        project.stages,
+        rows,
+        links.links(project, spec),
+        project.waivers,
+        findings,
+        counts,
+    )
 
 
 def _in_order(project: Project) -> list[tuple[Requirement, int]]:
@@ -104,7 +113,14 @@ def _in_order(project: Project) -> list[tuple[Requirement, int]]:
     below: dict[str, list[Requirement]] = defaultdict(list)
     tops: list[Requirement] = []
     for requirement in demanded:
-        parent = next((project.by_id[p] for p in requirement.refines if p in project.by_id and project.by_id[p].demanded), None)
+        parent = next(
+            (
+                project.by_id[p]
+                for p in requirement.refines
+                if p in project.by_id and project.by_id[p].demanded
+            ),
+            None,
+        )
         (tops if parent is None else below[parent.id]).append(requirement)
     order: dict[str, int] = {}
     for top in [*tops, *demanded]:  # the second time round: members of cycles, which no top leads to
@@ -117,7 +133,9 @@ def _in_order(project: Project) -> list[tuple[Requirement, int]]:
     return [(project.by_id[name], depth) for name, depth in order.items()]
 
 
-def _cells(project: Project, spec: Spec, hashes: Hashes, waivers: gates.Waivers) -> dict[str, dict[str, Cell]]:
+def _cells(
+    project: Project, spec: Spec, hashes: Hashes, waivers: gates.Waivers
+) -> dict[str, dict[str, Cell]]:
     """The cells of every demanded requirement, those below first: what is open there shows above."""
     demanded = [r for r in project.by_id.values() if r.demanded]
     parents = {str(r.id): [str(p) for p in r.refines] for r in demanded}
@@ -133,7 +151,11 @@ def _cells(project: Project, spec: Spec, hashes: Hashes, waivers: gates.Waivers)
         requirement = project.by_id[name]
         for stage in project.stages:
             if name in asked[stage.id]:
-                below = {child: cells[child][stage.id] for child in children.get(name, ()) if stage.id in cells[child]}
+                below = {
+                    child: cells[child][stage.id]
+                    for child in children.get(name, ())
+                    if stage.id in cells[child]
+                }
                 made = cell(ground, requirement, stage, below)
                 if made is not None:
                     cells[name][str(stage.id)] = waivers.cell(made, requirement, stage)

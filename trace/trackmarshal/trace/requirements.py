@@ -19,7 +19,9 @@ V_MODEL = f"{FOLDER}/v-model.yaml"
 def load(root: Path, found: list[Finding]) -> model.Project:
     """Everything under `requirements/`; what is wrong goes to `found` (T101 to T129), what can be read is kept."""
     folder = root / FOLDER
-    files = sorted(path for path in folder.rglob("*") if path.suffix in (".yaml", ".yml") and not path.is_dir())
+    files = sorted(
+        path for path in folder.rglob("*") if path.suffix in (".yaml", ".yml") and not path.is_dir()
+    )
     tables: dict[str, list[Table]] = {kind: [] for kind in DOCUMENTS}
     for path in files:
         shown = path.relative_to(root).as_posix()
@@ -31,9 +33,18 @@ def load(root: Path, found: list[Finding]) -> model.Project:
             message = f"a second {kind}; the first is {tables[kind][0].place.file}"
             found.append(error("T129", message, extra.place, "merge the two"))
     if not tables["v-model"]:
-        found.append(error("T112", "the project has no v-model document", Place(V_MODEL), "write one; it makes the folder a project"))
+        found.append(
+            error(
+                "T112",
+                "the project has no v-model document",
+                Place(V_MODEL),
+                "write one; it makes the folder a project",
+            )
+        )
     project = _settings(tables["v-model"][0]) if tables["v-model"] else model.Project()
-    requirements = tuple(_requirement(t) for d in tables["requirements"] for t in d.tables("requirements") if t.text("id"))
+    requirements = tuple(
+        _requirement(t) for d in tables["requirements"] for t in d.tables("requirements") if t.text("id")
+    )
     project = replace(project, requirements=requirements, by_id={})
     for requirement in requirements:
         project.by_id.setdefault(str(requirement.id), requirement)
@@ -42,19 +53,27 @@ def load(root: Path, found: list[Finding]) -> model.Project:
 
 def _document(path: Path, shown: str, found: list[Finding]) -> tuple[str, Table] | None:
     node = tree.read(path, shown, found)
-    if node is None:
+    if node is None or isinstance(node, tree.Refused):
         return None
     place = Place(shown, node.line, node.column)
     if not isinstance(node, tree.Mapping):
-        found.append(error("T113", "the document is no mapping", place, "start with `document: requirements`"))
+        found.append(
+            error("T113", "the document is no mapping", place, "start with `document: requirements`")
+        )
         return None
     kind = node.entries.get("document")
     known = ", ".join(DOCUMENTS)
     if not isinstance(kind, tree.Scalar) or kind.text not in DOCUMENTS:
-        said = f"`{kind.text}`" if isinstance(kind, tree.Scalar) else "not said"
-        help_ = (did_you_mean(kind.text, DOCUMENTS) if isinstance(kind, tree.Scalar) else "") or f"known are {known}"
+        said = (
+            f"`document` cannot be `{kind.text}`"
+            if isinstance(kind, tree.Scalar)
+            else "which document this is, is not said"
+        )
+        help_ = (
+            did_you_mean(kind.text, DOCUMENTS) if isinstance(kind, tree.Scalar) else ""
+        ) or f"known are {known}"
         at = place if kind is None else Place(shown, kind.line, kind.column)
-        found.append(error("T113", f"which document this is, is {said}", at, help_))
+        found.append(error("T113", said, at, help_))
         return None
     table = Reader(shown, found).table(node, DOCUMENTS[kind.text], "the document")
     return None if table is None else (kind.text, table)
@@ -76,7 +95,9 @@ def _with_model(project: model.Project, t: Table) -> model.Project:
     )
     interfaces = tuple(_interface(i) for i in t.tables("interfaces") if i.text("id"))
     infeasible = tuple(i.text("between") for i in t.tables("infeasible") if i.text("between"))
-    return replace(project, subsystems=subsystems, interfaces=interfaces, infeasible=infeasible, modelled=t.place)
+    return replace(
+        project, subsystems=subsystems, interfaces=interfaces, infeasible=infeasible, modelled=t.place
+    )
 
 
 def _interface(t: Table) -> model.Interface:
@@ -95,9 +116,13 @@ def _settings(t: Table) -> model.Project:
         default_spec=settings.text("default_spec"),
         results=settings.text("results") or "out/results",
         baseline=settings.text("baseline") or None,
-        tests_per_rule=tuple((verdict, tests.get(verdict, 1)) for verdict in ("satisfied", "violated", "boundary")),
+        tests_per_rule=tuple(
+            (verdict, tests.get(verdict, 1)) for verdict in ("satisfied", "violated", "boundary")
+        ),
         stages=tuple(_stage(s) for s in t.tables("stages") if s.text("id")),
-        scenarios=tuple(_scenario(s) for s in settings.tables("scenarios") if s.text("path") and s.text("stage")),
+        scenarios=tuple(
+            _scenario(s) for s in settings.tables("scenarios") if s.text("path") and s.text("stage")
+        ),
         evidence=tuple(_evidence(e) for e in t.tables("evidence") if e.text("path") and e.text("stage")),
         gate=tuple(
             model.Demand(d.text("stage"), d.texts("requirements"), d.text("at_least") or "covered")
@@ -110,7 +135,12 @@ def _settings(t: Table) -> model.Project:
 
 def _stage(t: Table) -> model.Stage:
     return model.Stage(
-        t.text("id"), t.text("title"), t.text("shows"), t.texts("applies_to"), t.texts("counts"), t.get("if_any", False)
+        t.text("id"),
+        t.text("title"),
+        t.text("shows"),
+        t.texts("applies_to"),
+        t.texts("counts"),
+        t.get("if_any", False),
     )
 
 
@@ -122,13 +152,15 @@ def _scenario(t: Table) -> model.Scenario:
 
 
 def _evidence(t: Table) -> model.Evidence:
-    return model.Evidence(t.text("path"), t.text("title"), t.text("stage"), t.texts("requirements"), t.text("sha256"))
+    return model.Evidence(
+        t.text("path"), t.text("title"), t.text("stage"), t.texts("requirements"), t.text("sha256")
+    )
 
 
 def _waiver(t: Table) -> model.Waiver:
     return model.Waiver(
         t.text("id"), t.texts("stages"), t.texts("requirements"), t.texts("codes"), t.texts("subjects"), t.text("justification"),
-        t.text("owner"), t.get("granted", date.max), t.get("expires", date.min),  # without its dates, a waiver never holds
+        t.text("owner"), t.get("granted", date.min), t.get("expires", date.min),  # without its dates, a waiver never holds
     )  # fmt: skip
 
 

@@ -46,7 +46,11 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
             if not evaluated:
                 return Showing("missing", "none of its rules was evaluated")
             if scenario.origin != "field":
-                return Showing("partial", f"nothing fired, but the recording is {scenario.origin}, not from the field", evaluated)
+                return Showing(
+                    "partial",
+                    f"nothing fired, but the recording is {scenario.origin}, not from the field",
+                    evaluated,
+                )
             return Showing("covered", f"nothing fired in {run.cycles} cycles", evaluated)
         case "fire":
             quiet = _quiet(scenario, run)
@@ -57,20 +61,37 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
             raise ValueError(f"unknown expectation {scenario.expect!r}")
 
 
-def _against_truth(run: RunSummary, names: set[str], evaluated: tuple[str, ...], fired: tuple[str, ...]) -> Showing:
-    truths = {kind: truth for kind, truth in sorted(run.ground_truth.items()) if not truth.rules or names & set(truth.rules)}
+def _against_truth(
+    run: RunSummary, names: set[str], evaluated: tuple[str, ...], fired: tuple[str, ...]
+) -> Showing:
+    truths = {
+        kind: truth
+        for kind, truth in sorted(run.ground_truth.items())
+        if not truth.rules or names & set(truth.rules)
+    }
     outside = {kind: truth for kind, truth in truths.items() if not truth.inside}
     if outside:
-        return Showing("failed", "; ".join(_contradiction(kind, truth) for kind, truth in outside.items()), evaluated, fired)
+        return Showing(
+            "failed",
+            "; ".join(_contradiction(kind, truth) for kind, truth in outside.items()),
+            evaluated,
+            fired,
+        )
     if not run.ground_truth:
         return Showing("missing", "the recording carries no ground truth")
     if not evaluated:
         return Showing("missing", "none of its rules was evaluated")
     if not truths:
-        return Showing("partial", f"{_count(evaluated)} evaluated, but no ground truth judges them", evaluated)
-    within = f"{_count(evaluated)} evaluated in {run.cycles} cycles, inside the ground truth ({', '.join(truths)})"
+        return Showing(
+            "partial", f"{_count(evaluated)} evaluated, but no ground truth judges them", evaluated
+        )
+    within = (
+        f"{_count(evaluated)} evaluated in {run.cycles} cycles, inside the ground truth ({', '.join(truths)})"
+    )
     if not fired:
-        return Showing("partial", f"{within}, none was violated: no critical situation for this requirement", evaluated)
+        return Showing(
+            "partial", f"{within}, none was violated: no critical situation for this requirement", evaluated
+        )
     return Showing("covered", f"{within}, {', '.join(fired)} fired", evaluated, fired)
 
 
@@ -85,7 +106,9 @@ def _contradiction(kind: str, truth: TruthFacts) -> str:
 
 
 def _fired(run: RunSummary) -> str:
-    who = sorted((entry.first_violation or 0.0, entry.rule) for entry in run.rules if entry.number("violated"))
+    who = sorted(
+        (entry.first_violation or 0.0, entry.rule) for entry in run.rules if entry.number("violated")
+    )
     return f"fired: `{who[0][1]}` at {who[0][0]:g} s" if who else "fired"
 
 
@@ -103,20 +126,38 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
         place, path = scenario.path.place, str(scenario.path)
         run = spec.runs.get(path)
         if hashes.get(path) is None:
-            yield error("T240", f"the recording `{path}` is not there", place, "restore it, or strike the entry", path)
+            yield error(
+                "T240", f"the recording `{path}` is not there", place, "restore it, or strike the entry", path
+            )
             continue
         if run is None:
-            yield warning("T241", f"`{path}` has not been run, which counts as not covered", place, "run `trackmarshal assess`", path)
+            yield warning(
+                "T241",
+                f"`{path}` has not been run, which counts as not covered",
+                place,
+                "run `trackmarshal assess`",
+                path,
+            )
             continue
         stale = spec.run_staleness(run, hashes.get(path))
         if stale:
-            yield warning("T242", f"the run of `{path}` is stale: {stale}", place, "run `trackmarshal assess` again", path)
+            yield warning(
+                "T242",
+                f"the run of `{path}` is stale: {stale}",
+                place,
+                "run `trackmarshal assess` again",
+                path,
+            )
         elif scenario.expect == "ground_truth":
             for kind, truth in sorted(run.ground_truth.items()):
                 if not truth.inside:
-                    yield error("T243", f"the run of `{path}` is {_contradiction(kind, truth)}", place, "", path)
+                    yield error(
+                        "T243", f"the run of `{path}` is {_contradiction(kind, truth)}", place, "", path
+                    )
             if not run.ground_truth:
-                message = f"the run of `{path}` is to lie within the ground truth, but the recording carries none"
+                message = (
+                    f"the run of `{path}` is to lie within the ground truth, but the recording carries none"
+                )
                 yield error("T246", message, place, "label it, or expect something else of it", path)
         elif scenario.expect == "no_fire":
             if run.fired:
@@ -129,6 +170,19 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
             raise ValueError(f"unknown expectation {scenario.expect!r}")
         for name in scenario.by:
             if name not in spec.by_name:
-                yield error("T205", f"`{path}` expects `{name}` to fire, but there is no such rule", name.place, "", name)
+                yield error(
+                    "T205",
+                    f"`{path}` expects `{name}` to fire, but there is no such rule",
+                    name.place,
+                    "",
+                    name,
+                )
     for path in sorted(set(spec.runs) - declared):
-        yield Finding("T247", "note", f"the run of `{path}` counts for nothing: v-model.yaml does not declare it", None, "", path)
+        yield Finding(
+            "T247",
+            "note",
+            f"the run of `{path}` counts for nothing: v-model.yaml does not declare it",
+            None,
+            "",
+            path,
+        )

@@ -51,7 +51,10 @@ def _shape(shape: Shape, definitions: dict[str, Any]) -> dict[str, Any]:
         case Text(pattern=pattern, said=said):
             return {"type": "string", "pattern": f"^(?:{pattern})$", "$comment": said}
         case Word(choices=choices):
-            return {"enum": list(choices), "$comment": "; ".join(f"{word}: {meaning}" for word, meaning in choices.items())}
+            return {
+                "enum": list(choices),
+                "$comment": "; ".join(f"{word}: {meaning}" for word, meaning in choices.items()),
+            }
         case Date():
             return {"type": "string", "format": "date", "pattern": "^[0-9]{4}-[0-9]{2}-[0-9]{2}$"}
         case Count():
@@ -59,7 +62,11 @@ def _shape(shape: Shape, definitions: dict[str, Any]) -> dict[str, Any]:
         case Flag():
             return {"type": "boolean"}
         case Many(of=inner, least=least):
-            return {"type": "array", "items": _shape(inner, definitions), **({"minItems": least} if least else {})}
+            return {
+                "type": "array",
+                "items": _shape(inner, definitions),
+                **({"minItems": least} if least else {}),
+            }
         case Record():
             return _reference(shape, definitions)
         case _:

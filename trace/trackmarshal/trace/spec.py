@@ -50,7 +50,9 @@ class Spec:
             self.tests_of[test.rule].append(test)
         #: The worst of several results of one test: nothing says which of them is right.
         self.results: dict[tuple[str, str], TestResult] = {}
-        for result in sorted(results, key=lambda r: (_WORST_FIRST.index(r.outcome), json.dumps(r.to_json(), sort_keys=True))):
+        for result in sorted(
+            results, key=lambda r: (_WORST_FIRST.index(r.outcome), json.dumps(r.to_json(), sort_keys=True))
+        ):
             self.results.setdefault((result.rule, result.title), result)
         self.runs: dict[str, RunSummary] = {}
         for run in sorted(runs, key=lambda r: (r.created, json.dumps(r.to_json(), sort_keys=True))):
@@ -68,7 +70,9 @@ class Spec:
 
     def evaluated(self, requirement: str) -> list[SpecItem]:
         """Its rules, and its assumptions that are monitored."""
-        return [item for item in self.by_requirement.get(requirement, ()) if item.kind == "rule" or item.monitored]
+        return [
+            item for item in self.by_requirement.get(requirement, ()) if item.kind == "rule" or item.monitored
+        ]
 
     def staleness(self, result: TestResult) -> str:
         """Why a result no longer says anything about the spec as it is now; empty when it does."""

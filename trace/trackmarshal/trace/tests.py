@@ -21,11 +21,15 @@ def check(project: Project, spec: Spec) -> Iterator[Finding]:
         key = (test.rule, test.title)
         if test.rule not in spec.by_name:
             help_ = did_you_mean(test.rule, spec.by_name)
-            yield error("T213", f"a test of `{test.rule}`, which does not exist", item_place(test), help_, test.rule)
+            yield error(
+                "T213", f"a test of `{test.rule}`, which does not exist", item_place(test), help_, test.rule
+            )
         if key in first:
             also = ((item_place(first[key]), "the other one"),)
             message = f'two tests of `{test.rule}` are called "{test.title}"; a result of one cannot be told from the other\'s'
-            yield Finding("T214", "error", message, item_place(test), "give it a title of its own", test.rule, also)
+            yield Finding(
+                "T214", "error", message, item_place(test), "give it a title of its own", test.rule, also
+            )
         elif key not in spec.results:
             not_run.append(test)
         first.setdefault(key, test)
@@ -40,14 +44,20 @@ def _item(item: SpecItem, needs: dict[str, int], spec: Spec) -> Iterator[Finding
     tests = spec.tests_of.get(item.name, [])
     said = f"the {'rule' if item.kind == 'rule' else 'monitor of'} `{item.name}`"
     if not tests and any(needs.values()):
-        yield error("T211", f"{said} has no test", item_place(item), f'write one: `test {item.name} "..."`', item.name)
+        yield error(
+            "T211", f"{said} has no test", item_place(item), f'write one: `test {item.name} "..."`', item.name
+        )
         return
     have = {
         "satisfied": sum(test.expects == "satisfied" for test in tests),
         "violated": sum(test.expects == "violated" for test in tests),
         "boundary": sum(test.boundary for test in tests),
     }
-    wording = {"satisfied": "that expects `satisfied`", "violated": "that expects `violated`", "boundary": "exactly on its boundary"}
+    wording = {
+        "satisfied": "that expects `satisfied`",
+        "violated": "that expects `violated`",
+        "boundary": "exactly on its boundary",
+    }
     for verdict, number in needs.items():
         if have[verdict] < number and (verdict != "boundary" or item.compares):
             if number == 1:
@@ -72,6 +82,8 @@ def _results(spec: Spec, known: set[tuple[str, str]]) -> Iterator[Finding]:
         elif result.outcome in ("failed", "error"):
             came = "failed" if result.outcome == "failed" else "could not be run"
             why = f": {result.message}" if result.message else ""
-            yield error("T215", f'the test "{result.title}" of `{result.rule}` {came}{why}', place, "", result.rule)
+            yield error(
+                "T215", f'the test "{result.title}" of `{result.rule}` {came}{why}', place, "", result.rule
+            )
         elif result.outcome != "passed":
             raise ValueError(f"unknown outcome {result.outcome!r}")

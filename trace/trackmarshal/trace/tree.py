@@ -42,6 +42,12 @@ class Scalar(Node):
         self.plain = plain
 
 
+class Refused(Node):
+    """What stands where something was refused, and reported: it has no value, and is not judged further."""
+
+    __slots__ = ()
+
+
 class Listing(Node):
     """A list."""
 
@@ -74,7 +80,11 @@ def read(path: Path, shown: str, found: list[Finding]) -> Node | None:
             return None
         data = path.read_bytes()
     except OSError as problem:
-        found.append(error("T101", problem.strerror or str(problem), Place(shown), "check the path and its permissions"))
+        found.append(
+            error(
+                "T101", problem.strerror or str(problem), Place(shown), "check the path and its permissions"
+            )
+        )
         return None
     return parse(data, shown, found)
 
@@ -89,7 +99,14 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
         found.append(error("T104", message, Place(shown, line), "save the file as UTF-8"))
         return None
     if not text.strip():
-        found.append(error("T103", "the file is empty", Place(shown, 1), "start with `document: requirements`, or delete it"))
+        found.append(
+            error(
+                "T103",
+                "the file is empty",
+                Place(shown, 1),
+                "start with `document: requirements`, or delete it",
+            )
+        )
         return None
     try:
         return _Builder(shown, found).build(yaml.parse(text, Loader=yaml.CSafeLoader))
@@ -98,7 +115,7 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
         found.append(error("T110", message, stop.place, "no document here needs such depth"))
     except yaml.reader.ReaderError as problem:
         line = text.count("\n", 0, problem.position) + 1
-        message = f"a control character, {problem.character!r}, is no text"
+        message = f"the control character U+{ord(problem.character) if isinstance(problem.character, str) else problem.character:04X} is no text"
         found.append(error("T105", message, Place(shown, line), "is this a text file?"))
     except yaml.MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
@@ -107,6 +124,10 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
         help_ = "indent with blanks; quote texts that hold `: ` or ` #`"
         found.append(error("T105", f"not YAML: {problem.problem}{context}", place, help_))
     return None
+
+
+#: Stands for a key that was refused; its value is dropped.
+_NO_KEY = Scalar("", False, 0, 0)
 
 
 class _TooDeep(Exception):
@@ -123,6 +144,7 @@ class _Builder:
         self._stack: list[Listing | Mapping] = []
         self._root: Node | None = None
         self._documents = 0
+        self._aliases: set[str] = set()
 
     def build(self, events: Iterator[Any]) -> Node | None:
         for event in events:
@@ -134,38 +156,55 @@ class _Builder:
             elif kind in ("MappingEndEvent", "SequenceEndEvent"):
                 self._stack.pop()
             elif kind == "AliasEvent":
-                self._refuse(event, "T107", f"the alias `*{event.anchor}`", "write the value out")
-                self._add(Scalar("", False, event.start_mark.line + 1, event.start_mark.column + 1))
+                if event.anchor not in self._aliases:
+                    self._refuse(event, "T107", f"the alias `*{event.anchor}`", "write the value out")
+                self._aliases.add(event.anchor)
+                self._add(Refused(event.start_mark.line + 1, event.start_mark.column + 1))
             elif kind == "DocumentStartEvent":
                 self._documents += 1
                 if self._documents == 2:
-                    self._refuse(event, "T106", "a second document begins", "one file holds one document; split it at `---`")
+                    self._refuse(
+                        event,
+                        "T106",
+                        "a second document begins",
+                        "one file holds one document; split it at `---`",
+                    )
                     return None
             elif kind not in ("StreamStartEvent", "StreamEndEvent", "DocumentEndEvent"):
                 raise RuntimeError(f"unknown YAML event {kind}")
         if self._root is None:
-            self._found.append(error("T103", "the file holds nothing but comments", Place(self._shown, 1), "fill it, or delete it"))
+            self._found.append(
+                error(
+                    "T103",
+                    "the file holds nothing but comments",
+                    Place(self._shown, 1),
+                    "fill it, or delete it",
+                )
+            )
         return self._root
 
     def _scalar(self, event: Any) -> None:
         mark = event.start_mark
-        self._judge(event)
-        self._add(Scalar(event.value, not event.style, mark.line + 1, mark.column + 1))
+        fine = self._judge(event)
+        place = (mark.line + 1, mark.column + 1)
+        self._add(Scalar(event.value, not event.style, *place) if fine else Refused(*place))
 
     def _open(self, event: Any, kind: type[Listing] | type[Mapping]) -> None:
         mark = event.start_mark
-        self._judge(event)
+        fine = self._judge(event)
         if len(self._stack) >= MAX_DEPTH:
             raise _TooDeep(Place(self._shown, mark.line + 1, mark.column + 1))
         node = kind(mark.line + 1, mark.column + 1)
-        self._add(node)
+        self._add(node if fine else Refused(node.line, node.column))
         self._stack.append(node)
 
-    def _judge(self, event: Any) -> None:
+    def _judge(self, event: Any) -> bool:
+        """Report anchors and tags; whether the value can be used: an anchor by itself does it no harm."""
         if event.anchor is not None:
             self._refuse(event, "T107", f"the anchor `&{event.anchor}`", "write the value out at each place")
         if event.tag is not None:
             self._refuse(event, "T108", f"the tag `{event.tag}`", "remove the tag")
+        return event.tag is None
 
     def _refuse(self, event: Any, code: str, message: str, help_: str) -> None:
         mark = event.start_mark
@@ -182,6 +221,8 @@ class _Builder:
             parent.key = self._key(node)
         else:
             key, parent.key = parent.key, None
+            if key is _NO_KEY:
+                return
             first = parent.keys.get(key.text)
             if first is not None:
                 place = Place(self._shown, key.line, key.column)
@@ -195,6 +236,7 @@ class _Builder:
     def _key(self, node: Node) -> Scalar:
         if isinstance(node, Scalar):
             return node
-        place = Place(self._shown, node.line, node.column)
-        self._found.append(error("T111", "a key that is not a text", place, "keys are plain words"))
-        return Scalar("", False, node.line, node.column)
+        if not isinstance(node, Refused):
+            place = Place(self._shown, node.line, node.column)
+            self._found.append(error("T111", "a key that is not a text", place, "keys are plain words"))
+        return _NO_KEY

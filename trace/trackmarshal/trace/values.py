@@ -10,7 +10,7 @@ import yaml
 
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.shapes import Count, Date, Flag, Many, Record, Shape, Text, Word
-from trackmarshal.trace.tree import Listing, Mapping, Node, Scalar
+from trackmarshal.trace.tree import Listing, Mapping, Node, Refused, Scalar
 
 
 class Placed(str):
@@ -46,7 +46,13 @@ class Table(dict[str, Any]):
 
 #: Plain scalars that YAML readers take for something else than text, by their first character.
 _RESOLVERS: dict[str, list[tuple[str, re.Pattern[str]]]] = yaml.CSafeLoader.yaml_implicit_resolvers
-_SAID = {"bool": "a Boolean", "int": "a number", "float": "a number", "null": "nothing", "timestamp": "a date"}
+_SAID = {
+    "bool": "a Boolean",
+    "int": "a number",
+    "float": "a number",
+    "null": "nothing",
+    "timestamp": "a date",
+}
 
 
 def resolved(node: Scalar) -> str:
@@ -71,6 +77,8 @@ class Reader:
 
     def table(self, node: Node, record: Record, called: str) -> Table | None:
         """A mapping as a table; None when it is no mapping. `called` is its name in messages."""
+        if isinstance(node, Refused):
+            return None
         if not isinstance(node, Mapping):
             self._wrong(node, called, "a mapping")
             return None
@@ -95,6 +103,8 @@ class Reader:
     def _value(self, node: Node, shape: Shape, called: str) -> Any:
         if isinstance(shape, Text) and isinstance(node, Scalar):  # the frequent case first
             return self._text(node, shape, called)
+        if isinstance(node, Refused):
+            return None
         if isinstance(shape, Record):
             return self.table(node, shape, f"the {shape.name}")
         if isinstance(shape, Many):
@@ -109,7 +119,14 @@ class Reader:
             self._wrong(node, called, "a list")
             return None
         if len(node.items) < shape.least:
-            self._found.append(error("T126", f"{called} is empty", self.place(node), "give at least one, or leave the field out"))
+            self._found.append(
+                error(
+                    "T126",
+                    f"{called} is empty",
+                    self.place(node),
+                    "give at least one, or leave the field out",
+                )
+            )
         inner = f"an entry of {called}"
         values = [self._value(item, shape.of, inner) for item in node.items]
         return [value for value in values if value is not None]
@@ -117,7 +134,9 @@ class Reader:
     def _text(self, node: Scalar, shape: Text, called: str) -> Placed | None:
         kind = resolved(node)
         if kind == "null" or (kind == "str" and not node.text.strip()):
-            self._found.append(error("T126", f"{called} is empty", self.place(node), "fill it in, or leave the field out"))
+            self._found.append(
+                error("T126", f"{called} is empty", self.place(node), "fill it in, or leave the field out")
+            )
             return None
         if kind != "str":
             message = f"{called} is to be a text, but without quotes `{node.text}` is {_SAID.get(kind, 'no text')} in YAML"
@@ -125,7 +144,9 @@ class Reader:
             return None
         text = node.text.strip() if not shape.pattern else node.text
         if not shape.fits(text):
-            self._found.append(error("T124", f"{called} is `{text}`, wanted is {shape.said}", self.place(node)))
+            self._found.append(
+                error("T124", f"{called} is `{text}`, wanted is {shape.said}", self.place(node))
+            )
             return None
         return Placed.at(text, self.place(node))
 
@@ -141,7 +162,9 @@ class Reader:
                 day = _date(text) if kind in ("str", "timestamp") else None
                 if day is not None:
                     return day
-                self._found.append(error("T125", f"{called} is `{text}`, wanted is a day as YYYY-MM-DD", self.place(node)))
+                self._found.append(
+                    error("T125", f"{called} is `{text}`, wanted is a day as YYYY-MM-DD", self.place(node))
+                )
             case Count():
                 if kind == "int" and re.fullmatch("0|[1-9][0-9]{0,8}", text):
                     return int(text)
@@ -190,5 +213,9 @@ def _described(node: Node) -> str:
     if isinstance(node, Listing):
         return "a list"
     if isinstance(node, Scalar):
-        return "nothing" if resolved(node) == "null" else f"`{node.text if len(node.text) < 40 else node.text[:37] + '...'}`"
+        return (
+            "nothing"
+            if resolved(node) == "null"
+            else f"`{node.text if len(node.text) < 40 else node.text[:37] + '...'}`"
+        )
     raise TypeError(f"unknown node {node!r}")

@@ -27,9 +27,17 @@ def check(requirement: Requirement) -> Iterator[Finding]:
     if number != 1:
         said = "no `shall`" if number == 0 else f"{number} times `shall`"
         help_ = "say what shall be" if number == 0 else "split it into one requirement for each"
-        yield error("T140", f"the statement of `{requirement.id}` has {said}", statement.place, help_, requirement.id)
+        yield error(
+            "T140", f"the statement of `{requirement.id}` has {said}", statement.place, help_, requirement.id
+        )
     weak = dict.fromkeys(match.group(0).lower() for match in _WEAK.finditer(statement))
     if weak:
         words = ", ".join(f"`{word}`" for word in weak)
         help_ = "say how much, or under which condition"
-        yield warning("T141", f"the statement of `{requirement.id}` leaves open what {words} means", statement.place, help_, requirement.id)
+        yield warning(
+            "T141",
+            f"the statement of `{requirement.id}` leaves open what {words} means",
+            statement.place,
+            help_,
+            requirement.id,
+        )

@@ -23,6 +23,9 @@ _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
 def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> logic.Value:
     """A geometric predicate: its signed distance, holding where that is not negative."""
+    shape = np.broadcast_shapes(*(np.shape(arg) for arg in args))
+    if 0 in shape:  # of no object
+        return logic.defined(np.empty(shape, dtype=np.bool_), np.empty(shape))
     if node.what == "swept_clear":
         margin = geometry.boxes_clear(*args)
     else:
@@ -43,6 +46,9 @@ def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> logic.Val
 
 def along(batch: Batch, node: ir.Along, args: Sequence[Any]) -> Any:
     """A number read off a line."""
+    shape = np.broadcast_shapes(*(np.shape(arg) for arg in args))
+    if 0 in shape:
+        return np.empty(shape)
     line = node.line
     if line.kind == "path" and node.what == "distance":
         return _to_paths(batch, line.name, args)

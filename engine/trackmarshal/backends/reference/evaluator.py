@@ -91,7 +91,7 @@ class Reference:
                 return list(zip(columns["x"], columns["y"])), False
             case "centre":
                 left, right, closed = self.corridor(line.name)
-                return geometry.centre_line(left, right), closed
+                return geometry.centre_line(left, right, closed), closed
             case _:
                 raise AssertionError(f"unknown line {line.kind}")
 

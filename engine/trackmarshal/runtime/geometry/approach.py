@@ -18,23 +18,31 @@ class Approach:
 
     def __init__(self, border: Border, sweeps: Sweeps, rows: Ints, k: Ints) -> None:
         self.border, self.sweeps, self.rows, self.k = border, sweeps, rows, k
+        self.starts = starts_of(rows)
         cx, cy, gx, gy, square, length = sweeps.sides.take(rows, axis=2)
-        ax, ay, self.ex, self.ey, segment_square, segment_length = border.table.take(k, axis=1)
-        cx -= ax - sweeps.x.take(rows)
-        cy -= ay - sweeps.y.take(rows)
+        ax, ay, ex, ey, segment_square, segment_length = border.table.take(k, axis=1)
+        x, y = sweeps.position.take(rows, axis=1)
+        cx -= ax - x
+        cy -= ay - y
         self.cx, self.cy, self.gx, self.gy, self.length = cx, cy, gx, gy, length
-        self.side = self.ex * cy - self.ey * cx
-        along = self.ex * cx + self.ey * cy
-        self.beside = (along > 0.0) & (along < segment_square)
-        to_line = np.where(self.beside, np.abs(self.side), np.inf)
-        self.to_line = np.minimum.reduce(to_line, axis=0) / segment_length
-        self.ends = cx * cx + cy * cy
+        self.side = ex * cy
+        self.side -= ey * cx
+        along = ex * cx
+        along += ey * cy
+        self.beside = along > 0.0
+        self.beside &= along < segment_square
+        self.to_line = _least(self.side, self.beside) / segment_length
+        self.ends = cx * cx
+        self.ends += cy * cy
         self.to_corner = np.sqrt(np.minimum.reduce(self.ends, axis=0))
-        self.depth = (gy * cx - gx * cy) / length
-        along = gx * cx + gy * cy
-        facing = (along < 0.0) & (along > -square)
-        self.from_side = np.where(facing, np.abs(self.depth), np.inf)
-        self.to_side = np.minimum.reduce(self.from_side, axis=0)
+        self.depth = gy * cx
+        self.depth -= gx * cy
+        self.depth /= length
+        along = gx * cx
+        along += gy * cy
+        self.facing = along < 0.0
+        self.facing &= along > -square
+        self.to_side = _least(self.depth, self.facing)
 
     def nearest(self) -> tuple[Floats, Bools]:
         """The distance of each hull from the border, and whether its point nearest to the border lies left of it.
@@ -42,39 +50,50 @@ class Approach:
         The latter is meaningless for hulls that touch the border or that it enters.
         """
         distance = np.minimum(np.minimum(self.to_line, self.to_corner), self.to_side)
-        margin = np.minimum.reduceat(distance, starts_of(self.rows))
-        pairs = np.flatnonzero(distance == margin.take(self.rows))
+        margin = np.minimum.reduceat(distance, self.starts)
+        pairs = (distance == margin.take(self.rows)).nonzero()[0]
         if pairs.size > margin.size:
             pairs = pairs[starts_of(self.rows.take(pairs))]
         # Where a corner is nearest to the inside of a segment, all corners beside it lie on the same side.
         beside, side = self.beside.take(pairs, axis=1), self.side.take(pairs, axis=1)
         left = np.logical_or.reduce(beside & (side > 0.0), axis=0)
-        at_start = np.flatnonzero(self.to_line.take(pairs) > margin)
+        at_start = (self.to_line.take(pairs) > margin).nonzero()[0]
         if at_start.size:
-            left[at_start] = self._left_at_start(pairs[at_start])
+            bend = self.border.bend.take(self.k.take(pairs.take(at_start)))
+            left[at_start] = bend > 0
+            straight = at_start[bend == 0]
+            if straight.size:
+                left[straight] = self._left_at_start(pairs[straight])
         return margin, left
 
     def _left_at_start(self, pairs: Ints) -> Bools:
-        """The same for pairs in which the segment's start is nearest to the hull."""
-        corner = np.argmin(self.ends[:, pairs], axis=0)
-        side = np.argmin(self.from_side[:, pairs], axis=0)
-        at_corner = self.to_corner[pairs] <= self.to_side[pairs]
-        dx = np.where(at_corner, self.cx[corner, pairs], -self.gy[side, pairs])
-        dy = np.where(at_corner, self.cy[corner, pairs], self.gx[side, pairs])
-        k = self.k[pairs]
-        left: Bools = dx * self.border.nx[k] + dy * self.border.ny[k] > 0.0
+        """The same for pairs in which the segment's start is nearest to the hull: to a corner, or to the inside of a side.
+
+        The direction from there to the hull is that to the corner, or the side's normal into the hull.
+        """
+        nx, ny = self.border.normals.take(self.k.take(pairs), axis=1)
+        ends, depth = self.ends.take(pairs, axis=1), np.abs(self.depth.take(pairs, axis=1))
+        depth[~self.facing.take(pairs, axis=1)] = np.inf
+        corner = (nx * self.cx.take(pairs, axis=1) + ny * self.cy.take(pairs, axis=1) > 0.0) & (
+            ends == np.minimum.reduce(ends, axis=0)
+        )
+        side = (ny * self.gx.take(pairs, axis=1) - nx * self.gy.take(pairs, axis=1) > 0.0) & (
+            depth == np.minimum.reduce(depth, axis=0)
+        )
+        at_corner = self.to_corner.take(pairs) <= self.to_side.take(pairs)
+        left: Bools = np.logical_or.reduce(np.where(at_corner, corner, side), axis=0)
         return left
 
     def entering(self) -> Ints:
         """The pairs in which the segment has a point strictly inside the hull: no line along either separates them."""
         turns = np.minimum.reduce(self.side, axis=0) < 0.0
         turns &= np.maximum.reduce(self.side, axis=0) > 0.0
-        pairs = np.flatnonzero(turns)
+        pairs: Ints = turns.nonzero()[0]
         if not pairs.size:
             return pairs
         outside = (self.depth[:, pairs] <= 0.0) & (self.behind(pairs, self.border.bx, self.border.by) <= 0.0)
-        entering: Ints = pairs[~outside.any(axis=0)]
-        return entering
+        inside: Bools = ~np.logical_or.reduce(outside, axis=0)
+        return pairs[inside]
 
     def middles(self, pairs: Ints) -> Floats:
         """For segments that enter hulls: how deep in the hull the middle of the segment's part inside it is."""
@@ -84,19 +103,23 @@ class Approach:
         first = np.maximum.reduce(np.where(start < end, cut, 0.0), axis=0, initial=0.0)
         last = np.minimum.reduce(np.where(start > end, cut, 1.0), axis=0, initial=1.0)
         t = (first + last) / 2.0
-        x, y = (
-            border.ax[k] - self.sweeps.x[rows] + t * border.ex[k],
-            border.ay[k] - self.sweeps.y[rows] + t * border.ey[k],
-        )
+        x, y = self.sweeps.position[:, rows]
+        x, y = border.ax[k] - x + t * border.ex[k], border.ay[k] - y + t * border.ey[k]
         depth: Floats = np.fmin.reduce(self._behind(pairs, x, y) / self.length[:, pairs], axis=0)
         return depth
 
     def behind(self, pairs: Ints, x: Floats, y: Floats) -> Floats:
         """On which side of the hull's sides a segment's start or end lies, positive inside: `depth` times length."""
-        k, rows = self.k[pairs], self.rows[pairs]
-        return self._behind(pairs, x[k] - self.sweeps.x[rows], y[k] - self.sweeps.y[rows])
+        k, position = self.k[pairs], self.sweeps.position[:, self.rows[pairs]]
+        return self._behind(pairs, x[k] - position[0], y[k] - position[1])
 
     def _behind(self, pairs: Ints, x: Floats, y: Floats) -> Floats:
         corner_x, corner_y = self.sweeps.sides[0:2][:, :, self.rows[pairs]]
         behind: Floats = self.gx[:, pairs] * (y - corner_y) - self.gy[:, pairs] * (x - corner_x)
         return behind
+
+
+def _least(values: Floats, counted: Bools) -> Floats:
+    """The least absolute value of each column among those that count; infinite where none does."""
+    least: Floats = np.minimum.reduce(np.where(counted, np.abs(values), np.inf), axis=0)
+    return least

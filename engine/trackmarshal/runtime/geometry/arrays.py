@@ -17,6 +17,8 @@ Bools = NDArray[np.bool_]
 LIMIT = 1e9
 #: Points that are no farther apart than this in x and y are the same point [m].
 SAME = 1e-9
+#: A length or width below this is none [m].
+SMALLEST = 1e-6
 #: How much farther than the nearest a segment may seem and still be looked at exactly [m].
 SLACK = 1e-6
 
@@ -64,5 +66,7 @@ def vector(values: Any) -> Floats:
 
 def starts_of(rows: Ints) -> Ints:
     """Where each run of equal numbers begins."""
-    starts: Ints = np.flatnonzero(np.concatenate([[True], rows[1:] != rows[:-1]]))
-    return starts
+    begins = np.empty(rows.size, dtype=np.bool_)
+    begins[:1] = True
+    np.not_equal(rows[1:], rows[:-1], out=begins[1:])
+    return begins.nonzero()[0]

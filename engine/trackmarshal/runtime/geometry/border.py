@@ -11,6 +11,8 @@ from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, sta
 
 #: Consecutive segments that share a bounding disc.
 BLOCK = 16
+#: The sine of a bend below which both sides of the border count as straight: rounding could decide between them.
+STRAIGHT = 1e-6
 #: Distances that are held at once while blocks are searched.
 AT_ONCE = 1 << 19
 
@@ -18,9 +20,9 @@ AT_ONCE = 1 << 19
 class Border:
     """Segments of open or closed chains of distinct points; immutable once built.
 
-    Segment k runs from (ax, ay) by (ex, ey) to (bx, by), of length `length`. (nx, ny) is the sum of the unit normals, to
-    the left, of the two segments that meet at its start: a point whose nearest border point is that start lies left of the
-    border where its direction from there has a positive product with (nx, ny).
+    Segment k runs from (ax, ay) by (ex, ey) to (bx, by), of length `length`. `normals` has the sum of the
+    unit normals, to the left, of the two segments that meet at its start: a point whose nearest border point is that start
+    lies left of the border where its direction from there has a positive product with that sum.
     """
 
     def __init__(self, chains: Sequence[Floats], closed: bool) -> None:
@@ -37,8 +39,13 @@ class Border:
         self.next, before = index + 1, index - 1
         for first, last in pairwise(firsts.tolist()):
             self.next[last - 1], before[first] = first, last - 1
-        nx, ny = -self.ey / self.length, self.ex / self.length
-        self.nx, self.ny = nx + nx[before], ny + ny[before]
+        normals = np.stack([-self.ey / self.length, self.ex / self.length])
+        self.normals = normals + normals[:, before]
+        #: At the start of each segment: 1 where the border bends to the right, so that points on its left are nearest to the
+        #: start itself, -1 where it bends to the left, 0 where it hardly bends.
+        turn = self.ex[before] * self.ey - self.ey[before] * self.ex
+        turn /= self.length[before] * self.length
+        self.bend = (turn < -STRAIGHT).astype(np.int8) - (turn > STRAIGHT).astype(np.int8)
         #: Rows ax, ay, ex, ey, square, length: what the distance of a hull takes of a segment, in one read.
         self.table = np.stack([self.ax, self.ay, self.ex, self.ey, self.square, self.length])
         self._blocks(firsts)
@@ -120,6 +127,7 @@ class Border:
         beside = (along > 0.0) & (along < self.square[k])
         at_start = rx * rx + ry * ry <= sx * sx + sy * sy
         vertex = np.where(at_start, k, self.next[k])
-        corner = np.where(at_start, rx, sx) * self.nx[vertex] + np.where(at_start, ry, sy) * self.ny[vertex]
+        nx, ny = self.normals[:, vertex]
+        corner = np.where(at_start, rx, sx) * nx + np.where(at_start, ry, sy) * ny
         left: Bools = np.where(beside, ex * ry - ey * rx, corner) > 0.0
         return left

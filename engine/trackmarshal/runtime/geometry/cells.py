@@ -14,7 +14,7 @@ WIDTH = 8
 #: The list of a cell is complete for shapes of up to this radius [m]; larger ones are searched for without the grid.
 REACH = 8.0
 #: Bounds on the grid, for borders that are long or far apart.
-MOST_CELLS = 4_000_000
+MOST_CELLS = 1_000_000
 MOST_SAMPLES = 20_000
 
 
@@ -35,7 +35,7 @@ class Cells:
             math.sqrt(spans[0] * spans[1] / MOST_CELLS),
             0.1,
         )
-        self.size = size
+        self.size, self.density = size, 1.0 / size
         self.columns, self.rows = (spans // size).astype(int).tolist()
         self.columns += 5
         self.rows += 5
@@ -72,8 +72,8 @@ class Cells:
         rows, k, distance = rows[order], k[order], distance[order]
         counts = np.bincount(rows, minlength=self.middle.shape[1])
         first = np.cumsum(counts) - counts
-        #: The distance of the border from each cell's middle.
-        self.clearance = distance[first]
+        #: The distance of the border from each cell's middle, and a little more.
+        self.clearance = distance[first] + SLACK
         tiles = -(-counts // WIDTH)
         self.first_tile = np.cumsum(tiles) - tiles
         rank = np.arange(k.size) - first[rows]
@@ -86,30 +86,33 @@ class Cells:
         begins = rank % WIDTH == 0
         self.needed[(rank // WIDTH)[begins], rows[begins]] = distance[begins]
 
-    def tiles_around(self, x: Floats, y: Floats, radius: Floats) -> tuple[Ints, Ints, Bools | None]:
-        """Rows and tiles that hold all segments that may be nearest to shapes of a radius around points.
+    def tiles_around(self, points: Floats, radius: Floats) -> tuple[Ints, Ints, Bools | None]:
+        """Rows and tiles that hold all segments that may be nearest to shapes of a radius around points, (2, N).
 
         The mask names the rows that the grid cannot tell about, if any: a shape larger than `REACH`, or far from the border.
         """
-        point = np.stack([x, y])
-        at = (point - self.corner) / self.size
-        np.minimum(np.maximum(at, 0.0, out=at), self.last, out=at)
-        cell = at.astype(np.intp)
-        data = self.data.take(cell[0] * self.rows + cell[1])
-        unknown = None
+        at = points - self.corner
+        at *= self.density
+        np.maximum(at, 0.0, out=at)
+        np.minimum(at, self.last, out=at)
+        column, row = at.astype(np.intp)
+        data = self.data.take(column * self.rows + row)
+        unknown: Bools | None = None
         if data.min() < 0 or radius.max() > REACH:
             unknown = (data < 0) | (radius > REACH)
-        point -= self.middle.take(data, axis=1)
-        point *= point
-        limit = np.sqrt(point[0] + point[1])
+        apart = points - self.middle.take(data, axis=1)
+        apart *= apart
+        limit = np.sqrt(apart[0] + apart[1])
         limit *= 2.0
         limit += radius
         limit += self.clearance.take(data)
-        limit += SLACK
         counts = np.add.reduce(self.needed.take(data, axis=1) <= limit, axis=0)
         if unknown is not None:
             counts[unknown] = 0
-        ends = np.cumsum(counts)
-        rows = np.repeat(np.arange(x.size), counts)
-        offset = self.first_tile.take(data) - ends + counts
-        return rows, np.arange(rows.size) + offset.take(rows), unknown
+        ends = counts.cumsum()
+        rows = np.arange(data.size).repeat(counts)
+        offset = self.first_tile.take(data) - ends
+        offset += counts
+        tiles = offset.take(rows)
+        tiles += np.arange(rows.size)
+        return rows, tiles, unknown

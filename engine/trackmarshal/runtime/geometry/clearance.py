@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from trackmarshal.runtime.geometry.arrays import Floats, Ints
-from trackmarshal.runtime.geometry.sweep import Sweeps
+from trackmarshal.runtime.geometry.sweep import Boxes, Sweeps
 
 #: Pairs of bodies that are worked on at once, so that all intermediate arrays stay in the processor's cache.
-AT_ONCE = 1024
+AT_ONCE = 512
+_NEXT = np.array([1, 2, 3, 0])
 
 
 def boxes_clear(
@@ -32,9 +33,9 @@ def boxes_clear(
     Apart: the Euclidean distance. Overlapping: minus the shortest move that frees one of the other. NaN for a pose or size
     that is none.
     """
-    body = (x0, y0, heading0, x1, y1, heading1, length, width)
-    box = (box_x, box_y, box_heading, box_x, box_y, box_heading, box_length, box_width)
-    return _clearance(body, box, 4)
+    body = _table((x0, y0, heading0, x1, y1, heading1, length, width))
+    box = _table((box_x, box_y, box_heading, box_length, box_width))
+    return _clearance(body, box)
 
 
 def sweeps_clear(
@@ -56,74 +57,78 @@ def sweeps_clear(
     other_width: ArrayLike,
 ) -> Floats:
     """The signed distance of what two bodies sweep, each between two poses of its own [m]; all arguments broadcast."""
-    body = (x0, y0, heading0, x1, y1, heading1, length, width)
-    other = (
-        other_x0,
-        other_y0,
-        other_heading0,
-        other_x1,
-        other_y1,
-        other_heading1,
-        other_length,
-        other_width,
+    body = _table((x0, y0, heading0, x1, y1, heading1, length, width))
+    other = _table(
+        (other_x0, other_y0, other_heading0, other_x1, other_y1, other_heading1, other_length, other_width)
     )
-    return _clearance(body, other, 8)
+    return _clearance(body, other)
 
 
-def _clearance(body: tuple[ArrayLike, ...], other: tuple[ArrayLike, ...], corners: int) -> Floats:
-    """Each body's hull is made once, however many others it is held against."""
-    own, others = (
-        np.broadcast_shapes(*(np.shape(column) for column in columns)) for columns in (body, other)
-    )
-    shape = np.broadcast_shapes(own, others)
-    first, second = _sweeps(body, own), _sweeps(other, others)
-    i = np.broadcast_to(np.arange(first.size).reshape(own), shape).ravel()
-    j = np.broadcast_to(np.arange(second.size).reshape(others), shape).ravel()
-    chunks = (slice(begin, begin + AT_ONCE) for begin in range(0, i.size, AT_ONCE))
-    parts = [_pairs(first, second, i[chunk], j[chunk], corners) for chunk in chunks]
-    return np.concatenate(parts).reshape(shape) if parts else np.empty(shape)
-
-
-def _sweeps(columns: tuple[ArrayLike, ...], shape: tuple[int, ...]) -> Sweeps:
-    table = np.empty((8, *shape))
+def _table(columns: tuple[ArrayLike, ...]) -> Floats:
+    """Numbers and arrays, broadcast to one shape, a row each."""
+    table = np.empty((len(columns), *np.broadcast_shapes(*{np.shape(column) for column in columns})))
     for row, column in enumerate(columns):
         table[row] = column
-    flat = table.reshape(8, -1)
-    return Sweeps(flat[:6], flat[6], flat[7])
+    return table
 
 
-def _pairs(bodies: Sweeps, others: Sweeps, i: Ints, j: Ints, corners: int) -> Floats:
-    """The signed distances of hulls i of the bodies from hulls j, of `corners` corners, of the others."""
-    x, y, gx, gy, g_square, g_length = bodies.sides.take(i, axis=2)[:, :, None]
-    second = others.sides[:, :corners].take(j, axis=2)
-    bx, by, ex, ey, square, length = second
-    bx += others.x.take(j) - bodies.x.take(i)
-    by += others.y.take(j) - bodies.y.take(i)
-    if corners == 4:  # the sides of a box, as the reference has them: between corners seen from the body
-        for side, corner in ((ex, bx), (ey, by)):
-            np.subtract(corner[1:], corner[:-1], out=side[:-1])
-            np.subtract(corner[0], corner[-1], out=side[-1])
-        square = ex * ex + ey * ey
-        length = np.sqrt(square)
-    # Axes: corners (and sides) of the body, corners (and sides) of the other, pairs.
-    rx, ry = x - bx, y - by
-    nearest = np.sqrt(np.minimum.reduce(rx * rx + ry * ry, axis=(0, 1)))
-    # The body's corners and the other's sides.
-    across = ex * ry - ey * rx
-    along = ex * rx + ey * ry
-    apart = np.fmin.reduce(np.maximum.reduce(across, axis=0) / length, axis=0)
-    beside = (along > 0.0) & (along < square)
-    to_side = np.minimum.reduce(np.where(beside, np.abs(across), np.inf), axis=0) / length
-    nearest = np.fmin(nearest, np.fmin.reduce(to_side, axis=0))
-    # The other's corners and the body's sides.
-    across = gy * rx - gx * ry
-    along = gx * rx + gy * ry
-    apart = np.fmin(apart, np.fmin.reduce(np.maximum.reduce(across, axis=1) / g_length[:, 0], axis=0))
-    beside = (along < 0.0) & (along > -g_square)
-    to_side = np.minimum.reduce(np.where(beside, np.abs(across), np.inf), axis=1) / g_length[:, 0]
-    nearest = np.fmin(nearest, np.fmin.reduce(to_side, axis=0))
-    margin: Floats = np.where(apart > 0.0, -apart, nearest)
+def _clearance(body: Floats, other: Floats) -> Floats:
+    """From tables of sweeps, and of sweeps or boxes; each hull is made once, however many others it is held against."""
+    shape = np.broadcast_shapes(body.shape[1:], other.shape[1:])
+    if 0 in shape:
+        return np.empty(shape)
+    i = np.broadcast_to(np.arange(body[0].size).reshape(body.shape[1:]), shape).ravel()
+    j = np.broadcast_to(np.arange(other[0].size).reshape(other.shape[1:]), shape).ravel()
+    first, second = (table.reshape(len(table), -1) for table in (body, other))
+    bodies = Sweeps(first[:6], first[6], first[7])
+    others = (
+        Sweeps(second[:6], second[6], second[7])
+        if len(second) == 8
+        else Boxes(second[:3], second[3], second[4])
+    )
+    chunks = (slice(begin, begin + AT_ONCE) for begin in range(0, i.size, AT_ONCE))
+    parts = [_pairs(bodies, others, i[chunk], j[chunk]) for chunk in chunks]
+    margin = np.concatenate(parts)
     for hulls, rows in ((bodies, i), (others, j)):
         if hulls.usable is not None:
             margin[~hulls.usable[rows]] = np.nan
+    return margin.reshape(shape)
+
+
+def _pairs(bodies: Sweeps, others: Sweeps | Boxes, i: Ints, j: Ints) -> Floats:
+    """The signed distances of the hulls i of bodies from hulls j of others, pair by pair."""
+    x, y, gx, gy, square, length = bodies.sides.take(i, axis=2)[:, :, None]
+    shift = (others.position.take(j, axis=1) - bodies.position.take(i, axis=1))[:, None]
+    if isinstance(others, Boxes):  # its sides as the reference has them: between corners seen from the body
+        bx, by = corners = others.corners.take(j, axis=2) + shift
+        ex, ey = corners.take(_NEXT, axis=1) - corners
+        other_square = ex * ex + ey * ey
+        other_length = np.sqrt(other_square)
+    else:
+        bx, by, ex, ey, other_square, other_length = others.sides.take(j, axis=2)
+        bx += shift[0]
+        by += shift[1]
+    # Axes: corners (and sides) of the body, corners (and sides) of the other, pairs.
+    rx, ry = x - bx, y - by
+    # The body's corners and the other's sides, then the other's corners and the body's sides.
+    apart, near = _against(ex * ry - ey * rx, ex * rx + ey * ry, other_square, other_length, 0)
+    apart_too, near_too = _against(gy * rx - gx * ry, -(gx * rx + gy * ry), square, length[:, 0], 1)
+    apart, near = np.fmin(apart, apart_too), np.fmin(near, near_too)
+    rx *= rx
+    ry *= ry
+    rx += ry
+    near = np.fmin(near, np.sqrt(np.minimum.reduce(rx, axis=(0, 1))))
+    margin: Floats = np.where(apart > 0.0, -apart, near)
     return margin
+
+
+def _against(
+    side: Floats, along: Floats, square: Floats, length: Floats, corners: int
+) -> tuple[Floats, Floats]:
+    """Corners of one hull (along the axis `corners`) and sides of another: how far the hulls overlap at most across a
+    side, and how near a corner comes to the inside of a side. Sides that are none have a length of NaN."""
+    beside = along > 0.0
+    beside &= along < square
+    overlap = np.maximum.reduce(side, axis=corners) / length
+    near = np.minimum.reduce(np.where(beside, np.abs(side), np.inf), axis=corners) / length
+    return np.fmin.reduce(overlap, axis=0), np.fmin.reduce(near, axis=0)

@@ -50,11 +50,17 @@ class Area:
         Poses: numbers or (N,), in m and rad, of the centre of the vehicle's length x width rectangle. At least 0 where
         the swept area lies in the (closed) region.
         """
-        columns = np.broadcast_arrays(*(vector(column) for column in (x0, y0, heading0, x1, y1, heading1)))
-        poses = np.stack(columns)
+        columns = [np.asarray(column, dtype=np.float64) for column in (x0, y0, heading0, x1, y1, heading1)]
+        sizes = [np.asarray(size, dtype=np.float64) for size in (length, width)]
+        shapes = {column.shape for column in (*columns, *sizes)} - {()}
+        (count,) = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes((1,), *shapes)
         if self._region is None:
-            return np.full(poses.shape[1], np.nan)
-        return self._region.margin_inside(poses, _size(length, poses), _size(width, poses))
+            return np.full(count, np.nan)
+        poses = np.empty((6, count))
+        for row, column in zip(poses, columns):
+            row[...] = column
+        long, wide = (float(size) if size.ndim == 0 else _filled(size, count) for size in sizes)
+        return self._region.margin_inside(poses, long, wide)
 
     def signed_distance(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """The distance of points from the border [m], positive inside: (N,)."""
@@ -148,7 +154,5 @@ def inside_ring(point: Floats, ring: Floats) -> bool:
     return bool(left.sum() % 2)
 
 
-def _size(size: ArrayLike, poses: Floats) -> float | Floats:
-    """A length or width: a number as it is, numbers as (N,)."""
-    array = np.asarray(size, dtype=np.float64)
-    return float(array) if array.ndim == 0 else np.broadcast_to(array, poses.shape[1:])
+def _filled(size: Floats, count: int) -> Floats:
+    return size if size.size == count else np.full(count, size)

@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trackmarshal.runtime.geometry.approach import Approach
-from trackmarshal.runtime.geometry.arrays import LIMIT, SLACK, Floats, Ints, starts_of
+from trackmarshal.runtime.geometry.arrays import LIMIT, SLACK, Bools, Floats, Ints, starts_of
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.cells import WIDTH, Cells
 from trackmarshal.runtime.geometry.sweep import Sweeps
 from trackmarshal.runtime.geometry.violation import violation
 
+Singles = NDArray[np.float32]
+
 #: Hulls that are worked on at once, so that all intermediate arrays stay in the processor's cache.
 AT_ONCE = 1024
 #: Where the place of a segment that is none lies.
-FAR = 1e30
+FAR = 1e15
 
 
 class Region:
@@ -27,8 +30,15 @@ class Region:
         perimeter = float(self.border.length.sum())
         # Cells as large as half a corridor is wide: with the neighbours of the border's cells they cover its inside.
         self.cells = Cells(self.border, abs(sum(area(ring) for ring in rings)) / perimeter)
-        self._start = np.append(self.border.ax + 1j * self.border.ay, FAR)
-        self._end = np.append(self.border.bx + 1j * self.border.by, FAR)
+        # Ends of segments in single precision, which is enough to rule most of them out; the last one is none.
+        self._origin = complex(self.border.ax[0], self.border.ay[0])
+        self._start = self._single(self.border.ax, self.border.ay)
+        self._end = self._single(self.border.bx, self.border.by)
+        #: How much farther than the nearest a segment may seem in single precision [m].
+        self._slack = np.float32(SLACK + 16.0 * np.finfo(np.float32).eps * np.abs(self._start[:-1]).max())
+
+    def _single(self, x: Floats, y: Floats) -> NDArray[np.complex64]:
+        return np.append(x + 1j * y - self._origin, FAR).astype(np.complex64)
 
     def signed_distance(self, x: Floats, y: Floats) -> Floats:
         """The distance of points from the border, positive inside; NaN for a point that is none."""
@@ -36,9 +46,10 @@ class Region:
         x, y = np.where(fine, x, 0.0), np.where(fine, y, 0.0)
         if not x.size:
             return x
-        rows, k, distance = self.border.near(x, y)
+        rows, k = self._around(np.stack([x, y]))
+        distance = self.border.distance(x[rows], y[rows], k)
         best = np.minimum.reduceat(distance, starts_of(rows))
-        first = np.flatnonzero(distance == best.take(rows))
+        first = (distance == best.take(rows)).nonzero()[0]
         inside = self.border.left_of(x, y, k[first[starts_of(rows[first])]]) | (best == 0.0)
         return np.where(fine, np.where(inside, best, -best), np.nan)
 
@@ -58,59 +69,88 @@ class Region:
         rows, k = self._candidates(sweeps)
         approach = Approach(self.border, sweeps, rows, k)
         margin, inside = approach.nearest()
-        close = np.flatnonzero(margin < SLACK)
-        if close.size:
+        if margin.min() < SLACK:
             # Too close to say on which side the nearest point of the hull is; its middle is far from the border.
-            x, y = sweeps.x[close] + sweeps.middle[0][close], sweeps.y[close] + sweeps.middle[1][close]
+            close = (margin < SLACK).nonzero()[0]
+            x, y = sweeps.position[:, close] + sweeps.middle[:, close]
             inside[close] = self.signed_distance(x, y) > 0.0
         entering = approach.entering()
-        inside[rows[entering]] = False
+        if entering.size:
+            inside[rows[entering]] = False
         if not inside.all():
-            bad = np.flatnonzero(~inside)
-            margin[bad] = violation(self.border, sweeps, approach, entering, bad)
+            bad = (~inside).nonzero()[0]
+            corners = sweeps.sides[:2, :, bad] + sweeps.position[:, None, bad]
+            around = self._around(corners.reshape(2, -1))
+            margin[bad] = violation(self.border, sweeps, approach, entering, bad, around)
         return margin if sweeps.usable is None else np.where(sweeps.usable, margin, np.nan)
 
     def _candidates(self, sweeps: Sweeps) -> tuple[Ints, Ints]:
         """Hulls and segments in pairs: at least all that may make up a hull's distance from the border, or enter it."""
-        x, y = sweeps.x + sweeps.middle[0], sweeps.y + sweeps.middle[1]
-        rows, tiles, unknown = self.cells.tiles_around(x, y, sweeps.radius)
-        if rows.size:
-            rows, k = self._culled(sweeps, rows, self.cells.tiles.take(tiles, axis=1))
+        middle = sweeps.position + sweeps.middle
+        rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius)
+        rows, k = (
+            self._culled(sweeps, rows, self.cells.tiles.take(tiles, axis=1)) if rows.size else (rows, tiles)
+        )
         if unknown is None:
             return rows, k
-        which = np.flatnonzero(unknown)
-        others, more, _ = self.border.near(x[which], y[which], sweeps.radius[which])
-        if not rows.size:
-            return which[others], more
+        return self._with_unknown(rows, k, unknown, middle, sweeps.radius)
+
+    def _around(self, points: Floats) -> tuple[Ints, Ints]:
+        """Points and segments in pairs: at least all segments that may be nearest to a point."""
+        rows, tiles, unknown = self.cells.tiles_around(points, np.zeros(points.shape[1]))
+        k = self.cells.tiles.take(tiles, axis=1).T.ravel()
+        real = (k < self.border.size).nonzero()[0]
+        rows, k = rows.take(real // WIDTH), k.take(real)
+        if unknown is None:
+            return rows, k
+        return self._with_unknown(rows, k, unknown, points, np.zeros(points.shape[1]))
+
+    def _with_unknown(
+        self, rows: Ints, k: Ints, unknown: Bools, points: Floats, radius: Floats
+    ) -> tuple[Ints, Ints]:
+        """The same pairs, and those of the rows that the grid could not tell about."""
+        which = unknown.nonzero()[0]
+        x, y = points[:, which]
+        others, more, _ = self.border.near(x, y, radius[which])
         rows, k = np.concatenate([rows, which[others]]), np.concatenate([k, more])
         order = np.argsort(rows, kind="stable")
         return rows[order], k[order]
 
     def _culled(self, sweeps: Sweeps, rows: Ints, k: Ints) -> tuple[Ints, Ints]:
         """Of segments k (place in tile, tile) for hulls by tile, those that the box around the hull cannot rule out."""
-        low, high, excess = sweeps.boxes()
-        origin, turn = (sweeps.x + 1j * sweeps.y).take(rows), sweeps.heading.conj().take(rows)
+        turn, low, high, excess = sweeps.boxes()
+        frames = np.empty((4, sweeps.size), dtype=np.complex64)
+        frames[0], frames[1], frames[2] = turn, low, high
+        np.subtract(sweeps.position[0], self._origin.real, out=frames[3].real, casting="same_kind")
+        np.subtract(sweeps.position[1], self._origin.imag, out=frames[3].imag, casting="same_kind")
+        turn, low, high, origin = frames.take(rows, axis=1)
         start, end = self._start.take(k), self._end.take(k)
         for points in (start, end):  # in the frame of the box
             points -= origin
             points *= turn
-        a, b = start.view(np.float64), end.view(np.float64)
-        lows, highs = low.take(rows).view(np.float64), high.take(rows).view(np.float64)
+        a, b = start.view(np.float32), end.view(np.float32)
+        lows, highs = low.view(np.float32), high.view(np.float32)
         # How near does the start of a segment come to the box for sure, and how near can the segment come at best?
         sure = _squares(lows - a, a - highs)
         best = _squares(lows - np.maximum(a, b), np.minimum(a, b) - highs)
         runs = starts_of(rows)
-        limit = np.sqrt(np.minimum.reduceat(np.minimum.reduce(sure, axis=0), runs))
-        limit += excess.take(rows[runs])
-        limit += SLACK
+        nearest = np.minimum.reduce(sure, axis=0)
+        if runs.size < rows.size:
+            nearest = np.minimum.reduceat(nearest, runs)
+        limit = np.sqrt(nearest)
+        limit += (excess if runs.size == sweeps.size else excess.take(rows.take(runs))) + self._slack
         limit *= limit
-        limits = np.repeat(limit, np.diff(runs, append=rows.size)) if runs.size < rows.size else limit
-        kept = np.flatnonzero((best <= limits).T)
+        if runs.size < rows.size:
+            counts = np.empty_like(runs)
+            np.subtract(runs[1:], runs[:-1], out=counts[:-1])
+            counts[-1] = rows.size - runs[-1]
+            limit = limit.repeat(counts)
+        kept = (best <= limit).T.ravel().nonzero()[0]
         tile = kept // WIDTH
         return rows.take(tile), k.take(kept % WIDTH * rows.size + tile)
 
 
-def _squares(below: Floats, above: Floats) -> Floats:
+def _squares(below: Singles, above: Singles) -> Singles:
     """The squared distance from a box, given how far below and above it something is in x and y side by side."""
     gap = np.maximum(below, above, out=below)
     np.maximum(gap, 0.0, out=gap)

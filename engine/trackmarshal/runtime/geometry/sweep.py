@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from trackmarshal.runtime.geometry.arrays import LIMIT, Bools, Complexes, Floats
+from trackmarshal.runtime.geometry.arrays import LIMIT, SMALLEST, Bools, Complexes, Floats
 
 #: Sides of a hull shorter than this [m] have no direction worth the name and are left out; their ends stay corners.
 SHORTEST = 1e-7
@@ -14,42 +14,46 @@ _NEXT, _BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
 
 
 class Sweeps:
-    """Hulls of the footprints of N pairs of poses, all relative to the first pose's position (x, y).
+    """Hulls of the footprints of N pairs of poses, all relative to the first pose's `position`, (2, N).
 
     `sides` has shape (6, 8, N): x and y of each of the eight corners, then of the side of the hull that begins at that
     corner its vector x, y, its square and its length. The side is NaN for a corner inside the hull and for a side shorter
     than `SHORTEST`. Corners are those of one footprint, counter-clockwise, then those of the other.
     """
 
-    __slots__ = ("corners", "excess", "heading", "middle", "radius", "sides", "size", "usable", "x", "y")
+    __slots__ = ("corners", "excess", "middle", "position", "radius", "sides", "size", "turn_back", "usable")
 
     def __init__(self, poses: Floats, length: float | Floats, width: float | Floats) -> None:
         """`poses`: (6, N) with rows x0, y0, heading0, x1, y1, heading1; `length`, `width`: numbers or (N,)."""
         self.size = poses.shape[1]
         poses, length, width, self.usable = _usable(poses, length, width)
-        self.x, self.y = poses[0], poses[1]
-        move = poses[3:5] - poses[0:2]
-        halves = 0.5 * length, 0.5 * width
-        cos, sin = np.cos(poses[2::3]), np.sin(poses[2::3])
+        front, side = 0.5 * length, 0.5 * width
+        self.position = poses[0:2]
         # Axes 1 and 2: coordinate, footprint. Rows: centre, centre to front, centre to left, unit vector.
         frame = np.empty((4, 2, 2, self.size))
-        frame[0, :, 0], frame[0, :, 1] = 0.0, move
-        frame[1, 0], frame[1, 1] = halves[0] * cos, halves[0] * sin
-        frame[2, 0], frame[2, 1] = -(halves[1] * sin), halves[1] * cos
-        frame[3, 0], frame[3, 1] = cos, sin
+        centre, ahead, left, unit = frame
+        move = np.subtract(poses[3:5], poses[0:2], out=centre[:, 1])
+        centre[:, 0] = 0.0
+        np.cos(poses[2::3], out=unit[0])
+        np.sin(poses[2::3], out=unit[1])
+        np.multiply(unit, front, out=ahead)
+        np.multiply(unit[0], side, out=left[1])
+        np.multiply(unit[1], -side, out=left[0])
         self.middle = 0.5 * move
-        self.radius = np.sqrt(self.middle[0] * self.middle[0] + self.middle[1] * self.middle[1])
-        self.radius += np.sqrt(halves[0] * halves[0] + halves[1] * halves[1])
-        turn_cos = cos[0] * cos[1] + sin[0] * sin[1]
-        turn_sin = cos[0] * sin[1] - sin[0] * cos[1]
-        if (turn_cos < np.abs(turn_sin)).any():
+        self.radius = np.sqrt(np.add.reduce(self.middle * self.middle, axis=0))
+        self.radius += np.sqrt(front * front + side * side)
+        product = unit[:, 0] * unit[:, 1]
+        turn_cos = product[0] + product[1]
+        turn_sin = unit[0, 0] * unit[1, 1] - unit[1, 0] * unit[0, 1]
+        size = np.abs(turn_sin)
+        if (turn_cos < size).any():
             turn_cos, turn_sin = _quarter_turns(frame, turn_cos, turn_sin)
+            size = np.abs(turn_sin)
         # The one that is turned further to the left, by less than half a quarter, comes second.
         frame = np.where(turn_sin < 0.0, frame[:, :, ::-1], frame)
-        turn_sin = np.abs(turn_sin)
         #: By how much the box around a footprint, along the other one, may exceed its corners.
-        self.excess = turn_sin * (2.0 * np.maximum(*halves))
-        self._outline(frame, turn_cos, turn_sin)
+        self.excess = size * (2.0 * np.maximum(front, side))
+        self._outline(frame, turn_cos, size)
 
     def _outline(self, frame: Floats, turn_cos: Floats, turn_sin: Floats) -> None:
         """Corners, and the sides of the hull: going round once, which footprint reaches further out in the direction of
@@ -57,62 +61,85 @@ class Sweeps:
         self.sides = np.empty((6, 8, self.size))
         shaped = self.sides.reshape(6, 2, 4, self.size)
         corner, vector = shaped[0:2], shaped[2:4]
-        both, across = frame[1] + frame[2], frame[1] - frame[2]
-        np.add(frame[0], both, out=corner[:, :, 0])
-        np.subtract(frame[0], across, out=corner[:, :, 1])
-        np.subtract(frame[0], both, out=corner[:, :, 2])
-        np.add(frame[0], across, out=corner[:, :, 3])
+        centre, ahead, left, unit = frame
+        half = np.empty((2, 2, 2, self.size))
+        np.add(ahead, left, out=half[:, :, 0])
+        np.subtract(left, ahead, out=half[:, :, 1])
+        np.add(centre[:, :, None], half, out=corner[:, :, :2])
+        np.subtract(centre[:, :, None], half, out=corner[:, :, 2:])
         first, second = corner[:, 0], corner[:, 1]
-        self.corners = np.empty((2, 4, self.size), dtype=np.complex128)
-        self.corners.real, self.corners.imag = corner
-        self.heading = np.empty(self.size, dtype=np.complex128)
-        self.heading.real, self.heading.imag = frame[3, :, 0]
+        before, following = corner[:, 1].take(_BEFORE, axis=1), corner.take(_NEXT, axis=2)
+        self.corners = _complex(corner[0], corner[1])
+        self.turn_back = _complex(unit[0, 0], -unit[1, 0])
         # From the second's corner before to the first's corner, seen along the first's normal and along its side. The
         # second's normal lies between those two, so its sign cannot contradict both.
-        ahead = (self.corners[0] - self.corners[1].take(_BEFORE, axis=0)) * (
-            self.heading.conj() * _TURNED_BACK
-        )
-        at_first = ahead.real >= 0.0
-        at_second = turn_cos * ahead.real + turn_sin * ahead.imag >= 0.0
+        seen = _complex(*(first - before)) * (self.turn_back * _TURNED_BACK)
+        at_first = seen.real >= 0.0
+        at_second = turn_cos * seen.real + turn_sin * seen.imag >= 0.0
         at_first_next, at_second_next = at_first.take(_NEXT, axis=0), at_second.take(_NEXT, axis=0)
-        first_next = first.take(_NEXT, axis=1)
-        to = np.where(at_second, second, second.take(_BEFORE, axis=1))
-        np.subtract(np.where(at_first_next, first_next, to), first, out=vector[:, 0])
-        to = np.where(at_first_next, first, first_next)
-        np.subtract(np.where(at_second_next, to, second.take(_NEXT, axis=1)), second, out=vector[:, 1])
+        to = np.where(at_first_next, following[:, 0], np.where(at_second, second, before))
+        np.subtract(to, first, out=vector[:, 0])
+        to = np.where(at_second_next, np.where(at_first_next, first, following[:, 0]), following[:, 1])
+        np.subtract(to, second, out=vector[:, 1])
         vector = self.sides[2:4]
-        square = np.add(vector[0] * vector[0], vector[1] * vector[1], out=self.sides[4])
+        square = np.add.reduce(vector * vector, axis=0, out=self.sides[4])
         none = square < SHORTEST * SHORTEST
         none[:4] |= ~(at_first | at_second | at_first_next)
         none[4:] |= at_second & at_first_next & at_second_next
         np.copyto(self.sides[2:5], np.nan, where=none)
         np.sqrt(square, out=self.sides[5])
 
-    def boxes(self) -> tuple[Complexes, Complexes, Floats]:
-        """Boxes around the hulls, along `heading`: lowest and highest corner, as complex numbers, and an excess.
+    def boxes(self) -> tuple[Complexes, Complexes, Complexes, Floats]:
+        """Boxes around the hulls, in the frame of one of the footprints, in complex numbers.
 
+        The factor that turns into the frame, the lowest and the highest corner in it, and an excess [m].
         A point that is `d` from the box is between `d` and `d` plus the excess from the hull.
         """
-        local = (self.corners * self.heading.conj()).view(np.float64)
+        local = (self.corners * self.turn_back).view(np.float64)
         lows, highs = np.minimum.reduce(local, axis=1), np.maximum.reduce(local, axis=1)
         low, high = np.minimum(lows[0], lows[1]), np.maximum(highs[0], highs[1])
         apart = np.maximum(np.abs(lows[0] - lows[1]), np.abs(highs[0] - highs[1]))
-        return (
-            low.view(np.complex128),
-            high.view(np.complex128),
-            self.excess + np.minimum(apart[0::2], apart[1::2]),
-        )
+        excess = self.excess + np.minimum(apart[0::2], apart[1::2])
+        return self.turn_back, low.view(np.complex128), high.view(np.complex128), excess
+
+
+class Boxes:
+    """Rectangles that stand: corners (2, 4, N) relative to their centres at `position`, counter-clockwise."""
+
+    __slots__ = ("corners", "position", "size", "usable")
+
+    def __init__(self, poses: Floats, length: float | Floats, width: float | Floats) -> None:
+        """`poses`: (3, N) with rows x, y, heading; `length`, `width`: numbers or (N,)."""
+        self.size = poses.shape[1]
+        poses, length, width, self.usable = _usable(poses, length, width)
+        self.position = poses[0:2]
+        unit = np.stack([np.cos(poses[2]), np.sin(poses[2])])
+        ahead = unit * (0.5 * length)
+        left = np.stack([unit[1] * (-0.5 * width), unit[0] * (0.5 * width)])
+        self.corners = np.empty((2, 4, self.size))
+        np.add(ahead, left, out=self.corners[:, 0])
+        np.subtract(left, ahead, out=self.corners[:, 1])
+        np.negative(self.corners[:, :2], out=self.corners[:, 2:])
+
+
+def _complex(real: Floats, imaginary: Floats) -> Complexes:
+    made = np.empty(real.shape, dtype=np.complex128)
+    made.real, made.imag = real, imaginary
+    return made
 
 
 def _usable(
     poses: Floats, length: float | Floats, width: float | Floats
 ) -> tuple[Floats, float | Floats, float | Floats, Bools | None]:
     """Poses and sizes with unusable ones replaced, and a mask of the usable ones, None where all are."""
-    fine = np.logical_and.reduce(np.abs(poses) <= LIMIT, axis=0)
-    for size in (length, width):
-        fine &= (np.asarray(size) > 0.0) & (np.asarray(size) <= LIMIT)
-    if fine.all():
+    extremes = [
+        (size, size) if isinstance(size, float) else (size.min(), size.max()) for size in (length, width)
+    ]
+    if np.abs(poses).max() <= LIMIT and all(low >= SMALLEST and high <= LIMIT for low, high in extremes):
         return poses, length, width, None
+    fine: Bools = np.logical_and.reduce(np.abs(poses) <= LIMIT, axis=0)
+    for size in (length, width):
+        fine &= (np.asarray(size) >= SMALLEST) & (np.asarray(size) <= LIMIT)
     return np.where(fine, poses, 0.0), np.where(fine, length, 1.0), np.where(fine, width, 1.0), fine
 
 
@@ -123,7 +150,7 @@ def _quarter_turns(frame: Floats, turn_cos: Floats, turn_sin: Floats) -> tuple[F
         (turn_sin >= np.abs(turn_cos), 0.0, -1.0),
         (-turn_sin >= np.abs(turn_cos), 0.0, 1.0),
     ):
-        which = np.flatnonzero(turned)
+        which = turned.nonzero()[0]
         if not which.size:
             continue
         front, side, (ux, uy) = (frame[row, :, 1, which].T.copy() for row in (1, 2, 3))

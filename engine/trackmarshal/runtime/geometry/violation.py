@@ -13,14 +13,17 @@ from trackmarshal.runtime.geometry.sweep import Sweeps
 LEAST = -2.2250738585072014e-308
 
 
-def violation(border: Border, sweeps: Sweeps, approach: Approach, entering: Ints, bad: Ints) -> Floats:
-    """The negative margins of the hulls `bad`, of which the pairs `entering` name segments that enter them.
+def violation(
+    border: Border, sweeps: Sweeps, approach: Approach, entering: Ints, bad: Ints, around: tuple[Ints, Ints]
+) -> Floats:
+    """The negative margins of the hulls `bad`, of which the pairs `entering` name segments that enter them;
+    `around` pairs their corners (eight times as many as hulls, the first of each first) with the segments near them.
 
     Minus the largest of: the distance from the border of each corner outside the region; the depth inside the hull of each
     border vertex strictly inside. Without either, minus the depth of the middle of a segment's part inside the hull.
     """
     worst = np.zeros(sweeps.size)
-    worst[bad] = _corners_outside(border, sweeps, bad)
+    worst[bad] = _corners_outside(border, sweeps, bad, *around)
     is_bad = np.zeros(sweeps.size, dtype=bool)
     is_bad[bad] = True
     pairs = np.flatnonzero(is_bad[approach.rows])
@@ -33,11 +36,10 @@ def violation(border: Border, sweeps: Sweeps, approach: Approach, entering: Ints
     return np.minimum(LEAST, -worst[bad])
 
 
-def _corners_outside(border: Border, sweeps: Sweeps, bad: Ints) -> Floats:
+def _corners_outside(border: Border, sweeps: Sweeps, bad: Ints, rows: Ints, k: Ints) -> Floats:
     """The largest distance from the border of the corners of hulls that are outside the region; 0 where none is."""
-    x, y = sweeps.x[bad], sweeps.y[bad]
+    x, y = sweeps.position[:, bad]
     cx, cy = sweeps.sides[0][:, bad], sweeps.sides[1][:, bad]
-    rows, k, _ = border.near((cx + x).ravel(), (cy + y).ravel())
     cx, cy, x, y = cx.ravel()[rows], cy.ravel()[rows], x[rows % bad.size], y[rows % bad.size]
     rx, ry, sx, sy = (
         cx - (border.ax[k] - x),

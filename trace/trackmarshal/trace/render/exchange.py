@@ -18,9 +18,7 @@ _COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 def render_sarif(matrix: Matrix) -> str:
     """One run with all findings; its properties carry the verdict and the coverage."""
     codes = sorted({finding.code for finding in matrix.findings})
-    rules = [
-        {"id": code, "shortDescription": {"text": CODES[code][0]}, "fullDescription": {"text": CODES[code][1]}} for code in codes
-    ]
+    rules = [_rule(code) for code in codes]
     run = {
         "tool": {"driver": {"name": "trackmarshal", "version": trackmarshal.__version__, "rules": rules}},
         "columnKind": "unicodeCodePoints",
@@ -31,9 +29,21 @@ def render_sarif(matrix: Matrix) -> str:
     return json.dumps(log, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
 
 
+def _rule(code: str) -> dict[str, Any]:
+    if code not in CODES:  # of another room, which the caller passed on
+        return {"id": code}
+    title, explanation = CODES[code]
+    return {"id": code, "shortDescription": {"text": title}, "fullDescription": {"text": explanation}}
+
+
 def _result(finding: Finding, index: int) -> dict[str, Any]:
     text = finding.message + (f"\nhelp: {finding.help}" if finding.help else "")
-    result: dict[str, Any] = {"ruleId": finding.code, "ruleIndex": index, "level": finding.level, "message": {"text": text}}
+    result: dict[str, Any] = {
+        "ruleId": finding.code,
+        "ruleIndex": index,
+        "level": finding.level,
+        "message": {"text": text},
+    }
     if finding.place is not None:
         result["locations"] = [{"physicalLocation": _location(finding.place)}]
     if finding.also:
@@ -47,7 +57,10 @@ def _result(finding: Finding, index: int) -> dict[str, Any]:
 def _location(place: Place) -> dict[str, Any]:
     location: dict[str, Any] = {"artifactLocation": {"uri": quote(place.file)}}
     if place.line:
-        location["region"] = {"startLine": place.line, **({"startColumn": place.column} if place.column else {})}
+        location["region"] = {
+            "startLine": place.line,
+            **({"startColumn": place.column} if place.column else {}),
+        }
     return location
 
 
@@ -67,7 +80,7 @@ def _command(finding: Finding) -> str:
             properties["line"] = finding.place.line
         if finding.place.column:
             properties["col"] = finding.place.column
-    properties["title"] = f"{finding.code} {CODES[finding.code][0]}"
+    properties["title"] = f"{finding.code} {CODES.get(finding.code, ('',))[0]}".rstrip()
     shown = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
     text = "\n".join([finding.message, *([f"help: {finding.help}"] if finding.help else [])])
     return f"::{_COMMANDS[finding.level]} {shown}::{_data(text)}"

@@ -24,7 +24,9 @@ class Group:
     @property
     def folded(self) -> bool:
         """Whether these are many tests and none of them needs attention."""
-        return len(self.items) > 3 and all(item.kind == "test" and item.status == "covered" for item in self.items)
+        return len(self.items) > 3 and all(
+            item.kind == "test" and item.status == "covered" for item in self.items
+        )
 
 
 def render(matrix: Matrix) -> str:
@@ -32,7 +34,11 @@ def render(matrix: Matrix) -> str:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     environment.filters["marked"] = marked
     page = environment.get_template("matrix.html.j2").render(
@@ -60,7 +66,10 @@ def marked(text: str) -> str:
     parts = text.split("`")
     if len(parts) % 2 == 0:  # a backquote without its partner
         return escape(text)
-    return Markup("").join(Markup("<code>{}</code>").format(part) if number % 2 else escape(part) for number, part in enumerate(parts))
+    return Markup("").join(
+        Markup("<code>{}</code>").format(part) if number % 2 else escape(part)
+        for number, part in enumerate(parts)
+    )
 
 
 def cells(matrix: Matrix, row: Row) -> list[tuple[Stage, Cell | None]]:
@@ -77,7 +86,9 @@ def groups(items: Sequence[Item]) -> list[Group]:
     found: dict[tuple[str, str], list[Item]] = {}
     for item in items:
         found.setdefault((item.kind, item.name if item.kind == "test" else ""), []).append(item)
-    return [Group(f"tests of {name}" if name else kind, tuple(members)) for (kind, name), members in found.items()]
+    return [
+        Group(f"tests of {name}" if name else kind, tuple(members)) for (kind, name), members in found.items()
+    ]
 
 
 def bars(matrix: Matrix) -> list[tuple[Stage, dict[str, int], int]]:

@@ -19,7 +19,16 @@ def render_csv(matrix: Matrix) -> str:
     writer.writerow(head + [name for stage in stages for name in (stage, f"{stage} items")])
     for row in matrix.rows:
         r = row.requirement
-        line: list[str] = [r.id, r.title, r.asil, r.status, " ".join(r.refines), " ".join(r.derived_from), r.place.file, str(r.place.line)]
+        line: list[str] = [
+            r.id,
+            r.title,
+            r.asil,
+            r.status,
+            " ".join(r.refines),
+            " ".join(r.derived_from),
+            r.place.file,
+            str(r.place.line),
+        ]
         for stage in stages:
             cell = row.cells.get(stage)
             line += ["", ""] if cell is None else [cell.status, "; ".join(_item(item) for item in cell.items)]
@@ -64,11 +73,17 @@ def render_markdown(matrix: Matrix) -> str:
     for finding in matrix.findings:
         place = f" `{finding.place}`" if finding.place else ""
         help_ = f" *{_escaped(finding.help)}*" if finding.help else ""
-        lines.append(f"- **{finding.level} {finding.code}**{place}: {_escaped(finding.message, code=True)}{help_}")
+        lines.append(
+            f"- **{finding.level} {finding.code}**{place}: {_escaped(finding.message, code=True)}{help_}"
+        )
     if matrix.waivers:
         lines += ["", "## Waivers", ""]
     for waiver in matrix.waivers:
-        what = f"{', '.join(waiver.stages)} of {', '.join(waiver.requirements)}" if waiver.stages else ", ".join(waiver.codes)
+        what = (
+            f"{', '.join(waiver.stages)} of {', '.join(waiver.requirements)}"
+            if waiver.stages
+            else ", ".join(waiver.codes)
+        )
         said = f"{_escaped(what)}, {_escaped(waiver.owner)}, {waiver.granted} until {waiver.expires}"
         lines.append(f"- **{waiver.id}** ({said}): {_escaped(waiver.justification)}")
     return "\n".join(lines) + "\n"

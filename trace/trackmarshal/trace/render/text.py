@@ -93,9 +93,15 @@ def _open(matrix: Matrix) -> Iterator[str]:
             if waiver:
                 yield f"  {row.requirement.id} {stage} waived by {waiver}"
                 continue
-            yield f"  {row.requirement.id} {stage} {cell.status}" + ("" if items else ": there is nothing that counts here")
+            yield f"  {row.requirement.id} {stage} {cell.status}" + (
+                "" if items else ": there is nothing that counts here"
+            )
             for item in items[:6]:
-                detail = f": {printable(item.detail)}" if item.detail and item.kind != "requirement" else f": {item.status}"
+                detail = (
+                    f": {printable(item.detail)}"
+                    if item.detail and item.kind != "requirement"
+                    else f": {item.status}"
+                )
                 title = f' "{printable(item.title)}"' if item.kind == "test" and item.title else ""
                 yield f"    {item.kind} {printable(item.name)}{title}{detail}"
             if len(items) > 6:

@@ -33,7 +33,8 @@ def inputs(matrix: Matrix) -> str:
     """What went in."""
     names = {"test_results": "test results"}
     return ", ".join(
-        f"{count} {names.get(what, what) if count != 1 else names.get(what, what)[:-1]}" for what, count in matrix.counts.items()
+        f"{count} {names.get(what, what) if count != 1 else names.get(what, what)[:-1]}"
+        for what, count in matrix.counts.items()
     )
 
 

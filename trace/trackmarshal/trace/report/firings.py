@@ -10,7 +10,7 @@ from trackmarshal.trace.report.reading import Rule, Run, number
 from trackmarshal.trace.report.words import clock, count, decided_by, interval, quantity
 
 #: Firings of one rule on one candidate beyond these are summed up in one row.
-MOST_FIRINGS = 12
+MOST_FIRINGS = 6
 
 
 def firing_rows(run: Run) -> Iterator[dict[str, Any]]:

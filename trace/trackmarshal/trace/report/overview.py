@@ -28,10 +28,11 @@ class State:
 
 def index_context(
     runs: Sequence[tuple[Run, str]], matrix_summary: Mapping[str, Any], missing: Sequence[Mapping[str, Any]],
-    checks: Mapping[str, Any], meta: Mapping[str, Any], matrix: bool,
+    checks: Mapping[str, Any], meta: Mapping[str, Any], matrix: str | None,
 ) -> dict[str, Any]:  # fmt: skip
     """All that the index's template needs; `runs` come with the addresses of their pages."""
     findings = [_finding(f) for f in missing]
+    titles = {entry["id"]: entry["title"] for entry in matrix_summary.get("stages", [])}
     return {
         "meta": meta,
         "state": state([run for run, _ in runs], matrix_summary, findings, checks),
@@ -43,11 +44,14 @@ def index_context(
             if (items := [f for f in findings if f["level"] == level])
         ],
         "shown": SHOWN_AT_ONCE,
-        "stages": [_stage(name, entry) for name, entry in matrix_summary.get("coverage", {}).items()],
+        "gaps": _gaps(matrix_summary),
+        "stages": [
+            _stage(name, entry, titles.get(name, ""))
+            for name, entry in matrix_summary.get("coverage", {}).items()
+        ],
         "statuses": STATUSES,
         "runs": [_run(run, page) for run, page in runs],
-        "checks": {"errors": None, "warnings": 0, "rules": None, **checks},
-        "tests": None if checks.get("tests") is None else {"failures": [], **checks["tests"]},
+        "checks": checks,
         "assumptions": _assumptions([run for run, _ in runs]),
     }
 
@@ -56,15 +60,15 @@ def state(
     runs: Sequence[Run], matrix_summary: Mapping[str, Any], findings: Sequence[Mapping[str, Any]], checks: Mapping[str, Any]
 ) -> State:  # fmt: skip
     """What is wrong comes first; what was not done is never left unsaid."""
-    tests = checks.get("tests")
+    tests = checks["tests"]
     errors = sum(f["level"] == "error" for f in findings)
     outside = [run.name for run in runs if any(not truth["inside"] for truth in run.record["truths"])]
     empty = [run.name for run in runs if not run.cycles]
     wrong = []
-    if checks.get("errors"):
+    if checks["errors"]:
         wrong.append(f"the specs have {count(checks['errors'], 'error')}")
-    if tests is not None and tests["failed"]:
-        wrong.append(f"{tests['failed']} of {count(tests['passed'] + tests['failed'], 'test')} failed")
+    if tests and checks["failed"]:
+        wrong.append(f"{checks['failed']} of {count(tests, 'test')} failed")
     if errors:
         wrong.append(f"{count(errors, 'finding')} must be mended")
     if outside:
@@ -72,7 +76,9 @@ def state(
     if empty:
         wrong.append(f"{listed(empty)} {'has' if len(empty) == 1 else 'have'} no cycles")
     undone = []
-    if tests is None or not tests["passed"] + tests["failed"]:
+    if checks["errors"] is None:
+        undone.append("the specs were not checked")
+    if not tests:
         undone.append("no test was run")
     if not runs:
         undone.append("no scenario was replayed")
@@ -87,18 +93,20 @@ def state(
             "warn", "Nothing wrong found, but not everything was done", f"{_capital(listed(undone))}."
         )
     held = []
-    covered = sum(int(entry["covered"]) for entry in matrix_summary["coverage"].values())
-    asked = sum(int(entry["of"]) for entry in matrix_summary["coverage"].values())
-    held.append(f"{covered} of {asked} demands of the V-model are covered")
-    assert tests is not None
-    held.append(f"all {tests['passed']} tests passed" if tests["passed"] > 1 else "the only test passed")
+    covered, asked, waived = (_total(matrix_summary, status) for status in ("covered", "of", "waived"))
+    rest = asked - covered - waived
+    parts = [f"{covered} of {asked} demands of the V-model are covered"]
+    parts += [f"{waived} waived"] if waived else []
+    parts += [f"{rest} not"] if rest else []
+    held.append(", ".join(parts) if len(parts) == 1 else f"{parts[0]} ({' and '.join(parts[1:])})")
+    held.append(f"all {tests} tests passed" if tests > 1 else "the only test passed")
     judged = [run for run in runs if run.record["truths"]]
     held.append(
         f"{len(judged)} of {count(len(runs), 'run')} could be held against ground truth and lie inside it"
         if judged
         else "no run has ground truth"
     )
-    warnings = sum(f["level"] == "warning" for f in findings) + int(checks.get("warnings", 0))
+    warnings = sum(f["level"] == "warning" for f in findings) + int(checks["warnings"])
     if warnings or covered < asked or not judged:
         extra = f"; {count(warnings, 'warning')} should be looked at" if warnings else ""
         return State("warn", "Complete, with reservations", f"{_capital(listed(held))}{extra}.")
@@ -109,18 +117,17 @@ def _cards(
     runs: Sequence[Run], matrix_summary: Mapping[str, Any], findings: Sequence[Mapping[str, Any]], checks: Mapping[str, Any]
 ) -> list[tuple[str, str]]:  # fmt: skip
     """Four numbers at a glance, each with what it counts."""
-    stages = matrix_summary.get("coverage", {}).values()
-    tests = checks.get("tests")
+    tests, failed = checks["tests"], checks["failed"]
     judged = [run for run in runs if run.record["truths"]]
     inside = sum(all(truth["inside"] for truth in run.record["truths"]) for run in judged)
     levels = {level: sum(f["level"] == level for f in findings) for level in LEVELS}
     return [
         (
-            f"{sum(int(s['covered']) for s in stages)} of {sum(int(s['of']) for s in stages)}",
-            "demands of the V-model covered",
+            f"{_total(matrix_summary, 'covered')} of {_total(matrix_summary, 'of')}",
+            f"demands of the V-model covered; {_total(matrix_summary, 'waived')} waived",
         ),
         (
-            f"{tests['passed']} of {tests['passed'] + tests['failed']}" if tests else "none",
+            f"{tests - failed} of {tests}" if tests else "none",
             "tests in specs passed",
         ),
         (
@@ -132,6 +139,25 @@ def _cards(
             f"to be mended; {count(levels['warning'], 'warning')}, {count(levels['note'], 'note')}",
         ),
     ]
+
+
+def _total(matrix_summary: Mapping[str, Any], what: str) -> int:
+    return sum(int(stage.get(what, 0)) for stage in matrix_summary.get("coverage", {}).values())
+
+
+def _gaps(matrix_summary: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Requirements by stage and status, worst first, as far as they are not covered."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for requirement in matrix_summary.get("requirements", []):
+        for stage, cell in requirement.get("stages", {}).items():
+            if cell["status"] != "covered":
+                found.setdefault((cell["status"], stage), []).append(requirement["id"])
+    worst = ("failed", "stale", "missing", "partial", "waived")
+    if unknown := {status for status, _ in found} - set(worst):
+        raise ValueError(f"unknown status {sorted(unknown)}")
+    stages = list(matrix_summary.get("coverage", {}))
+    order = sorted(found.items(), key=lambda item: (worst.index(item[0][0]), stages.index(item[0][1])))
+    return [{"status": status, "stage": stage, "requirements": ids} for (status, stage), ids in order]
 
 
 def _runs(names: Sequence[str]) -> str:
@@ -160,7 +186,7 @@ def _finding(raw: Mapping[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _stage(name: str, entry: Mapping[str, Any]) -> dict[str, Any]:
+def _stage(name: str, entry: Mapping[str, Any], title: str) -> dict[str, Any]:
     """One stage: how many of its demands have which status; what no status is given for is `not covered`."""
     counts = {status: int(entry.get(status, 0)) for status in STATUSES if status != "other"}
     of = int(entry["of"])
@@ -169,7 +195,7 @@ def _stage(name: str, entry: Mapping[str, Any]) -> dict[str, Any]:
         raise ValueError(f"stage {name} counts more demands than the {of} it has")
     spoken = ", ".join(f"{n} {STATUSES[status]}" for status, n in counts.items() if n)
     return {
-        "name": name, "title": str(entry.get("title", "")), "covered": counts["covered"], "of": of,
+        "name": name, "title": title, "covered": counts["covered"], "of": of,
         "words": spoken or "nothing demanded", "bar": coverage_bar(name, counts, of),
         "percent": f"{100 * counts['covered'] // of} %" if of else "–",
     }  # fmt: skip

@@ -1,4 +1,4 @@
-"""The folder of an assessment: index.html, matrix.html and a page a run, each a file that needs no other to be read."""
+"""The folder of an assessment: index.html and a page a run, each a file that needs no other to be read."""
 
 from __future__ import annotations
 
@@ -17,16 +17,13 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 _TEMPLATES = Path(__file__).with_name("templates")
-#: What `meta` may hold, empty where it is not given: templates fail on names that are not there.
+#: What `meta` and `checks` may hold, as it is where it is not given: templates fail on names that are not there.
 _NO_META: dict[str, Any] = {
-    "project": "",
-    "spec_fingerprint": "",
-    "date": "",
-    "versions": {},
-    "command": "",
-    "requirements": {},
-    "notes": [],
-}
+    "project": "", "created": "", "tool": "", "python": "", "spec_fingerprint": "", "command": "", "versions": {}, "notes": [],
+}  # fmt: skip
+_NO_CHECKS: dict[str, Any] = {
+    "modules": None, "rules": None, "errors": None, "warnings": 0, "tests": None, "failed": 0, "failures": [], "uncovered": None,
+}  # fmt: skip
 
 
 def write_report(
@@ -38,34 +35,33 @@ def write_report(
     checks: Mapping[str, Any],
     meta: Mapping[str, Any],
 ) -> Path:
-    """Write all pages and return the path of the index; raises T291 or T292.
+    """Write index.html and runs/NAME.html and return the path of the index; raises T291 or T292.
 
-    runs: records of `trackmarshal.scenarios.run_record`. matrix_html: the matrix as a page of its own, kept as it is.
-    matrix_summary: {"coverage": {stage: {"covered": n, "of": n, and optionally "title", "partial", "missing", "failed",
-    "stale", "waived"}}}. missing: findings {"code", "level", "message", "place" (or "span", or "file" and "line"), "help"}.
-    checks: {"errors": n, "warnings": n, "tests": {"passed": n, "failed": n, "failures": [{"rule", "title", "message",
-    "place"}]}, "rules": {"covered": n, "of": n, "uncovered": [names]}}; what is left out is said not to have been done.
-    meta: {"project", "spec_fingerprint", "date", "versions": {name: version}, "command", "requirements": {id: title},
-    "notes": [text]}; only what is given is shown. The date is the caller's: equal input makes equal pages.
+    runs: records of `trackmarshal.scenarios.run_record`. matrix_html: address of the matrix's page from the folder, None
+    where there is none. matrix_summary: the matrix as `trace --format json` writes it; of it `coverage`, `stages` and
+    `requirements` are used, where they are there. missing: findings {"code", "level", "message", "span" (or "place", or
+    "file" and "line"), "help"}. checks: {"modules", "rules", "errors", "warnings", "tests", "failed": numbers, "failures":
+    [{"rule", "title", "message", "place"}], "uncovered": [rules whose boundary lacks a test]}; what is left out is said
+    not to have been done. meta: {"project", "created", "tool", "python", "spec_fingerprint", "command", "versions": {name:
+    version}, "notes": [text]}; only what is given is shown. Equal input makes equal pages.
     """
-    meta = {**_NO_META, **meta}
+    meta, checks = {**_NO_META, **meta}, {**_NO_CHECKS, **checks}
     read = [read_run(record) for record in runs]
     names = page_names([run.name for run in read])
     pages: dict[str, str] = {}
+    titles = {entry["id"]: entry["title"] for entry in matrix_summary.get("requirements", [])}
     for number, run in enumerate(read):
         around = {
             "before": (read[number - 1].name, names[number - 1]) if number else None,
             "after": (read[number + 1].name, names[number + 1]) if number + 1 < len(read) else None,
         }
         pages[f"runs/{names[number]}.html"] = _page(
-            "run.html.j2", {**run_context(run, meta["requirements"]), **around, "meta": meta}
+            "run.html.j2", {**run_context(run, titles), **around, "meta": meta}
         )
     linked = [(run, f"runs/{name}.html") for run, name in zip(read, names)]
     pages["index.html"] = _page(
-        "index.html.j2", index_context(linked, matrix_summary, missing, checks, meta, matrix_html is not None)
+        "index.html.j2", index_context(linked, matrix_summary, missing, checks, meta, matrix_html)
     )
-    if matrix_html is not None:
-        pages["matrix.html"] = matrix_html
     _write(folder, pages)
     return folder / "index.html"
 

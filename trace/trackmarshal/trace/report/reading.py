@@ -17,6 +17,8 @@ VERDICTS = {"s": "satisfied", "v": "violated", "u": "undefined", "i": "inactive"
 UNSAFE = "vuo"
 CANDIDATES = ("driving", "emergency")
 DECISIONS = {"drive": "drive", "previous_emergency": "previous emergency", "no_safe_trajectory": "none safe"}
+#: Fields of a rule that are taken from a record as they are.
+RULE_FIELDS = ("name", "title", "what", "kind", "requirements", "unit", "because", "source", "span", "text")
 #: A cycle's verdict holds until the next cycle, but not longer than this many usual cycles: then the record has a gap.
 LONGEST_HOLD = 2.5
 #: A margin below this share of the rule's median margin counts as near the bound.
@@ -185,19 +187,7 @@ def _run(name: str, record: Mapping[str, Any]) -> Run:
                 raise ValueError(f"unknown verdicts {sorted(unknown)}")
             margin = [math.nan if m is None else number(m) for m in lane["margin"]]
             lanes[candidate] = Lane(lane["verdict"], margin, lane["least"], lane["firings"])
-        fields = (
-            "name",
-            "title",
-            "what",
-            "kind",
-            "requirements",
-            "unit",
-            "because",
-            "source",
-            "span",
-            "text",
-        )
-        rules.append(Rule(*(entry[field] for field in fields), lanes))
+        rules.append(Rule(**{field: entry[field] for field in RULE_FIELDS}, lanes=lanes))
     if unknown := set(record["decision"]) - set(DECISIONS):
         raise ValueError(f"unknown decisions {sorted(unknown)}")
     for column, values in columns.items():

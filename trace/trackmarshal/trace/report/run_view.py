@@ -43,7 +43,7 @@ def run_context(run: Run, titles: Mapping[str, str]) -> dict[str, Any]:
         "positions": list(position_rows(run)),
         "moments": list(_moments(run)),
         "score": _both(lambda layout: margin_plot.score_plot(run, layout)) if run.cycles else None,
-        "plots": [_plot(run, rule) for rule in plotted],
+        "plots": [_plot(run, rule, number) for number, rule in enumerate(plotted)],
         "calm": [row for rule in run.rules if not rule.matters and (row := _calm(rule)) is not None],
         "silent": [rule for rule in run.rules if not rule.matters and _calm(rule) is None],
         "firings": list(firing_rows(run)),
@@ -97,12 +97,14 @@ def _times(times: Sequence[float]) -> str:
     return f"{shown} and {len(times) - 12} more" if len(times) > 12 else shown
 
 
-def _plot(run: Run, rule: Rule) -> dict[str, Any]:
+def _plot(run: Run, rule: Rule, number_: int) -> dict[str, Any]:
     letters = {letter for lane in rule.lanes.values() for letter in lane.verdict}
     return {
         "rule": rule,
         "unit": spoken_unit(rule.unit) if rule.unit != "1" else "",
-        "pictures": _both(lambda layout: margin_plot.margin_plot(run, rule, layout)),
+        "pictures": _both(
+            lambda layout: margin_plot.margin_plot(run, rule, layout, f"m{layout.width:.0f}-{number_}")
+        ),
         "rows": list(margin_rows(run, rule)),
         "inactive": "i" in letters,
         "least": _least(rule),

@@ -7,7 +7,7 @@ import math
 
 from trackmarshal.trace.report.reading import CANDIDATES, DECISIONS, Lane, Run
 from trackmarshal.trace.report.svg import poses
-from trackmarshal.trace.report.words import quantity
+from trackmarshal.trace.report.words import quantity, spoken_unit
 
 #: Cycles that the slider can stop at.
 MOST_STOPS = 1500
@@ -24,17 +24,13 @@ def stepper_data(run: Run) -> str:
         "ego": [_row(pose) for pose in egos],
         "others": [[_row(found[i]) for found in others.values() if i in found] for i in stops],
         "paths": {c: [_short_path(run, c, i) for i in stops] for c in CANDIDATES},
-        "safe": {c: [run.safe[c][i] for i in stops] for c in CANDIDATES},
         "decision": [DECISIONS[run.decision[i]] for i in stops],
         "rules": [
             {
                 "name": rule.name,
+                "unit": "" if rule.unit == "1" else spoken_unit(rule.unit),
                 "lanes": [
-                    {
-                        "c": c,
-                        "v": "".join(lane.verdict[i] for i in stops),
-                        "m": _unsafe_margins(lane, stops, rule.unit),
-                    }
+                    {"c": c, "v": "".join(lane.verdict[i] for i in stops), "m": _unsafe_margins(lane, stops)}
                     for c, lane in rule.lanes.items()
                 ],
             }
@@ -46,21 +42,24 @@ def stepper_data(run: Run) -> str:
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-def _unsafe_margins(lane: Lane, stops: range, unit: str) -> dict[str, str]:
-    """Margins in words by number of the stop, where the rule is violated."""
-    return {str(n): quantity(lane.margin[i], unit, 3) for n, i in enumerate(stops) if lane.verdict[i] == "v"}
+def _unsafe_margins(lane: Lane, stops: range) -> dict[str, float | str]:
+    """Margins to three digits by number of the stop, where the rule is violated."""
+    found: dict[str, float | str] = {}
+    for stop, i in enumerate(stops):
+        if lane.verdict[i] == "v":
+            margin = lane.margin[i]
+            found[str(stop)] = float(f"{margin:.3g}") if math.isfinite(margin) else quantity(margin, "")
+    return found
 
 
 def _row(pose: poses.Pose | None) -> list[float] | None:
     if pose is None:
         return None
-    return [
-        round(value, 3) for value in (pose.x, pose.y, pose.heading, pose.length or 0.0, pose.width or 0.0)
-    ]
+    values = (pose.x, pose.y, pose.heading, pose.length or 0.0, pose.width or 0.0)
+    return [round(value, digits) for value, digits in zip(values, (2, 2, 4, 2, 2))]
 
 
 def _short_path(run: Run, candidate: str, index: int) -> list[float]:
+    """x and y in turn, of every third point and the last one."""
     path = poses.path_of(run, candidate, index)
-    return [
-        round(value, 2) for point in path[::2] + (path[-1:] if len(path) % 2 == 0 else []) for value in point
-    ]
+    return [round(value, 1) for point in (path[:-1:3] + path[-1:]) for value in point]

@@ -61,20 +61,43 @@ def listed(words: Sequence[str]) -> str:
 
 def decided_by(moment: Mapping[str, Any]) -> str:
     """Which sample or object decided, in words; empty where nothing in particular did."""
-    parts = []
-    for binder in moment["where"]:
-        place = [
-            f"{name} = {quantity(number(binder[name]), unit)}"
-            for name, unit in (("x", "m"), ("y", "m"))
-            if binder[name] is not None
-        ]
-        if isinstance(binder["value"], int):
-            what = f"sample {binder['value']}" + (f" of {binder['signal']}" if binder["signal"] else "")
-            if binder["t"] is not None:
-                place.insert(0, f"t = {clock(number(binder['t']))} s")
-        else:
-            what = f"{binder['value']}" + (f" in {binder['signal']}" if binder["signal"] else "")
-        parts.append(f"{binder['name']}: {what}" + (f" ({', '.join(place)})" if place else ""))
+    parts = [_spoken(group) for group in _neighbours(moment["where"])]
     if moment["reason"] and moment["reason"] != "nothing in its range":
         parts.append(moment["reason"])
     return "; ".join(parts)
+
+
+def _neighbours(binders: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
+    """Binders in groups: consecutive samples of one signal belong together."""
+    groups: list[list[Mapping[str, Any]]] = []
+    for binder in binders:
+        last = groups[-1][-1] if groups else None
+        follows = (
+            last is not None
+            and isinstance(binder["value"], int)
+            and last["signal"] == binder["signal"] != ""
+            and last["value"] == binder["value"] - 1
+        )
+        if follows:
+            groups[-1].append(binder)
+        else:
+            groups.append([binder])
+    return groups
+
+
+def _spoken(group: Sequence[Mapping[str, Any]]) -> str:
+    first, last = group[0], group[-1]
+    of = f" of {first['signal']}" if first["signal"] else ""
+    place = [] if first["t"] is None else [f"t = {interval(number(first['t']), number(last['t']))} s"]
+    place += [
+        f"{axis} = {quantity(number(first[axis]), 'm')}" for axis in ("x", "y") if first[axis] is not None
+    ]
+    if len(group) > 1:
+        what = f"samples {first['value']} to {last['value']}{of}"
+    elif isinstance(first["value"], int):
+        what = f"sample {first['value']}{of}"
+    else:
+        what = f"{first['value']}" + (f" in {first['signal']}" if first["signal"] else "")
+    return f"{', '.join(binder['name'] for binder in group)}: {what}" + (
+        f" ({', '.join(place)})" if place else ""
+    )

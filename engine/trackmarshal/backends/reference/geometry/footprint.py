@@ -12,6 +12,7 @@ from trackmarshal.backends.reference.geometry.points import (
     chain,
     distance,
     side,
+    sized,
     usable,
 )
 
@@ -52,7 +53,7 @@ def swept_corners(pose0: Pose, pose1: Pose, length: float, width: float) -> list
 
 def swept(pose0: Pose, pose1: Pose, length: float, width: float) -> list[Point]:
     """The convex hull of the footprints of two poses, counter-clockwise."""
-    if not usable(*pose0, *pose1, length, width) or length <= 0.0 or width <= 0.0:
+    if not usable(*pose0, *pose1) or not sized(length, width):
         raise ValueError("a swept footprint needs finite poses and positive sizes")
     return [(x + pose0[0], y + pose0[1]) for x, y in convex_hull(swept_corners(pose0, pose1, length, width))]
 
@@ -96,9 +97,9 @@ def swept_clearance(
     other_width: float,
 ) -> float:
     """The signed distance [m] of what two bodies sweep, each between two poses of its own."""
-    if not usable(*pose0, *pose1, length, width, *other0, *other1, other_length, other_width):
+    if not usable(*pose0, *pose1, *other0, *other1):
         return math.nan
-    if min(length, width, other_length, other_width) <= 0.0:
+    if not sized(length, width) or not sized(other_length, other_width):
         return math.nan
     origin = (pose0[0], pose0[1])
     body = convex_hull(swept_corners(pose0, pose1, length, width))

@@ -14,6 +14,8 @@ Pose = tuple[float, float, float]
 LIMIT = 1e9
 #: Points that are no farther apart than this in x and y are the same point [m].
 SAME = 1e-9
+#: A length or width below this is none [m].
+SMALLEST = 1e-6
 
 
 class Segment(NamedTuple):
@@ -37,6 +39,11 @@ def segment(a: Point, b: Point, origin: Point = (0.0, 0.0)) -> Segment:
 def usable(*numbers: float) -> bool:
     """Whether all numbers are finite and no larger than `LIMIT`."""
     return all(abs(number) <= LIMIT for number in numbers)
+
+
+def sized(length: float, width: float) -> bool:
+    """Whether a length and a width are those of a body."""
+    return usable(length, width) and min(length, width) >= SMALLEST
 
 
 def side(s: Segment, x: float, y: float) -> float:

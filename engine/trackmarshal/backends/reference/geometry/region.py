@@ -15,6 +15,7 @@ from trackmarshal.backends.reference.geometry.points import (
     distance,
     segment,
     side,
+    sized,
     usable,
 )
 
@@ -63,7 +64,7 @@ def hull_margin(region: Region, pose0: Pose, pose1: Pose, length: float, width: 
     Where neither exists (the border passes through between corners), minus the depth of the middle of the longest
     stretch of a border segment inside the hull. NaN for a pose or a size that is none.
     """
-    if not usable(*pose0, *pose1, length, width) or length <= 0.0 or width <= 0.0:
+    if not usable(*pose0, *pose1) or not sized(length, width):
         return math.nan
     x0, y0 = pose0[0], pose0[1]
     corners = swept_corners(pose0, pose1, length, width)

@@ -8,13 +8,15 @@ from dataclasses import dataclass
 
 #: A margin axis becomes logarithmic on both sides of zero where the largest value is so much more than what matters.
 HUGE = 60.0
+#: Spans below this are the noise of rounding, not something to see.
+TINY = 1e-12
 #: What is beyond is drawn at the axis's end.
 LARGEST = 1e9
 
 
 def nice_step(span: float, wanted: int) -> float:
     """1, 2 or 5 times a power of ten that cuts a span into at most about `wanted` parts."""
-    if not (math.isfinite(span) and span > 0):
+    if not (math.isfinite(span) and span > TINY):
         return 1.0
     raw = span / max(1, wanted)
     power = 10.0 ** math.floor(math.log10(raw))
@@ -76,7 +78,7 @@ def margin_axis(values: Sequence[float], start: float, stop: float) -> Axis:
     """Room for some margins and for the bound at zero; `start` is the pixel of the lowest value."""
     finite = [min(max(v, -LARGEST), LARGEST) for v in values if math.isfinite(v)]
     low, high = min([0.0, *finite]), max([0.0, *finite])
-    if low == high:
+    if high - low <= TINY:
         low, high = -1.0, 1.0
     largest = max(-low, high)
     matter = _what_matters(finite)

@@ -14,12 +14,12 @@ from trackmarshal.trace.report.words import clock, plain, quantity, spoken_unit
 HEIGHT, TOP, BOTTOM = 150.0, 10.0, 22.0
 #: Room for the numbers of the vertical axis where the timeline has no gutter.
 LEAST_GUTTER = 52.0
-#: Longer lines are drawn from the extremes of stretches of cycles.
-MOST_POINTS = 700
+#: Beginnings of firings that are marked with a dot, for each candidate.
+MOST_DOTS = 20
 
 
-def margin_plot(run: Run, rule: Rule, layout: Layout) -> str:
-    """The margins of one rule."""
+def margin_plot(run: Run, rule: Rule, layout: Layout, key: str) -> str:
+    """The margins of one rule; `key` makes the picture's ids unique on a page."""
     start = layout.gutter or LEAST_GUTTER
     across = time_axis(run.t, run.end, start, layout.width - layout.right)
     values = [
@@ -30,8 +30,12 @@ def margin_plot(run: Run, rule: Rule, layout: Layout) -> str:
         *_truth(run, run.truth.get(rule.kind, ()), across, HEIGHT),
         *_grid(run, rule, across, up, layout),
     ]
+    below = tag(
+        "rect", x=start, y=up.at(0.0), width=across.stop - start, height=HEIGHT - BOTTOM - up.at(0.0) + 3
+    )
+    parts.append(tag("clipPath", below, id=f"{key}-below"))
     for candidate, lane in rule.lanes.items():
-        parts += _line(run, candidate, lane, across, up)
+        parts += _line(run, candidate, lane, across, up, key)
     parts.append(
         tag("line", x1=0.0, x2=0.0, y1=TOP, y2=HEIGHT - BOTTOM, class_="cursor", visibility="hidden")
     )
@@ -141,8 +145,8 @@ def _time_words(run: Run, across: Axis, layout: Layout, height: float) -> Iterat
         yield text(x, height - 7, words, class_="tick middle")
 
 
-def _line(run: Run, candidate: str, lane: Lane, across: Axis, up: Axis) -> Iterator[str]:
-    """The line with gaps where there is no margin, thick where violated, marks where undefined or infinite."""
+def _line(run: Run, candidate: str, lane: Lane, across: Axis, up: Axis, key: str) -> Iterator[str]:
+    """The line with gaps where there is no margin, thick below the bound, dots where it fires, marks where undefined."""
     middles = [(a + b) / 2 for a, b in zip(run.t, run.end)] if run.cycles == 1 else run.t
     pieces: list[list[tuple[float, float]]] = [[]]
     for i, letter in enumerate(lane.verdict):
@@ -150,53 +154,51 @@ def _line(run: Run, candidate: str, lane: Lane, across: Axis, up: Axis) -> Itera
             pieces[-1].append((across.at(middles[i]), up.at(lane.margin[i])))
         elif pieces[-1]:
             pieces.append([])
-    path = "".join(_piece(piece) for piece in pieces if piece)
+    most = int(across.stop - across.start)
+    path = "".join(_piece(piece, most) for piece in pieces if piece)
     if path:
-        yield tag("path", title(f"{candidate} trajectory"), d=path, class_=f"line {candidate}")
-    for violated, first, last in stretches(letter == "v" for letter in lane.verdict):
-        if violated:
-            piece = [(across.at(middles[i]), up.at(lane.margin[i])) for i in range(first, last + 1)]
-            yield tag("path", d=_piece(piece), class_="line firing")
-            x, y = piece[0]
-            yield tag(
-                "circle",
-                title(f"{candidate}: violated from {clock(run.t[first])} {run.time_unit}"),
-                cx=x,
-                cy=y,
-                r=3.0,
-                class_="firing-dot",
-            )
+        name = f"{key}-{candidate}"
+        yield tag("defs", tag("path", id=name, d=path))
+        yield tag("use", title(f"{candidate} trajectory"), href=f"#{name}", class_=f"line {candidate}")
+        if "v" in lane.verdict:
+            yield tag("use", href=f"#{name}", class_="line firing", clip_path=f"url(#{key}-below)")
+    starts = [
+        first
+        for letter, first, _ in stretches(lane.verdict)
+        if letter == "v" and not math.isnan(lane.margin[first])
+    ]
+    for first in starts[:MOST_DOTS]:
+        note = title(f"{candidate}: violated from {clock(run.t[first])} {run.time_unit}")
+        yield tag(
+            "circle",
+            note,
+            cx=across.at(middles[first]),
+            cy=up.at(lane.margin[first]),
+            r=3.0,
+            class_="firing-dot",
+        )
     for letter, first, last in stretches(lane.verdict):
         if letter in "uo":
             x0, x1 = across.at(run.t[first]), across.at(run.end[last])
             word = "undefined" if letter == "u" else "open"
-            place = 12.0 if candidate == CANDIDATES[0] else 6.0
-            note = f"{candidate}: {word} {clock(run.t[first])} to {clock(run.t[last])} {run.time_unit}"
-            yield tag(
-                "rect",
-                title(note),
-                x=x0,
-                y=HEIGHT - BOTTOM - place,
-                width=max(x1 - x0, 1.5),
-                height=5.0,
-                class_=f"b-{word}",
-            )
+            y = HEIGHT - BOTTOM - (12.0 if candidate == CANDIDATES[0] else 6.0)
+            note = title(f"{candidate}: {word} {clock(run.t[first])} to {clock(run.t[last])} {run.time_unit}")
+            yield tag("rect", note, x=x0, y=y, width=max(x1 - x0, 1.5), height=5.0, class_=f"b-{word}")
 
 
-def _piece(piece: Sequence[tuple[float, float]]) -> str:
+def _piece(piece: Sequence[tuple[float, float]], most: int) -> str:
     """A stretch of line; a lone point becomes a dash that can be seen."""
     if len(piece) == 1:
         x, y = piece[0]
-        return f"M{short(x - 2)} {short(y)}h4"
-    drawn = "L".join(f"{short(x)} {short(y)}" for x, y in _extremes(piece))
-    return f"M{drawn}"
+        return f"M{x - 2:.1f} {y:.1f}h4"
+    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in _extremes(piece, most))
 
 
-def _extremes(piece: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """At most MOST_POINTS points: of each stretch of neighbours its lowest and its highest one."""
-    if len(piece) <= MOST_POINTS:
+def _extremes(piece: Sequence[tuple[float, float]], most: int) -> list[tuple[float, float]]:
+    """At most about so many points: of each stretch of neighbours its lowest and its highest one."""
+    if len(piece) <= most:
         return list(piece)
-    size = math.ceil(len(piece) / (MOST_POINTS // 2))
+    size = math.ceil(2 * len(piece) / most)
     kept: list[tuple[float, float]] = []
     for start in range(0, len(piece), size):
         part = piece[start : start + size]

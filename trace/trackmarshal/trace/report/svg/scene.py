@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 from trackmarshal.trace.report.reading import CANDIDATES, Run, number
 from trackmarshal.trace.report.svg import scenery
-from trackmarshal.trace.report.svg.element import points, tag, thinned, title
+from trackmarshal.trace.report.svg.element import points, tag, text, text_width, thinned, title
 from trackmarshal.trace.report.svg.labels import Places
 from trackmarshal.trace.report.svg.poses import (
     FAR,
@@ -28,7 +29,9 @@ from trackmarshal.trace.report.svg.view import Frame, Point, View, fit, main_dir
 from trackmarshal.trace.report.words import clock, count, interval, plain
 
 #: A path that is so many times as long as broad is cut into strips.
-ELONGATED = 5.0
+ELONGATED = 7.0
+#: Pixels between two numbers.
+NEAREST = 24.0
 #: At most so many first firings of rules are marked, the earliest ones.
 MOST_MARKS = 6
 
@@ -113,20 +116,36 @@ def _scene(run: Run, part: _Part, view: View, last: bool) -> str:
             )
         )
     labels: list[tuple[Point, float, str, str]] = []
+    labelled = _apart([egos[i] for i in cycles if i in egos], [i for i in cycles if i in egos], view)
     for i in cycles:
         words = clock(run.t[i])
+        ego = egos.get(i)
+        at = None if ego is None else view.at(ego.x, ego.y)
         for name, poses in near.items():
             if i in poses:
                 parts += scenery.footprint(poses[i], view, "other", f"{name} at {words} s", places)
-                labels.append((view.at(poses[i].x, poses[i].y), poses[i].heading, words, "other-label"))
-        if i in egos:
-            parts += scenery.footprint(egos[i], view, "ego", f"car under test at {words} s", places)
-            labels.append((view.at(egos[i].x, egos[i].y), egos[i].heading, words, "ego-label"))
+                place = view.at(poses[i].x, poses[i].y)
+                # Beside the car's own number the same number again says nothing.
+                if at is None or (i in labelled and math.dist(place, at) > 0.6 * NEAREST):
+                    labels.append((place, poses[i].heading, words, "other-label"))
+        if ego is not None and at is not None:
+            parts += scenery.footprint(ego, view, "ego", f"car under test at {words} s", places)
+            if i in labelled:
+                labels.append((at, ego.heading, words, "ego-label"))
     parts += _beginnings(run, egos, view, places)
     parts += _names(near, view, places)
     parts += scenery.time_labels(labels, view, places)
     parts.append(tag("g", class_="now"))
     return scenery.picture(view, parts, f"Scene of {run.name}, {times}", _described(run, near), last)
+
+
+def _apart(poses: Sequence[Pose], cycles: Sequence[int], view: View) -> set[int]:
+    """Cycles whose numbers are written: evenly many, so that mostly NEAREST pixels are between two of them."""
+    places = [view.at(pose.x, pose.y) for pose in poses]
+    way = sum(math.dist(a, b) for a, b in pairwise(places))
+    usual = way / max(1, len(places) - 1)
+    every = next((n for n in (1, 2, 5, 10, 20) if n * usual >= NEAREST), 50)
+    return set(cycles[::every])
 
 
 def moment(run: Run, index: int, where: Sequence[Mapping[str, Any]], frame: Frame) -> str | None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
-from trackmarshal.trace.report.reading import Run
+from trackmarshal.trace.report.reading import Run, stretches
 from trackmarshal.trace.report.svg.axis import Axis, time_axis
 from trackmarshal.trace.report.svg.bands import Lane, Row, Segment, overall, rule_groups
 from trackmarshal.trace.report.svg.element import fitted, short, svg, tag, text, text_width, title
@@ -38,8 +39,8 @@ NARROW = Layout(width=380.0, gutter=0.0, lane=11.0, font=12.0, ticks=7)
 HEAD, GROUP_HEAD, GAP = 24.0, 24.0, 6.0
 #: Size of the words inside bands, as in the page's style; they are bold.
 SMALL = 9.5
-#: More stretches than this in one lane are drawn as one path a verdict, without words and notes.
-MOST_SEGMENTS = 80
+#: More stretches than this in one lane are drawn as columns of COLUMN pixels, without words and notes.
+MOST_SEGMENTS, COLUMN = 80, 2.0
 
 
 def timeline(run: Run, layout: Layout, requirement_titles: Mapping[str, str]) -> str:
@@ -135,20 +136,41 @@ def _lane(lane: Lane, run: Run, axis: Axis, y: float, height: float) -> Iterator
 
 
 def _dense(segments: Sequence[Segment], run: Run, axis: Axis, y: float, height: float) -> Iterator[str]:
-    """One path a style; unsafe ones last, and never thinner than a pixel, so that they are not lost."""
-    paths: dict[str, list[str]] = {}
+    """Columns of a few pixels, each with the worst that is in it, as one path a style: nothing unsafe is lost."""
+    columns: dict[int, str] = {}
     for segment in segments:
         x0, x1 = _span(segment, run, axis)
-        wide = short(max(x1 - x0, 1.0))
-        paths.setdefault(segment.style, []).append(f"M{short(x0)} {short(y)}h{wide}v{short(height)}h-{wide}Z")
-    order = ("absent", "inactive", "satisfied", "open", "undefined", "violated")
-    for style in sorted(paths, key=lambda s: order.index(s) if s in order else -1):
-        yield tag(
-            "path",
-            title(f"{count(len(paths[style]), 'stretch', 'stretches')} {style}"),
-            d="".join(paths[style]),
-            class_=f"b-{style}",
+        for column in range(
+            int((x0 - axis.start) / COLUMN),
+            max(int((x0 - axis.start) / COLUMN) + 1, math.ceil((x1 - axis.start) / COLUMN)),
+        ):
+            columns[column] = max(columns.get(column, ""), segment.style, key=_badness)
+    paths: dict[str, list[str]] = {}
+    for style, first, last in stretches(columns.get(i, "") for i in range(max(columns) + 1)):
+        x, wide = axis.start + first * COLUMN, (last - first + 1) * COLUMN
+        paths.setdefault(style, []).append(
+            f"M{short(x)} {short(y)}h{short(wide)}v{short(height)}h-{short(wide)}"
         )
+    for style, drawn in paths.items():
+        if style:
+            amount = sum(segment.style == style for segment in segments)
+            yield tag(
+                "path",
+                title(count(amount, f"{style} stretch", f"{style} stretches")),
+                d="".join(drawn),
+                class_=f"b-{style}",
+            )
+
+
+def _badness(style: str) -> int:
+    return _ORDER.index(style) if style in _ORDER else 0
+
+
+#: From mildest to worst.
+_ORDER = (
+    "", "absent", "free", "inactive", "satisfied", "drive", "must-safe", "must-unsafe", "previous", "nothing", "open", "undefined",
+    "violated",
+)  # fmt: skip
 
 
 def _span(segment: Segment, run: Run, axis: Axis) -> tuple[float, float]:

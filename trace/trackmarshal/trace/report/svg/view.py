@@ -32,7 +32,7 @@ NARROW_NEAR = Frame(380.0, 440.0, upright=True)
 #: Pixels around what is shown, pixels below for the scale bar, and the least height.
 PAD, FOOT, LOWEST = 14.0, 36.0, 90.0
 #: The least extent of a picture, in m.
-SMALLEST = 30.0
+SMALLEST = 40.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,77 @@
+"""Generated C to a shared library: compiled once for its content, kept in the user's cache."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from trackmarshal.backends.c.glue import glue
+from trackmarshal.backends.c.source import Source
+from trackmarshal.cache import cache_folder
+from trackmarshal.errors import TrackmarshalError
+
+#: Without these, a compiler may fuse, re-associate, or compute functions of constants by other code than libm's.
+EXACT = (
+    "-std=c99", "-ffp-contract=off", "-fno-fast-math",
+    *(f"-fno-builtin-{name}" for name in ("sin", "cos", "tan", "exp", "log", "pow", "atan2")),
+)  # fmt: skip
+#: sqrt as one instruction: nobody reads errno. Signals of the floating-point unit are not used either.
+FAST = ("-O2", "-fno-math-errno", "-fno-trapping-math")
+SHARED = ("-shared", "-fPIC")
+
+
+def compiler() -> list[str] | None:
+    """The command of the C compiler: $CC, else the first of cc, gcc, clang; None where there is none."""
+    given = os.environ.get("CC")
+    if given:
+        words = shlex.split(given)
+        return words if words and shutil.which(words[0]) else None
+    for name in ("cc", "gcc", "clang"):
+        path = shutil.which(name)
+        if path:
+            return [path]
+    return None
+
+
+def library(source: Source, capacities: Mapping[str, int]) -> Path:
+    """The shared library of a program, built if it is not there; raises TrackmarshalError E471 or E472."""
+    text = glue(source)
+    macros = [f"-D{name}={value}u" for name, value in sorted(capacities.items())]
+    flags = [*EXACT, *FAST, *SHARED, *macros]
+    digest = hashlib.sha256()
+    for part in (source.header, source.source, text, *flags, os.environ.get("CC", ""), platform.machine(), sys.platform):
+        digest.update(part.encode())
+        digest.update(b"\0")
+    folder = cache_folder()
+    root = Path(tempfile.mkdtemp(prefix="trackmarshal-")) if folder is None else folder / "c"
+    root.mkdir(parents=True, exist_ok=True)
+    target = root / f"{digest.hexdigest()[:32]}.so"
+    if not target.is_file():
+        _compile(source, text, flags, root, target)
+    return target
+
+
+def _compile(source: Source, text: str, flags: list[str], root: Path, target: Path) -> None:
+    command = compiler()
+    if command is None:
+        raise TrackmarshalError("E471", "no C compiler is found", help="install gcc or clang, name one in $CC, or choose another backend")
+    # Built aside and moved: another process sees all of it or nothing, and two builders overwrite each other with the same.
+    with tempfile.TemporaryDirectory(dir=root) as folder:
+        place = Path(folder)
+        (place / f"{source.name}.h").write_text(source.header, encoding="utf-8")
+        (place / f"{source.name}.c").write_text(source.source, encoding="utf-8")
+        (place / "glue.c").write_text(text, encoding="utf-8")
+        done = subprocess.run(
+            [*command, *flags, "-o", "made.so", "glue.c", "-lm"], cwd=place, capture_output=True, text=True, check=False
+        )
+        if done.returncode != 0:
+            raise TrackmarshalError("E472", f"`{' '.join(command)}` says: {done.stderr.strip()[:2000]}")
+        os.replace(place / "made.so", target)

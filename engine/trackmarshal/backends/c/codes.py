@@ -1,0 +1,25 @@
+"""Error codes of the C backend."""
+
+CODES = {
+    "E470": (
+        "the C generator does not support this",
+        "The generated C evaluates a rule exactly as the reference does, or not at all. A node of the formula that it has no"
+        " exact counterpart for makes the generator refuse the rule; the message names the rule and the node. Leave the rule"
+        " out (`--rule`), or evaluate it with another backend.",
+    ),
+    "E471": (
+        "no C compiler",
+        "The C backend compiles what it generates. It asks $CC, then `cc`, `gcc` and `clang`; none of them is there.",
+    ),
+    "E472": (
+        "the C compiler refuses the generated code",
+        "The generated code is plain C99. Where a compiler refuses it, its own words are part of the message; a compiler that"
+        " $CC names may be too old, or no C compiler at all.",
+    ),
+    "E473": (
+        "the generated C does not hold this input",
+        "Generated programs allocate nothing: arrays have the capacity that they were compiled with. An input beyond the largest"
+        " one, or a track that the C geometry refuses (a closed track whose borders cross), is not evaluated at all.",
+    ),
+    "E474": ("the output folder cannot be written", "`compile` writes its files into the folder of `--out`, and makes it if need be."),
+}  # fmt: skip

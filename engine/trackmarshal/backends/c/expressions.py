@@ -1,0 +1,437 @@
+"""Nodes of the IR to C statements: each node once, in the outermost block in which all its variables are bound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.names import comment, literal
+from trackmarshal.backends.c.statements import Block
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.source import Span
+
+
+@dataclass(frozen=True)
+class Value:
+    """The C names of a formula's value; of one known for sure, worst and best are the same names."""
+
+    worst_sat: str
+    worst_margin: str
+    best_sat: str
+    best_margin: str
+
+    @property
+    def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        return (self.worst_sat, self.worst_margin), (self.best_sat, self.best_margin)
+
+
+#: Built-in functions whose C is not a call of libm of the same name.
+_FUNCTIONS = {"abs": "fabs", "min": "tm_min", "max": "tm_max", "pow": "tm_pow", "floor": "floor", "sqrt": "sqrt"}
+_LIBM = ("sin", "cos", "tan", "exp", "log", "atan2")
+_MARGINS: dict[str, Callable[[str, str], str]] = {
+    "<": lambda a, b: f"{b} - {a}", "<=": lambda a, b: f"{b} - {a}", ">": lambda a, b: f"{a} - {b}",
+    ">=": lambda a, b: f"{a} - {b}", "==": lambda a, b: f"-fabs({a} - {b})", "!=": lambda a, b: f"fabs({a} - {b})",
+}  # fmt: skip
+
+
+class Writer:
+    """Writes one function of one rule. `known`: everything is taken for known, and whatever is not is remarked in `suspect`.
+
+    The other kind of function carries a worst and a best case through every formula (strong Kleene logic).
+    """
+
+    def __init__(self, plan: Layout, rule: RuleInfo, known: bool) -> None:
+        self.plan = plan
+        self.rule = rule
+        self.known = known
+        self.root = Block("")
+        self._count = 0
+        self._free: dict[ir.IR, frozenset[ir.Axis]] = {}
+        self._span: Span | None = rule.span
+        self.slots = Slots()
+        #: libm functions that the function calls, and operations counted once for every statement.
+        self.libm: set[str] = set()
+
+    # Bookkeeping ------------------------------------------------------------------------------------------------
+
+    def fresh(self) -> int:
+        self._count += 1
+        return self._count
+
+    def refuse(self, node: ir.IR, why: str) -> TrackmarshalError:
+        span = getattr(node, "span", None) or self.rule.span
+        return TrackmarshalError(
+            "E470", f"rule `{self.rule.name}`: {why}", file=span.file.path, line=span.line,
+            help="choose rules with --rule, or another backend",
+        )  # fmt: skip
+
+    def note(self) -> str:
+        span = self._span or self.rule.span
+        wanted = " ".join(name for name, _ in self.rule.satisfies)
+        return comment(f"{self.rule.name}{' ' + wanted if wanted else ''} {span.file.path}:{span.line}")
+
+    def add(self, block: Block, text: str, target: str | None = None) -> None:
+        block.add(text, target, self.note())
+
+    def free(self, node: ir.IR) -> frozenset[ir.Axis]:
+        """The axes whose variables a node depends on."""
+        found = self._free.get(node)
+        if found is None:
+            found = self._free[node] = self._free_of(node)
+        return found
+
+    def _free_of(self, node: ir.IR) -> frozenset[ir.Axis]:
+        match node:
+            case ir.Column():
+                return frozenset([node.axis])
+            case ir.Flag():
+                return frozenset() if node.axis is None else frozenset([node.axis])
+            case ir.Quantify():
+                inner = self.free(node.body) | (frozenset() if node.guard is None else self.free(node.guard))
+                return inner - {node.axis}
+            case ir.First():
+                return self.free(node.operand) - {node.axis}
+            case ir.Temporal() | ir.Shift() | ir.Edge():
+                return self.free(node.operand) | {node.axis}
+            case ir.Until():
+                return self.free(node.left) | self.free(node.right) | {node.axis}
+            case _:
+                result: frozenset[ir.Axis] = frozenset()
+                for child in node.children():
+                    if isinstance(child, (ir.Num, ir.Formula)):
+                        result |= self.free(child)
+                return result
+
+    def home(self, axes: frozenset[ir.Axis], block: Block) -> Block:
+        """The outermost block, seen from one inside, in which these axes' variables have their present values."""
+        for candidate in block.chain():
+            if candidate.parent is None or any(axis in candidate.binds for axis in axes):
+                return candidate
+        raise AssertionError("blocks end at the root")
+
+    def index(self, axis: ir.Axis, block: Block) -> str:
+        for candidate in block.chain():
+            if axis in candidate.binds:
+                return candidate.binds[axis]
+        raise AssertionError(f"no variable of axis {axis.signal} in scope")
+
+    def count(self, axis: ir.Axis) -> str:
+        """C of how many values an axis has."""
+        total = f"in->{self.plan.input(axis.signal).c_name}.count"
+        return total if axis.width == 1 else f"tm_windows({total}, {axis.width}u)"
+
+    # Numbers ----------------------------------------------------------------------------------------------------
+
+    def number(self, node: ir.Num, block: Block) -> str:
+        """The C name of a number's value; its statement is written where it belongs."""
+        home = self.home(self.free(node), block)
+        known = home.known.get(node)
+        if known is None:
+            text = self._number(node, home)
+            if isinstance(node, ir.Const):
+                known = text
+            else:
+                known = f"n{self.fresh()}"
+                self.add(home, f"const double {known} = {text};", known)
+            home.known[node] = known
+        assert isinstance(known, str)
+        return known
+
+    def _number(self, node: ir.Num, at: Block) -> str:
+        match node:
+            case ir.Const():
+                return literal(node.value)
+            case ir.Param():
+                return f"c->params.{self.plan.params[node.name]}"
+            case ir.Column():
+                return f"in->{self._column(node, at)}"
+            case ir.Sample():
+                place = self.plan.input(node.signal).c_name
+                column = self.plan.field_name(node.signal, node.field)
+                if node.index not in (0, -1):
+                    raise self.refuse(node, f"sample {node.index} of `{node.signal}`; the C generator knows the first and the last")
+                at_index = "0" if node.index == 0 else f"in->{place}.count - 1u"
+                return f"in->{place}.{column}[{at_index}]"
+            case ir.Scalar():
+                return f"in->{self.plan.input(node.signal).c_name}.{self.plan.field_name(node.signal, node.field)}"
+            case ir.Arith():
+                left, right = self.number(node.left, at), self.number(node.right, at)
+                if node.op not in ("+", "-", "*", "/"):
+                    raise AssertionError(f"unknown operator {node.op}")
+                return f"{left} {node.op} {right}"
+            case ir.Neg():
+                return f"-{self.number(node.operand, at)}"
+            case ir.Func():
+                args = ", ".join([self.number(arg, at) for arg in node.args])
+                if node.name in _FUNCTIONS:
+                    self.libm |= {node.name} & {"pow", "sqrt", "floor"}
+                    return f"{_FUNCTIONS[node.name]}({args})"
+                if node.name in _LIBM:
+                    self.libm.add(node.name)
+                    return f"{node.name}({args})"
+                raise self.refuse(node, f"the function `{node.name}` has no C counterpart")
+            case ir.Choose():
+                condition = self.formula(node.condition, at)
+                then, otherwise = self.number(node.then, at), self.number(node.otherwise, at)
+                if self.known:
+                    return f"{condition.worst_sat} ? {then} : {otherwise}"
+                return f"{condition.worst_sat} ? {then} : ({condition.best_sat} ? TM_NAN : {otherwise})"
+            case ir.Lookup():
+                return f"tm_lookup(&c->tables.{self.plan.tables[node.table]}, {self.number(node.argument, at)})"
+            case ir.Along():
+                return self._along(node, at)
+            case _:
+                raise self.refuse(node, f"the C generator does not know numbers of kind {type(node).__name__}")
+
+    def _column(self, node: ir.Column | ir.Flag, at: Block) -> str:
+        assert node.axis is not None
+        index = self.index(node.axis, at)
+        signal, name = (node.axis.signal, node.field)
+        place = f"{self.plan.input(signal).c_name}.{self.plan.field_name(signal, name or '')}"
+        if node.offset > 0:
+            return f"{place}[{index} + {node.offset}u]"
+        if node.offset < 0:
+            return f"{place}[tm_before({index}, {-node.offset}u)]"
+        return f"{place}[{index}]"
+
+    def _along(self, node: ir.Along, at: Block) -> str:
+        args = [self.number(arg, at) for arg in node.args]
+        line = node.line
+        if line.kind == "path":
+            signal = self.plan.input(line.name).c_name
+            x, y = (self.plan.field_name(line.name, name) for name in ("x", "y"))
+            target = f"in->{signal}.x, in->{signal}.y, in->{signal}.count".replace(".x,", f".{x},").replace(".y,", f".{y},")
+            names = ("tm_path_gap", "tm_path_distance", "tm_path_project")
+        else:
+            target = f"c, &c->shapes.{self.plan.shape(line).c_name}"
+            names = ("tm_line_gap", "tm_line_distance", "tm_line_project")
+        if node.what == "station_gap":
+            return f"{names[0]}({target}, {args[0]}, {args[1]})"
+        if node.what == "distance":
+            return f"{names[1]}({target}, {args[0]}, {args[1]})"
+        if node.what not in ("station", "offset", "direction"):
+            raise self.refuse(node, f"the C generator does not know `{node.what}`")
+        # Station, offset and direction of one point are three nodes; the projection is made once.
+        key = ("projection", line, *args)
+        known = at.known.get(key)
+        if known is None:
+            known = at.known[key] = f"r{self.fresh()}"
+            self.add(at, f"const tm_projection {known} = {names[2]}({target}, {args[0]}, {args[1]});", str(known))
+        return f"{known}.{node.what}"
+
+    # Formulas ---------------------------------------------------------------------------------------------------
+
+    def formula(self, node: ir.Formula, block: Block) -> Value:
+        """The C names of a formula's value; its statements are written where they belong."""
+        home = self.home(self.free(node), block)
+        known = home.known.get(node)
+        if known is None:
+            before, self._span = self._span, getattr(node, "span", None) or self._span
+            known = home.known[node] = self._formula(node, home)
+            self._span = before
+        assert isinstance(known, Value)
+        return known
+
+    def _formula(self, node: ir.Formula, at: Block) -> Value:
+        match node:
+            case ir.Truth():
+                pair = ("true", "TM_INF") if node.value else ("false", "(-TM_INF)")
+                return Value(*pair, *pair)
+            case ir.Flag():
+                return self._flag(node, at)
+            case ir.Compare():
+                return self._compare(node, at)
+            case ir.Geometry():
+                return self._geometry(node, at)
+            case ir.Not():
+                inner = self.formula(node.operand, at)
+                return self.negated(inner, at)
+            case ir.Connective():
+                return self.connect(node.op, self.formula(node.left, at), self.formula(node.right, at), at)
+            case ir.Quantify():
+                return self.quantify([node], at)[0]
+            case ir.Guarded():
+                return self._guarded(node, at)
+            case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+                from trackmarshal.backends.c.timelines import series
+
+                slots = series(self, node, at)
+                return self._read(slots, self.index(node.axis, at), at)
+            case ir.First():
+                inner = at.open("")
+                inner.binds[node.axis] = "0u"
+                return self._carried(self.formula(node.operand, inner), at, inner)
+            case _:
+                raise self.refuse(node, f"the C generator does not know formulas of kind {type(node).__name__}")
+
+    def value(self, at: Block, worst_sat: str, worst_margin: str, best_sat: str = "", best_margin: str = "") -> Value:
+        """Declare a value's names with these expressions; the best case only where there is a difference."""
+        k = self.fresh()
+        if self.known:
+            self.add(at, f"const bool s{k} = {worst_sat};", f"s{k}")
+            self.add(at, f"const double m{k} = {worst_margin};", f"m{k}")
+            return Value(f"s{k}", f"m{k}", f"s{k}", f"m{k}")
+        for name, kind, text in (("ws", "bool", worst_sat), ("wm", "double", worst_margin), ("bs", "bool", best_sat), ("bm", "double", best_margin)):
+            assert text, "a value with two sides"
+            self.add(at, f"const {kind} {name}{k} = {text};", f"{name}{k}")
+        return Value(f"ws{k}", f"wm{k}", f"bs{k}", f"bm{k}")
+
+    def _flag(self, node: ir.Flag, at: Block) -> Value:
+        if node.axis is not None:
+            text = f"in->{self._column(node, at)}"
+        else:
+            source = self.plan.input(node.signal)
+            text = f"in->{source.c_name}" if source.kind == "event" else f"in->{source.c_name}.{self.plan.field_name(node.signal, node.field or '')}"
+        k = self.fresh()
+        self.add(at, f"const tm_flag g{k} = {text};", f"g{k}")
+        if self.known:
+            self.add(at, f"suspect |= tm_missing(g{k});")
+            return self.value(at, f"g{k} == TM_TRUE", f"(g{k} == TM_TRUE) ? TM_INF : -TM_INF")
+        return self.value(
+            at, f"g{k} == TM_TRUE", f"(g{k} == TM_TRUE) ? TM_INF : -TM_INF",
+            f"g{k} != TM_FALSE", f"(g{k} != TM_FALSE) ? TM_INF : -TM_INF",
+        )  # fmt: skip
+
+    def _compare(self, node: ir.Compare, at: Block) -> Value:
+        if node.op not in _MARGINS:
+            raise AssertionError(f"unknown comparison {node.op}")
+        a, b = self.number(node.left, at), self.number(node.right, at)
+        margin, sat = _MARGINS[node.op](a, b), f"{a} {node.op} {b}"
+        if self.known:
+            value = self.value(at, sat, margin)
+            self.add(at, f"suspect |= tm_wild({value.worst_margin});")
+            return value
+        k = self.fresh()
+        self.add(at, f"const bool k{k} = tm_finite({a}) && tm_finite({b});", f"k{k}")
+        self.add(at, f"const double d{k} = {margin};", f"d{k}")
+        return self.value(at, f"k{k} && ({sat})", f"k{k} ? d{k} : -TM_INF", f"!k{k} || ({sat})", f"k{k} ? d{k} : TM_INF")
+
+    def _geometry(self, node: ir.Geometry, at: Block) -> Value:
+        args = [self.number(arg, at) for arg in node.args]
+        if node.what == "swept_clear":
+            self.libm |= {"sin", "cos", "sqrt"}
+            text = f"tm_swept_clear({', '.join(args)})"
+        elif node.what in ("swept_inside", "in_area"):
+            assert node.area is not None
+            shape = f"c, &c->shapes.{self.plan.shape(node.area).c_name}"
+            text = f"{'tm_swept_inside' if node.what == 'swept_inside' else 'tm_in_area'}({shape}, {', '.join(args)})"
+        else:
+            raise self.refuse(node, f"the C generator does not know the predicate `{node.what}`")
+        k = self.fresh()
+        self.add(at, f"const double d{k} = {text};", f"d{k}")
+        if self.known:
+            self.add(at, f"suspect |= tm_wild(d{k});")
+            return self.value(at, f"d{k} >= 0.0", f"d{k}")
+        self.add(at, f"const bool k{k} = d{k} == d{k};", f"k{k}")
+        return self.value(at, f"k{k} && (d{k} >= 0.0)", f"k{k} ? d{k} : -TM_INF", f"!k{k} || (d{k} >= 0.0)", f"k{k} ? d{k} : TM_INF")
+
+    def negated(self, inner: Value, at: Block) -> Value:
+        return self.value(at, f"!{inner.best_sat}", f"-{inner.best_margin}", f"!{inner.worst_sat}", f"-{inner.worst_margin}")
+
+    def connect(self, op: str, a: Value, b: Value, at: Block) -> Value:
+        if op in ("and", "or"):
+            sign, pick = ("&&", "tm_least") if op == "and" else ("||", "tm_greatest")
+            texts = []
+            for (x_sat, x_margin), (y_sat, y_margin) in zip(a.sides, b.sides):
+                texts += [f"{x_sat} {sign} {y_sat}", f"{pick}({x_margin}, {y_margin})"]
+            return self.value(at, *texts)
+        if op == "implies":
+            return self.connect("or", self.negated(a, at), b, at)
+        if op == "xor":
+            return self._differ(a, b, at)
+        if op == "iff":
+            return self.negated(self._differ(a, b, at), at)
+        raise AssertionError(f"unknown connective {op}")
+
+    def _differ(self, a: Value, b: Value, at: Block) -> Value:
+        surely = f"({a.worst_sat} && !{b.best_sat}) || ({b.worst_sat} && !{a.best_sat})"
+        surely_not = f"({a.worst_sat} && {b.worst_sat}) || !({a.best_sat} || {b.best_sat})"
+        apart = (
+            f"tm_greatest(tm_greatest(0.0, tm_apart({a.worst_margin}, {b.best_margin})), tm_apart({b.worst_margin}, {a.best_margin}))"
+        )
+        at_most = f"tm_greatest(tm_apart({a.best_margin}, {b.worst_margin}), tm_apart({b.best_margin}, {a.worst_margin}))"
+        return self.value(at, surely, apart, f"!({surely_not})", at_most)
+
+    def _guarded(self, node: ir.Guarded, at: Block) -> Value:
+        guard, body = self.formula(node.guard, at), self.formula(node.body, at)
+        return self.value(
+            at, f"!{guard.best_sat} || {body.worst_sat}", f"{guard.best_sat} ? {body.worst_margin} : TM_INF",
+            f"!{guard.worst_sat} || {body.best_sat}", f"{guard.worst_sat} ? {body.best_margin} : TM_INF",
+        )  # fmt: skip
+
+    def quantify(self, nodes: list[ir.Quantify], at: Block) -> list[Value]:
+        """Quantifiers over one axis, in one loop."""
+        axis = nodes[0].axis
+        numbers = [self.fresh() for _ in nodes]
+        names = (("s", "m"),) if self.known else (("ws", "wm"), ("bs", "bm"))
+        for node, k in zip(nodes, numbers):
+            sat, margin = ("true", "TM_INF") if node.quantifier == "for all" else ("false", "-TM_INF")
+            for s, m in names:
+                self.add(at, f"bool {s}{k} = {sat};", f"{s}{k}")
+                self.add(at, f"double {m}{k} = {margin};", f"{m}{k}")
+        i, total = f"i{self.fresh()}", f"t{self.fresh()}"
+        self.add(at, f"const size_t {total} = {self.count(axis)};", total)
+        loop = at.open(f"for (size_t {i} = 0u; {i} < {total}; ++{i})")
+        loop.binds[axis] = i
+        for node, k in zip(nodes, numbers):
+            guard = None if node.guard is None else self.formula(node.guard, loop)
+            body = self.formula(node.body, loop)
+            sign, pick = ("&&", "tm_least") if node.quantifier == "for all" else ("||", "tm_greatest")
+            for side, (s, m) in enumerate(names):
+                condition = ""
+                if guard is not None:
+                    # In the worst case all that may be in range counts against a `for all`: its guard's best side.
+                    condition = guard.sides[side if node.quantifier == "exists" else 1 - side][0]
+                body_sat, body_margin = body.sides[side]
+                new_sat, new_margin = f"{s}{k} {sign} {body_sat}", f"{pick}({m}{k}, {body_margin})"
+                if condition:
+                    new_sat, new_margin = f"{condition} ? ({new_sat}) : {s}{k}", f"{condition} ? {new_margin} : {m}{k}"
+                self.add(loop, f"{s}{k} = {new_sat};", f"{s}{k}")
+                self.add(loop, f"{m}{k} = {new_margin};", f"{m}{k}")
+        at.close(loop)
+        result = []
+        for k in numbers:
+            (ws, wm), (bs, bm) = names[0], names[-1]
+            result.append(Value(f"{ws}{k}", f"{wm}{k}", f"{bs}{k}", f"{bm}{k}"))
+        return result
+
+    def _carried(self, inner: Value, at: Block, block: Block) -> Value:
+        """Carry a value out of an inner block into names of the outer one, declared before it."""
+        k = self.fresh()
+        names = [("s", "m")] if self.known else [("ws", "wm"), ("bs", "bm")]
+        for s, m in names:
+            self.add(at, f"bool {s}{k} = false;", f"{s}{k}")
+            self.add(at, f"double {m}{k} = 0.0;", f"{m}{k}")
+        at.close(block)
+        for side, (s, m) in enumerate(names):
+            self.add(block, f"{s}{k} = {inner.sides[side][0]};", f"{s}{k}")
+            self.add(block, f"{m}{k} = {inner.sides[side][1]};", f"{m}{k}")
+        (ws, wm), (bs, bm) = names[0], names[-1]
+        return Value(f"{ws}{k}", f"{wm}{k}", f"{bs}{k}", f"{bm}{k}")
+
+    def _read(self, slots: tuple[int, ...], index: str, at: Block) -> Value:
+        """The value at one sample of a series kept in the context."""
+        texts = []
+        for slot in slots:
+            texts += [f"c->series[{slot}].sat[{index}]", f"c->series[{slot}].margin[{index}]"]
+        return self.value(at, *texts)
+
+
+class Slots:
+    """Series of the context that are in use while a rule is written."""
+
+    def __init__(self) -> None:
+        self._used: set[int] = set()
+        self.most = 0
+
+    def take(self) -> int:
+        slot = next(i for i in range(len(self._used) + 1) if i not in self._used)
+        self._used.add(slot)
+        self.most = max(self.most, slot + 1)
+        return slot
+
+    def release(self, slot: int) -> None:
+        self._used.discard(slot)

@@ -1,0 +1,127 @@
+"""What chosen rules read, and how C calls it: inputs, parameters, tables, places, lines and areas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from trackmarshal.backends.c.names import distinct
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
+
+
+@dataclass(frozen=True)
+class Input:
+    """One signal or event of the input struct: its C name, its fields as (spec field, C name)."""
+
+    name: str
+    c_name: str
+    kind: str  # "columns", "record" or "event"
+    signal: SignalType | None
+    fields: tuple[tuple[FieldType, str], ...]
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A prepared polyline or region of the context: `key` tells what it is made of, `sources` its border lines.
+
+    kind: "zone", "corridor" (regions), "place", "signal", "centre" (lines).
+    """
+
+    key: tuple[str, str, str]
+    c_name: str
+    kind: str
+    region: bool
+
+
+@dataclass
+class Layout:
+    """Everything that the chosen rules need, with C names."""
+
+    spec: Spec
+    rules: list[RuleInfo]
+    inputs: dict[str, Input] = field(default_factory=dict)
+    params: dict[str, str] = field(default_factory=dict)
+    tables: dict[str, str] = field(default_factory=dict)
+    shapes: dict[tuple[str, str, str], Shape] = field(default_factory=dict)
+    rule_names: dict[str, str] = field(default_factory=dict)
+
+    def input(self, signal: str) -> Input:
+        return self.inputs[signal]
+
+    def field_name(self, signal: str, name: str) -> str:
+        return next(c for info, c in self.inputs[signal].fields if info.name == name)
+
+    def shape(self, item: ir.Line | ir.Area) -> Shape:
+        return self.shapes[shape_key(item)]
+
+    @property
+    def lines(self) -> list[Shape]:
+        return [s for s in self.shapes.values() if not s.region]
+
+    @property
+    def regions(self) -> list[Shape]:
+        return [s for s in self.shapes.values() if s.region]
+
+
+def shape_key(item: ir.Line | ir.Area) -> tuple[str, str, str]:
+    return (item.kind, item.name, item.field if isinstance(item, ir.Line) else "")
+
+
+def roots(rule: RuleInfo) -> list[ir.Formula]:
+    return [root for root in (rule.formula, rule.active) if root is not None]
+
+
+def layout(spec: Spec, rules: Sequence[RuleInfo]) -> Layout:
+    """Collect what the rules read; rules without a formula are left out."""
+    result = Layout(spec, [rule for rule in rules if rule.formula is not None])
+    columns: dict[str, set[str]] = {}
+    params: list[str] = []
+    tables: list[str] = []
+    shapes: dict[tuple[str, str, str], bool] = {}
+    events: list[str] = []
+    for rule in result.rules:
+        for root in roots(rule):
+            for node in ir.below(root):
+                match node:
+                    case ir.Column():
+                        columns.setdefault(node.axis.signal, set()).add(node.field)
+                    case ir.Axis():
+                        columns.setdefault(node.signal, set())
+                    case ir.Sample() | ir.Scalar():
+                        columns.setdefault(node.signal, set()).add(node.field)
+                    case ir.Flag():
+                        if node.signal in spec.events:
+                            events.append(node.signal)
+                        else:
+                            columns.setdefault(node.signal, set()).add(node.field or "")
+                    case ir.Temporal() | ir.Until():
+                        columns.setdefault(node.axis.signal, set()).add("t")
+                    case ir.Param():
+                        params.append(node.name)
+                    case ir.Lookup():
+                        tables.append(node.table)
+                    case ir.Line() if node.kind == "path":
+                        columns.setdefault(node.name, set()).update(("x", "y"))
+                    case ir.Line() | ir.Area():
+                        shapes[shape_key(node)] = isinstance(node, ir.Area)
+    used = [name for name in (*spec.signals, *spec.events) if name in columns or name in events]
+    for name, c_name in distinct(used).items():
+        if name in spec.events:
+            result.inputs[name] = Input(name, c_name, "event", None, ())
+            continue
+        signal = spec.signals[name]
+        chosen = [info for info in signal.fields_ if info.name in columns[name] and info.kind != "polyline"]
+        names = distinct(info.name for info in chosen)
+        kind = "columns" if signal.many or signal.sequence else "record"
+        result.inputs[name] = Input(name, c_name, kind, signal, tuple((info, names[info.name]) for info in chosen))
+    result.params = distinct(name for name in spec.params if name in set(params))
+    result.tables = distinct(name for name in spec.tables if name in set(tables))
+    order = sorted(shapes)
+    c_names = distinct("_".join(part for part in (key[0], key[1], key[2]) if part) for key in order)
+    for key, c_name in zip(order, c_names.values()):
+        result.shapes[key] = Shape(key, c_name, key[0], shapes[key])
+    result.rule_names = distinct(rule.name.casefold() for rule in result.rules)
+    folded = dict(zip([rule.name for rule in result.rules], result.rule_names.values()))
+    result.rule_names = folded
+    return result

@@ -1,0 +1,42 @@
+"""The C that generated code calls, function by function; only what is called is put into a program."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+
+#: The files, in the order in which their functions may call each other.
+FILES = ("numbers", "verdicts", "temporal", "exact", "geometry", "prepare")
+_NAME = re.compile(r"\btm_[a-z0-9_]+\b")
+
+
+@cache
+def functions() -> dict[str, str]:
+    """Function name -> its text with the comment before it, in order."""
+    found: dict[str, str] = {}
+    for file in FILES:
+        path = Path(__file__).with_name(f"{file}.c")
+        if not path.is_file():
+            continue
+        for chunk in re.split(r"^(?=/\*\* )", path.read_text(encoding="utf-8"), flags=re.MULTILINE):
+            if chunk.strip():
+                code = re.sub(r"/\*.*?\*/", "", chunk, flags=re.DOTALL)
+                match = re.search(r"\b(tm_[a-z0-9_]+)\(", code)
+                assert match is not None, chunk
+                found[match.group(1)] = chunk.replace("/** ", "/* ", 1).rstrip() + "\n"
+    return found
+
+
+def needed(texts: Iterable[str]) -> list[str]:
+    """The functions that texts call, directly or through others, in order."""
+    known = functions()
+    wanted: set[str] = set()
+    stack = [name for text in texts for name in _NAME.findall(text) if name in known]
+    while stack:
+        name = stack.pop()
+        if name not in wanted:
+            wanted.add(name)
+            stack += [other for other in _NAME.findall(known[name]) if other in known]
+    return [name for name in known if name in wanted]

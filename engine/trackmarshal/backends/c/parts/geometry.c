@@ -1,0 +1,622 @@
+/** Whether a number is a coordinate: finite, and not so large that doubles are coarse there. */
+static bool tm_usable(double x) {
+  return fabs(x) <= 1e9;
+}
+
+/** Whether a length and a width are those of a body. */
+static bool tm_sized(double length, double width) {
+  return tm_usable(length) && tm_usable(width) && (length >= 1e-6) && (width >= 1e-6);
+}
+
+/** The squared distance of two boxes, a little less than it is: nothing nearer is missed for rounding. */
+static double tm_boxes_apart(const tm_box *a, const tm_box *b) {
+  const double slack = 1e-5;
+  const double right = (a->x0 - b->x1) - slack;
+  const double left = (b->x0 - a->x1) - slack;
+  const double above = (a->y0 - b->y1) - slack;
+  const double below = (b->y0 - a->y1) - slack;
+  const double x = (right > left) ? right : left;
+  const double y = (above > below) ? above : below;
+  const double dx = (x > 0.0) ? x : 0.0;
+  const double dy = (y > 0.0) ? y : 0.0;
+  return (dx * dx) + (dy * dy);
+}
+
+/** The next segment at or after `i` of a shape whose boxes all lie within `reach` (squared) of a box; else the end. */
+static size_t tm_next_near(const tm_context *c, const tm_shape *shape, size_t i, const tm_box *box, double reach) {
+  const size_t end = shape->first + shape->count;
+  while (i < end) {
+    if (((i & 63u) == 0u) && (tm_boxes_apart(&c->group_box[i / 64u], box) > reach)) {
+      i += 64u;
+    } else if (((i & 7u) == 0u) && (tm_boxes_apart(&c->block_box[i / 8u], box) > reach)) {
+      i += 8u;
+    } else {
+      const tm_segment *s = &c->segment[i];
+      tm_box own;
+      own.x0 = (s->ax < s->bx) ? s->ax : s->bx;
+      own.x1 = (s->ax < s->bx) ? s->bx : s->ax;
+      own.y0 = (s->ay < s->by) ? s->ay : s->by;
+      own.y1 = (s->ay < s->by) ? s->by : s->ay;
+      if (!(tm_boxes_apart(&own, box) > reach)) {
+        return i;
+      }
+      ++i;
+    }
+  }
+  return end;
+}
+
+/** The distance of a point from a segment; both are seen from (ox, oy). */
+static double tm_segment_distance(const tm_segment *s, double ox, double oy, double x, double y) {
+  const double rx = x - (s->ax - ox);
+  const double ry = y - (s->ay - oy);
+  const double product = (s->ex * rx) + (s->ey * ry);
+  if ((0.0 < product) && (product < s->square)) {
+    return fabs((s->ex * ry) - (s->ey * rx)) / s->length;
+  }
+  const double sx = x - (s->bx - ox);
+  const double sy = y - (s->by - oy);
+  const double start = (rx * rx) + (ry * ry);
+  const double end = (sx * sx) + (sy * sy);
+  return sqrt((end < start) ? end : start);
+}
+
+/** The distance of a point from a shape's segments, seen from (ox, oy), and the first of the nearest ones. */
+static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double oy, double x, double y, size_t *which) {
+  const tm_box at = {x + ox, y + oy, x + ox, y + oy};
+  size_t nearest = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
+  double best = tm_segment_distance(&c->segment[nearest], ox, oy, x, y);
+  const size_t end = shape->first + shape->count;
+  size_t i = tm_next_near(c, shape, shape->first, &at, best * best);
+  while (i < end) {
+    const double reach = tm_segment_distance(&c->segment[i], ox, oy, x, y);
+    if ((reach < best) || ((reach == best) && (i < nearest))) {
+      best = reach;
+      nearest = i;
+    }
+    i = tm_next_near(c, shape, i + 1u, &at, best * best);
+  }
+  shape->hint = nearest - shape->first;
+  *which = nearest;
+  return best;
+}
+
+/** Whether a point that is not on the border lies inside a region: a ray along +x crosses the border an odd number of times. */
+static bool tm_holds(const tm_context *c, const tm_shape *shape, double x, double y) {
+  const double slack = 1e-3;
+  const size_t end = shape->first + shape->count;
+  bool inside = false;
+  size_t i = shape->first;
+  while (i < end) {
+    const tm_box *group = &c->group_box[i / 64u];
+    const tm_box *block = &c->block_box[i / 8u];
+    if (((i & 63u) == 0u) && ((y < group->y0) || (y > group->y1) || (x > (group->x1 + slack)))) {
+      i += 64u;
+    } else if (((i & 7u) == 0u) && ((y < block->y0) || (y > block->y1) || (x > (block->x1 + slack)))) {
+      i += 8u;
+    } else {
+      const tm_segment *s = &c->segment[i];
+      const bool upward = s->ay < s->by;
+      const double low = upward ? s->ay : s->by;
+      const double high = upward ? s->by : s->ay;
+      if ((low <= y) && (y < high)) {
+        const double ex = upward ? s->ex : -s->ex;
+        const double ey = upward ? s->ey : -s->ey;
+        const double ax = upward ? s->ax : s->bx;
+        if (((ex * (y - low)) - (ey * (x - ax))) > 0.0) {
+          inside = !inside;
+        }
+      }
+      ++i;
+    }
+  }
+  return inside;
+}
+
+/** The signed distance [m] of a point from the border of a region, positive inside; NaN for what is no point or region. */
+static double tm_in_area(tm_context *c, tm_shape *shape, double x, double y) {
+  size_t which = 0u;
+  double reach;
+  if (!shape->usable || !tm_usable(x) || !tm_usable(y)) {
+    return TM_NAN;
+  }
+  reach = tm_nearest(c, shape, 0.0, 0.0, x, y, &which);
+  return ((reach == 0.0) || tm_holds(c, shape, x, y)) ? reach : -reach;
+}
+
+/** The four corners of the box at a pose, seen from (ox, oy), counter-clockwise from the front left. */
+static void tm_footprint(double px, double py, double heading, double length, double width, double ox, double oy, double *x,
+                         double *y) {
+  const double ahead = cos(heading);
+  const double aside = sin(heading);
+  const double fx = (0.5 * length) * ahead;
+  const double fy = (0.5 * length) * aside;
+  const double lx = -((0.5 * width) * aside);
+  const double ly = (0.5 * width) * ahead;
+  const double cx = px - ox;
+  const double cy = py - oy;
+  x[0] = cx + (fx + lx);
+  y[0] = cy + (fy + ly);
+  x[1] = cx - (fx - lx);
+  y[1] = cy - (fy - ly);
+  x[2] = cx - (fx + lx);
+  y[2] = cy - (fy + ly);
+  x[3] = cx + (fx - lx);
+  y[3] = cy + (fy - ly);
+}
+
+/** Append a point to a half of a convex hull, and drop those that it makes superfluous; returns the new count. */
+static size_t tm_hull_point(tm_hull *hull, size_t first, size_t count, double x, double y) {
+  while (count >= (first + 2u)) {
+    const double ax = hull->x[count - 2u];
+    const double ay = hull->y[count - 2u];
+    const double ex = hull->x[count - 1u] - ax;
+    const double ey = hull->y[count - 1u] - ay;
+    if (((ex * (y - ay)) - (ey * (x - ax))) > 0.0) {
+      break;
+    }
+    --count;
+  }
+  hull->x[count] = x;
+  hull->y[count] = y;
+  return count + 1u;
+}
+
+/** The convex hull of eight points, counter-clockwise, with its sides. */
+static void tm_convex_hull(const double *px, const double *py, tm_hull *hull) {
+  double x[8];
+  double y[8];
+  size_t n = 0u;
+  size_t count = 0u;
+  for (size_t i = 0u; i < 8u; ++i) {
+    size_t at = n;
+    bool known = false;
+    for (size_t j = 0u; j < n; ++j) {
+      known = known || ((x[j] == px[i]) && (y[j] == py[i]));
+    }
+    if (known) {
+      continue;
+    }
+    while ((at > 0u) && ((px[i] < x[at - 1u]) || ((px[i] == x[at - 1u]) && (py[i] < y[at - 1u])))) {
+      x[at] = x[at - 1u];
+      y[at] = y[at - 1u];
+      --at;
+    }
+    x[at] = px[i];
+    y[at] = py[i];
+    ++n;
+  }
+  for (size_t i = 0u; i < n; ++i) {
+    count = tm_hull_point(hull, 0u, count, x[i], y[i]);
+  }
+  --count;
+  const size_t first = count;
+  for (size_t i = n; i > 0u; --i) {
+    count = tm_hull_point(hull, first, count, x[i - 1u], y[i - 1u]);
+  }
+  --count;
+  hull->count = count;
+  for (size_t i = 0u; i < count; ++i) {
+    const size_t next = ((i + 1u) < count) ? (i + 1u) : 0u;
+    hull->gx[i] = hull->x[next] - hull->x[i];
+    hull->gy[i] = hull->y[next] - hull->y[i];
+    hull->square[i] = (hull->gx[i] * hull->gx[i]) + (hull->gy[i] * hull->gy[i]);
+    hull->length[i] = sqrt(hull->square[i]);
+  }
+}
+
+/** How far a point lies inside a convex polygon: its distance from the nearest side's line, negative outside. */
+static double tm_depth(const tm_hull *hull, double x, double y) {
+  double depth = TM_INF;
+  for (size_t i = 0u; i < hull->count; ++i) {
+    const double side = (hull->gx[i] * (y - hull->y[i])) - (hull->gy[i] * (x - hull->x[i]));
+    depth = tm_least(depth, side / hull->length[i]);
+  }
+  return depth;
+}
+
+/** The distance of a point from the outline of a convex polygon. */
+static double tm_hull_distance(const tm_hull *hull, double x, double y) {
+  double best = TM_INF;
+  for (size_t i = 0u; i < hull->count; ++i) {
+    const size_t next = ((i + 1u) < hull->count) ? (i + 1u) : 0u;
+    const double rx = x - hull->x[i];
+    const double ry = y - hull->y[i];
+    const double product = (hull->gx[i] * rx) + (hull->gy[i] * ry);
+    double reach;
+    if ((0.0 < product) && (product < hull->square[i])) {
+      reach = fabs((hull->gx[i] * ry) - (hull->gy[i] * rx)) / hull->length[i];
+    } else {
+      const double sx = x - hull->x[next];
+      const double sy = y - hull->y[next];
+      const double start = (rx * rx) + (ry * ry);
+      const double end = (sx * sx) + (sy * sy);
+      reach = sqrt((end < start) ? end : start);
+    }
+    best = tm_least(best, reach);
+  }
+  return best;
+}
+
+/** Whether a segment, seen from (ox, oy), has a point strictly inside a convex polygon. */
+static bool tm_enters(const tm_segment *s, double ox, double oy, const tm_hull *hull) {
+  const double ax = s->ax - ox;
+  const double ay = s->ay - oy;
+  const double bx = s->bx - ox;
+  const double by = s->by - oy;
+  double low = TM_INF;
+  double high = -TM_INF;
+  for (size_t i = 0u; i < hull->count; ++i) {
+    const double turn = (s->ex * (hull->y[i] - ay)) - (s->ey * (hull->x[i] - ax));
+    low = tm_least(low, turn);
+    high = tm_greatest(high, turn);
+  }
+  if (!((low < 0.0) && (0.0 < high))) {
+    return false;
+  }
+  for (size_t i = 0u; i < hull->count; ++i) {
+    const double at_start = (hull->gx[i] * (ay - hull->y[i])) - (hull->gy[i] * (ax - hull->x[i]));
+    const double at_end = (hull->gx[i] * (by - hull->y[i])) - (hull->gy[i] * (bx - hull->x[i]));
+    if ((at_start <= 0.0) && (at_end <= 0.0)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/** How deep in a convex polygon the middle of the part of a segment lies that is inside it. */
+static double tm_middle_depth(const tm_segment *s, double ox, double oy, const tm_hull *hull) {
+  const double ax = s->ax - ox;
+  const double ay = s->ay - oy;
+  const double bx = s->bx - ox;
+  const double by = s->by - oy;
+  double first = 0.0;
+  double last = 1.0;
+  double t;
+  for (size_t i = 0u; i < hull->count; ++i) {
+    const double start = (hull->gx[i] * (ay - hull->y[i])) - (hull->gy[i] * (ax - hull->x[i]));
+    const double end = (hull->gx[i] * (by - hull->y[i])) - (hull->gy[i] * (bx - hull->x[i]));
+    if (start < end) {
+      first = tm_greatest(first, start / (start - end));
+    } else if (start > end) {
+      last = tm_least(last, start / (start - end));
+    }
+  }
+  t = (first + last) / 2.0;
+  return tm_depth(hull, ax + (t * s->ex), ay + (t * s->ey));
+}
+
+/** The distance of a hull (its eight corners, its sides) from one border segment that does not enter it. */
+static double tm_hull_gap(const tm_segment *s, double ox, double oy, const double *x, const double *y, const tm_hull *hull) {
+  const double ax = s->ax - ox;
+  const double ay = s->ay - oy;
+  const double bx = s->bx - ox;
+  const double by = s->by - oy;
+  double line = TM_INF;
+  double ends = TM_INF;
+  for (size_t i = 0u; i < 8u; ++i) {
+    const double rx = x[i] - ax;
+    const double ry = y[i] - ay;
+    const double product = (s->ex * rx) + (s->ey * ry);
+    if ((0.0 < product) && (product < s->square)) {
+      line = tm_least(line, fabs((s->ex * ry) - (s->ey * rx)));
+    } else {
+      const double sx = x[i] - bx;
+      const double sy = y[i] - by;
+      ends = tm_least(ends, tm_least((rx * rx) + (ry * ry), (sx * sx) + (sy * sy)));
+    }
+  }
+  return tm_least(tm_least(line / s->length, sqrt(ends)), tm_hull_distance(hull, ax, ay));
+}
+
+/** The negative margin of a hull that is not inside: how far out its corners are, how deep in it the border is. */
+static double tm_outside(tm_context *c, tm_shape *shape, double ox, double oy, const double *x, const double *y,
+                         const tm_hull *hull, const tm_box *box) {
+  const size_t end = shape->first + shape->count;
+  double worst = 0.0;
+  for (size_t i = 0u; i < 8u; ++i) {
+    size_t which = 0u;
+    const double reach = tm_nearest(c, shape, ox, oy, x[i], y[i], &which);
+    if ((reach > 0.0) && !tm_holds(c, shape, x[i] + ox, y[i] + oy)) {
+      worst = tm_greatest(worst, reach);
+    }
+  }
+  for (size_t i = tm_next_near(c, shape, shape->first, box, 0.0); i < end; i = tm_next_near(c, shape, i + 1u, box, 0.0)) {
+    const tm_segment *s = &c->segment[i];
+    worst = tm_greatest(worst, tm_depth(hull, s->ax - ox, s->ay - oy));
+  }
+  if (worst == 0.0) {
+    for (size_t i = tm_next_near(c, shape, shape->first, box, 0.0); i < end; i = tm_next_near(c, shape, i + 1u, box, 0.0)) {
+      const tm_segment *s = &c->segment[i];
+      if (tm_enters(s, ox, oy, hull)) {
+        worst = tm_greatest(worst, tm_middle_depth(s, ox, oy, hull));
+      }
+    }
+  }
+  return tm_least(-2.2250738585072014e-308, -worst);
+}
+
+/** The signed margin [m] of what a vehicle sweeps between two poses inside a region; NaN for what is none.
+   Margins above `bound` need not be exact: the caller takes the least of many, and has found `bound` already. */
+static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double y0, double heading0, double x1, double y1,
+                              double heading1, double length, double width, double bound) {
+  double x[8];
+  double y[8];
+  tm_hull hull;
+  tm_box box;
+  double best = (bound > 0.0) ? bound : 0.0;
+  bool built = false;
+  bool entered = false;
+  if (!shape->usable || !tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) ||
+      !tm_usable(heading1) || !tm_sized(length, width)) {
+    return TM_NAN;
+  }
+  tm_footprint(x0, y0, heading0, length, width, x0, y0, &x[0], &y[0]);
+  tm_footprint(x1, y1, heading1, length, width, x0, y0, &x[4], &y[4]);
+  box.x0 = x[0];
+  box.x1 = x[0];
+  box.y0 = y[0];
+  box.y1 = y[0];
+  for (size_t i = 1u; i < 8u; ++i) {
+    box.x0 = tm_least(box.x0, x[i]);
+    box.x1 = tm_greatest(box.x1, x[i]);
+    box.y0 = tm_least(box.y0, y[i]);
+    box.y1 = tm_greatest(box.y1, y[i]);
+  }
+  box.x0 += x0;
+  box.x1 += x0;
+  box.y0 += y0;
+  box.y1 += y0;
+  const size_t end = shape->first + shape->count;
+  if (shape->hint < shape->count) { /* what was nearest last time is near this time, and leaves little to look at */
+    tm_convex_hull(x, y, &hull);
+    built = true;
+    best = tm_least(best, tm_hull_gap(&c->segment[shape->first + shape->hint], x0, y0, x, y, &hull));
+  }
+  size_t i = tm_next_near(c, shape, shape->first, &box, best * best);
+  while ((i < end) && !entered) {
+    const tm_segment *s = &c->segment[i];
+    if (!built) {
+      tm_convex_hull(x, y, &hull);
+      built = true;
+    }
+    if (tm_enters(s, x0, y0, &hull)) {
+      entered = true;
+    } else {
+      const double reach = tm_hull_gap(s, x0, y0, x, y, &hull);
+      if (reach < best) {
+        best = reach;
+        shape->hint = i - shape->first;
+      }
+      i = tm_next_near(c, shape, i + 1u, &box, best * best);
+    }
+  }
+  if (entered || !tm_holds(c, shape, (x0 + x1) / 2.0, (y0 + y1) / 2.0)) {
+    if (!built) {
+      tm_convex_hull(x, y, &hull);
+    }
+    return tm_outside(c, shape, x0, y0, x, y, &hull, &box);
+  }
+  return best;
+}
+
+/** The largest over the sides of one convex polygon of the least way that the other lies in front of it, negated. */
+static double tm_overlap(const tm_hull *a, const tm_hull *b) {
+  double shortest = TM_INF;
+  for (size_t i = 0u; i < a->count; ++i) {
+    double way = -TM_INF;
+    for (size_t j = 0u; j < b->count; ++j) {
+      const double side = (a->gx[i] * (b->y[j] - a->y[i])) - (a->gy[i] * (b->x[j] - a->x[i]));
+      way = tm_greatest(way, side / a->length[i]);
+    }
+    shortest = tm_least(shortest, way);
+  }
+  return shortest;
+}
+
+/** The signed distance [m] of what a vehicle sweeps between two poses from a box at rest; NaN for what is none. */
+static double tm_swept_clear(double x0, double y0, double heading0, double x1, double y1, double heading1, double length,
+                             double width, double box_x, double box_y, double box_heading, double box_length,
+                             double box_width) {
+  double x[8];
+  double y[8];
+  tm_hull a;
+  tm_hull b;
+  double ways;
+  double best = TM_INF;
+  if (!tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) || !tm_usable(heading1) ||
+      !tm_usable(box_x) || !tm_usable(box_y) || !tm_usable(box_heading) || !tm_sized(length, width) ||
+      !tm_sized(box_length, box_width)) {
+    return TM_NAN;
+  }
+  tm_footprint(x0, y0, heading0, length, width, x0, y0, &x[0], &y[0]);
+  tm_footprint(x1, y1, heading1, length, width, x0, y0, &x[4], &y[4]);
+  tm_convex_hull(x, y, &a);
+  tm_footprint(box_x, box_y, box_heading, box_length, box_width, x0, y0, &x[0], &y[0]);
+  for (size_t i = 0u; i < 4u; ++i) {
+    x[4u + i] = x[i];
+    y[4u + i] = y[i];
+  }
+  tm_convex_hull(x, y, &b);
+  ways = tm_least(tm_overlap(&a, &b), tm_overlap(&b, &a));
+  if (ways > 0.0) {
+    return -ways;
+  }
+  for (size_t i = 0u; i < a.count; ++i) {
+    best = tm_least(best, tm_hull_distance(&b, a.x[i], a.y[i]));
+  }
+  for (size_t i = 0u; i < b.count; ++i) {
+    best = tm_least(best, tm_hull_distance(&a, b.x[i], b.y[i]));
+  }
+  return best;
+}
+
+/** Station, offset and direction of a point beside one segment; whether the line goes on before and after it. */
+static tm_projection tm_beside(const tm_segment *s, double reach, bool more_before, bool more_after, double x, double y) {
+  tm_projection result;
+  const double rx = x - s->ax;
+  const double ry = y - s->ay;
+  const double product = (s->ex * rx) + (s->ey * ry);
+  const double advance = product / s->length;
+  const bool before = (advance <= 0.0) && more_before;
+  const bool after = (product >= s->square) && more_after;
+  result.station = advance;
+  result.offset = ((s->ex * ry) - (s->ey * rx)) / s->length;
+  result.direction = 0.0;
+  if (before || after) {
+    const bool right = (result.offset < 0.0) || ((result.offset == 0.0) && ((1.0 / result.offset) < 0.0));
+    result.station = before ? 0.0 : s->length;
+    result.offset = right ? -reach : reach;
+  }
+  return result;
+}
+
+/** What a projection is where there is none. */
+static tm_projection tm_nowhere(void) {
+  tm_projection result;
+  result.station = TM_NAN;
+  result.offset = TM_NAN;
+  result.direction = TM_NAN;
+  return result;
+}
+
+/** Station [m], offset [m, positive to the left] and direction [rad] of a point along a line. */
+static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, double y) {
+  size_t k = 0u;
+  double reach;
+  tm_projection result;
+  if (!line->usable || !tm_usable(x) || !tm_usable(y)) {
+    return tm_nowhere();
+  }
+  reach = tm_nearest(c, line, 0.0, 0.0, x, y, &k);
+  result = tm_beside(&c->segment[k], reach, line->closed || (k > line->first),
+                     line->closed || ((k + 1u) < (line->first + line->count)), x, y);
+  result.station = c->along[k].station + result.station;
+  if (line->closed && (result.station >= line->length)) {
+    result.station = 0.0;
+  }
+  result.direction = c->along[k].direction;
+  return result;
+}
+
+/** The distance [m] of a point from a line. */
+static double tm_line_distance(tm_context *c, tm_shape *line, double x, double y) {
+  size_t k = 0u;
+  if (!line->usable || !tm_usable(x) || !tm_usable(y)) {
+    return TM_NAN;
+  }
+  return tm_nearest(c, line, 0.0, 0.0, x, y, &k);
+}
+
+/** How far one station lies ahead of another [m]; on a closed line the shorter way round. */
+static double tm_line_gap(const tm_context *c, const tm_shape *line, double from, double to) {
+  double gap;
+  (void)c;
+  if (!line->usable || !tm_finite(from) || !tm_finite(to)) {
+    return TM_NAN;
+  }
+  gap = to - from;
+  if (line->closed) {
+    gap -= line->length * ceil((gap / line->length) - 0.5);
+  }
+  return gap;
+}
+
+/** Whether two points are one. */
+static bool tm_same(double ax, double ay, double bx, double by) {
+  return (fabs(ax - bx) <= 1e-9) && (fabs(ay - by) <= 1e-9);
+}
+
+/** The segment between two points. */
+static tm_segment tm_between(double ax, double ay, double bx, double by) {
+  tm_segment s;
+  s.ax = ax;
+  s.ay = ay;
+  s.bx = bx;
+  s.by = by;
+  s.ex = bx - ax;
+  s.ey = by - ay;
+  s.square = (s.ex * s.ex) + (s.ey * s.ey);
+  s.length = sqrt(s.square);
+  return s;
+}
+
+/** The index of the next point of a path after `i` that is another one; the count where there is none. */
+static size_t tm_path_next(const double *px, const double *py, size_t n, size_t i) {
+  size_t j = i + 1u;
+  while ((j < n) && tm_same(px[j], py[j], px[i], py[i])) {
+    ++j;
+  }
+  return j;
+}
+
+/** Whether the points of a path are usable, and at least two are different. */
+static bool tm_path_usable(const double *px, const double *py, size_t n) {
+  for (size_t i = 0u; i < n; ++i) {
+    if (!tm_usable(px[i]) || !tm_usable(py[i])) {
+      return false;
+    }
+  }
+  return (n > 0u) && (tm_path_next(px, py, n, 0u) < n);
+}
+
+/** Station, offset and direction of a point along the path of a trajectory. */
+static tm_projection tm_path_project(const double *px, const double *py, size_t n, double x, double y) {
+  tm_projection result;
+  tm_segment nearest;
+  double best = TM_INF;
+  double station = 0.0;
+  double before = 0.0;
+  bool first = true;
+  bool last = true;
+  if (!tm_usable(x) || !tm_usable(y) || !tm_path_usable(px, py, n)) {
+    return tm_nowhere();
+  }
+  nearest = tm_between(px[0], py[0], px[0], py[0]);
+  size_t i = 0u;
+  size_t j = tm_path_next(px, py, n, 0u);
+  while (j < n) {
+    const tm_segment s = tm_between(px[i], py[i], px[j], py[j]);
+    const double reach = tm_segment_distance(&s, 0.0, 0.0, x, y);
+    const size_t next = tm_path_next(px, py, n, j);
+    if (reach < best) {
+      best = reach;
+      nearest = s;
+      station = before;
+      first = i == 0u;
+      last = next >= n;
+    }
+    before += s.length;
+    i = j;
+    j = next;
+  }
+  result = tm_beside(&nearest, best, !first, !last, x, y);
+  result.station = station + result.station;
+  result.direction = atan2(nearest.ey, nearest.ex);
+  return result;
+}
+
+/** The distance [m] of a point from the path of a trajectory. */
+static double tm_path_distance(const double *px, const double *py, size_t n, double x, double y) {
+  double best = TM_INF;
+  if (!tm_usable(x) || !tm_usable(y) || !tm_path_usable(px, py, n)) {
+    return TM_NAN;
+  }
+  size_t i = 0u;
+  size_t j = tm_path_next(px, py, n, 0u);
+  while (j < n) {
+    const tm_segment s = tm_between(px[i], py[i], px[j], py[j]);
+    best = tm_least(best, tm_segment_distance(&s, 0.0, 0.0, x, y));
+    i = j;
+    j = tm_path_next(px, py, n, j);
+  }
+  return best;
+}
+
+/** How far one station of a path lies ahead of another [m]. */
+static double tm_path_gap(const double *px, const double *py, size_t n, double from, double to) {
+  if (!tm_finite(from) || !tm_finite(to) || !tm_path_usable(px, py, n)) {
+    return TM_NAN;
+  }
+  return to - from;
+}

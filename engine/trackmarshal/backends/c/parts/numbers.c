@@ -1,0 +1,109 @@
+/** Whether a number is finite. */
+static bool tm_finite(double x) {
+  return fabs(x) <= DBL_MAX;
+}
+
+/** Whether a margin shows that an operand may not be finite (or that finite ones are too far apart). */
+static bool tm_wild(double margin) {
+  return !(fabs(margin) <= DBL_MAX);
+}
+
+/** Whether a flag has no value. */
+static bool tm_missing(tm_flag flag) {
+  return (flag != TM_TRUE) && (flag != TM_FALSE);
+}
+
+/** The smaller of two numbers, 0.0 for both zeros; NaN where one is. Not fmin, which drops a NaN. */
+static double tm_min(double a, double b) {
+  if (!(a == a) || !(b == b)) {
+    return TM_NAN;
+  }
+  return ((b < a) ? b : a) + 0.0;
+}
+
+/** The greater of two numbers, 0.0 for both zeros; NaN where one is. */
+static double tm_max(double a, double b) {
+  if (!(a == a) || !(b == b)) {
+    return TM_NAN;
+  }
+  return ((b > a) ? b : a) + 0.0;
+}
+
+/** A power; NaN where an argument is, also where IEEE 754 has 1. */
+static double tm_pow(double x, double y) {
+  if (!(x == x) || !(y == y)) {
+    return TM_NAN;
+  }
+  return pow(x, y);
+}
+
+/** The smaller of two margins, which are never NaN. */
+static double tm_least(double a, double b) {
+  return (b < a) ? b : a;
+}
+
+/** The greater of two margins, which are never NaN. */
+static double tm_greatest(double a, double b) {
+  return (b > a) ? b : a;
+}
+
+/** How far two margins are apart; equal infinities are not. */
+static double tm_apart(double x, double y) {
+  return (x == y) ? 0.0 : (x - y);
+}
+
+/** How many windows of `width` neighbours a timeline has. */
+static size_t tm_windows(size_t count, size_t width) {
+  return (count < width) ? 0u : ((count - width) + 1u);
+}
+
+/** The sample `steps` before one, or the first. */
+static size_t tm_before(size_t index, size_t steps) {
+  return (index < steps) ? 0u : (index - steps);
+}
+
+/** A table: linear between knots, clamped outside, NaN for an argument that is not finite. */
+static double tm_lookup(const tm_table *table, double x) {
+  size_t low = 0u;
+  size_t high = table->count - 1u;
+  if (!tm_finite(x)) {
+    return TM_NAN;
+  }
+  if (x <= table->knot[0]) {
+    return table->value[0];
+  }
+  if (x >= table->knot[high]) {
+    return table->value[high];
+  }
+  while ((high - low) > 1u) {
+    const size_t middle = low + ((high - low) / 2u);
+    if (table->knot[middle] <= x) {
+      low = middle;
+    } else {
+      high = middle;
+    }
+  }
+  return table->value[low] + (table->slope[low] * (x - table->knot[low]));
+}
+
+/** Fill a table; false, and nothing is changed, for no row, too many, or knots that do not ascend. */
+static bool tm_fill_table(tm_table *table, const double *knots, const double *values, size_t count) {
+  if ((count == 0u) || (count > TM_MAX_KNOTS)) {
+    return false;
+  }
+  for (size_t i = 0u; i < count; ++i) {
+    if (!tm_finite(knots[i]) || !tm_finite(values[i]) || ((i > 0u) && !(knots[i - 1u] < knots[i]))) {
+      return false;
+    }
+  }
+  table->count = count;
+  for (size_t i = 0u; i < count; ++i) {
+    table->knot[i] = knots[i];
+    table->value[i] = values[i];
+    table->slope[i] = 0.0;
+    if ((i + 1u) < count) {
+      table->slope[i] = (values[i + 1u] - values[i]) / (knots[i + 1u] - knots[i]);
+    }
+  }
+  return true;
+}

@@ -1,0 +1,111 @@
+"""One C function a rule: first taking everything for known, then, only where something is not, with worst and best cases."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from trackmarshal.backends.c.expressions import Value, Writer
+from trackmarshal.backends.c.layout import Layout, roots
+from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.statements import Block, prune, render
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import RuleInfo
+
+#: How deep formulas may be nested; the generator goes down by calls.
+DEEPEST = 900
+
+
+@dataclass(frozen=True)
+class RuleCode:
+    """The functions of a rule, and what the report says about them."""
+
+    rule: RuleInfo
+    c_name: str
+    text: str
+    series: int
+    libm: frozenset[str]
+    #: Statements of the function for known values: outside loops, and by nesting of loops.
+    operations: tuple[int, int]
+    loops: tuple[str, ...]
+    branches: int
+
+
+def rule_code(plan: Layout, rule: RuleInfo) -> RuleCode:
+    """Write a rule; raises TrackmarshalError E470 for what has no C counterpart."""
+    try:
+        quick, full = _function(plan, rule, True), _function(plan, rule, False)
+    except RecursionError as error:
+        span = rule.span
+        raise TrackmarshalError("E470", f"rule `{rule.name}` is nested too deeply", file=span.file.path, line=span.line) from error
+    name = plan.rule_names[rule.name]
+    heads = [block.head for block in _inner(quick.root) if block.head]
+    body = [
+        f"/* {comment(rule.name)}: {comment(rule.title)}. Margin in {comment(rule.unit)}. {comment(_trace(rule))} */",
+        *_signature(quick, name, "_known", "bool"),
+        *_signature(full, name, "_any", "void"),
+        *_entry(plan, rule, name),
+    ]
+    counted = sum(1 for s in quick.root.statements() if s.target is not None)
+    outside = sum(1 for s in quick.root.body if not isinstance(s, Block) and s.target is not None)
+    return RuleCode(
+        rule, name, "\n".join(body), max(quick.slots.most, full.slots.most), frozenset(quick.libm | full.libm),
+        (outside, counted - outside), tuple(heads), sum("?" in s.text for s in quick.root.statements()),
+    )  # fmt: skip
+
+
+def _trace(rule: RuleInfo) -> str:
+    wanted = ", ".join(name for name, _ in rule.satisfies) or "no requirement"
+    return f"{wanted}; {rule.span.file.path}:{rule.span.line}"
+
+
+def _inner(block: Block) -> list[Block]:
+    found = []
+    for item in block.body:
+        if isinstance(item, Block):
+            found += [item, *_inner(item)]
+    return found
+
+
+def _function(plan: Layout, rule: RuleInfo, known: bool) -> Writer:
+    writer = Writer(plan, rule, known)
+    root = writer.root
+    assert rule.formula is not None
+    if known:
+        root.add("bool suspect = false;")
+    formula, active = rule.formula, rule.active
+    value: Value
+    applies: Value | None
+    if isinstance(formula, ir.Quantify) and isinstance(active, ir.Quantify) and formula.axis is active.axis:
+        value, applies = writer.quantify([formula, active], root)
+    else:
+        value = writer.formula(formula, root)
+        applies = None if active is None else writer.formula(active, root)
+    inactive = "" if applies is None else f"!{applies.best_sat}"
+    if known:
+        root.add("if (suspect) { return false; }")
+        root.add(f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});")
+        root.add("return true;")
+    else:
+        root.add(f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});")
+    prune(root)
+    return writer
+
+
+def _signature(writer: Writer, name: str, suffix: str, result: str) -> list[str]:
+    lines = list(render(writer.root))
+    text = "\n".join(lines)
+    head = f"static {result} tm_rule_{name}{suffix}(tm_context *c, const tm_input *in, tm_result *out)"
+    unused = [f"  (void){p};" for p in ("c", "in") if f"{p}->" not in text and f"({p}," not in text]
+    return [head, "{", *unused, *lines[1:]]
+
+
+def _entry(plan: Layout, rule: RuleInfo, name: str) -> list[str]:
+    timed = {
+        f"in->{plan.input(node.axis.signal).c_name}.{plan.field_name(node.axis.signal, 't')}, in->{plan.input(node.axis.signal).c_name}.count"
+        for root in roots(rule) for node in ir.below(root) if isinstance(node, (ir.Temporal, ir.Until))
+    }  # fmt: skip
+    lines = [f"static void tm_rule_{name}(tm_context *c, const tm_input *in, tm_result *out)", "{"]
+    for times in sorted(timed):
+        lines += [f"  if (!tm_times({times})) {{", "    tm_undefined(out);", "    return;", "  }"]
+    return [*lines, f"  if (!tm_rule_{name}_known(c, in, out)) {{", f"    tm_rule_{name}_any(c, in, out);", "  }", "}", ""]

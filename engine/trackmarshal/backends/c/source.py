@@ -1,0 +1,133 @@
+"""A whole program: header, source, and the binding that Python calls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from trackmarshal.backends.c import parts
+from trackmarshal.backends.c.header import header
+from trackmarshal.backends.c.layout import Layout, layout
+from trackmarshal.backends.c.names import comment, literal
+from trackmarshal.backends.c.rules import RuleCode, rule_code
+from trackmarshal.ir.spec import RuleInfo, Spec
+
+
+@dataclass(frozen=True)
+class Source:
+    """The generated files' texts, and what they are made of."""
+
+    plan: Layout
+    rules: tuple[RuleCode, ...]
+    header: str
+    source: str
+    name: str
+
+    @property
+    def series(self) -> int:
+        return max((code.series for code in self.rules), default=0)
+
+
+def generate(spec: Spec, rules: Sequence[RuleInfo], name: str = "supervisor") -> Source:
+    """C for the chosen rules; raises TrackmarshalError E470 for a rule that has no C counterpart."""
+    plan = layout(spec, rules)
+    codes = tuple(rule_code(plan, rule) for rule in plan.rules)
+    series = max((code.series for code in codes), default=0)
+    return Source(plan, codes, header(plan, codes, series, name), "\n".join([*_source(plan, codes, name), ""]), name)
+
+
+def _source(plan: Layout, codes: Sequence[RuleCode], name: str) -> Iterator[str]:
+    tail = list(_check(plan, codes)) + list(_init(plan))
+    bodies = [code.text for code in codes]
+    yield f"/* Generated from a spec by trackmarshal; the spec is what is maintained. Fingerprint {plan.spec.fingerprint[:16]}. */"
+    yield f'#include "{name}.h"'
+    yield ""
+    yield "#include <float.h>"
+    yield "#include <math.h>"
+    yield ""
+    yield "#define TM_INF ((double)INFINITY)"
+    yield "#define TM_NAN ((double)NAN)"
+    yield ""
+    known = parts.functions()
+    for function in parts.needed([*bodies, *tail]):
+        yield known[function]
+    yield from bodies
+    yield from tail
+
+
+def _check(plan: Layout, codes: Sequence[RuleCode]) -> Iterator[str]:
+    yield "/* Whether an input fits the capacities, and has the samples that every timeline has. */"
+    yield "static tm_status tm_fits(const tm_input *in)"
+    yield "{"
+    columns = [item for item in plan.inputs.values() if item.kind == "columns"]
+    if not columns:
+        yield "  (void)in;"
+    for item in columns:
+        assert item.signal is not None
+        limit = "TM_MAX_SAMPLES" if item.signal.sequence else "TM_MAX_ELEMENTS"
+        yield f"  if (in->{item.c_name}.count > {limit}) {{ return TM_OVER_CAPACITY; }}"
+        if item.signal.sequence:
+            yield f"  if (in->{item.c_name}.count < 1u) {{ return TM_TOO_SHORT; }}"
+    yield "  return TM_OK;"
+    yield "}"
+    yield ""
+    yield "/* All rules on one input. Where the input does not fit, every rule is undefined. */"
+    yield "tm_status tm_check(tm_context *c, const tm_input *in, tm_output *out)"
+    yield "{"
+    yield "  const tm_status status = tm_fits(in);"
+    yield "  if (status != TM_OK) {"
+    yield "    for (size_t i = 0u; i < TM_RULES; ++i) { tm_undefined(&out->rule[i]); }"
+    yield "    return status;"
+    yield "  }"
+    for code in codes:
+        yield f"  tm_rule_{code.c_name}(c, in, &out->rule[{_constant(code)}]); /* {comment(code.rule.name)} */"
+    yield "  return TM_OK;"
+    yield "}"
+    yield ""
+
+
+def _constant(code: RuleCode) -> str:
+    return f"TM_RULE_{code.c_name.upper()}"
+
+
+def _init(plan: Layout) -> Iterator[str]:
+    spec = plan.spec
+    for table, c_name in plan.tables.items():
+        info = spec.tables[table]
+        yield f"/* {comment(table)} {comment(str(info.span))} */"
+        for what, numbers in (("knots", info.knots), ("values", info.values)):
+            yield f"static const double tm_{c_name}_{what}[{len(numbers)}] = {{{', '.join(literal(v) for v in numbers)}}};"
+    zones = [s for s in plan.shapes.values() if s.kind in ("zone", "place")]
+    for shape in zones:
+        place = spec.places[shape.key[1]]
+        flat = ", ".join(literal(v) for point in place.points for v in point)
+        yield f"/* {comment(place.name)} {comment(str(place.span))} */"
+        yield f"static const double tm_{shape.c_name}_points[{2 * len(place.points)}] = {{{flat}}};"
+    yield ""
+    yield "/* The spec's own parameters, tables and places. Tracks and lines of signals are set by the caller. */"
+    yield "tm_status tm_init(tm_context *c)"
+    yield "{"
+    yield "  tm_status status = TM_OK;"
+    if not plan.params and not plan.tables and not plan.shapes:
+        yield "  (void)c;"
+    for name, c_name in plan.params.items():
+        info = spec.params[name]
+        yield f"  c->params.{c_name} = {literal(info.value)}; /* {comment(name)} {comment(str(info.span))} */"
+    for table, c_name in plan.tables.items():
+        count = len(spec.tables[table].knots)
+        yield f"  if (!tm_set_table(&c->tables.{c_name}, tm_{c_name}_knots, tm_{c_name}_values, {count}u)) {{ status = TM_UNUSABLE; }}"
+    from trackmarshal.backends.c.places import initial
+
+    yield from initial(plan)
+    yield "  return status;"
+    yield "}"
+    if plan.tables:
+        yield ""
+        yield "/* Replace a table; false, and nothing is changed, for no row, too many, or knots that do not ascend. */"
+        yield "bool tm_set_table(tm_table *table, const double *knots, const double *values, size_t count)"
+        yield "{"
+        yield "  return tm_fill_table(table, knots, values, count);"
+        yield "}"
+    from trackmarshal.backends.c.places import setters
+
+    yield from setters(plan)

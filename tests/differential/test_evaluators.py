@@ -1,0 +1,101 @@
+"""The two evaluators on generated specs and inputs: one meaning.
+
+Verdicts are equal, and margins are the same doubles (NaN equal to NaN, and the two zeros to each other), as are witnesses,
+units, reasons and series; where rules use sin, cos, tan, exp, log, pow or atan2, of which numpy has its own code, in two ways:
+with both evaluators on one libm everything is equal to the last bit all the same; and with each on its own, where the
+functions stand so that errors do not grow, margins differ by no more than 1e-11 of the largest number computed on the way,
+and verdicts not at all unless the margin is that near to zero. Geometry takes sines and cosines of headings; where numpy's are
+not libm's, it is held against the reference on one libm.
+
+TRACKMARSHAL_GENERATED=N generates N specs with inputs, and prints what came of them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+import pytest
+from hypothesis import given, settings
+
+from property.strategies.specs import repeatable, subjects
+from support.agreement import (
+    check_sound,
+    compiled,
+    differences,
+    near_differences,
+    one_libm,
+    read,
+    results,
+    same_trigonometry,
+)
+from support.generated import RandomChoices, Subject, subject
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What is generated, and how it is compared."""
+
+    inexact: str = "no"
+    geometry: bool = False
+    one_libm: bool = False
+
+    def disagreements(self, made: Subject, counts: Counter[str]) -> list[str]:
+        """Where the evaluators differ on a subject, and what is wrong with both."""
+        with ExitStack() as stack:
+            if self.one_libm:
+                stack.enter_context(one_libm())
+            spec = compiled(made.text)
+            cases = read(spec, made.cases)
+            pairs = zip(cases, results(spec, cases, "reference"), results(spec, cases, "numpy"), strict=True)
+            found = []
+            for case, left, right in pairs:
+                near = self.inexact == "gentle"
+                found += near_differences(spec, case, left, right) if near else differences(left, right)
+                found += check_sound(case, left)
+                counts.update(rule.verdict for rule in left.rules.values())
+                counts["faulty cases"] += bool(case.faults)
+            counts.update({"specs": 1, "rules": len(spec.rules), "cases": len(cases), "refused cases": len(made.cases) - len(cases)})
+        return found
+
+
+KINDS = {
+    "exact": Kind(),
+    "one libm": Kind("any", one_libm=True),
+    "own libm": Kind("gentle"),
+    "geometry": Kind(geometry=True, one_libm=not same_trigonometry()),
+    "everything": Kind("any", geometry=True, one_libm=True),
+}
+GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "600"))
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_generated_specs_mean_the_same_to_both(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    kind, counts, found = KINDS[name], Counter[str](), []
+    share = -(-GENERATED // len(KINDS))
+    for seed in range(share):
+        # Every kind has seeds of its own, so that no two are about the same specs.
+        made = subject(RandomChoices(share * list(KINDS).index(name) + seed), inexact=kind.inexact, geometry=kind.geometry)
+        broken = kind.disagreements(made, counts)
+        if broken:
+            found.append((made.text, broken))
+    if GENERATED > 1000:
+        with capsys.disabled():
+            print(f"\n{name}: {', '.join(f'{count} {what}' for what, count in counts.items())}, {len(found)} disagreements")
+    assert not found, f"{len(found)} of {share}, the first: {found[0][1]}\n{found[0][0]}"
+    assert counts["specs"] == share
+    assert all(counts[verdict] > counts["cases"] / 20 for verdict in ("satisfied", "violated", "undefined", "inactive"))
+
+
+@settings(repeatable, max_examples=60)
+@given(subjects())
+def test_drawn_specs_mean_the_same_to_both(made: Subject) -> None:
+    assert not KINDS["exact"].disagreements(made, Counter())
+
+
+@settings(repeatable, max_examples=40)
+@given(subjects(geometry=True, inexact="any"))
+def test_drawn_specs_with_geometry_mean_the_same_to_both(made: Subject) -> None:
+    assert not KINDS["everything"].disagreements(made, Counter())

@@ -1,0 +1,124 @@
+"""A small project that passes the gate, and cases: one edit of it, and the findings that come of that.
+
+A case file says what to do with the project before `expect`, and which findings appear after it, word for word:
+
+    edit FILE         lines `- old` are replaced by lines `+ new`; the old ones occur once
+    write FILE        lines `+ new` become the file
+    bytes FILE TEXT   the file becomes these bytes, a Python literal
+    size FILE NUMBER  the file becomes that many blanks
+    link FILE TARGET  the file becomes a symbolic link
+    remove FILE
+    today DATE        instead of 2026-06-02
+    expect
+
+UPDATE_GOLDEN=1 in the environment writes what comes out instead of comparing; read it before it is committed.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+import shutil
+from datetime import date
+from pathlib import Path
+
+from trackmarshal import records, trace
+from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
+
+HERE = Path(__file__).parent
+PROJECT = HERE / "project"
+TODAY = date(2026, 6, 2)
+UPDATE = os.environ.get("UPDATE_GOLDEN") == "1"
+
+
+class Small:
+    """The project, or an edited copy of it."""
+
+    def __init__(self, root: Path = PROJECT) -> None:
+        self.root = root
+        self.today = TODAY
+
+    @classmethod
+    def copy(cls, folder: Path) -> Small:
+        shutil.copytree(PROJECT, folder / "project")
+        return cls(folder / "project")
+
+    def replace(self, file: str, old: str, new: str) -> Small:
+        """Replace a text that occurs exactly once."""
+        path = self.root / file
+        text = path.read_text(encoding="utf-8")
+        assert text.count(old) == 1, f"{old!r} occurs {text.count(old)} times in {file}"
+        path.write_text(text.replace(old, new), encoding="utf-8")
+        return self
+
+    def matrix(self) -> trace.Matrix:
+        """The matrix, from the records in `records/`, read as a results folder is."""
+        held: dict[str, list[records.Record]] = {"spec_items": [], "spec_tests": []}
+        for path in sorted((self.root / "records").glob("spec_*.json")):
+            file = records.load(path)
+            held[file.holds] += file.items
+        items = [item for item in held["spec_items"] if isinstance(item, SpecItem)]
+        tests = [item for item in held["spec_tests"] if isinstance(item, SpecTest)]
+        results = trace.load_results(self.root, "records")
+        fingerprints = {run.scenario: "s1" for run in results.runs}
+        return trace.build(
+            self.root, items, tests, results.test_results, results.runs, self.today,
+            spec_fingerprint="s1", run_fingerprints=fingerprints, findings=results.findings,
+        )  # fmt: skip
+
+    def parts(self) -> tuple[list[SpecItem], list[SpecTest], list[TestResult], list[RunSummary]]:
+        """The records, one list a kind, as callers of `build` hold them."""
+        held: list[records.Record] = []
+        for path in sorted((self.root / "records").glob("*.json")):
+            held += records.load(path).items
+        return (
+            [item for item in held if isinstance(item, SpecItem)],
+            [item for item in held if isinstance(item, SpecTest)],
+            [item for item in held if isinstance(item, TestResult)],
+            [item for item in held if isinstance(item, RunSummary)],
+        )
+
+
+def apply(small: Small, lines: list[str]) -> None:
+    """Do what the lines of a case say."""
+    number = 0
+    while number < len(lines):
+        words = lines[number].split(" ", 2)
+        number += 1
+        old: list[str] = []
+        new: list[str] = []
+        while number < len(lines) and lines[number][:1] in ("-", "+"):
+            (old if lines[number][0] == "-" else new).append(lines[number][2:] + "\n")
+            number += 1
+            if number < len(lines) and old and new and lines[number][:1] == "-":
+                break  # another hunk of the same file
+        path = small.root / words[1] if len(words) > 1 else small.root
+        match words[0]:
+            case "edit":
+                small.replace(words[1], "".join(old), "".join(new))
+                if number < len(lines) and lines[number][:1] == "-":
+                    lines.insert(number, f"edit {words[1]}")
+            case "write":
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text("".join(new), encoding="utf-8")
+            case "bytes":
+                path.write_bytes(ast.literal_eval(words[2]))
+            case "size":
+                path.write_text(" " * int(words[2]), encoding="utf-8")
+            case "link":
+                path.symlink_to(words[2])
+            case "remove":
+                path.unlink()
+            case "today":
+                small.today = date.fromisoformat(words[1])
+            case "" | "#":
+                pass
+            case _:
+                raise ValueError(f"unknown directive {words[0]!r}")
+
+
+def compare(path: Path, actual: str) -> None:
+    """Hold a text against a golden file."""
+    if UPDATE:
+        path.write_text(actual, encoding="utf-8")
+    assert actual == path.read_text(encoding="utf-8")

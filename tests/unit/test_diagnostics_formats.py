@@ -1,0 +1,148 @@
+"""Findings for machines: JSON, SARIF 2.1.0 and GitHub's workflow commands."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from trackmarshal.diagnostics import github, sarif
+from trackmarshal.diagnostics import json as json_format
+from trackmarshal.diagnostics.base import Diagnostic
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.source import SourceFile, Span
+
+
+class Clash(Diagnostic):
+    code = "E999"
+    title = "a clash"
+    text = "{left} beside {right}"
+    label = "a {left}"
+    other_label = "a {right}"
+    remedy = "mend it"
+    explanation = "Two things that do not go together."
+
+    span: Span
+    left: str
+    right: str
+    other: Span | None = None
+
+
+class Noted(Clash):
+    code = "E997"
+    level = "note"
+
+
+FILE = SourceFile("specs/with blank, 100%:.spec", 'rule "速度" r\n  require p.v < 3 m\n')
+BOTH = Clash(Span(FILE, 22, 25), "speed", "50 %\nor so", Span(FILE, 5, 9))
+PLAIN = TrackmarshalError("D101", "unequal columns", file="data/\udce4.jsonl", line=7, help="look")
+BARE = TrackmarshalError("T301", "no project")
+
+
+def strict(text: str) -> Any:
+    def refuse(name: str) -> float:
+        raise ValueError(name)
+
+    text.encode("utf-8")
+    return json.loads(text, parse_constant=refuse)
+
+
+def test_json_says_all() -> None:
+    first, second, third = strict(json_format.render([BOTH, PLAIN, BARE]))
+    assert first == {
+        "code": "E999", "level": "error", "message": "speed beside 50 %\nor so", "file": FILE.path, "line": 2, "column": 11,
+        "end_line": 2, "end_column": 14, "label": "a speed", "help": "mend it",
+        "related": [{"file": FILE.path, "line": 1, "column": 6, "end_line": 1, "end_column": 10, "label": "a 50 %\nor so"}],
+    }  # fmt: skip
+    assert second == {
+        "code": "D101", "level": "error", "message": "unequal columns", "file": "data/?.jsonl", "line": 7, "column": None,
+        "end_line": None, "end_column": None, "label": None, "help": "look", "related": [],
+    }  # fmt: skip
+    assert third["file"] is None
+    assert strict(json_format.render([])) == []
+
+
+def test_sarif_says_all() -> None:
+    log = strict(
+        sarif.render(
+            [PLAIN, BOTH, Noted(BOTH.span, "a", "b"), BOTH, BARE],
+            {"D101": ("columns", "They are equally long.")},
+        )
+    )
+    assert log["version"] == "2.1.0"
+    (run,) = log["runs"]
+    assert run["columnKind"] == "unicodeCodePoints"
+    driver = run["tool"]["driver"]
+    assert driver["name"] == "trackmarshal"
+    assert driver["version"]
+    assert driver["rules"] == [
+        {
+            "id": "D101",
+            "shortDescription": {"text": "columns"},
+            "fullDescription": {"text": "They are equally long."},
+        },
+        {
+            "id": "E997",
+            "shortDescription": {"text": Clash.title},
+            "fullDescription": {"text": Clash.explanation},
+        },
+        {
+            "id": "E999",
+            "shortDescription": {"text": Clash.title},
+            "fullDescription": {"text": Clash.explanation},
+        },
+        {"id": "T301"},
+    ]
+    results = run["results"]
+    assert [result["ruleId"] for result in results] == ["D101", "E999", "E997", "E999", "T301"]
+    assert all(driver["rules"][result["ruleIndex"]]["id"] == result["ruleId"] for result in results)
+    assert [result["level"] for result in results] == ["error", "error", "note", "error", "error"]
+    assert results[0]["locations"] == [
+        {"physicalLocation": {"artifactLocation": {"uri": "data/%3F.jsonl"}, "region": {"startLine": 7}}}
+    ]
+    (location,) = results[1]["locations"]
+    assert location["physicalLocation"] == {
+        "artifactLocation": {"uri": "specs/with%20blank%2C%20100%25%3A.spec"},
+        "region": {"startLine": 2, "startColumn": 11, "endLine": 2, "endColumn": 14},
+    }
+    assert results[1]["message"]["text"] == "speed beside 50 %\nor so\na speed\nhelp: mend it"
+    (related,) = results[1]["relatedLocations"]
+    assert related["message"] == {"text": "a 50 %\nor so"}
+    assert related["physicalLocation"]["region"]["startLine"] == 1
+    assert "locations" not in results[4]
+
+
+def test_sarif_of_nothing_is_a_run_without_results() -> None:
+    (run,) = strict(sarif.render([]))["runs"]
+    assert run["results"] == []
+
+
+def test_sarif_names_absolute_files_as_such() -> None:
+    log = strict(sarif.render([TrackmarshalError("E001", "gone", file="/a b/c.spec")]))
+    location = log["runs"][0]["results"][0]["locations"][0]["physicalLocation"]
+    assert location == {"artifactLocation": {"uri": "file:///a%20b/c.spec"}}
+
+
+def test_github_escapes_what_would_end_a_command() -> None:
+    first, second, third = github.render([BOTH, PLAIN, BARE]).splitlines()
+    assert first == (
+        "::error file=specs/with blank%2C 100%25%3A.spec,line=2,endLine=2,col=11,endColumn=14,title=E999 a clash"
+        "::speed beside 50 %25%0Aor so%0Aa speed%0Aspecs/with blank, 100%25:.spec:1: a 50 %25%0Aor so%0Ahelp: mend it"
+    )
+    assert second == "::error file=data/?.jsonl,line=7,title=D101::unequal columns%0Ahelp: look"
+    assert third == "::error title=T301::no project"
+    assert github.render([]) == ""
+
+
+def test_github_gives_no_columns_over_several_lines() -> None:
+    line = github.render([Noted(Span(FILE, 0, 30), "a", "b")])
+    assert line.startswith("::notice file=")
+    assert "line=1,endLine=2,title=" in line
+
+
+@pytest.mark.parametrize("text", ["a\r\nb", "a\x85b", "::error::x", "%0A"])
+def test_github_keeps_one_finding_on_one_line(text: str) -> None:
+    out = github.render([TrackmarshalError("E001", text, file=text)])
+    assert out.count("\n") == 1
+    assert out.count("::") == 2 + text.count("::")

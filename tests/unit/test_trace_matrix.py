@@ -1,0 +1,228 @@
+"""What the cells say: statuses combine towards the worst, children show above, and nothing depends on order."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+from golden.trace.cases import PROJECT, TODAY, Small
+from trackmarshal import trace
+from trackmarshal.records import RuleFacts, RunSummary, TruthFacts
+from trackmarshal.trace.cells import combined
+
+
+@pytest.mark.parametrize(
+    ("statuses", "expected"),
+    [
+        ((), None),
+        (("covered",), "covered"),
+        (("covered", "covered"), "covered"),
+        (("covered", "waived"), "waived"),
+        (("waived",), "waived"),
+        (("missing",), "missing"),
+        (("covered", "missing"), "partial"),
+        (("waived", "missing"), "partial"),
+        (("partial",), "partial"),
+        (("partial", "missing"), "partial"),
+        (("covered", "stale", "missing"), "stale"),
+        (("covered", "stale", "failed"), "failed"),
+        (("waived", "failed"), "failed"),
+    ],
+)
+def test_combining(statuses: tuple[str, ...], expected: str | None) -> None:
+    assert combined(statuses) == expected
+    assert combined(reversed(statuses)) == expected
+
+
+def test_an_unknown_status_is_refused() -> None:
+    with pytest.raises(ValueError, match="unknown status"):
+        combined(["fine"])
+
+
+def status(matrix: trace.Matrix, requirement: str, stage: str) -> str | None:
+    row = next(row for row in matrix.rows if row.requirement.id == requirement)
+    return row.cells[stage].status if stage in row.cells else None
+
+
+def build(small: Small, **changes: object) -> trace.Matrix:
+    items, tests, results, runs = small.parts()
+    given = {
+        "spec_items": items,
+        "spec_tests": tests,
+        "test_results": results,
+        "runs": runs,
+        "today": TODAY,
+        **changes,
+    }
+    return trace.build(small.root, **given)  # type: ignore[arg-type]
+
+
+def test_nothing_given_is_nothing_covered() -> None:
+    matrix = trace.build(PROJECT, [], [], [], [], TODAY)
+    for stage in ("S-2-B", "S-3-B", "S-4-A", "S-4-B"):
+        assert status(matrix, "S-1-A-2", stage) == "missing", stage
+    assert not matrix.passes
+
+
+def test_not_run_is_not_covered() -> None:
+    matrix = build(Small(), test_results=[], runs=[])
+    assert status(matrix, "S-1-A-2", "S-2-B") == "covered"
+    assert status(matrix, "S-1-A-2", "S-3-B") == "missing"
+    assert status(matrix, "S-1-A-2", "S-4-A") == "missing"
+
+
+def test_a_failure_shows_at_every_requirement_above() -> None:
+    small = Small()
+    results = [replace(r, outcome="failed") if r.rule == "turn" else r for r in small.parts()[2]]
+    matrix = build(small, test_results=results)
+    assert status(matrix, "RR-1", "S-3-B") == "failed"
+    assert status(matrix, "S-1-A-5", "S-3-B") == "failed"
+    assert status(matrix, "S-1-A-2", "S-3-B") == "covered"
+
+
+def test_of_two_results_the_worse_counts() -> None:
+    small = Small()
+    results = small.parts()[2]
+    both = [*results, replace(results[4], outcome="failed")]
+    assert status(build(small, test_results=both), "S-1-A-2", "S-3-B") == "failed"
+    assert status(build(small, test_results=both[::-1]), "S-1-A-2", "S-3-B") == "failed"
+
+
+def test_a_waiver_excuses_gaps_but_no_failure(tmp_path: Path) -> None:
+    small = Small.copy(tmp_path)
+    small.replace(
+        "requirements/v-model.yaml",
+        "    requirements: [S-1-B-*]\n    justification",
+        "    requirements: ['*']\n    justification",
+    )
+    assert status(build(small, test_results=[]), "S-1-A-2", "S-3-B") == "waived"
+    failed = [replace(r, outcome="failed") for r in small.parts()[2]]
+    assert status(build(small, test_results=failed), "S-1-A-2", "S-3-B") == "failed"
+    stale = [replace(r, fingerprint="older") for r in small.parts()[2]]
+    assert status(build(small, test_results=stale), "S-1-A-2", "S-3-B") == "stale"
+
+
+@pytest.mark.parametrize(
+    ("today", "expected"),
+    [
+        (date(2025, 12, 31), "missing"),
+        (date(2026, 1, 1), "waived"),
+        (date(2026, 12, 31), "waived"),
+        (date(2027, 1, 1), "missing"),
+    ],
+)
+def test_a_waiver_holds_from_its_first_to_its_last_day(today: date, expected: str) -> None:
+    assert status(build(Small(), today=today), "S-1-B-1", "S-3-B") == expected
+
+
+def test_a_waived_child_shows_above(tmp_path: Path) -> None:
+    small = Small.copy(tmp_path)
+    small.replace(
+        "requirements/v-model.yaml",
+        "requirements: [S-1-B-*]\n    justification",
+        "requirements: [S-1-B-*, RR-1]\n    justification",
+    )
+    results = [r for r in small.parts()[2] if r.rule != "turn"]
+    matrix = build(small, test_results=results)
+    assert status(matrix, "RR-1", "S-3-B") == "waived"
+    assert status(matrix, "S-1-A-5", "S-3-B") == "waived"
+
+
+def run(small: Small, scenario: str, **changes: object) -> list[RunSummary]:
+    return [replace(r, **changes) if r.scenario == scenario else r for r in small.parts()[3]]  # type: ignore[arg-type]
+
+
+CUT_IN = "scenarios/cut_in.jsonl"
+
+
+def facts(rule: str, fingerprint: str, **counts: int) -> RuleFacts:
+    return RuleFacts(rule, fingerprint, {"driving": counts}, 1.0 if counts.get("violated") else None)
+
+
+@pytest.mark.parametrize(
+    ("counts", "expected"),
+    [
+        ({"satisfied": 90, "violated": 10}, "covered"),
+        ({"satisfied": 100}, "partial"),
+        ({"inactive": 100}, "missing"),
+        ({"undefined": 100}, "missing"),
+        ({"open": 100}, "missing"),
+        ({}, "missing"),
+    ],
+)
+def test_a_scenario_has_to_be_critical_for_the_rule(counts: dict[str, int], expected: str) -> None:
+    small = Small()
+    matrix = build(small, runs=run(small, CUT_IN, rules=(facts("gap", "g" * 8, **counts),)))
+    assert status(matrix, "S-1-A-2", "S-4-A") == expected
+
+
+def test_ground_truth_that_judges_other_rules_does_not_cover() -> None:
+    small = Small()
+    matrix = build(small, runs=run(small, CUT_IN, ground_truth={"static": TruthFacts(True, (), ("turn",))}))
+    assert status(matrix, "S-1-A-2", "S-4-A") == "partial"
+
+
+def test_a_contradiction_counts_for_the_rules_that_were_judged() -> None:
+    small = Small()
+    truths = {
+        "static": TruthFacts(False, ("rated safe at 1 s",), ("turn",)),
+        "dynamic": TruthFacts(True, (), ("gap",)),
+    }
+    matrix = build(small, runs=run(small, CUT_IN, ground_truth=truths))
+    assert status(matrix, "RR-1", "S-4-A") == "failed"
+    assert status(matrix, "S-1-A-2", "S-4-A") == "covered"
+
+
+def test_a_quiet_lap_covers_only_when_it_comes_from_the_field(tmp_path: Path) -> None:
+    assert status(build(Small()), "S-1-A-2", "S-4-B") == "covered"
+    small = Small.copy(tmp_path)
+    small.replace("requirements/v-model.yaml", "origin: field", "origin: simulated")
+    assert status(build(small), "S-1-A-2", "S-4-B") == "partial"
+
+
+def test_a_new_rule_needs_no_edit_of_the_requirements() -> None:
+    """One more rule with its tests: it appears, and what was covered stays so."""
+    small = Small()
+    items, tests, results, runs = small.parts()
+    rule = replace(items[1], name="slow", title="Slow at the start", line=60)
+    new_tests = [replace(t, rule="slow", line=t.line + 200) for t in tests if t.rule == "gap"]
+    new_results = [replace(r, rule="slow", fingerprint=rule.fingerprint) for r in results if r.rule == "gap"]
+    runs = [replace(r, rules=(*r.rules, facts("slow", rule.fingerprint, satisfied=3))) for r in runs]
+    matrix = trace.build(
+        small.root, [*items, rule], [*tests, *new_tests], [*results, *new_results], runs, TODAY
+    )
+    assert matrix.passes
+    row = next(row for row in matrix.rows if row.requirement.id == "S-1-A-2")
+    assert [item.name for item in row.cells["S-2-B"].items] == ["gap", "slow"]
+    assert [f.code for f in matrix.findings] == ["T226"]
+
+
+def test_the_order_of_inputs_does_not_matter() -> None:
+    small = Small()
+    parts = small.parts()
+    expected = {kind: trace.render(trace.build(small.root, *parts, TODAY), kind) for kind in trace.FORMATS}
+    for seed in range(5):
+        shuffled = [random.Random(seed).sample(part, len(part)) for part in parts]
+        matrix = trace.build(small.root, *shuffled, TODAY)  # type: ignore[arg-type]
+        assert {kind: trace.render(matrix, kind) for kind in trace.FORMATS} == expected
+
+
+def test_a_folder_without_requirements_is_unusable(tmp_path: Path) -> None:
+    matrix = trace.build(tmp_path, [], [], [], [], TODAY)
+    assert [f.code for f in matrix.findings] == ["T112"]
+    assert matrix.unusable
+    assert not matrix.passes
+    for kind in trace.FORMATS:
+        assert trace.render(matrix, kind)
+
+
+def test_coverage_counts_every_cell_once() -> None:
+    matrix = build(Small())
+    for stage, count in matrix.coverage.items():
+        number = sum(stage in row.cells for row in matrix.rows)
+        assert count["of"] == number
+        assert sum(value for status_, value in count.items() if status_ != "of") == number

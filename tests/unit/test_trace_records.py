@@ -1,0 +1,184 @@
+"""Records travel through JSON unchanged, and what is no record is refused with its place."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from golden.trace.cases import PROJECT, Small
+from trackmarshal import records
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.records import (
+    Record,
+    Ref,
+    ResultsFile,
+    RuleFacts,
+    RunSummary,
+    SpecItem,
+    SpecTest,
+    TestResult,
+    TruthFacts,
+)
+
+ITEM = SpecItem(
+    "rule", "friction", "Grip", (Ref("S-1-A-4", 4, 13),), (Ref("A-FRICTION", 5, 13),), "specs/a.spec", 3, 1, "ab" * 32,
+    severity="minor", source="paper eq 2", owner="", evidence="", monitored=True, compares=False,
+)  # fmt: skip
+TEST = SpecTest("friction", "on the boundary", "satisfied", True, "specs/a.spec", 40, 1)
+RESULT = TestResult(
+    "friction",
+    "on the boundary",
+    "failed",
+    "ab" * 32,
+    "margin 2 N, expected 0 N",
+    "specs/a.spec",
+    40,
+    "cd" * 32,
+)
+RUN = RunSummary(
+    "specs/scenarios/cut_in.tmrec.jsonl", "01" * 32, "cd" * 32, 122,
+    (RuleFacts("friction", "ab" * 32, {"driving": {"satisfied": 120, "violated": 2}, "emergency": {"satisfied": 122}}, 4.5),),
+    {"dynamic": TruthFacts(False, ("rated safe at 5.2 s",), ("safe_gap",)), "static": TruthFacts(True)}, True, "2026-06-01T12:00:00+00:00",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("holds", "record"), [("spec_items", ITEM), ("spec_tests", TEST), ("test_results", RESULT), ("runs", RUN)]
+)
+def test_round_trip(holds: str, record: Record, tmp_path: Path) -> None:
+    path = tmp_path / "results" / "file.json"
+    file = ResultsFile(holds, (record, record), "0.1.0", "2026-06-01T12:00:00+00:00")
+    records.save(path, file)
+    assert records.load(path) == file
+    assert [p.name for p in path.parent.iterdir()] == ["file.json"]  # no draft is left behind
+
+
+def test_fields_that_a_later_version_adds_are_ignored() -> None:
+    assert SpecTest.from_json({**TEST.to_json(), "colour": "blue"}) == TEST
+
+
+def test_fields_with_a_default_may_be_absent() -> None:
+    data = ITEM.to_json()
+    for name in ("severity", "source", "owner", "evidence", "monitored", "compares"):
+        del data[name]
+    item = SpecItem.from_json(data)
+    assert (item.severity, item.owner, item.monitored, item.compares) == ("", "", True, True)
+
+
+def changed(record: Any, **fields: Any) -> dict[str, Any]:
+    data: dict[str, Any] = record.to_json()
+    for name, value in fields.items():
+        if value is None:
+            del data[name]
+        else:
+            data[name] = value
+    return data
+
+
+@pytest.mark.parametrize(
+    ("holds", "data", "said"),
+    [
+        ("spec_items", changed(ITEM, name=None), "spec item: `name` is missing"),
+        ("spec_items", changed(ITEM, kind="law"), "spec item: `kind` is `law`, known are rule, assume"),
+        (
+            "spec_items",
+            changed(ITEM, satisfies=["S-1-A-4"]),
+            "`satisfies` must be a list of [id, line, column]",
+        ),
+        ("spec_items", changed(ITEM, line="3"), "`line` must be a whole number, not a text"),
+        ("spec_items", changed(ITEM, line=-3), "`line` must be a whole number from 0"),
+        ("spec_items", changed(ITEM, line=True), "`line` must be a whole number from 0"),
+        ("spec_items", changed(ITEM, monitored=1), "`monitored` must be true or false, not a number"),
+        ("spec_tests", changed(TEST, expects="safe"), "spec test: `expects` is `safe`"),
+        (
+            "test_results",
+            changed(RESULT, outcome="skipped"),
+            "test result: `outcome` is `skipped`, known are passed, failed, error",
+        ),
+        (
+            "runs",
+            changed(RUN, rules=[{"rule": "a", "fingerprint": "b", "counts": {"driving": {"fine": 3}}}]),
+            "`fine` is no verdict",
+        ),
+        (
+            "runs",
+            changed(RUN, rules=[{"rule": "a", "fingerprint": "b", "counts": {}, "first_violation": "4"}]),
+            "`first_violation`",
+        ),
+        ("runs", changed(RUN, ground_truth={"dynamic": {}}), "ground truth: `inside` is missing"),
+        ("runs", changed(RUN, ground_truth=[]), "`ground_truth` must be an object, not a list"),
+        ("runs", [], "run summary: an object is expected, not a list"),
+        ("opinions", {}, "`holds` is `opinions`"),
+    ],
+)
+def test_what_is_no_record_is_refused(holds: str, data: object, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "file.json"
+    envelope = {
+        "format": records.FORMAT,
+        "version": 1,
+        "tool_version": "0",
+        "created": "",
+        "holds": holds,
+        "items": [data],
+    }
+    path.write_text(json.dumps(envelope), encoding="utf-8")
+    with pytest.raises(TrackmarshalError) as caught:
+        records.load(path, "out/results/file.json")
+    assert caught.value.code == "T290"
+    assert caught.value.file == "out/results/file.json"
+    assert said in caught.value.message
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "not strict JSON"),
+        (b"\xff\xfe", "not strict JSON"),
+        (b'{"format": NaN}', "NaN is not strict JSON"),
+        (b"[" * 100_000, "not strict JSON"),
+        (b"[]", "results file: an object is expected, not a list"),
+        (b'{"format": "sarif"}', "its format is not `trackmarshal-results`"),
+        (b'{"format": "trackmarshal-results", "version": 2}', "version 2 is newer"),
+    ],
+    ids=["empty", "binary", "nan", "deep", "list", "format", "version"],
+)
+def test_what_is_no_results_file_is_refused(content: bytes, said: str, tmp_path: Path) -> None:
+    path = tmp_path / "file.json"
+    path.write_bytes(content)
+    with pytest.raises(TrackmarshalError) as caught:
+        records.load(path)
+    assert caught.value.code == "T290"
+    assert said in caught.value.message
+
+
+def test_a_folder_is_no_results_file(tmp_path: Path) -> None:
+    with pytest.raises(TrackmarshalError, match="T290"):
+        records.load(tmp_path)
+
+
+def test_the_newest_results_count(tmp_path: Path) -> None:
+    from trackmarshal.trace import load_results
+
+    folder = tmp_path / "out" / "results"
+    for name, created, outcome in (("b", "2026-06-01", "failed"), ("a", "2026-06-02", "passed")):
+        result = TestResult("friction", "t", outcome, "f", "", "a.spec", 1)
+        records.save(
+            folder / f"{name}.json", ResultsFile("test_results", (result,), "0", f"{created}T00:00:00+00:00")
+        )
+    assert [r.outcome for r in load_results(tmp_path).test_results] == ["passed"]
+
+
+def test_no_folder_is_no_results(tmp_path: Path) -> None:
+    from trackmarshal.trace import load_results
+
+    results = load_results(tmp_path)
+    assert (results.test_results, results.runs, results.findings) == ((), (), ())
+
+
+def test_the_fixture_is_read_whole() -> None:
+    items, tests, results, runs = Small().parts()
+    assert (len(items), len(tests), len(results), len(runs)) == (4, 12, 12, 3)
+    assert PROJECT.is_dir()
