@@ -6,6 +6,7 @@ Writes a folder with an index page that opens without a network.
 from __future__ import annotations
 
 import argparse
+import json
 import platform
 import sys
 from datetime import date
@@ -26,6 +27,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.evidence import now
     from trackmarshal.diagnostics.text import render as render_text
     from trackmarshal.scenarios.run_record import run_record
+    from trackmarshal.testing.run import coverage
     from trackmarshal.trace.report import write_report
 
     root = find_project(args)
@@ -36,21 +38,25 @@ def run(args: argparse.Namespace) -> int:
         print(render_text(found, colour=sys.stderr.isatty()), file=sys.stderr)
     matrix = trace.build(root, made.items, made.tests, made.results, made.runs, date.today())
     target.mkdir(parents=True, exist_ok=True)
-    for format_, name in (("html", "matrix.html"), ("json", "matrix.json"), ("csv", "matrix.csv"), ("md", "matrix.md")):
-        (target / name).write_text(trace.render(matrix, format_), encoding="utf-8")
+    for format_ in ("html", "json", "csv", "md"):
+        (target / f"matrix.{format_}").write_text(trace.render(matrix, format_), encoding="utf-8")
+    summary = json.loads(trace.render(matrix, "json"))
     records = [run_record(outcome, evaluator, source_hash=summary.source_hash) for summary, outcome, evaluator in made.replays]
     failed = [r for r in made.results if r.outcome != "passed"]
+    uncovered = [c.rule.name for c in coverage(made.compiled.spec, made.prepared) if not c.complete]
     gaps = trace.gate(matrix)
     page = write_report(
         target,
         runs=records,
         matrix_html="matrix.html",
-        matrix_summary=trace.summary(matrix),
-        missing=trace.missing(matrix),
+        matrix_summary=summary,
+        missing=summary["findings"],
         checks={"modules": len(made.compiled.order), "rules": len(made.items), "errors": sum(d.level == "error" for d in found),
-                "warnings": sum(d.level != "error" for d in found), "tests": len(made.results), "failed": len(failed)},
+                "warnings": sum(d.level != "error" for d in found), "tests": len(made.results), "failed": len(failed),
+                "failures": [{"rule": r.rule, "title": r.title, "message": r.message, "place": f"{r.file}:{r.line}"} for r in failed],
+                "uncovered": uncovered},
         meta={"project": made.project.name or root.name, "created": now(), "tool": f"trackmarshal {__version__}",
-              "python": platform.python_version(), "spec_fingerprint": made.compiled.spec.fingerprint},
+              "python": platform.python_version(), "spec_fingerprint": made.compiled.spec.fingerprint, "command": "trackmarshal assess"},
     )  # fmt: skip
     outside = [truth for run_ in made.runs for truth in run_.ground_truth.values() if not truth.inside]
     if not args.quiet:

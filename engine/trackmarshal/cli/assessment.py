@@ -29,6 +29,7 @@ class Assessment:
     results: list[TestResult]
     runs: list[RunSummary]
     replays: list[tuple[RunSummary, Replay, Evaluator]]
+    prepared: list[PreparedTest]
 
 
 def read_specs(root: Path) -> tuple[Project, Compiled, list[PreparedTest]]:
@@ -66,7 +67,7 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
     else:
         results = evidence.kept(folder / evidence.TESTS, "test_results")
         runs = evidence.kept(folder / evidence.RUNS, "runs")
-    return Assessment(root, project, compiled, items, tests, results, runs, replays)
+    return Assessment(root, project, compiled, items, tests, results, runs, replays, prepared)
 
 
 def _run_scenarios(

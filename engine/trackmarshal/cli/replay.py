@@ -18,6 +18,7 @@ from trackmarshal.errors import TrackmarshalError
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
     from trackmarshal.ir.spec import Spec
+    from trackmarshal.runtime.verdict import RuleResult
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.scenarios.replay import Replay
 
@@ -141,7 +142,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
             unsafe = [c for c in outcome.cycles if candidate in c.results and c.results[candidate].rules[rule.name].unsafe]
             if not unsafe:
                 continue
-            worst = min(unsafe, key=lambda c: c.results[candidate].rules[rule.name].margin)
+            worst = min(unsafe, key=lambda c: _badness(c.results[candidate].rules[rule.name]))
             result = worst.results[candidate].rules[rule.name]
             spans = ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals([c.t for c in unsafe], times))
             verdicts = "/".join(sorted({c.results[candidate].rules[rule.name].verdict for c in unsafe}))
@@ -163,6 +164,12 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
         else:
             lines.append(f"ground truth, {truth.kind}: OUTSIDE ({judged}); missed at {_list(truth.missed)}, false alarm at {_list(truth.false_alarms)}")
     return "\n".join(lines)
+
+
+def _badness(result: RuleResult) -> tuple[bool, float]:
+    """Order of firings: violated by the most first, undefined ones (whose margin is NaN) last."""
+    undefined = result.verdict == "undefined"
+    return undefined, 0.0 if undefined else result.margin
 
 
 def _list(times: tuple[float, ...]) -> str:

@@ -18,7 +18,7 @@ from trackmarshal.runtime.geometry.arrays import (
     vector,
 )
 from trackmarshal.runtime.geometry.border import Border
-from trackmarshal.runtime.geometry.crossings import meeting_fault, meetings, turns
+from trackmarshal.runtime.geometry.crossings import meeting_fault, turns
 from trackmarshal.runtime.geometry.polyline import Polyline, centre_line
 from trackmarshal.runtime.geometry.quads import union_of_quads
 from trackmarshal.runtime.geometry.region import Region
@@ -108,10 +108,9 @@ def corridor_region(left: Floats, right: Floats, closed: bool) -> Region | str:
         names = ["left border"] * (len(lefts) - 1) + ends[1] + ["right border"] * (len(rights) - 1) + ends[0]
         ring = distinct(np.concatenate([lefts, rights[::-1]]), True)
         border = Border([ring], closed=True)
-        return meeting_fault(border, names, meetings(border)) or Region([counter_clockwise(ring)])
+        return meeting_fault(border, names) or Region([counter_clockwise(ring)])
     border = Border([lefts, rights], closed=True)
-    pairs = meetings(border)
-    fault = meeting_fault(border, ["left border"] * len(lefts) + ["right border"] * len(rights), pairs)
+    fault = meeting_fault(border, ["left border"] * len(lefts) + ["right border"] * len(rights))
     if fault:
         rings = union_of_quads(left, right)
         return fault if rings is None else Region(rings)
@@ -130,9 +129,7 @@ def polygon_region(points: Floats) -> Region | str:
         return fault
     ring = distinct(points, True)
     border = Border([ring], closed=True)
-    return meeting_fault(border, ["polygon"] * len(ring), meetings(border)) or Region(
-        [counter_clockwise(ring)]
-    )
+    return meeting_fault(border, ["polygon"] * len(ring)) or Region([counter_clockwise(ring)])
 
 
 def counter_clockwise(ring: Floats) -> Floats:

@@ -2,62 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 import numpy as np
 
 from trackmarshal.runtime.geometry.arrays import Floats, Ints, place
-from trackmarshal.runtime.geometry.border import BLOCK, Border
+from trackmarshal.runtime.geometry.border import Border
 
-#: Pairs of segments that are looked at together.
-AT_ONCE = 1 << 21
+#: Pairs of runs of segments that are looked at together.
+AT_ONCE = 1 << 16
 #: A computed turn that is larger than this share of its two products has the right sign.
 CERTAIN = 1e-15
 
 
-def meeting_fault(border: Border, names: Sequence[str], pairs: tuple[Ints, Ints]) -> str | None:
-    """The first place where a border folds back or meets itself; `names` has one for each segment, `pairs` those that meet."""
-    folds = np.flatnonzero(border.ex * border.ex[border.next] + border.ey * border.ey[border.next] <= 0.0)
-    folds = folds[[_folds_back(border, k) for k in folds.tolist()]] if folds.size else folds
-    i, j = pairs
-    if folds.size and (not i.size or folds[0] <= i[0]):
-        k = folds[0]
-        return f"{names[k]} folds back on itself near {place(border.bx[k], border.by[k])}"
-    if not i.size:
+def meeting_fault(border: Border, names: Sequence[str]) -> str | None:
+    """The first place where a border folds back or meets itself; `names` has one for each segment."""
+    back = border.ex * border.ex[border.next] + border.ey * border.ey[border.next] <= 0.0
+    fold = next((k for k in back.nonzero()[0].tolist() if _folds_back(border, k)), border.size)
+    i, j = next(((int(i[0]), int(j[0])) for i, j in meetings(border)), (border.size, 0))
+    if fold < border.size and fold <= i:
+        return f"{names[fold]} folds back on itself near {place(border.bx[fold], border.by[fold])}"
+    if i == border.size:
         return None
-    first, second = names[i[0]], names[j[0]]
-    where = place(*meeting_place(border, int(i[0]), int(j[0])))
+    where = place(*meeting_place(border, i, j))
     return (
-        f"{first} crosses itself near {where}" if first == second else f"{first} meets {second} near {where}"
+        f"{names[i]} crosses itself near {where}"
+        if names[i] == names[j]
+        else f"{names[i]} meets {names[j]} near {where}"
     )
 
 
-def meetings(border: Border) -> tuple[Ints, Ints]:
-    """All pairs i < j of segments, in order, that have a point in common other than the one that neighbours share."""
+def meetings(border: Border) -> Iterator[tuple[Ints, Ints]]:
+    """All pairs i < j of segments, in order, that have a point in common other than the one that neighbours share.
+
+    They come in parts that are not empty, found as they are asked for.
+    """
     lows = np.minimum(border.ax, border.bx), np.minimum(border.ay, border.by)
     highs = np.maximum(border.ax, border.bx), np.maximum(border.ay, border.by)
     runs = border.runs
-    overlap = np.ones((len(runs), len(runs)), dtype=bool)
-    for low, high in zip(lows, highs):
-        run_low, run_high = low[runs].min(axis=1), high[runs].max(axis=1)
-        overlap &= (run_low[:, None] <= run_high) & (run_low <= run_high[:, None])
-    one, other = np.nonzero(np.triu(overlap))
-    found: list[tuple[Ints, Ints]] = []
-    step = AT_ONCE // (BLOCK * BLOCK)
-    for first in range(0, one.size, step):
-        i, j = runs[one[first : first + step]][:, :, None], runs[other[first : first + step]][:, None, :]
+    boxes = [(low[runs].min(axis=1), high[runs].max(axis=1)) for low, high in zip(lows, highs)]
+    step = max(1, AT_ONCE // len(runs))
+    for first in range(0, len(runs), step):
+        some = np.arange(first, min(first + step, len(runs)))
+        overlap = some[:, None] <= np.arange(len(runs))
+        for low, high in boxes:
+            overlap &= (low[some, None] <= high) & (low <= high[some, None])
+        one, other = overlap.nonzero()
+        i, j = runs[some[one]][:, :, None], runs[other][:, None, :]
         near = (i < j) & (border.next[i] != j) & (border.next[j] != i)
         for low, high in zip(lows, highs):
             near &= (low[i] <= high[j]) & (low[j] <= high[i])
-        which = np.nonzero(near)
-        found.append((i[which[0], which[1], 0], j[which[0], 0, which[2]]))
-    i, j = (np.concatenate(part) for part in zip(*found))
-    meet = (turn(border, i, j, 0) * turn(border, i, j, 1) <= 0) & (
-        turn(border, j, i, 0) * turn(border, j, i, 1) <= 0
-    )
-    pairs = np.unique(np.stack([i[meet], j[meet]]), axis=1)
-    return pairs[0], pairs[1]
+        which = near.nonzero()
+        i, j = i[which[0], which[1], 0], j[which[0], 0, which[2]]
+        meet = turn(border, i, j, 0) * turn(border, i, j, 1) <= 0
+        meet &= turn(border, j, i, 0) * turn(border, j, i, 1) <= 0
+        if meet.any():
+            i, j = np.unique(np.stack([i[meet], j[meet]]), axis=1)
+            yield i, j
 
 
 def turn(border: Border, i: Ints, j: Ints, end: int) -> Ints:

@@ -35,7 +35,7 @@ def union_of_quads(left: Floats, right: Floats) -> list[Floats] | None:
         return None
     border = Border([right[forward], next_left[backward][::-1]], closed=True)
     owner = np.concatenate([np.flatnonzero(forward), np.flatnonzero(backward)[::-1]])
-    i, j = meetings(border)
+    i, j = (np.concatenate(part) for part in zip(*meetings(border)))
     if any((turn(border, a, b, end) == 0).any() for a, b in ((i, j), (j, i)) for end in (0, 1)):
         return None
     cuts: dict[int, list[tuple[float, int]]] = {}
