@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import re
 from bisect import bisect_right
 from pathlib import Path
 
@@ -21,8 +22,15 @@ CODES = {
     "E003": ("the file is empty", "A spec file starts with `module NAME`. An empty file demands nothing, which is hardly meant."),
     "E004": ("the file is not UTF-8", "Spec files are UTF-8 text, with or without a byte order mark, with LF or CRLF line ends."),
     "E006": ("no spec files here", "The folder holds no file whose name ends in .spec, so that nothing would be checked or evaluated."),
-    "E005": ("a control character in the file", "A NUL or another control character is never part of a spec; the file may be binary."),
+    "E005": (
+        "a control character in the file",
+        "A NUL or another control character is never part of a spec; the file may be binary. Characters that turn the direction of "
+        "writing, and line ends that few programs show, are refused too: what people read must be what is evaluated.",
+    ),
 }  # fmt: skip
+
+#: Characters that a spec never holds: C0 and C1 controls but tab and line feed, odd line ends, changes of direction.
+_CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028\u2029\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 
 class SourceFile:
@@ -115,10 +123,11 @@ def decode(path: str, data: bytes) -> SourceFile:
         message = f"byte {data[error.start]:#04x} at offset {error.start} is not UTF-8"
         raise TrackmarshalError("E004", message, file=path, line=line, help="save the file as UTF-8") from error
     text = text.replace("\r\n", "\n").replace("\r", "\n")
-    for offset, char in enumerate(text):
-        if char < " " and char not in "\n\t":
-            line = text.count("\n", 0, offset) + 1
-            raise TrackmarshalError("E005", f"control character U+{ord(char):04X}", file=path, line=line, help="is this a text file?")
+    odd = _CONTROL.search(text)
+    if odd is not None:
+        line = text.count("\n", 0, odd.start()) + 1
+        message = f"control character U+{ord(odd.group()):04X}"
+        raise TrackmarshalError("E005", message, file=path, line=line, help="delete it; is this a text file?")
     return SourceFile(path, text)
 
 

@@ -57,7 +57,14 @@ class Kind:
                 found += check_sound(case, left)
                 counts.update(rule.verdict for rule in left.rules.values())
                 counts["faulty cases"] += bool(case.faults)
-            counts.update({"specs": 1, "rules": len(spec.rules), "cases": len(cases), "refused cases": len(made.cases) - len(cases)})
+            counts.update(
+                {
+                    "specs": 1,
+                    "rules": len(spec.rules),
+                    "cases": len(cases),
+                    "refused cases": len(made.cases) - len(cases),
+                }
+            )
         return found
 
 
@@ -77,16 +84,25 @@ def test_generated_specs_mean_the_same_to_both(name: str, capsys: pytest.Capture
     share = -(-GENERATED // len(KINDS))
     for seed in range(share):
         # Every kind has seeds of its own, so that no two are about the same specs.
-        made = subject(RandomChoices(share * list(KINDS).index(name) + seed), inexact=kind.inexact, geometry=kind.geometry)
+        made = subject(
+            RandomChoices(share * list(KINDS).index(name) + seed),
+            inexact=kind.inexact,
+            geometry=kind.geometry,
+        )
         broken = kind.disagreements(made, counts)
         if broken:
             found.append((made.text, broken))
     if GENERATED > 1000:
         with capsys.disabled():
-            print(f"\n{name}: {', '.join(f'{count} {what}' for what, count in counts.items())}, {len(found)} disagreements")
+            print(
+                f"\n{name}: {', '.join(f'{count} {what}' for what, count in counts.items())}, {len(found)} disagreements"
+            )
     assert not found, f"{len(found)} of {share}, the first: {found[0][1]}\n{found[0][0]}"
     assert counts["specs"] == share
-    assert all(counts[verdict] > counts["cases"] / 20 for verdict in ("satisfied", "violated", "undefined", "inactive"))
+    assert all(
+        counts[verdict] > counts["cases"] / 20
+        for verdict in ("satisfied", "violated", "undefined", "inactive")
+    )
 
 
 @settings(repeatable, max_examples=60)

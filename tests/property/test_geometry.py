@@ -78,6 +78,30 @@ def test_fast_is_the_reference(
         assert (found >= 0.0) == (expected >= 0.0) or max(abs(found), abs(expected)) < 1e-12
 
 
+whole = st.integers(-6, 6).map(float)
+
+
+@given(
+    st.lists(st.tuples(whole, whole), min_size=3, max_size=9),
+    st.tuples(whole, whole),
+    st.tuples(whole, whole),
+    st.sampled_from([0.0, math.pi / 2, math.atan2(3.0, 4.0), math.pi / 4]),
+    st.tuples(st.sampled_from([1.0, 2.0, 4.0]), st.sampled_from([0.5, 1.0, 2.0])),
+)
+def test_fast_is_the_reference_where_everything_touches(
+    ring: list[Point], start: Point, end: Point, heading: float, body: tuple[float, float]
+) -> None:
+    zone = fast.Polygon(ring)
+    assert zone.fault == reference.zone_fault(ring)
+    expected = reference.hull_in_polygon_margin(ring, (*start, heading), (*end, heading), *body)
+    found = float(zone.margin_inside(*start, heading, *end, heading, *body)[0])
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9, nan_ok=True)
+    if heading == 0.0:  # then all coordinates are exact, and so is the verdict
+        assert (found >= 0.0) == (expected >= 0.0)
+    point = reference.in_zone_margin(*start, ring)
+    assert np.array_equal(zone.signed_distance(*start), [point], equal_nan=True)
+
+
 @given(st.data(), corridors(), sizes)
 def test_many_at_once_are_each_by_itself(
     data: st.DataObject, borders: tuple[list[Point], list[Point]], body: tuple[float, float]

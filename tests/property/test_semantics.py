@@ -16,13 +16,23 @@ from hypothesis import strategies as st
 
 from property.strategies.specs import DrawnChoices, equivalents, repeatable, subjects
 from support.agreement import compiled, differences, read, results, same
-from support.generated import FormulaWriter, Inputs, Laws, ModuleWriter, RandomChoices, Scope, Subject, laws, subject
+from support.generated import (
+    FormulaWriter,
+    Inputs,
+    Laws,
+    ModuleWriter,
+    RandomChoices,
+    Scope,
+    Subject,
+    laws,
+    subject,
+)
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.verdict import CaseResult, RuleResult
 
 BACKENDS = ("reference", "numpy")
 #: Their examples are long, or cost several evaluations; seeded ones, which are cheaper, make up for it.
-few = settings(repeatable, max_examples=25)
+few = settings(repeatable, max_examples=15)
 some = settings(repeatable, max_examples=60)
 both = pytest.mark.parametrize("backend", BACKENDS)
 Raw = dict[str, Any]
@@ -48,7 +58,9 @@ def broken_laws(made: Laws, backend: str) -> list[str]:
             assert left.series is not None
             assert right.series is not None
             margins = zip(left.series[1], right.series[1], strict=True)
-            if left.series[0] != right.series[0] or (same_margins and not all(same(a, b) for a, b in margins)):
+            if left.series[0] != right.series[0] or (
+                same_margins and not all(same(a, b) for a, b in margins)
+            ):
                 found.append(f"{name}: {left.series} | {right.series}")
     return found
 
@@ -79,7 +91,11 @@ def places_of(raw: Raw) -> list[tuple[Any, Any]]:
             places += [(element, key) for element in signal for key in element if key != "id"]
         elif isinstance(signal, dict):
             for key, value in signal.items():
-                places += [(value, index) for index in range(len(value))] if isinstance(value, list) else [(signal, key)]
+                places += (
+                    [(value, index) for index in range(len(value))]
+                    if isinstance(value, list)
+                    else [(signal, key)]
+                )
     return places
 
 
@@ -162,7 +178,10 @@ def hold_parts_against_the_whole(choices: Any, backend: str) -> None:
         return
     dirt = choices.pick((0, 0, 15))
     ahead, behind = inputs.objects("objects", dirt), inputs.objects("objects", dirt)
-    cases = [case | {"signals": case["signals"] | {"objects": some}} for some in (ahead, behind, ahead + behind, [])]
+    cases = [
+        case | {"signals": case["signals"] | {"objects": some}}
+        for some in (ahead, behind, ahead + behind, [])
+    ]
     if any(unread.unusable for unread in read(spec, cases)):
         return  # a field that is missing makes the rule undefined, not only for its object
     a, b, whole, none = (evaluated(spec, raw, backend).rules["each"] for raw in cases)
@@ -257,7 +276,9 @@ def test_overriding_a_parameter_by_its_own_value_changes_nothing(backend: str) -
             plain = {key: value for key, value in raw.items() if key != "params"}
             if own and read(spec, [plain]):
                 overridden += 1
-                assert not differences(evaluated(spec, plain, backend), evaluated(spec, plain | {"params": own}, backend)), seed
+                assert not differences(
+                    evaluated(spec, plain, backend), evaluated(spec, plain | {"params": own}, backend)
+                ), seed
     assert overridden > 20
 
 

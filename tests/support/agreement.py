@@ -38,7 +38,9 @@ def compiled(text: str) -> Spec:
 def inexact(rule: RuleInfo) -> bool:
     """Whether a rule computes with functions whose last digit is libm's."""
     roots = [root for root in (rule.formula, rule.active) if root is not None]
-    return any(isinstance(node, ir.Func) and node.name in INEXACT for root in roots for node in ir.below(root))
+    return any(
+        isinstance(node, ir.Func) and node.name in INEXACT for root in roots for node in ir.below(root)
+    )
 
 
 #: numpy's names of the functions whose last digit is libm's.
@@ -50,10 +52,18 @@ def one_libm() -> Iterator[None]:
     """Within, numpy's inexact functions are those of Python's math module, number by number: nothing excuses a difference."""
     with ExitStack() as stack:
         for name in INEXACT:
-            function = np.frompyfunc(lambda *args, name=name: arithmetic.apply(name, args), ir.FUNCTIONS[name], 1)
+            function = np.frompyfunc(
+                lambda *args, name=name: arithmetic.apply(name, args), ir.FUNCTIONS[name], 1
+            )
 
-            def take(*args: Any, function: Any = function) -> Any:
-                return np.asarray(function(*(np.asarray(arg, dtype=np.float64) for arg in args)), dtype=np.float64)[()]
+            def take(*args: Any, out: Any = None, function: Any = function) -> Any:
+                values = np.asarray(
+                    function(*(np.asarray(arg, dtype=np.float64) for arg in args)), dtype=np.float64
+                )
+                if out is None:
+                    return values[()]
+                out[...] = values
+                return out
 
             stack.enter_context(mock.patch.object(np, _OF_NUMPY.get(name, name), take))
         yield
@@ -78,7 +88,8 @@ def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Case]:
         try:
             cases.append(reader.read(case))
         except TrackmarshalError as error:
-            assert error.code.startswith("D2"), error
+            if not error.code.startswith("D2"):
+                raise
     return cases
 
 
@@ -95,7 +106,9 @@ def differences(left: CaseResult, right: CaseResult) -> list[str]:
     for name, one in left.rules.items():
         other = right.rules[name]
         if one.verdict != other.verdict or not same(one.margin, other.margin):
-            found.append(f"case {left.id} {name}: {one.verdict} {one.margin!r} | {other.verdict} {other.margin!r}")
+            found.append(
+                f"case {left.id} {name}: {one.verdict} {one.margin!r} | {other.verdict} {other.margin!r}"
+            )
         elif not same_witness(one, other):
             found.append(f"case {left.id} {name}: witness {one.witness} | {other.witness}")
         elif (one.unit, one.reason) != (other.unit, other.reason):
@@ -129,7 +142,9 @@ def near_differences(spec: Spec, case: Case, left: CaseResult, right: CaseResult
     for rule in spec.rules:
         one, other = left.rules[rule.name], right.rules[rule.name]
         if not inexact(rule):
-            found += differences(CaseResult(left.id, {rule.name: one}), CaseResult(left.id, {rule.name: other}))
+            found += differences(
+                CaseResult(left.id, {rule.name: one}), CaseResult(left.id, {rule.name: other})
+            )
             continue
         values = Measured(spec, case)
         case_result([rule], case, values)
@@ -137,7 +152,9 @@ def near_differences(spec: Spec, case: Case, left: CaseResult, right: CaseResult
         near = same(one.margin, other.margin) or abs(one.margin - other.margin) <= reach
         doubtful = abs(one.margin) <= reach and {one.verdict, other.verdict} <= {"satisfied", "violated"}
         if not near or (one.verdict != other.verdict and not doubtful):
-            found.append(f"case {left.id} {rule.name}: {one.verdict} {one.margin!r} | {other.verdict} {other.margin!r} +- {reach}")
+            found.append(
+                f"case {left.id} {rule.name}: {one.verdict} {one.margin!r} | {other.verdict} {other.margin!r} +- {reach}"
+            )
     return found
 
 
@@ -152,7 +169,11 @@ def same_witness(one: RuleResult, other: RuleResult) -> bool:
 def same_series(one: RuleResult, other: RuleResult) -> bool:
     if one.series is None or other.series is None:
         return one.series is other.series
-    return one.series[0] == other.series[0] and len(one.series[1]) == len(other.series[1]) and all(map(same, one.series[1], other.series[1]))
+    return (
+        one.series[0] == other.series[0]
+        and len(one.series[1]) == len(other.series[1])
+        and all(map(same, one.series[1], other.series[1]))
+    )
 
 
 def check_sound(case: Case, result: CaseResult) -> list[str]:

@@ -10,19 +10,14 @@ from pathlib import Path
 from support.shared import REPOSITORY
 from trackmarshal.cli.main import main
 
-#: What makes the project: everything that requirements name.
-PARTS = ("specs", "requirements", "docs", "tests", "engine", "README.md", "CONTRIBUTING.md", "pyproject.toml", "Makefile")
+#: What makes the project: specs, requirements, and the documents that they name.
+PARTS = ("specs", "requirements", "docs")
 
 
 def copy_project(target: Path) -> Path:
-    """Specs and requirements as copies; the rest, which requirements only point to, as links."""
-    target.mkdir()
+    """A project of its own, without results."""
     for part in PARTS:
-        source = REPOSITORY / part
-        if part in ("specs", "requirements"):
-            shutil.copytree(source, target / part)
-        else:
-            (target / part).symlink_to(source)
+        shutil.copytree(REPOSITORY / part, target / part)
     return target
 
 

@@ -9,7 +9,6 @@ import argparse
 import json
 import platform
 import sys
-from datetime import date
 from pathlib import Path
 
 from trackmarshal import __version__
@@ -33,10 +32,10 @@ def run(args: argparse.Namespace) -> int:
     root = find_project(args)
     target = Path(args.out) if args.out else root / "out" / "assess"
     made = assess(root, run=True, everything=True, quiet=args.quiet)
-    found = [*made.compiled.found, *unknown_requirements(made.compiled, root)]
+    found = [*made.found, *unknown_requirements(made.compiled, root)]
     if found:
         print(render_text(found, colour=sys.stderr.isatty()), file=sys.stderr)
-    matrix = trace.build(root, made.items, made.tests, made.results, made.runs, date.today())
+    matrix = made.matrix()
     target.mkdir(parents=True, exist_ok=True)
     for format_ in ("html", "json", "csv", "md"):
         (target / f"matrix.{format_}").write_text(trace.render(matrix, format_), encoding="utf-8")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,11 +11,13 @@ from trackmarshal.cli import evidence
 from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
 
 if TYPE_CHECKING:
+    from trackmarshal.diagnostics.base import Diagnostic
     from trackmarshal.evaluation import Evaluator
+    from trackmarshal.scenarios.recording import Recording
     from trackmarshal.scenarios.replay import Replay
     from trackmarshal.semantics.compile import Compiled
     from trackmarshal.testing.cases import PreparedTest
-    from trackmarshal.trace.model import Project
+    from trackmarshal.trace import Finding, Matrix, Project
 
 
 @dataclass(slots=True)
@@ -30,22 +33,38 @@ class Assessment:
     runs: list[RunSummary]
     replays: list[tuple[RunSummary, Replay, Evaluator]]
     prepared: list[PreparedTest]
+    found: list[Diagnostic]
+    #: By scenario, the fingerprint of what it is replayed with now.
+    run_fingerprints: dict[str, str]
+
+    def matrix(self) -> Matrix:
+        """The traceability matrix of all this; errors of specs are findings of it."""
+        from trackmarshal import trace
+        from trackmarshal.cli.check import unknown_requirements
+
+        wrong = [*self.found, *unknown_requirements(self.compiled, self.root)]
+        return trace.build(
+            self.root, self.items, self.tests, self.results, self.runs, date.today(),
+            spec_fingerprint=self.compiled.spec.fingerprint, run_fingerprints=self.run_fingerprints,
+            findings=[_finding(item) for item in wrong if item.level == "error"],
+        )  # fmt: skip
 
 
-def read_specs(root: Path) -> tuple[Project, Compiled, list[PreparedTest]]:
-    """The project's settings, specs and tests; raises what is wrong with the specs."""
-    from trackmarshal.diagnostics.base import Diagnostics
+def read_specs(root: Path) -> tuple[Project, Compiled, list[PreparedTest], list[Diagnostic]]:
+    """The project's settings, specs and tests, and what is wrong with the specs; raises for files that cannot be read.
+
+    A rule with an error is left out, so whatever it was to cover is a gap, beside the error itself.
+    """
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
     from trackmarshal.trace import requirements
 
     project = requirements.load(root, [])
     compiled = compile_paths([root / str(path) for path in project.specs] or [root / "specs"], root)
-    compiled.raise_errors()
+    if compiled.failures:
+        raise compiled.failures[0]
     prepared, found = prepare(compiled)
-    if found:
-        raise Diagnostics(found)
-    return project, compiled, prepared
+    return project, compiled, prepared, [*compiled.found, *found]
 
 
 def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = True) -> Assessment:
@@ -53,46 +72,66 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
 
     `everything` runs all scenarios again. Results are kept in the project's results folder.
     """
-    project, compiled, prepared = read_specs(root)
+    project, compiled, prepared, found = read_specs(root)
     folder = root / project.results
     items, tests = evidence.spec_items(compiled.spec.rules), evidence.spec_tests(prepared)
     replays: list[tuple[RunSummary, Any, Any]] = []
+    results = evidence.kept(folder / evidence.TESTS, "test_results")
+    runs = evidence.kept(folder / evidence.RUNS, "runs")
+    broken = any(item.level == "error" for item in found)
+    evaluators = {} if broken else _evaluators(root, project)
     if run:
         from trackmarshal.testing.run import run_tests
 
         results = evidence.test_results(run_tests(compiled.spec, prepared), compiled.spec)
         evidence.keep(folder / evidence.TESTS, "test_results", results)
-        runs, replays = _run_scenarios(root, project, folder, everything, quiet)
+        # Specs with errors are not replayed: what would run is not what the project demands.
+        runs, replays = ([], []) if broken else _run_scenarios(root, runs, evaluators, everything, quiet)
         evidence.keep(folder / evidence.RUNS, "runs", runs)
-    else:
-        results = evidence.kept(folder / evidence.TESTS, "test_results")
-        runs = evidence.kept(folder / evidence.RUNS, "runs")
-    return Assessment(root, project, compiled, items, tests, results, runs, replays, prepared)
+    prints = {shown: evaluator.spec.fingerprint for shown, (_, evaluator) in evaluators.items()}
+    return Assessment(root, project, compiled, items, tests, results, runs, replays, prepared, found, prints)
 
 
-def _run_scenarios(
-    root: Path, project: Project, folder: Path, everything: bool, quiet: bool
-) -> tuple[list[RunSummary], list[tuple[RunSummary, Any, Any]]]:
-    from trackmarshal.cli.replay import evaluator_for, run_one
+def _evaluators(root: Path, project: Project) -> dict[str, tuple[Recording, Evaluator]]:
+    """Every scenario's recording and the rules that it is replayed with; those that are not there are left to the matrix."""
+    from trackmarshal.cli.replay import evaluator_for
     from trackmarshal.scenarios import load
 
-    known = {run.scenario: run for run in evidence.kept(folder / evidence.RUNS, "runs")}
-    runs, replays = [], []
+    result = {}
     for scenario in project.scenarios:
         shown = str(scenario.path)
         path = root / shown
-        if not path.is_file():
-            continue  # the matrix reports it
-        recording = load(path, shown)
-        recording_hash = evidence.file_hash(path)
-        evaluator = evaluator_for(recording, root / project.default_spec, [], root, None, "numpy", path.parent)
-        old = known.get(shown)
-        fresh = old is not None and old.source_hash == recording_hash and old.spec_fingerprint == evaluator.spec.fingerprint
-        if old is not None and fresh and not everything:
-            runs.append(old)
+        if path.is_file():
+            recording = load(path, shown)
+            result[shown] = recording, evaluator_for(recording, root / project.default_spec, [], root, None, "numpy", path.parent)
+    return result
+
+
+def _run_scenarios(
+    root: Path, old: list[RunSummary], evaluators: dict[str, tuple[Recording, Evaluator]], everything: bool, quiet: bool
+) -> tuple[list[RunSummary], list[tuple[RunSummary, Any, Any]]]:
+    """Runs of all scenarios: the old ones where they are of the same recording and rules, else new ones."""
+    from trackmarshal.cli.replay import run_one
+
+    known = {run.scenario: run for run in old}
+    runs, replays = [], []
+    for shown, (recording, evaluator) in evaluators.items():
+        digest = evidence.file_hash(root / shown)
+        before = known.get(shown)
+        fresh = before is not None and (before.source_hash, before.spec_fingerprint) == (digest, evaluator.spec.fingerprint)
+        if before is not None and fresh and not everything:
+            runs.append(before)
             continue
         outcome = run_one(recording, evaluator, quiet)
-        summary = evidence.run_summary(outcome, evaluator, shown, recording_hash)
+        summary = evidence.run_summary(outcome, evaluator, shown, digest)
         runs.append(summary)
         replays.append((summary, outcome, evaluator))
     return runs, replays
+
+
+def _finding(item: Diagnostic) -> Finding:
+    """A diagnostic of a spec as a finding of the matrix."""
+    from trackmarshal.trace import Finding, Place
+
+    span = item.span
+    return Finding(item.code, item.level, item.message, Place(span.file.path, span.line, span.column), item.help)

@@ -116,16 +116,16 @@ def print_findings(found: list[Any], format_: str) -> None:
     elif format_ == "json":
         from trackmarshal.diagnostics.json import render as render_json
 
-        print(render_json(found))
+        print(render_json(found), end="")
     elif format_ == "sarif":
         from trackmarshal.cli.catalogue import catalogue
         from trackmarshal.diagnostics.sarif import render as render_sarif
 
-        print(render_sarif(found, catalogue()))
+        print(render_sarif(found, catalogue()), end="")
     elif format_ == "github":
         from trackmarshal.diagnostics.github import render as render_github
 
         if found:
-            print(render_github(found))
+            print(render_github(found), end="")
     else:
         raise AssertionError(f"unknown format {format_}")

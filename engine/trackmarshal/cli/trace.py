@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from datetime import date
 
 from trackmarshal.cli.project import find_project
 
@@ -31,9 +30,11 @@ def run(args: argparse.Namespace) -> int:
     if args.accept_baseline:
         target = trace.accept_baseline(root, made.items, made.tests)
         print(f"wrote {target}", file=sys.stderr)
-    matrix = trace.build(root, made.items, made.tests, made.results, made.runs, date.today())
+    matrix = made.matrix()
     print(trace.render(matrix, args.format), end="")
     gaps = trace.gate(matrix) if args.gate else []
     if args.gate and args.format == "text" and not args.quiet:
         print(f"gate: {len(gaps)} gaps" if gaps else "gate: passed", file=sys.stderr)
+    if matrix.unusable:
+        return 2
     return 1 if gaps else 0

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TypeVar
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 
 from support.generated import Laws, Subject, laws, subject
@@ -17,6 +17,7 @@ repeatable = settings(
     derandomize=True,
     deadline=None,
     database=None,
+    phases=(Phase.explicit, Phase.generate, Phase.shrink),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 
@@ -24,7 +25,7 @@ repeatable = settings(
 class DrawnChoices:
     """Decisions drawn by hypothesis."""
 
-    def __init__(self, draw: st.DrawFn) -> None:
+    def __init__(self, draw: Callable[..., Any]) -> None:
         self._draw = draw
 
     def pick(self, options: Sequence[T]) -> T:
@@ -34,7 +35,8 @@ class DrawnChoices:
         return low if low == high else self._draw(st.integers(low, high))
 
     def real(self, low: float, high: float) -> float:
-        return self._draw(st.floats(low, high))
+        drawn: float = self._draw(st.floats(low, high))
+        return drawn
 
     def chance(self, percent: int) -> bool:
         return percent > 0 and self._draw(st.integers(0, 99)) >= 100 - percent

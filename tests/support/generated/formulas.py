@@ -4,11 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 from support.generated.choices import Choices
 from support.generated.vocabulary import (
-    COMMON, HUGE, LENGTH, NUMBER, PLAIN, SETS, SHAPES, TIMELINES, UNITS, DefineInfo, Dimension, World, spelled,
-)  # fmt: skip
+    COMMON,
+    HUGE,
+    LENGTH,
+    NUMBER,
+    PLAIN,
+    SETS,
+    SHAPES,
+    TIMELINES,
+    UNITS,
+    DefineInfo,
+    Dimension,
+    World,
+    spelled,
+)
 
 #: Functions whose last digit depends on the platform's libm.
 INEXACT = ("sin", "cos", "tan", "exp", "log", "pow", "atan2")
@@ -37,7 +50,9 @@ class Scope:
 
     def bind(self, name: str, fields: dict[str, Dimension | None], sample: bool) -> Scope:
         return replace(
-            self, records=(*self.records, (name, fields)), samples=(*self.samples, name) if sample else self.samples
+            self,
+            records=(*self.records, (name, fields)),
+            samples=(*self.samples, name) if sample else self.samples,
         )
 
 
@@ -52,7 +67,7 @@ class FormulaWriter:
         self.choices = choices
         self.world = world
         self.inexact = inexact
-        self.domains = (*TIMELINES, *SETS)
+        self.domains: tuple[str, ...] = (*TIMELINES, *SETS)
         self._names = 0
 
     def fresh(self, stem: str) -> str:
@@ -87,13 +102,23 @@ class FormulaWriter:
         ]
         squared = (2 * dimension[0], 2 * dimension[1])
         if squared in UNITS:
-            ways.append(lambda: f"{self.choices.pick(('sqrt', '√'))}({self.number(squared, depth - 1, scope, self._any)})")
+            ways.append(
+                lambda: (
+                    f"{self.choices.pick(('sqrt', '√'))}({self.number(squared, depth - 1, scope, self._any)})"
+                )
+            )
         if dimension == NUMBER:
             ways.append(lambda: f"floor({self.number(NUMBER, depth - 1, scope, self._any)})")
             if self.inexact == "any" or (self.inexact == "gentle" and soft):
                 ways += [lambda: self._inexact(depth, scope)] * 3
-        ways += [lambda n=name: self._lookup(n, depth, scope) for name, t in self.world.tables.items() if t.result == dimension] * 2
-        ways += [lambda n=n, d=d: self._call(n, d, depth, scope) for n, d in self._callable(scope) if d.result == dimension]
+        ways += [
+            partial(self._lookup, name, depth, scope)
+            for name, t in self.world.tables.items()
+            if t.result == dimension
+        ] * 2
+        ways += [
+            partial(self._call, n, d, depth, scope) for n, d in self._callable(scope) if d.result == dimension
+        ]
         ways += self.on_lines(dimension, depth, scope)
         return self.choices.pick(ways)()
 
@@ -110,13 +135,29 @@ class FormulaWriter:
         return self.inexact == "any"
 
     def _leaf(self, dimension: Dimension, scope: Scope) -> str:
-        leaves = [f"{name}.{field}" for name, fields in scope.records for field, d in fields.items() if d == dimension]
+        leaves = [
+            f"{name}.{field}"
+            for name, fields in scope.records
+            for field, d in fields.items()
+            if d == dimension
+        ]
         leaves += [name for name, d in scope.numbers if d == dimension] * 2
         if not leaves or self.choices.chance(55):
             leaves = [name for name, p in self.world.params.items() if p.dimension == dimension]
             for name, signal in self.world.signals.items():
-                stems = [name] if signal.kind == "state" else [f"{name}.first", f"{name}.last"] if name in TIMELINES else []
-                leaves += [f"{stem}.{f}" for stem in stems for f, info in signal.fields.items() if info.dimension == dimension]
+                stems = (
+                    [name]
+                    if signal.kind == "state"
+                    else [f"{name}.first", f"{name}.last"]
+                    if name in TIMELINES
+                    else []
+                )
+                leaves += [
+                    f"{stem}.{f}"
+                    for stem in stems
+                    for f, info in signal.fields.items()
+                    if info.dimension == dimension
+                ]
             if not leaves or self.choices.chance(50):
                 return "pi" if dimension == NUMBER and self.choices.chance(10) else self.literal(dimension)
         return self.choices.pick(leaves)
@@ -149,12 +190,18 @@ class FormulaWriter:
 
     def _power(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
         exponents = [
-            e for e in (2, 3, -1, -2, 5) if dimension[0] % e == 0 and dimension[1] % e == 0 and (dimension[0] // e, dimension[1] // e) in UNITS
+            e
+            for e in (2, 3, -1, -2, 5)
+            if dimension[0] % e == 0
+            and dimension[1] % e == 0
+            and (dimension[0] // e, dimension[1] // e) in UNITS
         ]
         if not exponents:
             return self._leaf(dimension, scope)
         exponent = self.choices.pick(exponents)
-        base = self.number((dimension[0] // exponent, dimension[1] // exponent), depth - 1, scope, soft and exponent > 0)
+        base = self.number(
+            (dimension[0] // exponent, dimension[1] // exponent), depth - 1, scope, soft and exponent > 0
+        )
         if exponent in (2, 3) and self.choices.chance(30):
             return f"(({base}){'²' if exponent == 2 else '³'})"
         return f"(({base})^{exponent})"
@@ -223,13 +270,23 @@ class FormulaWriter:
             ways += [lambda: self._quantified(depth, scope, soft)] * 2
         if scope.timeline:
             ways += [lambda: self._temporal(depth, scope, soft)] * 4
-        ways += [lambda n=n, d=d: self._call(n, d, depth, scope) for n, d in self._callable(scope) if d.result is None]
+        ways += [
+            partial(self._call, n, d, depth, scope) for n, d in self._callable(scope) if d.result is None
+        ]
         return self.choices.pick(ways)()
 
     def _atom(self, depth: int, scope: Scope, soft: bool) -> str:
-        flags = [f"{name}.{field}" for name, fields in scope.records for field, d in fields.items() if d is None]
+        flags = [
+            f"{name}.{field}" for name, fields in scope.records for field, d in fields.items() if d is None
+        ]
         flags += [*scope.formulas, *self.world.events]
-        flags += [f"{n}.{f}" for n, s in self.world.signals.items() if s.kind == "state" for f, i in s.fields.items() if i.dimension is None]
+        flags += [
+            f"{n}.{f}"
+            for n, s in self.world.signals.items()
+            if s.kind == "state"
+            for f, i in s.fields.items()
+            if i.dimension is None
+        ]
         if flags and self.choices.chance(20):
             return self.choices.pick(flags)
         if self.choices.chance(3):
@@ -241,7 +298,10 @@ class FormulaWriter:
         if self.choices.chance(12):
             low, value, high = (self.number(dimension, depth - 1, scope, soft) for _ in range(3))
             return f"({value} {self.choices.pick(('in', '∈'))} [{low}, {high}])"
-        left, right = self.number(dimension, depth, scope, soft), self.number(dimension, depth - 1, scope, soft)
+        left, right = (
+            self.number(dimension, depth, scope, soft),
+            self.number(dimension, depth - 1, scope, soft),
+        )
         return f"({left} {self.choices.pick(_COMPARISONS)} {right})"
 
     def _connective(self, depth: int, scope: Scope, soft: bool) -> str:

@@ -69,7 +69,9 @@ class Inputs:
         """A single record, or an element of a set."""
         result = {}
         for name, info in fields.items():
-            if not self.choices.chance(dirt // 4) and not (info.default is not None and self.choices.chance(40)):
+            if not self.choices.chance(dirt // 4) and not (
+                info.default is not None and self.choices.chance(40)
+            ):
                 result[name] = self.value(info, dirt)
         return result
 
@@ -93,7 +95,11 @@ class Inputs:
             if self.choices.chance(dirt // 5) or (info.default is not None and self.choices.chance(40)):
                 continue
             own = max(0, count - 1) if self.choices.chance(dirt // 8) else count
-            columns[field] = self.times(info, own, dirt) if info.increasing else [self.value(info, dirt) for _ in range(own)]
+            columns[field] = (
+                self.times(info, own, dirt)
+                if info.increasing
+                else [self.value(info, dirt) for _ in range(own)]
+            )
         return columns
 
     def times(self, info: FieldInfo, count: int, dirt: int) -> list[Any]:

@@ -94,7 +94,11 @@ def laws(choices: Choices, depth: int = 2, cases: int = 3) -> Laws:
         named.append((left.format(p=p, q=q, w=window), right.format(p=p, q=q, w=window), same))
     for index, (left, right, _) in enumerate(named):
         for side, condition in (("left", left), ("right", right)):
-            module.lines += [f'rule {side}_{index} "one of two"', f"  along {timeline} as s", f"  require {condition}"]
+            module.lines += [
+                f'rule {side}_{index} "one of two"',
+                f"  along {timeline} as s",
+                f"  require {condition}",
+            ]
     inputs = Inputs(choices, module.world)
     dirt = [choices.pick((0, 0, 8, 20)) for _ in range(choices.integer(1, cases))]
     made = tuple(inputs.case(index, percent) for index, percent in enumerate(dirt))

@@ -8,8 +8,21 @@ from support.generated.choices import Choices
 from support.generated.formulas import DEEPEST, FormulaWriter, Scope
 from support.generated.places import PlaceWriter, Road
 from support.generated.vocabulary import (
-    COMMON, PLAIN, SHAPES, SIGNALS, TIMELINES, UNITS, DefineInfo, Dimension, FieldInfo, ParamInfo, SignalInfo, TableInfo, World, spelled,
-)  # fmt: skip
+    COMMON,
+    PLAIN,
+    SHAPES,
+    SIGNALS,
+    TIMELINES,
+    UNITS,
+    DefineInfo,
+    Dimension,
+    FieldInfo,
+    ParamInfo,
+    SignalInfo,
+    TableInfo,
+    World,
+    spelled,
+)
 
 
 class ModuleWriter:
@@ -50,7 +63,9 @@ class ModuleWriter:
         if field == "t" and signal in TIMELINES:
             return FieldInfo(dimension, self.choices.pick(("s", "ms")), increasing=True)
         unit = self.choices.pick(UNITS[dimension]) if self.choices.chance(20) else UNITS[dimension][0]
-        limits = self.choices.pick(((-10.0, 10.0), (0.0, 1.0), (-1e9, 1e9))) if self.choices.chance(15) else None
+        limits = (
+            self.choices.pick(((-10.0, 10.0), (0.0, 1.0), (-1e9, 1e9))) if self.choices.chance(15) else None
+        )
         default = None
         if self.choices.chance(15):
             default = self.choices.pick([v for v in PLAIN if limits is None or limits[0] <= v <= limits[1]])
@@ -73,7 +88,10 @@ class ModuleWriter:
             name = f"limit{index}"
             self.world.params[name] = ParamInfo(dimension, unit, low, high)
             text = f"param {name} : {unit} = {_signed(value)}" + ("" if unit == "1" else f" {unit}")
-            self.lines.append(text + (f" in [{_signed(low)}, {_signed(high)}]" if low is not None and high is not None else ""))
+            self.lines.append(
+                text
+                + (f" in [{_signed(low)}, {_signed(high)}]" if low is not None and high is not None else "")
+            )
 
     def _tables(self) -> None:
         for index in range(self.choices.integer(0, 2)):
@@ -89,7 +107,10 @@ class ModuleWriter:
             self.lines.append(f"table {name}(x: {units[0]}) -> {units[1]} = linear clamp {''.join(texts)}|")
 
     def _places(self) -> None:
-        self.lines += ["signal track : corridor { left: polyline, right: polyline }", "signal fence : polyline"]
+        self.lines += [
+            "signal track : corridor { left: polyline, right: polyline }",
+            "signal fence : polyline",
+        ]
         road = Road(self.choices)
         for index in range(self.choices.integer(1, 2)):
             self.world.zones.append(f"area{index}")
@@ -104,7 +125,9 @@ class ModuleWriter:
             for number in range(self.choices.integer(0, 3)):
                 kind: Dimension | str = self.choices.pick(tuple(UNITS))
                 if self.choices.chance(40):
-                    kind = self.choices.pick((*SHAPES, "polyline", "corridor", "trajectory") if self.world.road else tuple(SHAPES))
+                    kind = self.choices.pick(
+                        (*SHAPES, "polyline", "corridor", "trajectory") if self.world.road else tuple(SHAPES)
+                    )
                 parameters.append((f"a{number}", kind))
             scope = Scope()
             for name, kind in parameters:
@@ -127,14 +150,16 @@ class ModuleWriter:
             else:
                 name, result = f"of{index}", self.choices.pick(COMMON)
                 arrow = f" -> {UNITS[result][0]}" if self.choices.chance(70) else ""
-                self.lines.append(f"define {name}{head}{arrow} = {self.writer.number(result, depth, scope, False)}")
+                self.lines.append(
+                    f"define {name}{head}{arrow} = {self.writer.number(result, depth, scope, False)}"
+                )
             self.world.defines[name] = DefineInfo(tuple(parameters), result, temporal)
 
     def rule(self, name: str, depth: int) -> None:
         """A rule, or an assumption with a monitor, with any of the clauses that change its meaning."""
         choices = self.choices
         assume = choices.chance(10)
-        lines = [f"{'assume' if assume else 'rule'} {name} \"made up\""]
+        lines = [f'{"assume" if assume else "rule"} {name} "made up"']
         scope = Scope()
         head = choices.integer(0, 3)
         if head == 3 and choices.chance(20):
@@ -142,7 +167,9 @@ class ModuleWriter:
         if head >= 2:
             timeline = choices.pick(TIMELINES)
             sample = self.writer.fresh("s")
-            scope = replace(scope.bind(sample, self.world.signals[timeline].dimensions(), True), timeline=True, axes=1)
+            scope = replace(
+                scope.bind(sample, self.world.signals[timeline].dimensions(), True), timeline=True, axes=1
+            )
             lines.append(f"  along {timeline} as {sample}")
         if len(lines) < 3 and not any("whenever" in line for line in lines) and choices.chance(15):
             lines.append(f"  whenever {self.writer.formula(depth - 1, scope, self.writer.inexact == 'any')}")
@@ -153,7 +180,9 @@ class ModuleWriter:
             clause, scope = self.writer.binder(depth - 1, scope)
             lines.append(f"  {clause}")
             if choices.chance(20):
-                lines.append(f'  except {self.writer.formula(depth - 1, scope, self.writer.inexact == "any")} "for a reason"')
+                lines.append(
+                    f'  except {self.writer.formula(depth - 1, scope, self.writer.inexact == "any")} "for a reason"'
+                )
         scope = self._let(lines, scope, depth)
         lines.append(f"  {'monitor' if assume else 'require'} {self.writer.formula(depth, scope)}")
         self.lines += lines
@@ -163,10 +192,14 @@ class ModuleWriter:
             return scope
         name = self.writer.fresh("let_")
         if self.choices.chance(30):
-            lines.append(f"  let {name} = {self.writer.formula(depth - 1, scope, self.writer.inexact == 'any')}")
+            lines.append(
+                f"  let {name} = {self.writer.formula(depth - 1, scope, self.writer.inexact == 'any')}"
+            )
             return replace(scope, formulas=(*scope.formulas, name))
         dimension = self.choices.pick(tuple(UNITS))
-        lines.append(f"  let {name} = {self.writer.number(dimension, depth - 1, scope, self.writer.inexact == 'any')}")
+        lines.append(
+            f"  let {name} = {self.writer.number(dimension, depth - 1, scope, self.writer.inexact == 'any')}"
+        )
         return replace(scope, numbers=(*scope.numbers, (name, dimension)))
 
 

@@ -29,16 +29,27 @@ class PlaceWriter(FormulaWriter):
         points = self.known("point", scope)
         if dimension == LENGTH:
             return [
-                *(lambda f=f: f"{f}({self._one(points)}, {self._one(self._lines(scope))})" for f in ("station", "offset", "distance_to")),
-                lambda: f"station_gap({self._one(self._lines(scope))}, {self.number(LENGTH, depth - 1, scope, False)}, {self._leaf(LENGTH, scope)})",
+                *(
+                    lambda f=f: f"{f}({self._one(points)}, {self._one(self._lines(scope))})"
+                    for f in ("station", "offset", "distance_to")
+                ),
+                lambda: (
+                    f"station_gap({self._one(self._lines(scope))}, {self.number(LENGTH, depth - 1, scope, False)}, {self._leaf(LENGTH, scope)})"
+                ),
             ]
-        return [lambda: f"direction({self._one(points)}, {self._one(self._lines(scope))})"] if dimension == NUMBER else []
+        return (
+            [lambda: f"direction({self._one(points)}, {self._one(self._lines(scope))})"]
+            if dimension == NUMBER
+            else []
+        )
 
     def in_places(self, depth: int, scope: Scope) -> list[Callable[[], str]]:
         zones = self.world.zones
         return [
             lambda: f"({self._one(self.known('point', scope))} in zone {self._one(zones)})",
-            lambda: f"({self._hull(depth, scope)} inside {self._one([*zones, *self.known('corridor', scope)])})",
+            lambda: (
+                f"({self._hull(depth, scope)} inside {self._one([*zones, *self.known('corridor', scope)])})"
+            ),
             lambda: f"({self._hull(depth, scope)} clear_of {self._box(depth, scope)})",
         ]
 
@@ -46,13 +57,24 @@ class PlaceWriter(FormulaWriter):
         return self.choices.pick(names)
 
     def _lines(self, scope: Scope) -> list[str]:
-        lines = ["fence", "track", "plan", "track.left", "centre(track)", "path(plan)", *self.world.lines, *scope.lines]
+        lines = [
+            "fence",
+            "track",
+            "plan",
+            "track.left",
+            "centre(track)",
+            "path(plan)",
+            *self.world.lines,
+            *scope.lines,
+        ]
         return [*lines, *scope.corridors, *(f"centre({name})" for name in scope.corridors)]
 
     def _sides(self, depth: int, scope: Scope) -> str:
         """A vehicle's length and width: mostly those of one."""
         if self.choices.chance(70):
-            return self.choices.pick(("4.7 m, 2 m", "0.5 m, 0.3 m", "1 m, 1 m", "ego.length, ego.width", "12 m, 3 m"))
+            return self.choices.pick(
+                ("4.7 m, 2 m", "0.5 m, 0.3 m", "1 m, 1 m", "ego.length, ego.width", "12 m, 3 m")
+            )
         return f"{self.number(LENGTH, depth - 1, scope, False)}, {self._leaf(LENGTH, scope)}"
 
     def _box(self, depth: int, scope: Scope) -> str:
@@ -86,7 +108,10 @@ class Road:
             self._tracks.append(self.track(dirt))
         if not self._fences or self.choices.chance(40):
             self._fences.append(self._broken(self.line()) if self.choices.chance(dirt) else self.line())
-        return {"track": self.choices.pick(self._tracks[::-1]), "fence": self.choices.pick(self._fences[::-1])}
+        return {
+            "track": self.choices.pick(self._tracks[::-1]),
+            "fence": self.choices.pick(self._fences[::-1]),
+        }
 
     def line(self) -> Points:
         """An open line of a few segments, straight or not."""
@@ -119,12 +144,19 @@ class Road:
             right = [[-20.0 + 5.0 * k, -width / 2] for k in range(9)]
         elif kind == 1:  # a bend
             left, right = (
-                [[r * math.cos(k * 0.3), r * math.sin(k * 0.3) - 15.0] for k in range(count)] for r in (12.0, 18.0)
+                [[r * math.cos(k * 0.3), r * math.sin(k * 0.3) - 15.0] for k in range(count)]
+                for r in (12.0, 18.0)
             )
         elif kind == 2:  # a ring
-            left, right = _circle(0.0, 0.0, [6.0] * count), _circle(0.0, 0.0, [14.0] * (count + self.choices.integer(0, 2)))
+            left, right = (
+                _circle(0.0, 0.0, [6.0] * count),
+                _circle(0.0, 0.0, [14.0] * (count + self.choices.integer(0, 2))),
+            )
         else:  # a figure of eight: a bridge
-            middle = [[12.0 * math.sin(2 * math.pi * k / 24), 9.0 * math.sin(4 * math.pi * k / 24)] for k in range(24)]
+            middle = [
+                [12.0 * math.sin(2 * math.pi * k / 24), 9.0 * math.sin(4 * math.pi * k / 24)]
+                for k in range(24)
+            ]
             left, right = _beside(middle, 1.5), _beside(middle, -1.5)
         if self.choices.chance(dirt):
             left = self._broken(left)

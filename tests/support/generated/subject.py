@@ -19,7 +19,12 @@ class Subject:
 
 
 def subject(
-    choices: Choices, rules: int = 3, depth: int = 3, cases: int = 7, inexact: str = "no", geometry: bool = False
+    choices: Choices,
+    rules: int = 3,
+    depth: int = 3,
+    cases: int = 7,
+    inexact: str = "no",
+    geometry: bool = False,
 ) -> Subject:
     """A subject with up to so many rules and cases.
 

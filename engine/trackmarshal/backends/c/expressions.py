@@ -52,6 +52,8 @@ class Writer:
         self._free: dict[ir.IR, frozenset[ir.Axis]] = {}
         self._span: Span | None = rule.span
         self.slots = Slots()
+        #: Geometric predicates of which only margins below this one matter.
+        self.bounds: dict[ir.IR, str] = {}
         #: libm functions that the function calls, and operations counted once for every statement.
         self.libm: set[str] = set()
 
@@ -317,7 +319,9 @@ class Writer:
         elif node.what in ("swept_inside", "in_area"):
             assert node.area is not None
             shape = f"c, &c->shapes.{self.plan.shape(node.area).c_name}"
-            text = f"{'tm_swept_inside' if node.what == 'swept_inside' else 'tm_in_area'}({shape}, {', '.join(args)})"
+            text = f"tm_in_area({shape}, {', '.join(args)})"
+            if node.what == "swept_inside":
+                text = f"tm_swept_inside({shape}, {', '.join(args)}, {self.bounds.get(node, 'TM_INF')})"
         else:
             raise self.refuse(node, f"the C generator does not know the predicate `{node.what}`")
         k = self.fresh()
@@ -378,6 +382,9 @@ class Writer:
         loop.binds[axis] = i
         for node, k in zip(nodes, numbers):
             guard = None if node.guard is None else self.formula(node.guard, loop)
+            if self.known and node.quantifier == "for all" and isinstance(node.body, ir.Geometry) and self._once(node.body):
+                # The least margin is asked for: one that is greater than the least so far need not be exact.
+                self.bounds[node.body] = f"m{k}"
             body = self.formula(node.body, loop)
             sign, pick = ("&&", "tm_least") if node.quantifier == "for all" else ("||", "tm_greatest")
             for side, (s, m) in enumerate(names):
@@ -397,6 +404,12 @@ class Writer:
             (ws, wm), (bs, bm) = names[0], names[-1]
             result.append(Value(f"{ws}{k}", f"{wm}{k}", f"{bs}{k}", f"{bm}{k}"))
         return result
+
+    def _once(self, formula: ir.Formula) -> bool:
+        """Whether a formula stands in the rule only once."""
+        places = [root for root in (self.rule.formula, self.rule.active) if root is not None]
+        parents = {node for root in places for node in ir.below(root) if any(child is formula for child in node.children())}
+        return len(parents) == 1
 
     def _carried(self, inner: Value, at: Block, block: Block) -> Value:
         """Carry a value out of an inner block into names of the outer one, declared before it."""

@@ -14,7 +14,8 @@ from trackmarshal.units import parse_unit, show
 CAPACITIES = {
     "TM_MAX_SAMPLES": (64, "samples of a timeline"),
     "TM_MAX_ELEMENTS": (32, "elements of a set"),
-    "TM_MAX_BORDER": (2048, "points of a border, line or zone"),
+    "TM_MAX_BORDER": (2048, "points of a border, or of a line that is a signal"),
+    "TM_MAX_PLACE": (64, "points of a zone or line of the spec"),
     "TM_MAX_KNOTS": (64, "rows of a table"),
 }
 
@@ -32,8 +33,11 @@ def capacities(plan: Layout) -> list[str]:
         found.append("TM_MAX_SAMPLES")
     if any(not signal.sequence for signal in inputs):
         found.append("TM_MAX_ELEMENTS")
-    if plan.shapes:
+    kinds = {shape.kind for shape in plan.shapes.values()}
+    if kinds & {"corridor", "centre", "signal"}:
         found.append("TM_MAX_BORDER")
+    if kinds & {"zone", "place"}:
+        found.append("TM_MAX_PLACE")
     if plan.tables:
         found.append("TM_MAX_KNOTS")
     return found
@@ -54,6 +58,8 @@ def _lines(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> I
         value, what = CAPACITIES[macro]
         if macro == "TM_MAX_KNOTS":
             value = max(value, *(len(plan.spec.tables[t].knots) for t in plan.tables))
+        if macro == "TM_MAX_PLACE":
+            value = max(value, *(len(place.points) for place in plan.spec.places.values()))
         yield f"/* Capacity: {what}. */"
         yield f"#ifndef {macro}"
         yield f"#define {macro} {value}u"

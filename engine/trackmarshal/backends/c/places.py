@@ -1,36 +1,274 @@
-"""Tracks, zones and lines of a program: their place in the context, and how they get there."""
+"""Tracks, zones and lines of a program: their place in the context, how they get there, from C and from Python."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from array import array
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from typing import TYPE_CHECKING, Any
 
-from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.layout import Layout, Shape
+from trackmarshal.backends.c.names import comment, distinct
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir import nodes as ir
+from trackmarshal.runtime.case import Case
+
+if TYPE_CHECKING:
+    from trackmarshal.backends.c.program import Library
+
+_UNSUPPORTED = 4
+
+
+def uses_paths(plan: Layout) -> bool:
+    """Whether a rule projects onto the path of a trajectory."""
+    return any(isinstance(n, ir.Line) and n.kind == "path" for r in plan.rules if r.formula is not None for n in ir.below(r.formula))
+
+
+def has_geometry(plan: Layout) -> bool:
+    formulas = [root for rule in plan.rules for root in (rule.formula, rule.active) if root is not None]
+    return any(isinstance(node, (ir.Geometry, ir.Along)) for root in formulas for node in ir.below(root))
+
+
+def sources(plan: Layout) -> dict[str, list[Shape]]:
+    """Signals that shapes are made of -> those shapes."""
+    found: dict[str, list[Shape]] = {}
+    for shape in plan.shapes.values():
+        if shape.kind in ("corridor", "centre", "signal"):
+            found.setdefault(shape.key[1], []).append(shape)
+    return found
+
+
+def own_places(plan: Layout) -> list[Shape]:
+    """Shapes that the spec itself declares."""
+    return [shape for shape in plan.shapes.values() if shape.kind in ("zone", "place")]
+
+
+def _setters(plan: Layout) -> dict[str, str]:
+    """Signal or place -> name of the C function that sets it."""
+    names = distinct([*sources(plan), *(shape.key[1] for shape in own_places(plan))])
+    return {name: f"tm_set_{c_name}" for name, c_name in names.items()}
+
+
+def _bordered(plan: Layout, signal: str) -> bool:
+    return plan.spec.signals[signal].kind == "corridor"
 
 
 def types(plan: Layout) -> Iterator[str]:
-    yield from ()
+    """Type definitions of the header."""
+    if not has_geometry(plan):
+        return
+    yield "/* A directed segment from (ax, ay) to (bx, by), its vector, squared length and length; m. */"
+    yield "typedef struct {"
+    yield "  double ax;\n  double ay;\n  double bx;\n  double by;\n  double ex;\n  double ey;\n  double square;\n  double length;"
+    yield "} tm_segment;"
+    yield ""
+    yield "/* A box along the axes; m. */"
+    yield "typedef struct {\n  double x0;\n  double y0;\n  double x1;\n  double y1;\n} tm_box;"
+    yield ""
+    yield "/* A convex polygon, counter-clockwise: corners, vectors of the sides, their squared lengths and lengths; m. */"
+    yield "typedef struct {"
+    yield "  size_t count;"
+    for name in ("x", "y", "gx", "gy", "square", "length"):
+        yield f"  double {name}[16];"
+    yield "} tm_hull;"
+    yield ""
+    yield "/* Where a point is along a line: station and offset in m (positive to the left), direction in rad. */"
+    yield "typedef struct {\n  double station;\n  double offset;\n  double direction;\n} tm_projection;"
+    yield ""
+    if not plan.shapes:
+        return
+    yield "/* A prepared line or region: its segments in the context. */"
+    yield "typedef struct {"
+    yield "  size_t first;\n  size_t count;\n  size_t hint; /* the segment that was nearest last */\n  double length; /* m */"
+    yield "  bool usable;\n  bool closed;"
+    yield "} tm_shape;"
+    yield ""
+    if plan.lines:
+        yield "/* The station at which a segment of a line begins [m], and its direction [rad]. */"
+        yield "typedef struct {\n  double station;\n  double direction;\n} tm_along;"
+        yield ""
+    yield "#define TM_ROUND(n) ((((n) + 63u) / 64u) * 64u)"
+    offset = "0u"
+    for shape in (*plan.lines, *plan.regions):
+        name = f"TM_FIRST_{shape.c_name.upper()}"
+        yield f"#define {name} ({offset})"
+        offset = f"{name} + TM_ROUND({_capacity(shape)})"
+        if plan.lines and shape is plan.lines[-1]:
+            yield f"#define TM_LINE_SEGMENTS ({offset})"
+    yield f"#define TM_SEGMENTS ({offset})"
+    yield ""
+
+
+def _capacity(shape: Shape) -> str:
+    return {"corridor": "2u * TM_MAX_BORDER", "zone": "TM_MAX_PLACE", "place": "TM_MAX_PLACE"}.get(shape.kind, "TM_MAX_BORDER")
 
 
 def members(plan: Layout) -> list[str]:
-    return []
+    """Members of the context."""
+    if not plan.shapes:
+        return []
+    found = ["  struct {", *(f"    tm_shape {shape.c_name};" for shape in plan.shapes.values()), "  } shapes;"]
+    found += ["  tm_segment segment[TM_SEGMENTS];", "  tm_box block_box[TM_SEGMENTS / 8u];", "  tm_box group_box[TM_SEGMENTS / 64u];"]
+    if plan.lines:
+        found.append("  tm_along along[TM_LINE_SEGMENTS];")
+    sizes = {_capacity(shape) for shape in plan.shapes.values()} | ({"2u * TM_MAX_BORDER"} if "centre" in {s.kind for s in plan.shapes.values()} else set())
+    found += [f"  double ring[2u * ({' + '.join(sorted(sizes))})]; /* while a shape is prepared */"]
+    return found
 
 
 def initial(plan: Layout) -> Iterator[str]:
-    yield from ()
+    """Statements of tm_init."""
+    setters_ = _setters(plan)
+    for shape in plan.shapes.values():
+        place = f"c->shapes.{shape.c_name}"
+        yield f"  {place}.first = TM_FIRST_{shape.c_name.upper()};"
+        yield f"  {place}.count = 0u;"
+        yield f"  {place}.hint = 0u;"
+        yield f"  {place}.length = 0.0;"
+        yield f"  {place}.usable = false;"
+        yield f"  {place}.closed = false;"
+    for shape in own_places(plan):
+        count = len(plan.spec.places[shape.key[1]].points)
+        yield f"  if ({setters_[shape.key[1]]}(c, tm_{shape.c_name}_points, {count}u) != TM_OK) {{ status = TM_UNUSABLE; }}"
 
 
-def setters(plan: Layout) -> Iterator[str]:
-    yield from ()
-
-
-def glue(plan: Layout) -> Iterator[str]:
-    yield from ()
+def _signatures(plan: Layout) -> Iterator[tuple[str, str, str]]:
+    """(signal or place, C signature, comment)."""
+    names = _setters(plan)
+    for signal in sources(plan):
+        span = comment(str(plan.spec.signals[signal].span))
+        if _bordered(plan, signal):
+            args = "const double *left, size_t left_count, const double *right, size_t right_count, bool closed"
+            yield signal, f"tm_status {names[signal]}(tm_context *c, {args})", f"Set the borders of `{comment(signal)}`, x and y in m by turns; {span}"
+        else:
+            yield signal, f"tm_status {names[signal]}(tm_context *c, const double *points, size_t count)", f"Set the line `{comment(signal)}`, x and y in m by turns; {span}"
+    for shape in own_places(plan):
+        place = plan.spec.places[shape.key[1]]
+        yield shape.key[1], f"tm_status {names[shape.key[1]]}(tm_context *c, const double *points, size_t count)", (
+            f"Replace the {place.kind} `{comment(place.name)}`; {comment(str(place.span))}"
+        )
 
 
 def prototypes(plan: Layout) -> Iterator[str]:
-    yield from ()
+    """Declarations of the header."""
+    done: set[str] = set()
+    for name, signature, what in _signatures(plan):
+        if name not in done:
+            done.add(name)
+            yield f"/* {what}. TM_UNUSABLE, TM_UNSUPPORTED: rules that need it are undefined. */"
+            yield f"{signature};"
+
+
+def setters(plan: Layout) -> Iterator[str]:
+    """Definitions of the functions that set shapes."""
+    done: set[str] = set()
+    for name, signature, _ in _signatures(plan):
+        if name in done:
+            continue
+        done.add(name)
+        shapes = sources(plan).get(name) or [shape for shape in own_places(plan) if shape.key[1] == name]
+        bordered = name in plan.spec.signals and _bordered(plan, name)
+        limit = "TM_MAX_PLACE" if name not in plan.spec.signals else "TM_MAX_BORDER"
+        yield ""
+        yield signature
+        yield "{"
+        yield "  tm_status worst = TM_OK;"
+        yield "  tm_status status;"
+        over = f"(left_count > {limit}) || (right_count > {limit})" if bordered else f"count > {limit}"
+        yield f"  if ({over}) {{"
+        for shape in shapes:
+            yield f"    c->shapes.{shape.c_name}.usable = false;"
+        yield "    return TM_OVER_CAPACITY;"
+        yield "  }"
+        for shape in shapes:
+            yield f"  status = {_make(shape)};"
+            yield "  if (status > worst) { worst = status; }"
+        if bordered and all(shape.kind == "signal" for shape in shapes):
+            for side in {"left", "right"} - {shape.key[2] for shape in shapes}:
+                yield f"  (void){side};"
+        yield "  return worst;"
+        yield "}"
+
+
+def _make(shape: Shape) -> str:
+    target = f"c, &c->shapes.{shape.c_name}"
+    both = "left, left_count, right, right_count, closed"
+    if shape.kind == "corridor":
+        return f"tm_make_corridor({target}, {both})"
+    if shape.kind == "centre":
+        return f"tm_make_centre({target}, {both})"
+    if shape.kind == "zone":
+        return f"tm_make_polygon({target}, points, count)"
+    if shape.kind == "signal" and shape.key[2]:
+        return f"tm_make_line({target}, {shape.key[2]}, {shape.key[2]}_count, closed)"
+    if shape.kind in ("place", "signal"):
+        return f"tm_make_line({target}, points, count, false)"
+    raise AssertionError(f"unknown shape {shape.kind}")
+
+
+def _ordered(plan: Layout) -> list[str]:
+    return [*sources(plan), *dict.fromkeys(shape.key[1] for shape in own_places(plan))]
+
+
+def glue(plan: Layout) -> Iterator[str]:
+    """The binding: shapes by number; a second list of points for corridors."""
+    names = _setters(plan)
+    yield "int tmg_set_place(void *context, size_t index, const double *left, size_t left_count, const double *right,"
+    yield "                  size_t right_count, int closed) {"
+    yield "  tm_context *c = (tm_context *)context;"
+    yield "  (void)c; (void)left; (void)left_count; (void)right; (void)right_count; (void)closed;"
+    yield "  switch (index) {"
+    for i, name in enumerate(_ordered(plan)):
+        args = "left, left_count, right, right_count, closed != 0" if name in plan.spec.signals and _bordered(plan, name) else "left, left_count"
+        yield f"    case {i}: return (int){names[name]}(c, {args});"
+    yield "    default: return -1;"
+    yield "  }"
+    yield "}"
 
 
 class PlaceSetter:
-    def __init__(self, plan: Layout, library: object) -> None:
-        pass
+    """Puts the tracks and places of cases into a context; the same points are prepared once."""
+
+    def __init__(self, plan: Layout, library: Library) -> None:
+        import ctypes
+
+        self._plan = plan
+        self._library = library
+        self._set = library.dll.tmg_set_place
+        pointer, size = ctypes.c_void_p, ctypes.c_size_t
+        self._set.argtypes = [pointer, size, pointer, size, pointer, size, ctypes.c_int]
+        self._set.restype = ctypes.c_int
+        self._names = _ordered(plan)
+        #: What is in the context now, by number; the spec's own places are there from the start.
+        self._now: list[tuple[Any, ...] | None] = [None] * len(self._names)
+        self._status = [0] * len(self._names)
+
+    def put(self, case: Case) -> None:
+        """Raises TrackmarshalError E473 for a track that the C geometry refuses."""
+        for index, name in enumerate(self._names):
+            given = self._given(case, name)
+            before = self._now[index]
+            if before is None or len(before) != len(given) or any(a is not b for a, b in zip(before, given)):
+                self._status[index] = self._put(index, given)
+                self._now[index] = given
+            if self._status[index] in (1, _UNSUPPORTED):
+                raise TrackmarshalError("E473", f"the C geometry refuses `{name}` of case {case.id!r}", help="choose another backend")
+
+    def _given(self, case: Case, name: str) -> tuple[Any, ...]:
+        if name not in self._plan.spec.signals:
+            return (case.places.get(name, self._plan.spec.places[name].points), (), False)
+        if _bordered(self._plan, name):
+            left, right = case.lines.get((name, "left"), ()), case.lines.get((name, "right"), ())
+            return (left, right, case.closed.get(name, False))
+        return (case.lines[name, ""], (), False)
+
+    def _put(self, index: int, given: tuple[Any, ...]) -> int:
+        left, right = _flat(given[0]), _flat(given[1])
+        status: int = self._set(
+            self._library.context, index, left.buffer_info()[0], len(given[0]), right.buffer_info()[0], len(given[1]), int(given[2])
+        )
+        return status
+
+
+def _flat(points: Sequence[tuple[float, float]]) -> array[float]:
+    return array("d", chain.from_iterable(points)) or array("d", [0.0])

@@ -73,9 +73,9 @@ class CProgram:
         """The place of a rule among the results."""
         return self._numbers[rule.name]
 
-    def library_for(self, samples: int = 0, elements: int = 0, border: int = 0, knots: int = 0) -> Library:
+    def library_for(self, samples: int = 0, elements: int = 0, border: int = 0, place: int = 0, knots: int = 0) -> Library:
         """The library, with a new context where the one at hand holds less than this."""
-        wanted = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border, "TM_MAX_KNOTS": knots}
+        wanted = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border, "TM_MAX_PLACE": place, "TM_MAX_KNOTS": knots}
         have = self._library
         if have is not None and all(have.sizes[name] >= wanted[name] for name in self._kinds):
             return have
@@ -94,7 +94,9 @@ class CProgram:
         if name == "TM_MAX_KNOTS":
             least = max(wanted, CAPACITIES[name][0], *(len(self.spec.tables[table].knots) for table in self._tables))
         if name == "TM_MAX_BORDER":
-            least = max(wanted, *(len(p.points) for p in self.spec.places.values()), CAPACITIES[name][0])
+            least = max(wanted, CAPACITIES[name][0])
+        if name == "TM_MAX_PLACE":
+            least = max(wanted, *(len(p.points) for p in self.spec.places.values()))
         for size in _CLASSES:
             if size >= least:
                 return size
@@ -106,8 +108,9 @@ class CProgram:
         sequences = [n for n, name in zip(counts, order.counts) if self.spec.signals[name].sequence]
         elements = [n for n, name in zip(counts, order.counts) if not self.spec.signals[name].sequence]
         knots = max((len(rows[0]) for rows in case.tables.values()), default=0)
-        border = max((len(points) for points in (*case.lines.values(), *case.places.values())), default=0)
-        lib = self.library_for(max(sequences, default=0), max(elements, default=0), border, knots)
+        border = max((len(points) for points in case.lines.values()), default=0)
+        place = max((len(points) for points in case.places.values()), default=0)
+        lib = self.library_for(max(sequences, default=0), max(elements, default=0), border, place, knots)
         self._configure(case, lib)
         kept = [_column(case.columns[name][field], flag) for name, field, flag in order.columns]
         columns = array("Q", [column.buffer_info()[0] for column in kept])

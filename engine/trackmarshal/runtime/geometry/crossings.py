@@ -11,18 +11,17 @@ from trackmarshal.runtime.geometry.arrays import Floats, Ints, place
 from trackmarshal.runtime.geometry.border import Border
 
 #: Pairs of runs of segments that are looked at together.
-AT_ONCE = 1 << 16
+AT_ONCE = 1 << 13
 #: A computed turn that is larger than this share of its two products has the right sign.
 CERTAIN = 1e-15
 
 
 def meeting_fault(border: Border, names: Sequence[str]) -> str | None:
     """The first place where a border folds back or meets itself; `names` has one for each segment."""
-    back = border.ex * border.ex[border.next] + border.ey * border.ey[border.next] <= 0.0
-    fold = next((k for k in back.nonzero()[0].tolist() if _folds_back(border, k)), border.size)
+    back = fold(border)
     i, j = next(((int(i[0]), int(j[0])) for i, j in meetings(border)), (border.size, 0))
-    if fold < border.size and fold <= i:
-        return f"{names[fold]} folds back on itself near {place(border.bx[fold], border.by[fold])}"
+    if back is not None and back <= i:
+        return f"{names[back]} folds back on itself near {place(border.bx[back], border.by[back])}"
     if i == border.size:
         return None
     where = place(*meeting_place(border, i, j))
@@ -94,12 +93,15 @@ def meeting_place(border: Border, i: int, j: int) -> tuple[float, float]:
     return ax + t * ex, ay + t * ey
 
 
-def _folds_back(border: Border, k: int) -> bool:
-    """Whether the border turns round by exactly half a turn at the end of a segment."""
-    after = border.next[k]
-    xs = (Fraction(float(part)) for part in (border.ax[k], border.bx[k], border.bx[after]))
-    ys = (Fraction(float(part)) for part in (border.ay[k], border.by[k], border.by[after]))
-    (ax, bx, cx), (ay, by, cy) = xs, ys
-    return (bx - ax) * (cy - by) == (by - ay) * (cx - bx) and (bx - ax) * (cx - bx) + (by - ay) * (
-        cy - by
-    ) < 0
+def fold(border: Border) -> int | None:
+    """The first segment at whose end the border turns round by exactly half a turn."""
+    after = border.next
+    back = border.ex * border.ex[after] + border.ey * border.ey[after] <= 0.0
+    k: int
+    for k in back.nonzero()[0].tolist():
+        ax, bx, cx = (Fraction(float(x)) for x in (border.ax[k], border.bx[k], border.bx[after[k]]))
+        ay, by, cy = (Fraction(float(y)) for y in (border.ay[k], border.by[k], border.by[after[k]]))
+        straight = (bx - ax) * (cy - by) == (by - ay) * (cx - bx)
+        if straight and (bx - ax) * (cx - bx) + (by - ay) * (cy - by) < 0:
+            return k
+    return None

@@ -8,14 +8,15 @@ import numpy as np
 
 from trackmarshal.runtime.geometry.arrays import SAME, Bools, Floats, distinct
 from trackmarshal.runtime.geometry.border import Border
-from trackmarshal.runtime.geometry.crossings import meeting_place, meetings, turn, turns
+from trackmarshal.runtime.geometry.crossings import fold, meeting_place, meetings, turn, turns
 
 
 def union_of_quads(left: Floats, right: Floats) -> list[Floats] | None:
     """The outline of a closed track with paired border points, in rings with the track on their left.
 
     None where it is no proper union. Proper: as many points left as right; each quadrilateral right, next right, next left,
-    left is simple, and all turn the same way round; border segments that meet, other than neighbours, cross properly.
+    left is simple, and all turn the same way round; border segments that meet, other than neighbours, cross properly;
+    none folds back.
     """
     pairs = distinct(np.concatenate([left, right], axis=1), True) if len(left) == len(right) else left[:0]
     if len(pairs) < 3:
@@ -35,7 +36,10 @@ def union_of_quads(left: Floats, right: Floats) -> list[Floats] | None:
         return None
     border = Border([right[forward], next_left[backward][::-1]], closed=True)
     owner = np.concatenate([np.flatnonzero(forward), np.flatnonzero(backward)[::-1]])
-    i, j = (np.concatenate(part) for part in zip(*meetings(border)))
+    found = list(meetings(border))
+    if not found or fold(border) is not None:
+        return None
+    i, j = (np.concatenate(part) for part in zip(*found))
     if any((turn(border, a, b, end) == 0).any() for a, b in ((i, j), (j, i)) for end in (0, 1)):
         return None
     cuts: dict[int, list[tuple[float, int]]] = {}
@@ -45,9 +49,8 @@ def union_of_quads(left: Floats, right: Floats) -> list[Floats] | None:
             dx, dy = places[number] - (border.ax[k], border.ay[k])
             cuts.setdefault(k, []).append((float(border.ex[k] * dx + border.ey[k] * dy), number))
     points = np.concatenate([np.stack([border.ax, border.ay], axis=1), places])
-    kept: dict[
-        int, tuple[list[int], int]
-    ] = {}  # by the cut at which it begins: a run's points and its last cut
+    #: By the cut at which it begins: a run's points and its last cut.
+    kept: dict[int, tuple[list[int], int]] = {}
     rings: list[Floats] = []
     for first, last in ((0, int(forward.sum())), (int(forward.sum()), border.size)):
         # The way round: numbers of points, those of cuts after those of the border.

@@ -9,6 +9,7 @@ from trackmarshal.backends.reference.geometry.points import (
     Point,
     along,
     distinct,
+    folds_back,
     meet,
     meeting_place,
     orientation,
@@ -25,7 +26,7 @@ def union_of_quads(left: Sequence[Point], right: Sequence[Point]) -> Region | No
     """The region of a closed track with paired border points; None where it is no proper union.
 
     Proper: as many points left as right; each quadrilateral right, next right, next left, left is simple, and all turn
-    the same way round; border segments that meet, other than at a common end, cross properly.
+    the same way round; border segments that meet, other than neighbours, cross properly; none folds back.
     """
     pairs = paired(left, right)
     if pairs is None:
@@ -75,6 +76,8 @@ def _border(pairs: Sequence[tuple[Point, Point]], quads: Sequence[Sequence[Side]
             c, d, _ = sides[j]
             count = len(rights) if j < len(rights) else len(lefts)
             neighbours = (i < len(rights)) == (j < len(rights)) and j - i in (1, count - 1)
+            if neighbours and (folds_back(a, b, d) if b == c else folds_back(c, d, b)):
+                return None
             if neighbours or not meet(a, b, c, d):
                 continue
             if 0 in (orientation(a, b, c), orientation(a, b, d), orientation(c, d, a), orientation(c, d, b)):

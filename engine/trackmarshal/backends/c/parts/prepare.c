@@ -1,0 +1,297 @@
+/** Boxes around every 8 and every 64 segments of a shape. */
+static void tm_index(tm_context *c, const tm_shape *shape) {
+  for (size_t k = 0u; k < shape->count; ++k) {
+    const size_t i = shape->first + k;
+    const tm_segment *s = &c->segment[i];
+    tm_box own;
+    own.x0 = tm_least(s->ax, s->bx);
+    own.x1 = tm_greatest(s->ax, s->bx);
+    own.y0 = tm_least(s->ay, s->by);
+    own.y1 = tm_greatest(s->ay, s->by);
+    for (size_t level = 0u; level < 2u; ++level) {
+      tm_box *box = (level == 0u) ? &c->block_box[i / 8u] : &c->group_box[i / 64u];
+      if ((i & ((level == 0u) ? 7u : 63u)) == 0u) {
+        *box = own;
+      } else {
+        box->x0 = tm_least(box->x0, own.x0);
+        box->x1 = tm_greatest(box->x1, own.x1);
+        box->y0 = tm_least(box->y0, own.y0);
+        box->y1 = tm_greatest(box->y1, own.y1);
+      }
+    }
+  }
+}
+
+/** The points (x, y, x, y, ...) without repetitions of the last one kept, into `out`, which may be `points`; their count. */
+static size_t tm_distinct(const double *points, size_t n, bool closed, double *out) {
+  size_t kept = 0u;
+  for (size_t i = 0u; i < n; ++i) {
+    const double x = points[2u * i];
+    const double y = points[(2u * i) + 1u];
+    if ((kept == 0u) || !tm_same(x, y, out[2u * (kept - 1u)], out[(2u * (kept - 1u)) + 1u])) {
+      out[2u * kept] = x;
+      out[(2u * kept) + 1u] = y;
+      ++kept;
+    }
+  }
+  while (closed && (kept > 1u) && tm_same(out[2u * (kept - 1u)], out[(2u * (kept - 1u)) + 1u], out[0], out[1])) {
+    --kept;
+  }
+  return kept;
+}
+
+/** Whether all coordinates are usable. */
+static bool tm_all_usable(const double *points, size_t n) {
+  for (size_t i = 0u; i < (2u * n); ++i) {
+    if (!tm_usable(points[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/** Whether a coordinate is so near to zero, without being it, that products are not exact (below 2^-200 m). */
+static bool tm_any_tiny(const double *points, size_t n) {
+  for (size_t i = 0u; i < (2u * n); ++i) {
+    if ((points[i] != 0.0) && (fabs(points[i]) < 6.223015277861142e-61)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/** Append sides of a ring of points to a region: its inside on their left, or, `flipped`, on their right. */
+static void tm_add_ring(tm_context *c, tm_shape *shape, const double *points, size_t n, size_t sides, bool flipped) {
+  double doubled = 0.0;
+  for (size_t i = 0u; i < sides; ++i) {
+    const double *a = &points[2u * i];
+    const double *b = &points[2u * (((i + 1u) < n) ? (i + 1u) : 0u)];
+    doubled += ((a[0] - points[0]) * (b[1] - points[1])) - ((a[1] - points[1]) * (b[0] - points[0]));
+  }
+  const bool forward = (doubled > 0.0) != flipped;
+  for (size_t k = 0u; k < sides; ++k) {
+    const size_t i = forward ? k : ((sides - 1u) - k);
+    const double *a = &points[2u * i];
+    const double *b = &points[2u * (((i + 1u) < n) ? (i + 1u) : 0u)];
+    c->segment[shape->first + shape->count] = forward ? tm_between(a[0], a[1], b[0], b[1]) : tm_between(b[0], b[1], a[0], a[1]);
+    ++shape->count;
+  }
+}
+
+/** Whether two segments that are no neighbours meet, or a segment folds back on the one before it. */
+static bool tm_crosses(const tm_context *c, const tm_shape *shape, size_t ring_sides) {
+  const size_t end = shape->first + shape->count;
+  for (size_t i = shape->first; i < end; ++i) {
+    const size_t at = i - shape->first;
+    const size_t start = (at < ring_sides) ? shape->first : (shape->first + ring_sides);
+    const size_t stop = (at < ring_sides) ? (shape->first + ring_sides) : end;
+    const tm_segment *s = &c->segment[i];
+    const tm_segment *after = &c->segment[((i + 1u) < stop) ? (i + 1u) : start];
+    const double a[2] = {s->ax, s->ay};
+    const double b[2] = {s->bx, s->by};
+    const double next[2] = {after->bx, after->by};
+    tm_box box;
+    if (tm_folds_back(a, b, next)) {
+      return true;
+    }
+    box.x0 = tm_least(s->ax, s->bx);
+    box.x1 = tm_greatest(s->ax, s->bx);
+    box.y0 = tm_least(s->ay, s->by);
+    box.y1 = tm_greatest(s->ay, s->by);
+    for (size_t j = tm_next_near(c, shape, i + 1u, &box, 0.0); j < end; j = tm_next_near(c, shape, j + 1u, &box, 0.0)) {
+      const tm_segment *other = &c->segment[j];
+      const double p[2] = {other->ax, other->ay};
+      const double q[2] = {other->bx, other->by};
+      const bool neighbours = (j < stop) && (((j - i) == 1u) || ((j - i) == ((stop - start) - 1u)));
+      if (!neighbours && tm_meet(a, b, p, q)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/** Whether the ray from a point along +x crosses the ring an odd number of times. */
+static bool tm_odd(const double *points, size_t n, double x, double y) {
+  bool inside = false;
+  for (size_t i = 0u; i < n; ++i) {
+    const double *a = &points[2u * i];
+    const double *b = &points[2u * (((i + 1u) < n) ? (i + 1u) : 0u)];
+    const double *low = (a[1] < b[1]) ? a : b;
+    const double *high = (a[1] < b[1]) ? b : a;
+    if ((low[1] <= y) && (y < high[1]) && ((((high[0] - low[0]) * (y - low[1])) - ((high[1] - low[1]) * (x - low[0]))) > 0.0)) {
+      inside = !inside;
+    }
+  }
+  return inside;
+}
+
+/** Prepare the inside of a simple polygon. TM_UNUSABLE: it is none; what asks for it is undefined. */
+static tm_status tm_make_polygon(tm_context *c, tm_shape *shape, const double *points, size_t n) {
+  size_t count;
+  shape->usable = false;
+  shape->count = 0u;
+  shape->hint = 0u;
+  if (!tm_all_usable(points, n)) {
+    return TM_UNUSABLE;
+  }
+  if (tm_any_tiny(points, n)) {
+    return TM_UNSUPPORTED;
+  }
+  count = tm_distinct(points, n, true, c->ring);
+  if (count < 3u) {
+    return TM_UNUSABLE;
+  }
+  tm_add_ring(c, shape, c->ring, count, count, false);
+  tm_index(c, shape);
+  if (tm_crosses(c, shape, shape->count)) {
+    return TM_UNUSABLE;
+  }
+  shape->usable = true;
+  return TM_OK;
+}
+
+/** Prepare the region between two borders. TM_UNUSABLE: what asks for it is undefined. TM_UNSUPPORTED: the borders of a
+   closed track cross; it may be a figure of eight, which this code does not know; undefined too. */
+static tm_status tm_make_corridor(tm_context *c, tm_shape *shape, const double *left, size_t left_count, const double *right,
+                                  size_t right_count, bool closed) {
+  double *ring = c->ring;
+  size_t lefts;
+  size_t rights;
+  const size_t least = closed ? 3u : 2u;
+  shape->usable = false;
+  shape->count = 0u;
+  shape->hint = 0u;
+  shape->closed = closed;
+  if (!tm_all_usable(left, left_count) || !tm_all_usable(right, right_count)) {
+    return TM_UNUSABLE;
+  }
+  lefts = tm_distinct(left, left_count, closed, ring);
+  rights = tm_distinct(right, right_count, closed, &ring[2u * lefts]);
+  if ((lefts < least) || (rights < least)) {
+    return TM_UNUSABLE;
+  }
+  if (tm_any_tiny(ring, lefts + rights)) {
+    return TM_UNSUPPORTED;
+  }
+  double *other = &ring[2u * lefts];
+  if (closed) {
+    const bool left_inside = tm_odd(other, rights, ring[0], ring[1]);
+    const bool right_inside = tm_odd(ring, lefts, other[0], other[1]);
+    const bool left_is_inner = left_inside;
+    const double *outer = left_is_inner ? other : ring;
+    const double *inner = left_is_inner ? ring : other;
+    const size_t outers = left_is_inner ? rights : lefts;
+    const size_t inners = left_is_inner ? lefts : rights;
+    tm_add_ring(c, shape, outer, outers, outers, false);
+    tm_add_ring(c, shape, inner, inners, inners, true);
+    tm_index(c, shape);
+    if (tm_crosses(c, shape, outers)) {
+      return (left_count == right_count) ? TM_UNSUPPORTED : TM_UNUSABLE;
+    }
+    if (!left_inside && !right_inside) {
+      return TM_UNUSABLE;
+    }
+  } else {
+    size_t sides = (lefts - 1u) + (rights - 1u);
+    size_t count;
+    if (!tm_same(ring[0], ring[1], other[0], other[1])) {
+      ++sides;
+    }
+    if (!tm_same(ring[2u * (lefts - 1u)], ring[(2u * (lefts - 1u)) + 1u], other[2u * (rights - 1u)],
+                 other[(2u * (rights - 1u)) + 1u])) {
+      ++sides;
+    }
+    for (size_t i = 0u; i < (rights / 2u); ++i) {
+      const size_t j = (rights - 1u) - i;
+      const double x = other[2u * i];
+      const double y = other[(2u * i) + 1u];
+      other[2u * i] = other[2u * j];
+      other[(2u * i) + 1u] = other[(2u * j) + 1u];
+      other[2u * j] = x;
+      other[(2u * j) + 1u] = y;
+    }
+    count = tm_distinct(ring, lefts + rights, true, ring);
+    if (count < sides) {
+      sides = count;
+    }
+    tm_add_ring(c, shape, ring, count, sides, false);
+    tm_index(c, shape);
+    if (tm_crosses(c, shape, shape->count)) {
+      return TM_UNUSABLE;
+    }
+  }
+  shape->usable = true;
+  return TM_OK;
+}
+
+/** Prepare a line. TM_UNUSABLE: what asks for it is undefined. */
+static tm_status tm_make_line(tm_context *c, tm_shape *line, const double *points, size_t n, bool closed) {
+  size_t count;
+  double station = 0.0;
+  line->usable = false;
+  line->count = 0u;
+  line->hint = 0u;
+  line->closed = closed;
+  if (!tm_all_usable(points, n)) {
+    return TM_UNUSABLE;
+  }
+  count = tm_distinct(points, n, closed, c->ring);
+  if (count < (closed ? 3u : 2u)) {
+    return TM_UNUSABLE;
+  }
+  line->count = closed ? count : (count - 1u);
+  for (size_t k = 0u; k < line->count; ++k) {
+    const double *a = &c->ring[2u * k];
+    const double *b = &c->ring[2u * (((k + 1u) < count) ? (k + 1u) : 0u)];
+    tm_segment *s = &c->segment[line->first + k];
+    *s = tm_between(a[0], a[1], b[0], b[1]);
+    c->along[line->first + k].station = station;
+    c->along[line->first + k].direction = atan2(s->ey, s->ex);
+    station += s->length;
+  }
+  line->length = station;
+  tm_index(c, line);
+  line->usable = true;
+  return TM_OK;
+}
+
+/** Prepare the line midway between two borders: midpoints of paired points, or from each left point to the right border. */
+static tm_status tm_make_centre(tm_context *c, tm_shape *line, const double *left, size_t left_count, const double *right,
+                                size_t right_count, bool closed) {
+  if (left_count != right_count) {
+    if ((tm_make_line(c, line, right, right_count, closed) != TM_OK) || !tm_all_usable(left, left_count)) {
+      line->usable = false;
+      return TM_UNUSABLE;
+    }
+  }
+  for (size_t i = 0u; i < left_count; ++i) {
+    const double x = left[2u * i];
+    const double y = left[(2u * i) + 1u];
+    double to_x;
+    double to_y;
+    if (left_count == right_count) {
+      to_x = right[2u * i];
+      to_y = right[(2u * i) + 1u];
+    } else {
+      size_t k = 0u;
+      (void)tm_nearest(c, line, 0.0, 0.0, x, y, &k);
+      const tm_segment *s = &c->segment[k];
+      const double rx = x - s->ax;
+      const double ry = y - s->ay;
+      const double sx = x - s->bx;
+      const double sy = y - s->by;
+      const double t = ((s->ex * rx) + (s->ey * ry)) / s->square;
+      const bool at_start = sqrt((rx * rx) + (ry * ry)) <= sqrt((sx * sx) + (sy * sy));
+      to_x = at_start ? s->ax : s->bx;
+      to_y = at_start ? s->ay : s->by;
+      if ((0.0 < t) && (t < 1.0)) {
+        to_x = s->ax + (t * s->ex);
+        to_y = s->ay + (t * s->ey);
+      }
+    }
+    c->ring[2u * i] = (x + to_x) / 2.0;
+    c->ring[(2u * i) + 1u] = (y + to_y) / 2.0;
+  }
+  return tm_make_line(c, line, c->ring, left_count, closed);
+}
