@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import statistics
 import subprocess
 import sys
@@ -21,16 +20,25 @@ LIMITS = {
 }
 
 
+#: The command, and on the last line of standard error what it took. A shell starts it: a child of this process would
+#: be charged with this process's own peak memory.
+MEASURED = """
+import resource, sys
+from trackmarshal.cli.main import main
+status = main(sys.argv[1:])
+used = resource.getrusage(resource.RUSAGE_SELF)
+print(status, used.ru_utime + used.ru_stime, used.ru_maxrss, file=sys.stderr)
+"""
+
+
 def command(*arguments: str) -> tuple[float, float]:
-    """CPU seconds (user and system) and peak memory in bytes of one run."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "trackmarshal.cli.main", *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    _, status, usage = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode not in (0, 1):
-        raise RuntimeError(f"trackmarshal {' '.join(arguments)} ended with {process.returncode}")
-    return usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024.0
+    """CPU seconds (user and system) and peak memory in bytes of one run, from process start."""
+    call = ["sh", "-c", '"$0" "$@"; true', sys.executable, "-c", MEASURED, *arguments]
+    done = subprocess.run(call, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+    status, seconds, memory = done.stderr.splitlines()[-1].split()
+    if status not in ("0", "1"):
+        raise RuntimeError(f"trackmarshal {' '.join(arguments)} ended with {status}")
+    return float(seconds), float(memory) * 1024.0
 
 
 def long_spec(lines: int) -> str:

@@ -166,10 +166,10 @@ class _Compiler:
                 self.signals[item.name] = signal
             elif known != signal and self.scopes[module].own[item.name].item is item:
                 self.found.append(SignalConflict(item.span.head, known.span.head, item.name))
-        for name, span in self.events.items():
-            signal_of_name = self.signals.get(name)
-            if signal_of_name is not None and signal_of_name.span.file is not span.file:
-                self.found.append(SignalConflict(span.head, signal_of_name.span.head, name))
+        for flag, span in self.events.items():
+            same = self.signals.get(flag)
+            if same is not None and same.span.file is not span.file:
+                self.found.append(SignalConflict(span.head, same.span.head, flag))
 
     def _field(self, field: ast.Field, module: str) -> FieldType:
         """The contract of a field; where a part of it has an error, the field is there all the same."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from itertools import pairwise
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.spec import RulebookInfo
@@ -64,7 +65,7 @@ def _step(item: ast.Rulebook, path: list[str]) -> Span:
 def _told(path: list[str], relations: list[tuple[str, str, str]]) -> str:
     """A circle with the relations as they are written."""
     strict = {(left, right) for left, relation, right in relations if relation == ">"}
-    return path[0] + "".join(f" {'>' if (a, b) in strict else '~'} {b}" for a, b in zip(path, path[1:]))
+    return path[0] + "".join(f" {'>' if (a, b) in strict else '~'} {b}" for a, b in pairwise(path))
 
 
 def check_state(item: ast.State, x: Expressions, ctx: Context) -> None:

@@ -21,7 +21,7 @@ from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.testing.builders import BUILDERS, Builder
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
-from trackmarshal.units import Dimension, from_si, name, parse_shown, parse_unit, quantity, to_si
+from trackmarshal.units import Dimension, from_si, parse_shown, parse_unit, quantity, to_si
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive")
 #: The units of the columns that builders make.
@@ -105,7 +105,8 @@ class _Preparation:
         )
         if rule is None or rule.formula is None:
             return None
-        return PreparedTest(rule, item.title, case, *expect, item.span.head)
+        verdict, margin, tolerance, binder, at = expect
+        return PreparedTest(rule, item.title, case, verdict, margin, tolerance, binder, at, item.span.head)
 
     # What is given --------------------------------------------------------------------------------------------
 

@@ -72,6 +72,9 @@ def types(plan: Layout) -> Iterator[str]:
         yield f"  double {name}[16];"
     yield "} tm_hull;"
     yield ""
+    yield "/* A box along a direction of cosine `ahead` and sine `aside`: from u0 to u1 along it, from v0 to v1 to its left; m. */"
+    yield "typedef struct {\n  double ahead;\n  double aside;\n  double u0;\n  double u1;\n  double v0;\n  double v1;\n} tm_frame;"
+    yield ""
     yield "/* Where a point is along a line: station and offset in m (positive to the left), direction in rad. */"
     yield "typedef struct {\n  double station;\n  double offset;\n  double direction;\n} tm_projection;"
     yield ""
@@ -81,13 +84,15 @@ def types(plan: Layout) -> Iterator[str]:
     yield "typedef struct {"
     yield "  size_t first;\n  size_t count;\n  size_t hint; /* the segment that was nearest last */\n  double length; /* m */"
     yield "  bool usable;\n  bool closed;"
+    yield "  bool known; /* a sweep was looked at; its last pose: */\n  bool inside;"
+    yield "  double x;\n  double y;\n  double heading;\n  double ahead; /* cosine */\n  double aside; /* sine */"
     yield "} tm_shape;"
     yield ""
     if plan.lines:
         yield "/* The station at which a segment of a line begins [m], and its direction [rad]. */"
         yield "typedef struct {\n  double station;\n  double direction;\n} tm_along;"
         yield ""
-    yield "#define TM_ROUND(n) ((((n) + 63u) / 64u) * 64u)"
+    yield "#define TM_ROUND(n) ((((n) + 511u) / 512u) * 512u)"
     offset = "0u"
     for shape in (*plan.lines, *plan.regions):
         name = f"TM_FIRST_{shape.c_name.upper()}"
@@ -109,6 +114,7 @@ def members(plan: Layout) -> list[str]:
         return []
     found = ["  struct {", *(f"    tm_shape {shape.c_name};" for shape in plan.shapes.values()), "  } shapes;"]
     found += ["  tm_segment segment[TM_SEGMENTS];", "  tm_box block_box[TM_SEGMENTS / 8u];", "  tm_box group_box[TM_SEGMENTS / 64u];"]
+    found.append("  tm_box part_box[TM_SEGMENTS / 512u];")
     if plan.lines:
         found.append("  tm_along along[TM_LINE_SEGMENTS];")
     sizes = {_capacity(shape) for shape in plan.shapes.values()} | ({"2u * TM_MAX_BORDER"} if "centre" in {s.kind for s in plan.shapes.values()} else set())
@@ -127,6 +133,10 @@ def initial(plan: Layout) -> Iterator[str]:
         yield f"  {place}.length = 0.0;"
         yield f"  {place}.usable = false;"
         yield f"  {place}.closed = false;"
+        yield f"  {place}.known = false;"
+        yield f"  {place}.inside = false;"
+        for name in ("x", "y", "heading", "ahead", "aside"):
+            yield f"  {place}.{name} = 0.0;"
     for shape in own_places(plan):
         count = len(plan.spec.places[shape.key[1]].points)
         yield f"  if ({setters_[shape.key[1]]}(c, tm_{shape.c_name}_points, {count}u) != TM_OK) {{ status = TM_UNUSABLE; }}"

@@ -8,42 +8,39 @@ static bool tm_sized(double length, double width) {
   return tm_usable(length) && tm_usable(width) && (length >= 1e-6) && (width >= 1e-6);
 }
 
-/** The squared distance of two boxes, a little less than it is: nothing nearer is missed for rounding. */
-static double tm_boxes_apart(const tm_box *a, const tm_box *b) {
-  const double slack = 1e-5;
-  const double right = (a->x0 - b->x1) - slack;
-  const double left = (b->x0 - a->x1) - slack;
-  const double above = (a->y0 - b->y1) - slack;
-  const double below = (b->y0 - a->y1) - slack;
-  const double x = (right > left) ? right : left;
-  const double y = (above > below) ? above : below;
-  const double dx = (x > 0.0) ? x : 0.0;
-  const double dy = (y > 0.0) ? y : 0.0;
-  return (dx * dx) + (dy * dy);
+/** Whether two boxes meet. */
+static bool tm_boxes_meet(const tm_box *a, const tm_box *b) {
+  const int x = (a->x0 <= b->x1) & (b->x0 <= a->x1);
+  const int y = (a->y0 <= b->y1) & (b->y0 <= a->y1);
+  return (x & y) != 0;
 }
 
-/** The next segment at or after `i` of a shape whose boxes all lie within `reach` (squared) of a box; else the end. */
-static size_t tm_next_near(const tm_context *c, const tm_shape *shape, size_t i, const tm_box *box, double reach) {
+/** A box grown by so much, and a little more: nothing nearer is missed for rounding. */
+static tm_box tm_grown(const tm_box *box, double by) {
+  const double more = by + 1e-5;
+  tm_box result;
+  result.x0 = box->x0 - more;
+  result.x1 = box->x1 + more;
+  result.y0 = box->y0 - more;
+  result.y1 = box->y1 + more;
+  return result;
+}
+
+/** The next segment at or after `i` of a shape whose boxes all meet a box; else the end. */
+static size_t tm_next_near(const tm_context *c, const tm_shape *shape, size_t i, const tm_box *box) {
   const size_t end = shape->first + shape->count;
-  while (i < end) {
-    if (((i & 63u) == 0u) && (tm_boxes_apart(&c->group_box[i / 64u], box) > reach)) {
+  while ((i < end) && ((i & 7u) == 0u)) {
+    if (((i & 511u) == 0u) && !tm_boxes_meet(&c->part_box[i / 512u], box)) {
+      i += 512u;
+    } else if (((i & 63u) == 0u) && !tm_boxes_meet(&c->group_box[i / 64u], box)) {
       i += 64u;
-    } else if (((i & 7u) == 0u) && (tm_boxes_apart(&c->block_box[i / 8u], box) > reach)) {
+    } else if (!tm_boxes_meet(&c->block_box[i / 8u], box)) {
       i += 8u;
     } else {
-      const tm_segment *s = &c->segment[i];
-      tm_box own;
-      own.x0 = (s->ax < s->bx) ? s->ax : s->bx;
-      own.x1 = (s->ax < s->bx) ? s->bx : s->ax;
-      own.y0 = (s->ay < s->by) ? s->ay : s->by;
-      own.y1 = (s->ay < s->by) ? s->by : s->ay;
-      if (!(tm_boxes_apart(&own, box) > reach)) {
-        return i;
-      }
-      ++i;
+      return i;
     }
   }
-  return end;
+  return (i < end) ? i : end;
 }
 
 /** The distance of a point from a segment; both are seen from (ox, oy). */
@@ -67,14 +64,16 @@ static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double
   size_t nearest = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
   double best = tm_segment_distance(&c->segment[nearest], ox, oy, x, y);
   const size_t end = shape->first + shape->count;
-  size_t i = tm_next_near(c, shape, shape->first, &at, best * best);
+  tm_box near = tm_grown(&at, best);
+  size_t i = tm_next_near(c, shape, shape->first, &near);
   while (i < end) {
     const double reach = tm_segment_distance(&c->segment[i], ox, oy, x, y);
     if ((reach < best) || ((reach == best) && (i < nearest))) {
       best = reach;
       nearest = i;
+      near = tm_grown(&at, best);
     }
-    i = tm_next_near(c, shape, i + 1u, &at, best * best);
+    i = tm_next_near(c, shape, i + 1u, &near);
   }
   shape->hint = nearest - shape->first;
   *which = nearest;
@@ -88,9 +87,12 @@ static bool tm_holds(const tm_context *c, const tm_shape *shape, double x, doubl
   bool inside = false;
   size_t i = shape->first;
   while (i < end) {
+    const tm_box *part = &c->part_box[i / 512u];
     const tm_box *group = &c->group_box[i / 64u];
     const tm_box *block = &c->block_box[i / 8u];
-    if (((i & 63u) == 0u) && ((y < group->y0) || (y > group->y1) || (x > (group->x1 + slack)))) {
+    if (((i & 511u) == 0u) && ((y < part->y0) || (y > part->y1) || (x > (part->x1 + slack)))) {
+      i += 512u;
+    } else if (((i & 63u) == 0u) && ((y < group->y0) || (y > group->y1) || (x > (group->x1 + slack)))) {
       i += 64u;
     } else if (((i & 7u) == 0u) && ((y < block->y0) || (y > block->y1) || (x > (block->x1 + slack)))) {
       i += 8u;
@@ -124,11 +126,9 @@ static double tm_in_area(tm_context *c, tm_shape *shape, double x, double y) {
   return ((reach == 0.0) || tm_holds(c, shape, x, y)) ? reach : -reach;
 }
 
-/** The four corners of the box at a pose, seen from (ox, oy), counter-clockwise from the front left. */
-static void tm_footprint(double px, double py, double heading, double length, double width, double ox, double oy, double *x,
-                         double *y) {
-  const double ahead = cos(heading);
-  const double aside = sin(heading);
+/** The four corners of the box at a point, heading along (ahead, aside), seen from (ox, oy), counter-clockwise from the front left. */
+static void tm_footprint(double px, double py, double ahead, double aside, double length, double width, double ox, double oy,
+                         double *x, double *y) {
   const double fx = (0.5 * length) * ahead;
   const double fy = (0.5 * length) * aside;
   const double lx = -((0.5 * width) * aside);
@@ -286,14 +286,40 @@ static double tm_middle_depth(const tm_segment *s, double ox, double oy, const t
   return tm_depth(hull, ax + (t * s->ex), ay + (t * s->ey));
 }
 
-/** The distance of a hull (its eight corners, its sides) from one border segment that does not enter it. */
-static double tm_hull_gap(const tm_segment *s, double ox, double oy, const double *x, const double *y, const tm_hull *hull) {
+/** The squared distance of a segment, seen from (ox, oy), from a box along (ahead, aside), a little less than it is. */
+static inline double tm_frame_apart(const tm_frame *frame, const tm_segment *s, double ox, double oy) {
+  const double slack = 1e-5;
+  const double ax = s->ax - ox;
+  const double ay = s->ay - oy;
+  const double bx = s->bx - ox;
+  const double by = s->by - oy;
+  const double ua = (frame->ahead * ax) + (frame->aside * ay);
+  const double ub = (frame->ahead * bx) + (frame->aside * by);
+  const double va = (frame->ahead * ay) - (frame->aside * ax);
+  const double vb = (frame->ahead * by) - (frame->aside * bx);
+  const double front = (((ua < ub) ? ua : ub) - frame->u1) - slack;
+  const double rear = (frame->u0 - ((ua < ub) ? ub : ua)) - slack;
+  const double left = (((va < vb) ? va : vb) - frame->v1) - slack;
+  const double right = (frame->v0 - ((va < vb) ? vb : va)) - slack;
+  const double u = (front > rear) ? front : rear;
+  const double v = (left > right) ? left : right;
+  const double du = (u > 0.0) ? u : 0.0;
+  const double dv = (v > 0.0) ? v : 0.0;
+  return (du * du) + (dv * dv);
+}
+
+/** The distance of a hull (its eight corners, its sides) from one border segment that does not enter it; where it is more
+   than `best`, something more than that. */
+static double tm_hull_gap(const tm_segment *s, double ox, double oy, const double *x, const double *y, const tm_hull *hull,
+                          const tm_frame *frame, double best) {
   const double ax = s->ax - ox;
   const double ay = s->ay - oy;
   const double bx = s->bx - ox;
   const double by = s->by - oy;
   double line = TM_INF;
   double ends = TM_INF;
+  double reach;
+  tm_segment start;
   for (size_t i = 0u; i < 8u; ++i) {
     const double rx = x[i] - ax;
     const double ry = y[i] - ay;
@@ -306,13 +332,22 @@ static double tm_hull_gap(const tm_segment *s, double ox, double oy, const doubl
       ends = tm_least(ends, tm_least((rx * rx) + (ry * ry), (sx * sx) + (sy * sy)));
     }
   }
-  return tm_least(tm_least(line / s->length, sqrt(ends)), tm_hull_distance(hull, ax, ay));
+  reach = tm_least(line / s->length, sqrt(ends));
+  best = tm_least(best, reach);
+  start = *s;
+  start.bx = s->ax;
+  start.by = s->ay;
+  if (tm_frame_apart(frame, &start, ox, oy) <= (best * best)) {
+    reach = tm_least(reach, tm_hull_distance(hull, ax, ay));
+  }
+  return reach;
 }
 
 /** The negative margin of a hull that is not inside: how far out its corners are, how deep in it the border is. */
 static double tm_outside(tm_context *c, tm_shape *shape, double ox, double oy, const double *x, const double *y,
                          const tm_hull *hull, const tm_box *box) {
   const size_t end = shape->first + shape->count;
+  const tm_box near = tm_grown(box, 0.0);
   double worst = 0.0;
   for (size_t i = 0u; i < 8u; ++i) {
     size_t which = 0u;
@@ -321,12 +356,12 @@ static double tm_outside(tm_context *c, tm_shape *shape, double ox, double oy, c
       worst = tm_greatest(worst, reach);
     }
   }
-  for (size_t i = tm_next_near(c, shape, shape->first, box, 0.0); i < end; i = tm_next_near(c, shape, i + 1u, box, 0.0)) {
+  for (size_t i = tm_next_near(c, shape, shape->first, &near); i < end; i = tm_next_near(c, shape, i + 1u, &near)) {
     const tm_segment *s = &c->segment[i];
     worst = tm_greatest(worst, tm_depth(hull, s->ax - ox, s->ay - oy));
   }
   if (worst == 0.0) {
-    for (size_t i = tm_next_near(c, shape, shape->first, box, 0.0); i < end; i = tm_next_near(c, shape, i + 1u, box, 0.0)) {
+    for (size_t i = tm_next_near(c, shape, shape->first, &near); i < end; i = tm_next_near(c, shape, i + 1u, &near)) {
       const tm_segment *s = &c->segment[i];
       if (tm_enters(s, ox, oy, hull)) {
         worst = tm_greatest(worst, tm_middle_depth(s, ox, oy, hull));
@@ -334,6 +369,34 @@ static double tm_outside(tm_context *c, tm_shape *shape, double ox, double oy, c
     }
   }
   return tm_least(-2.2250738585072014e-308, -worst);
+}
+
+/** The boxes around eight points seen from (ox, oy): one along the axes, not seen from there, and one along (ahead, aside). */
+static void tm_bound_points(const double *x, const double *y, double ox, double oy, tm_box *box, tm_frame *frame) {
+  box->x0 = TM_INF;
+  box->x1 = -TM_INF;
+  box->y0 = TM_INF;
+  box->y1 = -TM_INF;
+  frame->u0 = TM_INF;
+  frame->u1 = -TM_INF;
+  frame->v0 = TM_INF;
+  frame->v1 = -TM_INF;
+  for (size_t i = 0u; i < 8u; ++i) {
+    const double u = (frame->ahead * x[i]) + (frame->aside * y[i]);
+    const double v = (frame->ahead * y[i]) - (frame->aside * x[i]);
+    box->x0 = tm_least(box->x0, x[i]);
+    box->x1 = tm_greatest(box->x1, x[i]);
+    box->y0 = tm_least(box->y0, y[i]);
+    box->y1 = tm_greatest(box->y1, y[i]);
+    frame->u0 = tm_least(frame->u0, u);
+    frame->u1 = tm_greatest(frame->u1, u);
+    frame->v0 = tm_least(frame->v0, v);
+    frame->v1 = tm_greatest(frame->v1, v);
+  }
+  box->x0 += ox;
+  box->x1 += ox;
+  box->y0 += oy;
+  box->y1 += oy;
 }
 
 /** The signed margin [m] of what a vehicle sweeps between two poses inside a region; NaN for what is none.
@@ -344,59 +407,78 @@ static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double 
   double y[8];
   tm_hull hull;
   tm_box box;
+  tm_frame frame;
   double best = (bound > 0.0) ? bound : 0.0;
+  double ahead0;
+  double aside0;
   bool built = false;
   bool entered = false;
   if (!shape->usable || !tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) ||
       !tm_usable(heading1) || !tm_sized(length, width)) {
     return TM_NAN;
   }
-  tm_footprint(x0, y0, heading0, length, width, x0, y0, &x[0], &y[0]);
-  tm_footprint(x1, y1, heading1, length, width, x0, y0, &x[4], &y[4]);
-  box.x0 = x[0];
-  box.x1 = x[0];
-  box.y0 = y[0];
-  box.y1 = y[0];
-  for (size_t i = 1u; i < 8u; ++i) {
-    box.x0 = tm_least(box.x0, x[i]);
-    box.x1 = tm_greatest(box.x1, x[i]);
-    box.y0 = tm_least(box.y0, y[i]);
-    box.y1 = tm_greatest(box.y1, y[i]);
+  if (shape->known && (heading0 == shape->heading)) { /* the last pose of one sweep is the first one of the next */
+    ahead0 = shape->ahead;
+    aside0 = shape->aside;
+  } else {
+    ahead0 = cos(heading0);
+    aside0 = sin(heading0);
   }
-  box.x0 += x0;
-  box.x1 += x0;
-  box.y0 += y0;
-  box.y1 += y0;
+  const bool from_inside = shape->known && shape->inside && (x0 == shape->x) && (y0 == shape->y);
+  if (!shape->known || !(heading1 == shape->heading)) {
+    shape->ahead = cos(heading1);
+    shape->aside = sin(heading1);
+  }
+  shape->heading = heading1;
+  shape->x = x1;
+  shape->y = y1;
+  shape->inside = false;
+  shape->known = true;
+  frame.ahead = shape->ahead;
+  frame.aside = shape->aside;
+  tm_footprint(x0, y0, ahead0, aside0, length, width, x0, y0, &x[0], &y[0]);
+  tm_footprint(x1, y1, frame.ahead, frame.aside, length, width, x0, y0, &x[4], &y[4]);
+  tm_bound_points(x, y, x0, y0, &box, &frame);
   const size_t end = shape->first + shape->count;
-  if (shape->hint < shape->count) { /* what was nearest last time is near this time, and leaves little to look at */
+  const size_t likely = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
+  /* What was nearest last time is near this time, and leaves little to look at. */
+  if (tm_frame_apart(&frame, &c->segment[likely], x0, y0) <= (best * best)) {
     tm_convex_hull(x, y, &hull);
     built = true;
-    best = tm_least(best, tm_hull_gap(&c->segment[shape->first + shape->hint], x0, y0, x, y, &hull));
+    best = tm_least(best, tm_hull_gap(&c->segment[likely], x0, y0, x, y, &hull, &frame, best));
   }
-  size_t i = tm_next_near(c, shape, shape->first, &box, best * best);
+  tm_box near = tm_grown(&box, best);
+  size_t i = tm_next_near(c, shape, shape->first, &near);
   while ((i < end) && !entered) {
     const tm_segment *s = &c->segment[i];
-    if (!built) {
-      tm_convex_hull(x, y, &hull);
-      built = true;
-    }
-    if (tm_enters(s, x0, y0, &hull)) {
-      entered = true;
-    } else {
-      const double reach = tm_hull_gap(s, x0, y0, x, y, &hull);
-      if (reach < best) {
-        best = reach;
-        shape->hint = i - shape->first;
+    const double apart = tm_frame_apart(&frame, s, x0, y0);
+    if (apart <= (best * best)) {
+      if (!built) {
+        tm_convex_hull(x, y, &hull);
+        built = true;
       }
-      i = tm_next_near(c, shape, i + 1u, &box, best * best);
+      entered = (apart == 0.0) && tm_enters(s, x0, y0, &hull);
+      if (!entered && (i != likely)) {
+        const double reach = tm_hull_gap(s, x0, y0, x, y, &hull, &frame, best);
+        if (reach < best) {
+          best = reach;
+          near = tm_grown(&box, best);
+          shape->hint = i - shape->first;
+        }
+      }
+    }
+    if (!entered) {
+      i = tm_next_near(c, shape, i + 1u, &near);
     }
   }
-  if (entered || !tm_holds(c, shape, (x0 + x1) / 2.0, (y0 + y1) / 2.0)) {
+  /* Nothing of the border lies in the sweep: where its first pose is well inside, so is all of it. */
+  if (entered || !((from_inside && (best > 1e-3)) || tm_holds(c, shape, (x0 + x1) / 2.0, (y0 + y1) / 2.0))) {
     if (!built) {
       tm_convex_hull(x, y, &hull);
     }
     return tm_outside(c, shape, x0, y0, x, y, &hull, &box);
   }
+  shape->inside = best > 1e-3;
   return best;
 }
 
@@ -429,10 +511,10 @@ static double tm_swept_clear(double x0, double y0, double heading0, double x1, d
       !tm_sized(box_length, box_width)) {
     return TM_NAN;
   }
-  tm_footprint(x0, y0, heading0, length, width, x0, y0, &x[0], &y[0]);
-  tm_footprint(x1, y1, heading1, length, width, x0, y0, &x[4], &y[4]);
+  tm_footprint(x0, y0, cos(heading0), sin(heading0), length, width, x0, y0, &x[0], &y[0]);
+  tm_footprint(x1, y1, cos(heading1), sin(heading1), length, width, x0, y0, &x[4], &y[4]);
   tm_convex_hull(x, y, &a);
-  tm_footprint(box_x, box_y, box_heading, box_length, box_width, x0, y0, &x[0], &y[0]);
+  tm_footprint(box_x, box_y, cos(box_heading), sin(box_heading), box_length, box_width, x0, y0, &x[0], &y[0]);
   for (size_t i = 0u; i < 4u; ++i) {
     x[4u + i] = x[i];
     y[4u + i] = y[i];

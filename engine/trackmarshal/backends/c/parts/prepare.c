@@ -1,4 +1,4 @@
-/** Boxes around every 8 and every 64 segments of a shape. */
+/** Boxes around every 8, 64 and 512 segments of a shape. */
 static void tm_index(tm_context *c, const tm_shape *shape) {
   for (size_t k = 0u; k < shape->count; ++k) {
     const size_t i = shape->first + k;
@@ -8,9 +8,11 @@ static void tm_index(tm_context *c, const tm_shape *shape) {
     own.x1 = tm_greatest(s->ax, s->bx);
     own.y0 = tm_least(s->ay, s->by);
     own.y1 = tm_greatest(s->ay, s->by);
-    for (size_t level = 0u; level < 2u; ++level) {
-      tm_box *box = (level == 0u) ? &c->block_box[i / 8u] : &c->group_box[i / 64u];
-      if ((i & ((level == 0u) ? 7u : 63u)) == 0u) {
+    tm_box *boxes[3] = {&c->block_box[i / 8u], &c->group_box[i / 64u], &c->part_box[i / 512u]};
+    const size_t sizes[3] = {8u, 64u, 512u};
+    for (size_t level = 0u; level < 3u; ++level) {
+      tm_box *box = boxes[level];
+      if (((i % sizes[level]) == 0u) || (k == 0u)) {
         *box = own;
       } else {
         box->x0 = tm_least(box->x0, own.x0);
@@ -98,7 +100,7 @@ static bool tm_crosses(const tm_context *c, const tm_shape *shape, size_t ring_s
     box.x1 = tm_greatest(s->ax, s->bx);
     box.y0 = tm_least(s->ay, s->by);
     box.y1 = tm_greatest(s->ay, s->by);
-    for (size_t j = tm_next_near(c, shape, i + 1u, &box, 0.0); j < end; j = tm_next_near(c, shape, j + 1u, &box, 0.0)) {
+    for (size_t j = tm_next_near(c, shape, i + 1u, &box); j < end; j = tm_next_near(c, shape, j + 1u, &box)) {
       const tm_segment *other = &c->segment[j];
       const double p[2] = {other->ax, other->ay};
       const double q[2] = {other->bx, other->by};
@@ -132,6 +134,7 @@ static tm_status tm_make_polygon(tm_context *c, tm_shape *shape, const double *p
   shape->usable = false;
   shape->count = 0u;
   shape->hint = 0u;
+  shape->known = false;
   if (!tm_all_usable(points, n)) {
     return TM_UNUSABLE;
   }
@@ -162,6 +165,7 @@ static tm_status tm_make_corridor(tm_context *c, tm_shape *shape, const double *
   shape->usable = false;
   shape->count = 0u;
   shape->hint = 0u;
+  shape->known = false;
   shape->closed = closed;
   if (!tm_all_usable(left, left_count) || !tm_all_usable(right, right_count)) {
     return TM_UNUSABLE;
@@ -232,6 +236,7 @@ static tm_status tm_make_line(tm_context *c, tm_shape *line, const double *point
   line->usable = false;
   line->count = 0u;
   line->hint = 0u;
+  line->known = false;
   line->closed = closed;
   if (!tm_all_usable(points, n)) {
     return TM_UNUSABLE;
