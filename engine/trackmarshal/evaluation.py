@@ -110,6 +110,17 @@ def load(
     return spec
 
 
+def setting_names(configuration: Iterable[Path]) -> set[str]:
+    """The short names of everything that configuration modules set."""
+    from trackmarshal.semantics.compile import compile_paths
+
+    names: set[str] = set()
+    for path in configuration:
+        settings = compile_paths([path]).spec
+        names |= {name.rpartition(".")[2] for kind in (settings.params, settings.tables, settings.places) for name in kind}
+    return names
+
+
 def configure(spec: Spec, settings: Spec) -> Spec:
     """The spec with the values of another module's parameters, tables and places in place of its own."""
     params, tables, places = dict(spec.params), dict(spec.tables), dict(spec.places)

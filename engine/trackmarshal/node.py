@@ -18,23 +18,28 @@ class Node:
     fields: ClassVar[tuple[str, ...]] = ()
     #: Names of the fields that equality and hash compare.
     compared: ClassVar[tuple[str, ...]] = ()
+    _known: ClassVar[frozenset[str]] = frozenset()
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         own = (n for n, kind in cls.__dict__.get("__annotations__", {}).items() if "ClassVar" not in str(kind))
         cls.fields = tuple(dict.fromkeys((*cls.fields, *own)))
+        cls._known = frozenset(cls.fields)
         cls.compared = tuple(name for name in cls.fields if name != "span")
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         values = self.__dict__
         values.update(zip(self.fields, args))
         values.update(kwargs)
-        if len(values) != len(self.fields) or len(args) > len(self.fields):
+        given = len(args) + len(kwargs)
+        if len(values) != len(self.fields) or len(values) != given or not self._known.issuperset(kwargs):
+            if len(values) < given:
+                raise TypeError(f"{type(self).__name__}: too many values, or one given twice")
+            if not self._known.issuperset(kwargs):
+                raise TypeError(f"{type(self).__name__}: unknown fields {sorted(set(kwargs) - self._known)}")
             for name in self.fields:
                 if name not in values:
                     values[name] = getattr(type(self), name)  # the default, or AttributeError: a missing field
-            if len(values) != len(self.fields) or len(args) > len(self.fields):
-                raise TypeError(f"{type(self).__name__}: unknown fields {sorted(set(values) - set(self.fields))}")
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable: cannot set {name}")

@@ -45,7 +45,7 @@ UNITS: dict[str, tuple[float, Dimension]] = {
 }  # fmt: skip
 
 #: The regular expression of one unit with its exponent, longest names first.
-UNIT_PATTERN = "(?:" + "|".join(sorted(UNITS, key=len, reverse=True)) + r")(?:\^-?[0-9]+|[²³])?"
+UNIT_PATTERN = "(?:" + "|".join(sorted(UNITS, key=len, reverse=True)) + r")(?:\^-?[0-9]{1,2}|[²³])?"
 
 #: What reports call a dimension; anything else is spelled out from m, s and kg.
 _NAMED = {FORCE: "N", times(FORCE, LENGTH): "J", times(FORCE, SPEED): "W", NUMBER: "1"}
@@ -61,7 +61,7 @@ def parse_unit(text: str) -> tuple[float, float, Dimension]:
     multiplier, divisor, dimension = 1.0, 1.0, NUMBER
     sign, name = 1, ""
     for part in _parts(text):
-        if part in "/*":
+        if part in ("/", "*"):
             sign = -1 if part == "/" else 1
             continue
         name, exponent = _exponent(part)

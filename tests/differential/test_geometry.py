@@ -107,6 +107,27 @@ def test_on_tracks_of_our_own(way: Any, count: int, closed: bool, scatter: float
     assert scatter < 1.0 or not inside.all()
 
 
+@pytest.mark.parametrize("scatter", [0.5, 4.0])
+def test_a_large_batch_is_its_parts(scatter: float) -> None:
+    (left, right), _ = loop(oval, 90, 4.0, 6.0)
+    poses = around((left, right), 5000, seed=3, scatter=scatter)
+    poses[2, 17] = math.nan
+    poses[:, 4000] = 1e7
+    lengths = np.where(np.arange(5000) % 7 == 0, 0.0, 4.7)
+    track = fast.Corridor(left, right, True)
+    together = track.margin_inside(*poses, lengths, 2.0)
+    parts = [track.margin_inside(*poses[:, k : k + 40], lengths[k : k + 40], 2.0) for k in range(0, 5000, 40)]
+    assert np.array_equal(together, np.concatenate(parts), equal_nan=True)
+    assert np.isnan(together[lengths == 0.0]).all()
+    boxes = poses[[1, 0, 2]] * 0.9
+    together = fast.boxes_clear(*poses, 4.7, 2.0, *boxes, 3.0, 1.0)
+    parts = [
+        fast.boxes_clear(*poses[:, k : k + 40], 4.7, 2.0, *boxes[:, k : k + 40], 3.0, 1.0)
+        for k in range(0, 5000, 40)
+    ]
+    assert np.array_equal(together, np.concatenate(parts), equal_nan=True)
+
+
 def test_on_jagged_borders() -> None:
     generator = np.random.default_rng(11)
     for used in range(12):

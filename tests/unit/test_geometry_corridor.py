@@ -222,7 +222,9 @@ def test_repeated_points_are_dropped(geometry: Geometry) -> None:
     )
     nearly = [LEFT[0], (5e-324, 5.0), LEFT[1], (50.0 - 1e-12, 5.0), LEFT[2]]
     assert geometry.fault(nearly, RIGHT) is None
-    assert geometry.inside(nearly, RIGHT, *stand(50.0, 1.5), CAR) == geometry.inside(LEFT, RIGHT, *stand(50.0, 1.5), CAR)
+    assert geometry.inside(nearly, RIGHT, *stand(50.0, 1.5), CAR) == geometry.inside(
+        LEFT, RIGHT, *stand(50.0, 1.5), CAR
+    )
     # A corridor may narrow down to a point.
     assert geometry.fault([(0.0, 5.0), (50.0, 0.0)], [(0.0, -5.0), (50.0, 0.0)]) is None
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.verdict import Truth, Witness
@@ -12,10 +13,40 @@ from trackmarshal.runtime.verdict import Truth, Witness
 Env = dict[int, int]
 
 
+class Sides(NamedTuple):
+    """The values of a formula for all values of one variable: worst and best case, each whether it holds and its margin."""
+
+    worst_sat: Sequence[bool]
+    worst: Sequence[float]
+    best_sat: Sequence[bool]
+    best: Sequence[float]
+
+    def verdict(self, index: int) -> str:
+        return "satisfied" if self.worst_sat[index] else "undefined" if self.best_sat[index] else "violated"
+
+    def margin(self, verdict: str, index: int) -> float:
+        """The margin that counts for a verdict; 0 for an undefined one."""
+        return 0.0 if verdict == "undefined" else self.worst[index] if verdict == "satisfied" else self.best[index]
+
+    def first(self, wanted: str, indices: Iterable[int], least: bool) -> int | None:
+        """The first index with a verdict and, of those with it, the least or greatest margin; None where it is nowhere."""
+        if wanted == "undefined":  # without a margin, one is as good as another
+            return next((i for i in indices if self.best_sat[i] and not self.worst_sat[i]), None)
+        if wanted == "satisfied":
+            fitting = [i for i in indices if self.worst_sat[i]]
+            margins = self.worst
+        else:
+            fitting = [i for i in indices if not self.best_sat[i]]
+            margins = self.best
+        return (min if least else max)(fitting, key=margins.__getitem__, default=None)
+
+
 class Values(Protocol):
     """What a descent asks of an evaluator, for one case."""
 
     def truth(self, node: ir.Formula, env: Env) -> Truth: ...
+
+    def sides(self, node: ir.Formula, axis: ir.Axis, env: Env) -> Sides: ...
 
     def count(self, axis: ir.Axis) -> int: ...
 
@@ -73,9 +104,10 @@ class Descent:
                 self._names[node.axis.level] = (node.axis, (node.name,))
                 return node.operand, {**env, node.axis.level: 0}
             case ir.Temporal():
-                samples = self._window(node, env)
-                pick = min if node.op in ("always", "historically") else max
-                return self._pick(node, env, pick, ((node.operand, {**env, node.axis.level: j}, 1) for j in samples))
+                sides = self._values.sides(node.operand, node.axis, env)
+                least = node.op in ("always", "historically")
+                found = sides.first(self._verdict(node, env), self._window(node, env), least)
+                return None if found is None else (node.operand, {**env, node.axis.level: found})
             case ir.Until():
                 return self._until(node, env)
             case ir.Shift():
@@ -127,20 +159,19 @@ class Descent:
         return (undefined or [left])[0][:2]
 
     def _quantify(self, node: ir.Quantify, env: Env) -> tuple[ir.Formula, Env] | None:
-        inside: list[tuple[ir.Formula, Env, int]] = []
-        doubtful: list[tuple[ir.Formula, Env]] = []
-        for index in range(self._values.count(node.axis)):
-            inner = {**env, node.axis.level: index}
-            guard = "satisfied" if node.guard is None else self._verdict(node.guard, inner)
-            if guard == "satisfied":
-                inside.append((node.body, inner, 1))
-            elif guard == "undefined" and node.guard is not None:
-                inside.append((node.body, inner, 1))
-                doubtful.append((node.guard, inner))
-        found = self._pick(node, env, min if node.quantifier == "for all" else max, inside)
-        if found is None and self._verdict(node, env) == "undefined" and doubtful:
-            return doubtful[0]
-        return found
+        level, inside = node.axis.level, range(self._values.count(node.axis))
+        wanted = self._verdict(node, env)
+        sides = self._values.sides(node.body, node.axis, env)
+        least = node.quantifier == "for all"
+        if node.guard is None:
+            found = sides.first(wanted, inside, least)
+            return None if found is None else (node.body, {**env, level: found})
+        guard = self._values.sides(node.guard, node.axis, env)
+        found = sides.first(wanted, [i for i in inside if guard.best_sat[i]], least)
+        if found is not None:
+            return node.body, {**env, level: found}
+        doubtful = guard.first("undefined", inside, least) if wanted == "undefined" else None
+        return None if doubtful is None else (node.guard, {**env, level: doubtful})
 
     def _window(self, node: ir.Temporal | ir.Until, env: Env) -> range:
         t, k = self._values.times(node.axis), env[node.axis.level]
@@ -152,23 +183,31 @@ class Descent:
         return range(k if low is None else bisect_left(t, t[k] + low), stop)
 
     def _until(self, node: ir.Until, env: Env) -> tuple[ir.Formula, Env] | None:
+        """At the sample of the window that decides, the right side or, where it was not held until then, the left one."""
         k, level = env[node.axis.level], node.axis.level
-        best: tuple[float, list[tuple[ir.Formula, Env, int]]] | None = None
-        wanted = self._verdict(node, env)
-        for j in self._window(node, env):
-            held = range(k, j) if node.op == "until" else range(j + 1, k + 1)
-            parts: list[tuple[ir.Formula, Env, int]] = [(node.right, {**env, level: j}, 1)]
-            parts += [(node.left, {**env, level: i}, 1) for i in held]
-            values = [self._values.truth(child, inner) for child, inner, _ in parts]
-            worst = all(v.worst.sat for v in values)
-            verdict = "satisfied" if worst else "undefined" if all(v.best.sat for v in values) else "violated"
-            margin = min(v.worst.margin if verdict == "satisfied" else v.best.margin for v in values)
-            if verdict == wanted and (best is None or (verdict != "undefined" and margin > best[0])):
-                fitting = [p for p, v in zip(parts, values) if v.verdict == verdict]
-                best = (margin, fitting)
-        if best is None or not best[1]:
+        window = self._window(node, env)
+        if not window:
             return None
-        return min(best[1], key=lambda p: 0.0 if wanted == "undefined" else self._values.truth(p[0], p[1]).margin)[:2]
+        wanted = self._verdict(node, env)
+        left = self._values.sides(node.left, node.axis, env)
+        right = self._values.sides(node.right, node.axis, env)
+        outcomes: dict[int, float] = {}  # of the samples with the verdict of the whole
+        held_sat, may_sat, held, most = True, True, math.inf, math.inf  # of the left side, from k up to the sample
+        ahead = node.op == "until"
+        for j in range(k, window.stop) if ahead else range(k, window.start - 1, -1):
+            if j in window:
+                holds, may = held_sat and right.worst_sat[j], may_sat and right.best_sat[j]
+                if wanted == ("satisfied" if holds else "undefined" if may else "violated"):
+                    outcomes[j] = min(held, right.worst[j]) if holds else min(most, right.best[j])
+            held_sat, may_sat = held_sat and left.worst_sat[j], may_sat and left.best_sat[j]
+            held, most = min(held, left.worst[j]), min(most, left.best[j])
+        if not outcomes:
+            return None
+        at = min(outcomes) if wanted == "undefined" else max(sorted(outcomes), key=outcomes.__getitem__)
+        before = left.first(wanted, range(k, at) if ahead else range(at + 1, k + 1), True)
+        if right.verdict(at) == wanted and (before is None or right.margin(wanted, at) <= left.margin(wanted, before)):
+            return node.right, {**env, level: at}
+        return None if before is None else (node.left, {**env, level: before})
 
     def _edge(self, node: ir.Edge, env: Env) -> tuple[ir.Formula, Env] | None:
         level = node.axis.level

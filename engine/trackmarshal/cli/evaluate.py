@@ -30,6 +30,7 @@ _HELP = 'a case is one line, such as {"id": 1, "signals": {"plan": {"t": [0, 0.1
 
 CODES = {
     "D101": ("a line that is not JSON", "Data is JSON Lines: one JSON object a line, UTF-8."),
+    "D103": ("no cases", "The data holds no case at all. Nothing was evaluated, so nothing is known to be safe."),
     "D102": ("the data cannot be read", "The file of `--data` does not exist or cannot be read; `-` reads standard input."),
 }
 
@@ -52,11 +53,14 @@ def run(args: argparse.Namespace) -> int:
     status = 0
     broken = evaluator.broken_constraints()
     pending: list[tuple[object, Case | TrackmarshalError]] = []
-    for item in _cases(args.data, evaluator):
+    read = 0
+    for read, item in enumerate(_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
         pending.append(item)
         if len(pending) == CHUNK:
             status = max(status, _flush(pending, evaluator, broken, args))
             pending = []
+    if read == 0:
+        raise TrackmarshalError("D103", "there is no case in the data", file=args.data, help=_HELP)
     return max(status, _flush(pending, evaluator, broken, args))
 
 

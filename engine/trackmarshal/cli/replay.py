@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.evaluation import setting_names
     from trackmarshal.scenarios import load as load_recording
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
@@ -45,7 +47,9 @@ def run(args: argparse.Namespace) -> int:
     status = 0
     for path in args.scenarios:
         recording = load_recording(path)
-        evaluator = evaluator_for(recording, spec_path, [Path(p) for p in args.settings], project, args.rule, args.backend)
+        settings = [Path(p) for p in args.settings]
+        evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend)
+        recording = _without(recording, setting_names(settings))
         outcome = run_one(recording, evaluator, args.quiet)
         lines = json_lines(outcome)
         if args.format == "jsonl":
@@ -60,6 +64,13 @@ def run(args: argparse.Namespace) -> int:
         if outcome.fired:
             status = 1
     return status
+
+
+def _without(recording: Recording, names: set[str]) -> Recording:
+    """The recording without the vehicle values that the command line sets: what a person says now counts more."""
+    params = {name: value for name, value in recording.params.items() if name not in names}
+    tables = {name: rows for name, rows in recording.tables.items() if name not in names}
+    return replace(recording, params=params, tables=tables)
 
 
 def default_spec(project: Path) -> Path:

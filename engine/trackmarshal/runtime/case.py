@@ -130,7 +130,7 @@ class CaseReader:
 
     def _event(self, case: Case, name: str, value: object) -> None:
         if value is not None and not isinstance(value, bool):
-            raise TrackmarshalError("D202", f"event `{name}` is true, false or null, not {_type(value)}")
+            raise TrackmarshalError("D202", f"event `{name}` is true, false or null, not {_type(value)}", help=_MISSING)
         if value is None:
             case.fault("D211", name, "", None, "the event is missing")
         case.scalars[name] = {"": value}
@@ -169,7 +169,7 @@ class CaseReader:
     def _timeline(self, case: Case, signal: SignalType, needed: set[str], raw: object) -> None:
         data = _mapping(raw, f"signal `{signal.name}`")
         # The order of samples counts for every rule, whether it reads the time or not.
-        orders = {k.name for k in signal.fields_ if k.increasing and data.get(k.name) is not None}
+        orders = {k.name for k in signal.fields_ if k.increasing and k.name in data}
         kinds = _wanted(signal, needed | orders)
         _refuse_misspelt(signal, data, needed)
         given = {k.name: _sequence(data[k.name], f"{signal.name}.{k.name}") for k in kinds if data.get(k.name) is not None}
@@ -219,7 +219,7 @@ class CaseReader:
         data = _mapping(raw, f"signal `{signal.name}`")
         closed = data.get("closed", False)
         if not isinstance(closed, bool):
-            raise TrackmarshalError("D202", f"{signal.name}.closed is true or false, not {_type(closed)}")
+            raise TrackmarshalError("D202", f"{signal.name}.closed is true or false, not {_type(closed)}", help="leave it out for false")
         case.closed[signal.name] = closed
         for name in {kind.name for kind in signal.fields_ if kind.kind == "polyline"} & (needed | {"left", "right"}):
             if data.get(name) is None:
@@ -260,7 +260,7 @@ class CaseReader:
                 case.fault("D215", signal.name, kind.name, index, "the value is missing", False)
             elif not isinstance(value, bool):
                 place = _place(signal.name, kind.name, index)
-                raise TrackmarshalError("D202", f"{place} is true, false or null, not {_type(value)}")
+                raise TrackmarshalError("D202", f"{place} is true, false or null, not {_type(value)}", help=_MISSING)
             return value
         number = _number(value, signal.name, kind.name, index)
         if kind.unit not in _SI:
@@ -293,7 +293,8 @@ def _name(record: Mapping[str, Any], index: int, signal: str) -> str:
     if name is None:
         return str(index)
     if isinstance(name, bool) or not isinstance(name, (str, int, float)):
-        raise TrackmarshalError("D202", f"{signal}[{index}].id is a string or a number, not {_type(name)}")
+        help_ = "leave it out to have the index"
+        raise TrackmarshalError("D202", f"{signal}[{index}].id is a string or a number, not {_type(name)}", help=help_)
     return str(name)
 
 
@@ -405,7 +406,10 @@ def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
 
 def _mapping(raw: object, what: str) -> Mapping[str, Any]:
     if not isinstance(raw, Mapping):
-        raise TrackmarshalError("D201" if what == "the case" else "D202", f"{what} is an object, not {_type(raw)}")
+        help_ = "write it as {...}; leave it out if there is none"
+        if what == "the case":
+            raise TrackmarshalError("D201", f"{what} is an object, not {_type(raw)}", help='write {"id": 1, "signals": {...}}')
+        raise TrackmarshalError("D202", f"{what} is an object, not {_type(raw)}", help=help_)
     return raw
 
 
@@ -413,7 +417,7 @@ def _sequence(raw: object, what: str) -> Sequence[Any]:
     if hasattr(raw, "tolist"):
         raw = raw.tolist()
     if not isinstance(raw, (list, tuple)):
-        raise TrackmarshalError("D202", f"{what} is a list, not {_type(raw)}")
+        raise TrackmarshalError("D202", f"{what} is a list, not {_type(raw)}", help="write it as [...]")
     return raw
 
 
@@ -430,7 +434,7 @@ def _number(value: object, *where: object) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         if isinstance(value, str) and value in ("nan", "inf", "-inf"):
             return float(value)
-        raise TrackmarshalError("D202", f"{_place(*where)} is a number or null, not {_type(value)}")
+        raise TrackmarshalError("D202", f"{_place(*where)} is a number or null, not {_type(value)}", help=_MISSING)
     try:
         return float(value)
     except OverflowError:
@@ -448,9 +452,13 @@ def _points(raw: object, what: str) -> list[Point]:
     for index, row in enumerate(_sequence(raw, what)):
         pair = _sequence(row, f"{what}[{index}]")
         if len(pair) != 2:
-            raise TrackmarshalError("D202", f"{what}[{index}] has {len(pair)} entries, not 2")
+            entries = "1 entry" if len(pair) == 1 else f"{len(pair)} entries"
+            raise TrackmarshalError("D202", f"{what}[{index}] has {entries}, not 2", help="a point is [x, y]")
         points.append((_number(pair[0], what, index), _number(pair[1], what, index)))
     return points
+
+
+_MISSING = "null stands for a missing value; numbers are in the declared unit"
 
 
 def _type(raw: object) -> str:

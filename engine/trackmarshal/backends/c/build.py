@@ -47,7 +47,15 @@ def library(source: Source, capacities: Mapping[str, int]) -> Path:
     macros = [f"-D{name}={value}u" for name, value in sorted(capacities.items())]
     flags = [*EXACT, *FAST, *SHARED, *macros]
     digest = hashlib.sha256()
-    for part in (source.header, source.source, text, *flags, os.environ.get("CC", ""), platform.machine(), sys.platform):
+    for part in (
+        source.header,
+        source.source,
+        text,
+        *flags,
+        os.environ.get("CC", ""),
+        platform.machine(),
+        sys.platform,
+    ):
         digest.update(part.encode())
         digest.update(b"\0")
     folder = cache_folder()
@@ -62,7 +70,11 @@ def library(source: Source, capacities: Mapping[str, int]) -> Path:
 def _compile(source: Source, text: str, flags: list[str], root: Path, target: Path) -> None:
     command = compiler()
     if command is None:
-        raise TrackmarshalError("E471", "no C compiler is found", help="install gcc or clang, name one in $CC, or choose another backend")
+        raise TrackmarshalError(
+            "E471",
+            "no C compiler is found",
+            help="install gcc or clang, name one in $CC, or choose another backend",
+        )
     # Built aside and moved: another process sees all of it or nothing, and two builders overwrite each other with the same.
     with tempfile.TemporaryDirectory(dir=root) as folder:
         place = Path(folder)
@@ -70,7 +82,11 @@ def _compile(source: Source, text: str, flags: list[str], root: Path, target: Pa
         (place / f"{source.name}.c").write_text(source.source, encoding="utf-8")
         (place / "glue.c").write_text(text, encoding="utf-8")
         done = subprocess.run(
-            [*command, *flags, "-o", "made.so", "glue.c", "-lm"], cwd=place, capture_output=True, text=True, check=False
+            [*command, *flags, "-o", "made.so", "glue.c", "-lm"],
+            cwd=place,
+            capture_output=True,
+            text=True,
+            check=False,
         )
         if done.returncode != 0:
             raise TrackmarshalError("E472", f"`{' '.join(command)}` says: {done.stderr.strip()[:2000]}")

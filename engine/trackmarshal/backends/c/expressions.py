@@ -29,7 +29,14 @@ class Value:
 
 
 #: Built-in functions whose C is not a call of libm of the same name.
-_FUNCTIONS = {"abs": "fabs", "min": "tm_min", "max": "tm_max", "pow": "tm_pow", "floor": "floor", "sqrt": "sqrt"}
+_FUNCTIONS = {
+    "abs": "fabs",
+    "min": "tm_min",
+    "max": "tm_max",
+    "pow": "tm_pow",
+    "floor": "floor",
+    "sqrt": "sqrt",
+}
 _LIBM = ("sin", "cos", "tan", "exp", "log", "atan2")
 _MARGINS: dict[str, Callable[[str, str], str]] = {
     "<": lambda a, b: f"{b} - {a}", "<=": lambda a, b: f"{b} - {a}", ">": lambda a, b: f"{a} - {b}",
@@ -154,7 +161,10 @@ class Writer:
                 place = self.plan.input(node.signal).c_name
                 column = self.plan.field_name(node.signal, node.field)
                 if node.index not in (0, -1):
-                    raise self.refuse(node, f"sample {node.index} of `{node.signal}`; the C generator knows the first and the last")
+                    raise self.refuse(
+                        node,
+                        f"sample {node.index} of `{node.signal}`; the C generator knows the first and the last",
+                    )
                 at_index = "0" if node.index == 0 else f"in->{place}.count - 1u"
                 return f"in->{place}.{column}[{at_index}]"
             case ir.Scalar():
@@ -182,11 +192,15 @@ class Writer:
                     return f"{condition.worst_sat} ? {then} : {otherwise}"
                 return f"{condition.worst_sat} ? {then} : ({condition.best_sat} ? TM_NAN : {otherwise})"
             case ir.Lookup():
-                return f"tm_lookup(&c->tables.{self.plan.tables[node.table]}, {self.number(node.argument, at)})"
+                return (
+                    f"tm_lookup(&c->tables.{self.plan.tables[node.table]}, {self.number(node.argument, at)})"
+                )
             case ir.Along():
                 return self._along(node, at)
             case _:
-                raise self.refuse(node, f"the C generator does not know numbers of kind {type(node).__name__}")
+                raise self.refuse(
+                    node, f"the C generator does not know numbers of kind {type(node).__name__}"
+                )
 
     def _column(self, node: ir.Column | ir.Flag, at: Block) -> str:
         assert node.axis is not None
@@ -205,7 +219,9 @@ class Writer:
         if line.kind == "path":
             signal = self.plan.input(line.name).c_name
             x, y = (self.plan.field_name(line.name, name) for name in ("x", "y"))
-            target = f"in->{signal}.x, in->{signal}.y, in->{signal}.count".replace(".x,", f".{x},").replace(".y,", f".{y},")
+            target = f"in->{signal}.x, in->{signal}.y, in->{signal}.count".replace(".x,", f".{x},").replace(
+                ".y,", f".{y},"
+            )
             names = ("tm_path_gap", "tm_path_distance", "tm_path_project")
         else:
             target = f"c, &c->shapes.{self.plan.shape(line).c_name}"
@@ -221,7 +237,9 @@ class Writer:
         known = at.known.get(key)
         if known is None:
             known = at.known[key] = f"r{self.fresh()}"
-            self.add(at, f"const tm_projection {known} = {names[2]}({target}, {args[0]}, {args[1]});", str(known))
+            self.add(
+                at, f"const tm_projection {known} = {names[2]}({target}, {args[0]}, {args[1]});", str(known)
+            )
         return f"{known}.{node.what}"
 
     # Formulas ---------------------------------------------------------------------------------------------------
@@ -267,16 +285,25 @@ class Writer:
                 inner.binds[node.axis] = "0u"
                 return self._carried(self.formula(node.operand, inner), at, inner)
             case _:
-                raise self.refuse(node, f"the C generator does not know formulas of kind {type(node).__name__}")
+                raise self.refuse(
+                    node, f"the C generator does not know formulas of kind {type(node).__name__}"
+                )
 
-    def value(self, at: Block, worst_sat: str, worst_margin: str, best_sat: str = "", best_margin: str = "") -> Value:
+    def value(
+        self, at: Block, worst_sat: str, worst_margin: str, best_sat: str = "", best_margin: str = ""
+    ) -> Value:
         """Declare a value's names with these expressions; the best case only where there is a difference."""
         k = self.fresh()
         if self.known:
             self.add(at, f"const bool s{k} = {worst_sat};", f"s{k}")
             self.add(at, f"const double m{k} = {worst_margin};", f"m{k}")
             return Value(f"s{k}", f"m{k}", f"s{k}", f"m{k}")
-        for name, kind, text in (("ws", "bool", worst_sat), ("wm", "double", worst_margin), ("bs", "bool", best_sat), ("bm", "double", best_margin)):
+        for name, kind, text in (
+            ("ws", "bool", worst_sat),
+            ("wm", "double", worst_margin),
+            ("bs", "bool", best_sat),
+            ("bm", "double", best_margin),
+        ):
             assert text, "a value with two sides"
             self.add(at, f"const {kind} {name}{k} = {text};", f"{name}{k}")
         return Value(f"ws{k}", f"wm{k}", f"bs{k}", f"bm{k}")
@@ -286,7 +313,11 @@ class Writer:
             text = f"in->{self._column(node, at)}"
         else:
             source = self.plan.input(node.signal)
-            text = f"in->{source.c_name}" if source.kind == "event" else f"in->{source.c_name}.{self.plan.field_name(node.signal, node.field or '')}"
+            text = (
+                f"in->{source.c_name}"
+                if source.kind == "event"
+                else f"in->{source.c_name}.{self.plan.field_name(node.signal, node.field or '')}"
+            )
         k = self.fresh()
         self.add(at, f"const tm_flag g{k} = {text};", f"g{k}")
         if self.known:
@@ -309,7 +340,9 @@ class Writer:
         k = self.fresh()
         self.add(at, f"const bool k{k} = tm_finite({a}) && tm_finite({b});", f"k{k}")
         self.add(at, f"const double d{k} = {margin};", f"d{k}")
-        return self.value(at, f"k{k} && ({sat})", f"k{k} ? d{k} : -TM_INF", f"!k{k} || ({sat})", f"k{k} ? d{k} : TM_INF")
+        return self.value(
+            at, f"k{k} && ({sat})", f"k{k} ? d{k} : -TM_INF", f"!k{k} || ({sat})", f"k{k} ? d{k} : TM_INF"
+        )
 
     def _geometry(self, node: ir.Geometry, at: Block) -> Value:
         args = [self.number(arg, at) for arg in node.args]
@@ -330,10 +363,18 @@ class Writer:
             self.add(at, f"suspect |= tm_wild(d{k});")
             return self.value(at, f"d{k} >= 0.0", f"d{k}")
         self.add(at, f"const bool k{k} = d{k} == d{k};", f"k{k}")
-        return self.value(at, f"k{k} && (d{k} >= 0.0)", f"k{k} ? d{k} : -TM_INF", f"!k{k} || (d{k} >= 0.0)", f"k{k} ? d{k} : TM_INF")
+        return self.value(
+            at,
+            f"k{k} && (d{k} >= 0.0)",
+            f"k{k} ? d{k} : -TM_INF",
+            f"!k{k} || (d{k} >= 0.0)",
+            f"k{k} ? d{k} : TM_INF",
+        )
 
     def negated(self, inner: Value, at: Block) -> Value:
-        return self.value(at, f"!{inner.best_sat}", f"-{inner.best_margin}", f"!{inner.worst_sat}", f"-{inner.worst_margin}")
+        return self.value(
+            at, f"!{inner.best_sat}", f"-{inner.best_margin}", f"!{inner.worst_sat}", f"-{inner.worst_margin}"
+        )
 
     def connect(self, op: str, a: Value, b: Value, at: Block) -> Value:
         if op in ("and", "or"):
@@ -353,9 +394,7 @@ class Writer:
     def _differ(self, a: Value, b: Value, at: Block) -> Value:
         surely = f"({a.worst_sat} && !{b.best_sat}) || ({b.worst_sat} && !{a.best_sat})"
         surely_not = f"({a.worst_sat} && {b.worst_sat}) || !({a.best_sat} || {b.best_sat})"
-        apart = (
-            f"tm_greatest(tm_greatest(0.0, tm_apart({a.worst_margin}, {b.best_margin})), tm_apart({b.worst_margin}, {a.best_margin}))"
-        )
+        apart = f"tm_greatest(tm_greatest(0.0, tm_apart({a.worst_margin}, {b.best_margin})), tm_apart({b.worst_margin}, {a.best_margin}))"
         at_most = f"tm_greatest(tm_apart({a.best_margin}, {b.worst_margin}), tm_apart({b.best_margin}, {a.worst_margin}))"
         return self.value(at, surely, apart, f"!({surely_not})", at_most)
 
@@ -382,7 +421,12 @@ class Writer:
         loop.binds[axis] = i
         for node, k in zip(nodes, numbers):
             guard = None if node.guard is None else self.formula(node.guard, loop)
-            if self.known and node.quantifier == "for all" and isinstance(node.body, ir.Geometry) and self._once(node.body):
+            if (
+                self.known
+                and node.quantifier == "for all"
+                and isinstance(node.body, ir.Geometry)
+                and self._once(node.body)
+            ):
                 # The least margin is asked for: one that is greater than the least so far need not be exact.
                 self.bounds[node.body] = f"m{k}"
             body = self.formula(node.body, loop)
@@ -395,7 +439,10 @@ class Writer:
                 body_sat, body_margin = body.sides[side]
                 new_sat, new_margin = f"{s}{k} {sign} {body_sat}", f"{pick}({m}{k}, {body_margin})"
                 if condition:
-                    new_sat, new_margin = f"{condition} ? ({new_sat}) : {s}{k}", f"{condition} ? {new_margin} : {m}{k}"
+                    new_sat, new_margin = (
+                        f"{condition} ? ({new_sat}) : {s}{k}",
+                        f"{condition} ? {new_margin} : {m}{k}",
+                    )
                 self.add(loop, f"{s}{k} = {new_sat};", f"{s}{k}")
                 self.add(loop, f"{m}{k} = {new_margin};", f"{m}{k}")
         at.close(loop)
@@ -408,7 +455,12 @@ class Writer:
     def _once(self, formula: ir.Formula) -> bool:
         """Whether a formula stands in the rule only once."""
         places = [root for root in (self.rule.formula, self.rule.active) if root is not None]
-        parents = {node for root in places for node in ir.below(root) if any(child is formula for child in node.children())}
+        parents = {
+            node
+            for root in places
+            for node in ir.below(root)
+            if any(child is formula for child in node.children())
+        }
         return len(parents) == 1
 
     def _carried(self, inner: Value, at: Block, block: Block) -> Value:

@@ -23,12 +23,27 @@ def flat(source: Source) -> Flat:
     inputs = source.plan.inputs.values()
     return Flat(
         tuple(item.name for item in inputs if item.kind == "columns"),
-        tuple((item.name, info.name, info.kind == "bool") for item in inputs if item.kind == "columns" for info, _ in item.fields),
-        tuple((item.name, info.name) for item in inputs if item.kind == "record" for info, _ in item.fields if info.kind != "bool"),
+        tuple(
+            (item.name, info.name, info.kind == "bool")
+            for item in inputs
+            if item.kind == "columns"
+            for info, _ in item.fields
+        ),
+        tuple(
+            (item.name, info.name)
+            for item in inputs
+            if item.kind == "record"
+            for info, _ in item.fields
+            if info.kind != "bool"
+        ),
         tuple(
             (item.name, info.name if info is not None else "")
             for item in inputs
-            for info in ([None] if item.kind == "event" else [f for f, _ in item.fields if item.kind == "record" and f.kind == "bool"])
+            for info in (
+                [None]
+                if item.kind == "event"
+                else [f for f, _ in item.fields if item.kind == "record" and f.kind == "bool"]
+            )
         ),
     )
 

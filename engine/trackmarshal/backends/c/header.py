@@ -28,7 +28,9 @@ def header(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> s
 def capacities(plan: Layout) -> list[str]:
     """The capacities that a program has."""
     found = []
-    inputs = [item.signal for item in plan.inputs.values() if item.signal is not None and item.kind == "columns"]
+    inputs = [
+        item.signal for item in plan.inputs.values() if item.signal is not None and item.kind == "columns"
+    ]
     if any(signal.sequence for signal in inputs):
         found.append("TM_MAX_SAMPLES")
     if any(not signal.sequence for signal in inputs):
@@ -171,6 +173,7 @@ def _context(plan: Layout, series: int) -> Iterator[str]:
         yield "/* A table: linear between knots, clamped outside. Filled by tm_set_table. */"
         yield "typedef struct {"
         yield "  size_t count;"
+        yield "  size_t last; /* the row below the last argument */"
         yield "  double knot[TM_MAX_KNOTS];"
         yield "  double value[TM_MAX_KNOTS];"
         yield "  double slope[TM_MAX_KNOTS];"
@@ -199,7 +202,11 @@ def _context(plan: Layout, series: int) -> Iterator[str]:
     if plan.params:
         members.append("  tm_params params;")
     if plan.tables:
-        members += ["  struct {", *(f"    tm_table {c_name};" for c_name in plan.tables.values()), "  } tables;"]
+        members += [
+            "  struct {",
+            *(f"    tm_table {c_name};" for c_name in plan.tables.values()),
+            "  } tables;",
+        ]
     if series:
         members += [
             f"  tm_series series[{series}];", "  tm_series goal;", "  tm_series hold;", "  size_t queue[TM_MAX_SAMPLES];",

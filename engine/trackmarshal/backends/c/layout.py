@@ -114,7 +114,9 @@ def layout(spec: Spec, rules: Sequence[RuleInfo]) -> Layout:
         chosen = [info for info in signal.fields_ if info.name in columns[name] and info.kind != "polyline"]
         names = distinct(info.name for info in chosen)
         kind = "columns" if signal.many or signal.sequence else "record"
-        result.inputs[name] = Input(name, c_name, kind, signal, tuple((info, names[info.name]) for info in chosen))
+        result.inputs[name] = Input(
+            name, c_name, kind, signal, tuple((info, names[info.name]) for info in chosen)
+        )
     result.params = distinct(name for name in spec.params if name in set(params))
     result.tables = distinct(name for name in spec.tables if name in set(tables))
     order = sorted(shapes)

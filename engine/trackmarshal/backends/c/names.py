@@ -14,7 +14,9 @@ _KEYWORDS = frozenset(
 
 def identifier(name: str) -> str:
     """A C identifier for a name of a spec: lower case, what C does not know spelled out."""
-    text = "".join(c if c.isascii() and (c.isalnum() or c == "_") else "_" if c in ".-" else f"u{ord(c):x}" for c in name)
+    text = "".join(
+        c if c.isascii() and (c.isalnum() or c == "_") else "_" if c in ".-" else f"u{ord(c):x}" for c in name
+    )
     if text.casefold() in _KEYWORDS or text[:1].isdigit() or not text:
         text = f"{text}_" if text and not text[:1].isdigit() else f"n{text}"
     return text
@@ -49,5 +51,11 @@ def literal(value: float) -> str:
 
 def comment(text: str) -> str:
     """Text inside a C comment: one line, printable ASCII, no comment marks."""
-    flat = " ".join(text.split()).replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?")
+    flat = (
+        " ".join(text.split())
+        .replace("*/", "* /")
+        .replace("/*", "/ *")
+        .replace("\\", "/")
+        .replace("??", "? ?")
+    )
     return "".join(c if " " <= c <= "~" else "?" for c in flat)

@@ -21,7 +21,12 @@ _UNSUPPORTED = 4
 
 def uses_paths(plan: Layout) -> bool:
     """Whether a rule projects onto the path of a trajectory."""
-    return any(isinstance(n, ir.Line) and n.kind == "path" for r in plan.rules if r.formula is not None for n in ir.below(r.formula))
+    return any(
+        isinstance(n, ir.Line) and n.kind == "path"
+        for r in plan.rules
+        if r.formula is not None
+        for n in ir.below(r.formula)
+    )
 
 
 def has_geometry(plan: Layout) -> bool:
@@ -105,19 +110,31 @@ def types(plan: Layout) -> Iterator[str]:
 
 
 def _capacity(shape: Shape) -> str:
-    return {"corridor": "2u * TM_MAX_BORDER", "zone": "TM_MAX_PLACE", "place": "TM_MAX_PLACE"}.get(shape.kind, "TM_MAX_BORDER")
+    return {"corridor": "2u * TM_MAX_BORDER", "zone": "TM_MAX_PLACE", "place": "TM_MAX_PLACE"}.get(
+        shape.kind, "TM_MAX_BORDER"
+    )
 
 
 def members(plan: Layout) -> list[str]:
     """Members of the context."""
     if not plan.shapes:
         return []
-    found = ["  struct {", *(f"    tm_shape {shape.c_name};" for shape in plan.shapes.values()), "  } shapes;"]
-    found += ["  tm_segment segment[TM_SEGMENTS];", "  tm_box block_box[TM_SEGMENTS / 8u];", "  tm_box group_box[TM_SEGMENTS / 64u];"]
+    found = [
+        "  struct {",
+        *(f"    tm_shape {shape.c_name};" for shape in plan.shapes.values()),
+        "  } shapes;",
+    ]
+    found += [
+        "  tm_segment segment[TM_SEGMENTS];",
+        "  tm_box block_box[TM_SEGMENTS / 8u];",
+        "  tm_box group_box[TM_SEGMENTS / 64u];",
+    ]
     found.append("  tm_box part_box[TM_SEGMENTS / 512u];")
     if plan.lines:
         found.append("  tm_along along[TM_LINE_SEGMENTS];")
-    sizes = {_capacity(shape) for shape in plan.shapes.values()} | ({"2u * TM_MAX_BORDER"} if "centre" in {s.kind for s in plan.shapes.values()} else set())
+    sizes = {_capacity(shape) for shape in plan.shapes.values()} | (
+        {"2u * TM_MAX_BORDER"} if "centre" in {s.kind for s in plan.shapes.values()} else set()
+    )
     found += [f"  double ring[2u * ({' + '.join(sorted(sizes))})]; /* while a shape is prepared */"]
     return found
 
@@ -148,14 +165,26 @@ def _signatures(plan: Layout) -> Iterator[tuple[str, str, str]]:
     for signal in sources(plan):
         span = comment(str(plan.spec.signals[signal].span))
         if _bordered(plan, signal):
-            args = "const double *left, size_t left_count, const double *right, size_t right_count, bool closed"
-            yield signal, f"tm_status {names[signal]}(tm_context *c, {args})", f"Set the borders of `{comment(signal)}`, x and y in m by turns; {span}"
+            args = (
+                "const double *left, size_t left_count, const double *right, size_t right_count, bool closed"
+            )
+            yield (
+                signal,
+                f"tm_status {names[signal]}(tm_context *c, {args})",
+                f"Set the borders of `{comment(signal)}`, x and y in m by turns; {span}",
+            )
         else:
-            yield signal, f"tm_status {names[signal]}(tm_context *c, const double *points, size_t count)", f"Set the line `{comment(signal)}`, x and y in m by turns; {span}"
+            yield (
+                signal,
+                f"tm_status {names[signal]}(tm_context *c, const double *points, size_t count)",
+                f"Set the line `{comment(signal)}`, x and y in m by turns; {span}",
+            )
     for shape in own_places(plan):
         place = plan.spec.places[shape.key[1]]
-        yield shape.key[1], f"tm_status {names[shape.key[1]]}(tm_context *c, const double *points, size_t count)", (
-            f"Replace the {place.kind} `{comment(place.name)}`; {comment(str(place.span))}"
+        yield (
+            shape.key[1],
+            f"tm_status {names[shape.key[1]]}(tm_context *c, const double *points, size_t count)",
+            (f"Replace the {place.kind} `{comment(place.name)}`; {comment(str(place.span))}"),
         )
 
 
@@ -229,7 +258,11 @@ def glue(plan: Layout) -> Iterator[str]:
     yield "  (void)c; (void)left; (void)left_count; (void)right; (void)right_count; (void)closed;"
     yield "  switch (index) {"
     for i, name in enumerate(_ordered(plan)):
-        args = "left, left_count, right, right_count, closed != 0" if name in plan.spec.signals and _bordered(plan, name) else "left, left_count"
+        args = (
+            "left, left_count, right, right_count, closed != 0"
+            if name in plan.spec.signals and _bordered(plan, name)
+            else "left, left_count"
+        )
         yield f"    case {i}: return (int){names[name]}(c, {args});"
     yield "    default: return -1;"
     yield "  }"
@@ -240,14 +273,9 @@ class PlaceSetter:
     """Puts the tracks and places of cases into a context; the same points are prepared once."""
 
     def __init__(self, plan: Layout, library: Library) -> None:
-        import ctypes
-
         self._plan = plan
         self._library = library
         self._set = library.dll.tmg_set_place
-        pointer, size = ctypes.c_void_p, ctypes.c_size_t
-        self._set.argtypes = [pointer, size, pointer, size, pointer, size, ctypes.c_int]
-        self._set.restype = ctypes.c_int
         self._names = _ordered(plan)
         #: What is in the context now, by number; the spec's own places are there from the start.
         self._now: list[tuple[Any, ...] | None] = [None] * len(self._names)
@@ -262,7 +290,11 @@ class PlaceSetter:
                 self._status[index] = self._put(index, given)
                 self._now[index] = given
             if self._status[index] in (1, _UNSUPPORTED):
-                raise TrackmarshalError("E473", f"the C geometry refuses `{name}` of case {case.id!r}", help="choose another backend")
+                raise TrackmarshalError(
+                    "E473",
+                    f"the C geometry refuses `{name}` of case {case.id!r}",
+                    help="choose another backend",
+                )
 
     def _given(self, case: Case, name: str) -> tuple[Any, ...]:
         if name not in self._plan.spec.signals:
@@ -275,7 +307,13 @@ class PlaceSetter:
     def _put(self, index: int, given: tuple[Any, ...]) -> int:
         left, right = _flat(given[0]), _flat(given[1])
         status: int = self._set(
-            self._library.context, index, left.buffer_info()[0], len(given[0]), right.buffer_info()[0], len(given[1]), int(given[2])
+            self._library.context,
+            index,
+            left.buffer_info()[0],
+            len(given[0]),
+            right.buffer_info()[0],
+            len(given[1]),
+            int(given[2]),
         )
         return status
 

@@ -35,6 +35,7 @@ class Library:
             "tmg_init": [pointer],
             "tmg_set_param": [pointer, size, number],
             "tmg_set_table": [pointer, size, pointer, pointer, size],
+            "tmg_set_place": [pointer, size, pointer, size, pointer, size, ctypes.c_int],
             "tmg_run": [pointer, size, pointer, pointer, pointer, pointer, pointer, pointer],
         }.items():
             getattr(self.dll, name).argtypes = kinds
@@ -66,16 +67,26 @@ class CProgram:
         count = len(self.rules)
         margins, verdicts = array("d", bytes(8 * count * len(cases))), array("b", bytes(count * len(cases)))
         for index, case in enumerate(cases):
-            self._one(case, margins.buffer_info()[0] + 8 * count * index, verdicts.buffer_info()[0] + count * index)
+            self._one(
+                case, margins.buffer_info()[0] + 8 * count * index, verdicts.buffer_info()[0] + count * index
+            )
         return CRun(self, cases, margins, verdicts)
 
     def number(self, rule: RuleInfo) -> int:
         """The place of a rule among the results."""
         return self._numbers[rule.name]
 
-    def library_for(self, samples: int = 0, elements: int = 0, border: int = 0, place: int = 0, knots: int = 0) -> Library:
+    def library_for(
+        self, samples: int = 0, elements: int = 0, border: int = 0, place: int = 0, knots: int = 0
+    ) -> Library:
         """The library, with a new context where the one at hand holds less than this."""
-        wanted = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border, "TM_MAX_PLACE": place, "TM_MAX_KNOTS": knots}
+        wanted = {
+            "TM_MAX_SAMPLES": samples,
+            "TM_MAX_ELEMENTS": elements,
+            "TM_MAX_BORDER": border,
+            "TM_MAX_PLACE": place,
+            "TM_MAX_KNOTS": knots,
+        }
         have = self._library
         if have is not None and all(have.sizes[name] >= wanted[name] for name in self._kinds):
             return have
@@ -87,12 +98,27 @@ class CProgram:
         self._places = PlaceSetter(self.source.plan, self._library) if self.source.plan.shapes else None
         return self._library
 
+    def new_library(self, samples: int, elements: int, border: int, settings: Case | None) -> Library:
+        """A library with a context of its own, configured by a case's overrides."""
+        wanted = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border}
+        made = Library(self.source, {name: self._size(name, wanted.get(name, 0)) for name in self._kinds})
+        if settings is not None:
+            self._override(settings, made, {*settings.params, *settings.tables})
+        return made
+
+    def reset(self, lib: Library) -> None:
+        """Put the spec's own parameters and tables back."""
+        self._override(Case(), lib, self._changed)
+        self._changed.clear()
+
     def _size(self, name: str, wanted: int) -> int:
         if name == "TM_MAX_ELEMENTS" or (name == "TM_MAX_SAMPLES" and not self.source.series):
             return _FREE
         least = max(wanted, 256)
         if name == "TM_MAX_KNOTS":
-            least = max(wanted, CAPACITIES[name][0], *(len(self.spec.tables[table].knots) for table in self._tables))
+            least = max(
+                wanted, CAPACITIES[name][0], *(len(self.spec.tables[table].knots) for table in self._tables)
+            )
         if name == "TM_MAX_BORDER":
             least = max(wanted, CAPACITIES[name][0])
         if name == "TM_MAX_PLACE":
@@ -100,7 +126,9 @@ class CProgram:
         for size in _CLASSES:
             if size >= least:
                 return size
-        raise TrackmarshalError("E473", f"{wanted} is more than the {_CLASSES[-1]} that generated programs hold")
+        raise TrackmarshalError(
+            "E473", f"{wanted} is more than the {_CLASSES[-1]} that generated programs hold"
+        )
 
     def _one(self, case: Case, margins: int, verdicts: int) -> None:
         order = self.order
@@ -122,29 +150,43 @@ class CProgram:
             margins, verdicts,
         )  # fmt: skip
         if status != 0:
-            raise TrackmarshalError("E473", f"the program refuses the input of case {case.id!r} (status {status})")
+            raise TrackmarshalError(
+                "E473", f"the program refuses the input of case {case.id!r} (status {status})"
+            )
 
     def _configure(self, case: Case, lib: Library) -> None:
         """Put a case's overrides into the context, and the spec's own values where the case before had others."""
-        for name in self._changed | case.params.keys():
-            if name in self._params:
-                lib.dll.tmg_set_param(lib.context, self._params[name], case.params.get(name, self.spec.params[name].value))
-        for name in self._changed | case.tables.keys():
-            if name in self._tables:
-                info = self.spec.tables[name]
-                rows = case.tables.get(name, (info.knots, info.values))
-                knots, values = array("d", rows[0]), array("d", rows[1])
-                if lib.dll.tmg_set_table(lib.context, self._tables[name], knots.buffer_info()[0], values.buffer_info()[0], len(knots)):
-                    raise TrackmarshalError("E473", f"the program refuses table `{name}`")
+        self._override(case, lib, self._changed | case.params.keys() | case.tables.keys())
         self._changed = {*case.params, *case.tables}
         if self._places is not None:
             self._places.put(case)
+
+    def _override(self, case: Case, lib: Library, names: set[str]) -> None:
+        for name in names:
+            if name in self._params:
+                lib.dll.tmg_set_param(
+                    lib.context, self._params[name], case.params.get(name, self.spec.params[name].value)
+                )
+            elif name in self._tables:
+                info = self.spec.tables[name]
+                rows = case.tables.get(name, (info.knots, info.values))
+                knots, values = array("d", rows[0]), array("d", rows[1])
+                if lib.dll.tmg_set_table(
+                    lib.context,
+                    self._tables[name],
+                    knots.buffer_info()[0],
+                    values.buffer_info()[0],
+                    len(knots),
+                ):
+                    raise TrackmarshalError("E473", f"the program refuses table `{name}`")
 
 
 class CRun:
     """The values of a program for some cases."""
 
-    def __init__(self, program: CProgram, cases: Sequence[Case], margins: array[float], verdicts: array[int]) -> None:
+    def __init__(
+        self, program: CProgram, cases: Sequence[Case], margins: array[float], verdicts: array[int]
+    ) -> None:
         self.program = program
         self.cases = cases
         self._margins = margins
@@ -171,7 +213,9 @@ class CRun:
             yield case_result(self.program.spec, self.program.rules, case, outcomes, series)
 
 
-def evaluate(spec: Spec, rules: Sequence[RuleInfo], cases: Sequence[Case], series: bool = False) -> Iterator[CaseResult]:
+def evaluate(
+    spec: Spec, rules: Sequence[RuleInfo], cases: Sequence[Case], series: bool = False
+) -> Iterator[CaseResult]:
     """Evaluate rules on cases with generated C."""
     return CProgram(spec, rules).run(cases).results(series)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from trackmarshal.backends.c.expressions import Value, Writer
@@ -25,10 +26,8 @@ class RuleCode:
     text: str
     series: int
     libm: frozenset[str]
-    #: Statements of the function for known values: outside loops, and by nesting of loops.
-    operations: tuple[int, int]
-    loops: tuple[str, ...]
-    branches: int
+    #: For every block of the function for known values: the signals whose loops it lies in, and its statements.
+    operations: tuple[tuple[tuple[str, ...], int], ...]
 
 
 def rule_code(plan: Layout, rule: RuleInfo) -> RuleCode:
@@ -37,20 +36,19 @@ def rule_code(plan: Layout, rule: RuleInfo) -> RuleCode:
         quick, full = _function(plan, rule, True), _function(plan, rule, False)
     except RecursionError as error:
         span = rule.span
-        raise TrackmarshalError("E470", f"rule `{rule.name}` is nested too deeply", file=span.file.path, line=span.line) from error
+        raise TrackmarshalError(
+            "E470", f"rule `{rule.name}` is nested too deeply", file=span.file.path, line=span.line
+        ) from error
     name = plan.rule_names[rule.name]
-    heads = [block.head for block in _inner(quick.root) if block.head]
     body = [
         f"/* {comment(rule.name)}: {comment(rule.title)}. Margin in {comment(rule.unit)}. {comment(_trace(rule))} */",
         *_signature(quick, name, "_known", "bool"),
         *_signature(full, name, "_any", "void"),
         *_entry(plan, rule, name),
     ]
-    counted = sum(1 for s in quick.root.statements() if s.target is not None)
-    outside = sum(1 for s in quick.root.body if not isinstance(s, Block) and s.target is not None)
     return RuleCode(
         rule, name, "\n".join(body), max(quick.slots.most, full.slots.most), frozenset(quick.libm | full.libm),
-        (outside, counted - outside), tuple(heads), sum("?" in s.text for s in quick.root.statements()),
+        tuple(_operations(quick.root, ())),
     )  # fmt: skip
 
 
@@ -59,12 +57,19 @@ def _trace(rule: RuleInfo) -> str:
     return f"{wanted}; {rule.span.file.path}:{rule.span.line}"
 
 
-def _inner(block: Block) -> list[Block]:
-    found = []
+def _operations(block: Block, around: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], int]]:
+    """Every block with the signals that it and the blocks around it loop over, and how many values it computes."""
+    if block.head.startswith("for"):
+        around = (*around, *(axis.signal for axis in block.binds if isinstance(axis, ir.Axis)))
+    own = sum(
+        1
+        for item in block.body
+        if not isinstance(item, Block) and (item.target is not None or "[" in item.text)
+    )
+    yield around, own
     for item in block.body:
         if isinstance(item, Block):
-            found += [item, *_inner(item)]
-    return found
+            yield from _operations(item, around)
 
 
 def _function(plan: Layout, rule: RuleInfo, known: bool) -> Writer:
@@ -72,7 +77,7 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> Writer:
     root = writer.root
     assert rule.formula is not None
     if known:
-        root.add("bool suspect = false;")
+        writer.add(root, "bool suspect = false;")
     formula, active = rule.formula, rule.active
     value: Value
     applies: Value | None
@@ -83,11 +88,17 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> Writer:
         applies = None if active is None else writer.formula(active, root)
     inactive = "" if applies is None else f"!{applies.best_sat}"
     if known:
-        root.add("if (suspect) { return false; }")
-        root.add(f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});")
-        root.add("return true;")
+        writer.add(root, "if (suspect) { return false; }")
+        writer.add(
+            root,
+            f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});",
+        )
+        writer.add(root, "return true;")
     else:
-        root.add(f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});")
+        writer.add(
+            root,
+            f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});",
+        )
     prune(root)
     return writer
 
@@ -108,4 +119,11 @@ def _entry(plan: Layout, rule: RuleInfo, name: str) -> list[str]:
     lines = [f"static void tm_rule_{name}(tm_context *c, const tm_input *in, tm_result *out)", "{"]
     for times in sorted(timed):
         lines += [f"  if (!tm_times({times})) {{", "    tm_undefined(out);", "    return;", "  }"]
-    return [*lines, f"  if (!tm_rule_{name}_known(c, in, out)) {{", f"    tm_rule_{name}_any(c, in, out);", "  }", "}", ""]
+    return [
+        *lines,
+        f"  if (!tm_rule_{name}_known(c, in, out)) {{",
+        f"    tm_rule_{name}_any(c, in, out);",
+        "  }",
+        "}",
+        "",
+    ]

@@ -33,7 +33,9 @@ def generate(spec: Spec, rules: Sequence[RuleInfo], name: str = "supervisor") ->
     plan = layout(spec, rules)
     codes = tuple(rule_code(plan, rule) for rule in plan.rules)
     series = max((code.series for code in codes), default=0)
-    return Source(plan, codes, header(plan, codes, series, name), "\n".join([*_source(plan, codes, name), ""]), name)
+    return Source(
+        plan, codes, header(plan, codes, series, name), "\n".join([*_source(plan, codes, name), ""]), name
+    )
 
 
 def _source(plan: Layout, codes: Sequence[RuleCode], name: str) -> Iterator[str]:

@@ -48,7 +48,10 @@ def _written(self: Writer, node: Timed, operands: list[ir.Formula], home: Block)
         sources.append(slots)
     result = tuple(self.slots.take() for _ in range(sides))
     for side, target in enumerate(result):
-        self.add(home, _call(self, node, total, [s[side] for s in sources], [s[-1 - side] for s in sources], target))
+        self.add(
+            home,
+            _call(self, node, total, [s[side] for s in sources], [s[-1 - side] for s in sources], target),
+        )
     for slots in sources:
         for slot in slots:
             self.slots.release(slot)
@@ -62,7 +65,9 @@ def _call(self: Writer, node: Timed, total: str, own: list[int], other: list[int
             lower = 0.0 if node.lower is None else node.lower
             upper = math.inf if node.upper is None else node.upper
             if not 0.0 <= lower <= upper:
-                raise self.refuse(node, f"[{lower:g} s, {upper:g} s] is no window: 0 <= lower <= upper does not hold")
+                raise self.refuse(
+                    node, f"[{lower:g} s, {upper:g} s] is no window: 0 <= lower <= upper does not hold"
+                )
             signal = self.plan.input(node.axis.signal).c_name
             times = f"in->{signal}.{self.plan.field_name(node.axis.signal, 't')}"
             window = f"c, {times}, {total}, {literal(lower)}, {literal(upper)}"

@@ -15,14 +15,18 @@ from trackmarshal.runtime.verdict import CaseResult, RuleResult
 Outcomes = dict[str, tuple[str, float]]
 
 
-def case_result(spec: Spec, rules: Sequence[RuleInfo], case: Case, outcomes: Outcomes, series: bool) -> CaseResult:
+def case_result(
+    spec: Spec, rules: Sequence[RuleInfo], case: Case, outcomes: Outcomes, series: bool
+) -> CaseResult:
     """The results of rules on one case."""
     values = Reference(spec, case)
     found = {rule.name: _rule_result(rule, case, values, *outcomes[rule.name], series) for rule in rules}
     return CaseResult(case.id, found, tuple(str(fault) for fault in case.faults))
 
 
-def _rule_result(rule: RuleInfo, case: Case, values: Reference, verdict: str, margin: float, series: bool) -> RuleResult:
+def _rule_result(
+    rule: RuleInfo, case: Case, values: Reference, verdict: str, margin: float, series: bool
+) -> RuleResult:
     if case.blocks(rule.reads):
         return results.rule_result(rule, case, values, series)
     points = results._series(rule, values, series)

@@ -2,100 +2,139 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmarshal.backends.numpy.curves import Curve, Curves
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.case import Case
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+#: Numeric fields that are read, by signal: they become arrays together.
+Fields = Mapping[str, Sequence[str]]
 
 
 class Batch:
     """Cases that are evaluated together; arrays have `rank` axes, padded where lengths differ."""
 
-    def __init__(self, spec: Spec, cases: Sequence[Case], rank: int) -> None:
+    def __init__(self, spec: Spec, cases: Sequence[Case], rank: int, fields: Fields, curves: Mapping[str, Curve]) -> None:
         self.spec = spec
         self.cases = cases
         self.size = len(cases)
         self.rank = rank
-        self._lengths: dict[str, NDArray[np.intp]] = {}
+        self._fields = fields
+        self._curves = curves
+        self._counts: dict[str, list[int]] = {}
         self._columns: dict[tuple[str, str], Floats] = {}
         self._masks: dict[ir.Axis, Bools | None] = {}
         #: Projections onto lines that were made already, with the arguments they belong to.
         self.projections: dict[tuple[Any, ...], Any] = {}
         #: Borders and lines prepared for this batch, each with the data that it was made from.
         self.prepared: dict[tuple[Any, ...], tuple[Any, Any]] = {}
+        #: Whether any case overrides a parameter.
+        self.overridden = any(case.params for case in cases)
 
-    def lengths(self, signal: str) -> NDArray[np.intp]:
-        """(cases,): how many samples or elements each case has."""
-        if signal not in self._lengths:
-            self._lengths[signal] = np.array([case.counts[signal] for case in self.cases], dtype=np.intp)
-        return self._lengths[signal]
-
-    def table(self, signal: str, field: str) -> Floats:
-        """(cases, longest): a column of every case, its last value repeated as padding."""
-        key = (signal, field)
-        if key not in self._columns:
-            self._columns[key] = self._stack([case.columns[signal][field] for case in self.cases], self.lengths(signal))
-        return self._columns[key]
-
-    @staticmethod
-    def _stack(columns: list[Sequence[Any]], lengths: NDArray[np.intp]) -> Floats:
-        longest = int(lengths.max(initial=0))
-        if longest and bool((lengths == longest).all()):
-            return np.array(columns, dtype=np.float64)
-        result = np.zeros((len(columns), longest))
-        for row, column in zip(result, columns):
-            row[: len(column)] = column
-            if len(column):
-                row[len(column) :] = column[-1]
-        return result
-
-    def flags(self, signal: str, field: str) -> Floats:
-        """(cases, longest): a Boolean column as 1, 0 and NaN for a missing value."""
-        key = (signal, field)
-        if key not in self._columns:
-            columns: list[Sequence[Any]] = [[np.nan if v is None else float(v) for v in case.columns[signal][field]] for case in self.cases]
-            self._columns[key] = self._stack(columns, self.lengths(signal))
-        return self._columns[key]
-
-    def count(self, axis: ir.Axis) -> int:
-        """The size of an axis: the longest case's number of values of its variable."""
-        return max(0, int(self.lengths(axis.signal).max(initial=0)) - axis.width + 1)
-
-    def mask(self, axis: ir.Axis) -> Bools | None:
-        """Which entries of an axis are there, shaped for broadcasting; None when all are, and there is at least one."""
-        if axis not in self._masks:
-            counts = np.maximum(0, self.lengths(axis.signal) - axis.width + 1)
-            size = self.count(axis)
-            full = size > 0 and bool((counts == size).all())
-            self._masks[axis] = None if full else self.on_axis(np.arange(size) < counts[:, None], axis)
-        return self._masks[axis]
-
-    def on_axis(self, table: NDArray[Any], axis: ir.Axis) -> NDArray[Any]:
-        """(cases, n) shaped so that n lies on the axis's place and the others are 1."""
-        shape = [1] * self.rank
-        shape[0], shape[1 + axis.level] = table.shape
-        return table.reshape(shape)
+    # Values of cases ------------------------------------------------------------------------------------------
 
     def per_case(self, values: Sequence[Any], dtype: type = np.float64) -> NDArray[Any]:
         """(cases,) shaped for broadcasting."""
         return np.array(values, dtype=dtype).reshape((self.size,) + (1,) * (self.rank - 1))
 
+    def param(self, name: str) -> Any:
+        """A parameter: one number where all cases have the same."""
+        own = self.spec.params[name].value
+        if not self.overridden:
+            return np.float64(own)
+        values = [case.params.get(name, own) for case in self.cases]
+        first = values[0]
+        one = first != 0.0 and values.count(first) == len(values)  # 0.0 equals -0.0, but is not the same
+        return np.float64(first) if one else self.per_case(values)
+
+    def curve(self, name: str) -> Callable[[Any], Any]:
+        """A table: one function where all cases have the same."""
+        own = self._curves[name]
+        made: dict[Any, Curve] = {None: own}
+        rows = []
+        for case in self.cases:
+            table = case.tables.get(name)
+            key = table if table is None or 0.0 not in (*table[0], *table[1]) else repr(table)  # tells -0.0 from 0.0
+            if key not in made:
+                made[key] = Curve(*table)  # type: ignore[misc]
+            rows.append(made[key])
+        return rows[0] if all(row is rows[0] for row in rows) else Curves(rows, self.rank)
+
+    # Columns --------------------------------------------------------------------------------------------------
+
+    def counts(self, signal: str) -> list[int]:
+        """How many samples or elements each case has."""
+        counts = self._counts.get(signal)
+        if counts is None:
+            counts = self._counts[signal] = [case.counts[signal] for case in self.cases]
+        return counts
+
+    def lengths(self, signal: str) -> NDArray[np.intp]:
+        """(cases,): how many samples or elements each case has."""
+        return np.array(self.counts(signal), dtype=np.intp)
+
+    def table(self, signal: str, field: str) -> Floats:
+        """(cases, longest): a column of every case, its last value repeated as padding."""
+        table = self._columns.get((signal, field))
+        if table is None:
+            names = self._fields.get(signal, ())
+            if field not in names:
+                names = (field,)
+            rows = [[case.columns[signal][name] for case in self.cases] for name in names]
+            for name, stacked in zip(names, self._stack(rows, signal)):
+                self._columns[signal, name] = stacked
+            table = self._columns[signal, field]
+        return table
+
+    def _stack(self, rows: list[list[Sequence[Any]]], signal: str) -> Floats:
+        """(fields, cases, longest)."""
+        counts = self.counts(signal)
+        longest = max(counts)
+        if min(counts) < longest:
+            rows = [[[*column, *column[-1:] * (longest - len(column))] if column else [0.0] * longest for column in row] for row in rows]
+        return np.array(rows, dtype=np.float64).reshape(len(rows), self.size, longest)
+
     def column(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """A field of the variable of an axis, `offset` samples on, clamped at the start."""
         return self.on_axis(shifted(self.table(axis.signal, field), offset, self.count(axis)), axis)
 
-    def shared(self, read: Callable[[Case], Any]) -> tuple[bool, list[Any]]:
-        """A value of every case, and whether it is one and the same object for all of them."""
-        values = [read(case) for case in self.cases]
-        return all(value is values[0] for value in values), values
+    def flag(self, axis: ir.Axis, field: str, offset: int) -> Floats:
+        """As `column`, a Boolean field as 1, 0 and NaN for a missing value."""
+        key = (axis.signal, field)
+        if key not in self._columns:
+            rows = [[[np.nan if v is None else float(v) for v in case.columns[axis.signal][field]] for case in self.cases]]
+            self._columns[key] = self._stack(rows, axis.signal)[0]  # type: ignore[arg-type]
+        return self.on_axis(shifted(self._columns[key], offset, self.count(axis)), axis)
+
+    # Axes -----------------------------------------------------------------------------------------------------
+
+    def count(self, axis: ir.Axis) -> int:
+        """The size of an axis: the longest case's number of values of its variable."""
+        return max(0, max(self.counts(axis.signal)) - axis.width + 1)
+
+    def mask(self, axis: ir.Axis) -> Bools | None:
+        """Which entries of an axis are there, shaped for broadcasting; None when all are, and there is at least one."""
+        if axis not in self._masks:
+            counts, size = self.counts(axis.signal), self.count(axis)
+            there = None
+            if size == 0 or min(counts) < max(counts):
+                own = np.array(counts)[:, None] - (axis.width - 1)
+                there = self.on_axis(np.arange(size) < own, axis)
+            self._masks[axis] = there
+        return self._masks[axis]
+
+    def on_axis(self, table: NDArray[Any], axis: ir.Axis) -> NDArray[Any]:
+        """(cases, n) shaped so that n lies on the axis's place and the others are 1."""
+        before = axis.level
+        return table.reshape(self.size, *(1,) * before, table.shape[1], *(1,) * (self.rank - 2 - before))
 
 
 def shifted(table: NDArray[Any], offset: int, count: int) -> NDArray[Any]:

@@ -91,27 +91,31 @@ def _difference(x: Array, y: Array) -> Array:
     return np.where(x == y, 0.0, x - y)
 
 
-def reduce(value: Value, quantifier: str, axis: int, in_worst: Array | None, in_best: Array | None) -> Value:
-    """`for all` or `exists` along an array axis, over the elements that are in range in the worst and in the best case."""
-    worst = _reduce_side(value.worst, quantifier, axis, in_worst)
+def reduce(value: Value, every: bool, axis: int, in_worst: Array | None, in_best: Array | None) -> Value:
+    """`for all` (every) or `exists` along an array axis, over the elements in range in the worst and in the best case.
+
+    None: all of them are there, and at least one.
+    """
+    side = _every if every else _some
+    worst = side(value.worst, axis, in_worst)
     if value.best is value.worst and in_best is in_worst:
         return Value(worst, worst)
-    return Value(worst, _reduce_side(value.best, quantifier, axis, in_best))
+    return Value(worst, side(value.best, axis, in_best))
 
 
-def _reduce_side(side: Side, quantifier: str, axis: int, inside: Array | None) -> Side:
-    every = quantifier == "for all"
+def _every(side: Side, axis: int, inside: Array | None) -> Side:
     sat, margin = side
-    if inside is None:
-        if sat.ndim == 0 or sat.shape[axis] == 1:
-            return side  # nothing varies along the axis, and it is not empty
-    else:
-        neutral = INF if every else -INF
-        sat = (sat | ~inside) if every else (sat & inside)
-        margin = np.where(inside, margin, neutral)
-        if sat.shape[axis] == 0:
-            shape = tuple(1 if i == axis else n for i, n in enumerate(sat.shape))
-            return Side(np.full(shape, every), np.full(shape, neutral))
-    if every:
-        return Side(np.logical_and.reduce(sat, axis=axis, keepdims=True), np.minimum.reduce(margin, axis=axis, keepdims=True))
-    return Side(np.logical_or.reduce(sat, axis=axis, keepdims=True), np.maximum.reduce(margin, axis=axis, keepdims=True))
+    if inside is not None:
+        sat, margin = sat | ~inside, np.where(inside, margin, INF)
+    elif sat.ndim == 0 or sat.shape[axis] == 1:
+        return side  # nothing varies along the axis, and it is not empty
+    return Side(np.logical_and.reduce(sat, axis=axis, keepdims=True), np.minimum.reduce(margin, axis=axis, keepdims=True, initial=INF))
+
+
+def _some(side: Side, axis: int, inside: Array | None) -> Side:
+    sat, margin = side
+    if inside is not None:
+        sat, margin = sat & inside, np.where(inside, margin, -INF)
+    elif sat.ndim == 0 or sat.shape[axis] == 1:
+        return side
+    return Side(np.logical_or.reduce(sat, axis=axis, keepdims=True), np.maximum.reduce(margin, axis=axis, keepdims=True, initial=-INF))

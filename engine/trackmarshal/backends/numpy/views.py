@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.numpy import places
+from trackmarshal.backends.witness import Sides
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.verdict import Bound, Truth
 
@@ -22,23 +23,46 @@ class CaseView:
         self._case = run.batch.cases[index]
 
     def truth(self, node: ir.Formula, env: dict[int, int]) -> Truth:
+        if not env:
+            worst_sat, worst, best_sat, best = self._run.closed(node)
+            index = self._index
+            return Truth(Bound(worst_sat[index], worst[index]), Bound(best_sat[index], best[index]))
         value = self._run.of(node)
-        worst = self._bound(value.worst, env)
-        return Truth(worst, worst if value.best is value.worst else self._bound(value.best, env))
+        bound = self._bound(value.worst, env)
+        return Truth(bound, bound if value.best is value.worst else self._bound(value.best, env))
 
     def _bound(self, side: Any, env: dict[int, int]) -> Bound:
-        return Bound(bool(self._at(side.sat, env)), float(self._at(side.margin, env)))
+        return Bound(side.sat.item(*self._place(side.sat, env)), side.margin.item(*self._place(side.margin, env)))
 
-    def _at(self, array: Any, env: dict[int, int]) -> Any:
-        if array.ndim == 0:
-            return array
-        place = [0] * array.ndim
-        if array.shape[0] != 1:
+    def _place(self, array: Any, env: dict[int, int]) -> list[Any]:
+        """Where in an array the case has its value; empty for an array without axes, which has one value for all."""
+        shape = array.shape
+        if not shape:
+            return []
+        place = [0] * len(shape)
+        if shape[0] != 1:
             place[0] = self._index
         for level, position in env.items():
-            if array.shape[1 + level] != 1:
+            if shape[1 + level] != 1:
                 place[1 + level] = position
-        return array[tuple(place)]
+        return place
+
+    def sides(self, node: ir.Formula, axis: ir.Axis, env: dict[int, int]) -> Sides:
+        value = self._run.of(node)
+        worst = self._rows(value.worst, axis, env)
+        return Sides(*worst, *(worst if value.best is value.worst else self._rows(value.best, axis, env)))
+
+    def _rows(self, side: Any, axis: ir.Axis, env: dict[int, int]) -> tuple[list[bool], list[float]]:
+        return self._row(side.sat, axis, env), self._row(side.margin, axis, env)
+
+    def _row(self, array: Any, axis: ir.Axis, env: dict[int, int]) -> list[Any]:
+        """The values along an axis."""
+        count, place = self.count(axis), self._place(array, env)
+        if not place or array.shape[1 + axis.level] == 1:
+            return [array.item(*place)] * count if count else []
+        place[1 + axis.level] = slice(0, count)
+        row: list[Any] = array[tuple(place)].tolist()
+        return row
 
     def count(self, axis: ir.Axis) -> int:
         return max(0, self._case.counts[axis.signal] - axis.width + 1)
@@ -50,7 +74,8 @@ class CaseView:
         return self._case.names[axis.signal][index] if axis.kind == "elements" else index
 
     def along(self, node: ir.Formula, axis: ir.Axis, env: dict[int, int]) -> list[Truth]:
-        return [self.truth(node, {**env, axis.level: k}) for k in range(self.count(axis))]
+        sides = self.sides(node, axis, env)
+        return [Truth(Bound(*row[:2]), Bound(*row[2:])) for row in zip(*sides)]
 
     def geometry_fault(self, formula: ir.Formula) -> str | None:
         for node in ir.below(formula):

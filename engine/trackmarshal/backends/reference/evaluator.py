@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
+from trackmarshal.backends import witness
 from trackmarshal.backends.reference import geometry, temporal
 from trackmarshal.backends.results import case_result
 from trackmarshal.ir import arithmetic
@@ -229,6 +230,11 @@ class Reference:
     def times(self, axis: ir.Axis) -> Sequence[float]:
         """The times of a timeline's samples."""
         return self.case.columns[axis.signal]["t"]
+
+    def sides(self, node: ir.Formula, axis: ir.Axis, env: Env) -> witness.Sides:
+        """The values of a formula for all values of the variable of an axis."""
+        values = self.along(node, axis, env)
+        return witness.Sides(*_worst(values), *_best(values))
 
     def name(self, axis: ir.Axis, index: int) -> int | str:
         """What reports call a sample or an element: its number, or an object's id."""

@@ -10,7 +10,7 @@ from trackmarshal.runtime.geometry.sweep import Sweeps
 
 
 class Approach:
-    """Hulls `rows` against segments `k` of a border, pair by pair, ordered by hull; every hull occurs.
+    """Hulls `rows` against segments `k` of a border, pair by pair, ordered by hull; each of a run of hulls occurs.
 
     Arrays have shape (8, pairs): the corners as seen from the segment's start (cx, cy), the sides of the hull (gx, gy), the
     side of the segment's line on which a corner lies, the depth of the segment's start behind a side's line [m].
@@ -51,7 +51,7 @@ class Approach:
         """
         distance = np.minimum(np.minimum(self.to_line, self.to_corner), self.to_side)
         margin = np.minimum.reduceat(distance, self.starts)
-        pairs = (distance == margin.take(self.rows)).nonzero()[0]
+        pairs = (distance == margin.take(self.rows - self.rows[0])).nonzero()[0]
         if pairs.size > margin.size:
             pairs = pairs[starts_of(self.rows.take(pairs))]
         # Where a corner is nearest to the inside of a segment, all corners beside it lie on the same side.
@@ -84,13 +84,16 @@ class Approach:
         left: Bools = np.logical_or.reduce(np.where(at_corner, corner, side), axis=0)
         return left
 
-    def entering(self) -> Ints:
-        """The pairs in which the segment has a point strictly inside the hull: no line along either separates them."""
-        turns = np.minimum.reduce(self.side, axis=0) < 0.0
-        turns &= np.maximum.reduce(self.side, axis=0) > 0.0
-        pairs: Ints = turns.nonzero()[0]
+    def entering(self, touching: Bools) -> Ints:
+        """The pairs, of those that may, in which the segment has a point strictly inside the hull.
+
+        That is where no line along a side of the hull or along the segment separates them.
+        """
+        pairs: Ints = touching.nonzero()[0]
         if not pairs.size:
             return pairs
+        side = self.side.take(pairs, axis=1)
+        pairs = pairs[(np.minimum.reduce(side, axis=0) < 0.0) & (np.maximum.reduce(side, axis=0) > 0.0)]
         outside = (self.depth[:, pairs] <= 0.0) & (self.behind(pairs, self.border.bx, self.border.by) <= 0.0)
         inside: Bools = ~np.logical_or.reduce(outside, axis=0)
         return pairs[inside]

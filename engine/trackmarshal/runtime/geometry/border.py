@@ -14,7 +14,7 @@ BLOCK = 16
 #: The sine of a bend below which both sides of the border count as straight: rounding could decide between them.
 STRAIGHT = 1e-6
 #: Distances that are held at once while blocks are searched.
-AT_ONCE = 1 << 19
+AT_ONCE = 1 << 15
 
 
 class Border:

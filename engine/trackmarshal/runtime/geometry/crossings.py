@@ -11,7 +11,7 @@ from trackmarshal.runtime.geometry.arrays import Floats, Ints, place
 from trackmarshal.runtime.geometry.border import Border
 
 #: Pairs of runs of segments that are looked at together.
-AT_ONCE = 1 << 13
+AT_ONCE = 1 << 11
 #: A computed turn that is larger than this share of its two products has the right sign.
 CERTAIN = 1e-15
 

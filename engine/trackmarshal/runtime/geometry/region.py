@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,9 @@ from trackmarshal.runtime.geometry.violation import violation
 Singles = NDArray[np.float32]
 
 #: Hulls that are worked on at once, so that all intermediate arrays stay in the processor's cache.
-AT_ONCE = 1024
+AT_ONCE = 1536
+#: Pairs of a hull and a segment that are worked on at once, for the same reason.
+PAIRS_AT_ONCE = 4800
 #: Where the place of a segment that is none lies.
 FAR = 1e15
 
@@ -66,34 +69,51 @@ class Region:
         return np.concatenate(parts)
 
     def _margin(self, sweeps: Sweeps) -> Floats:
-        rows, k = self._candidates(sweeps)
+        rows, k, touching = self._candidates(sweeps)
+        if rows.size <= PAIRS_AT_ONCE:
+            margin = self._judged(sweeps, rows, k, touching)
+        else:
+            cuts = rows.searchsorted(rows[PAIRS_AT_ONCE::PAIRS_AT_ONCE]).tolist()  # never within a hull
+            parts = (slice(*ends) for ends in pairwise(dict.fromkeys([0, *cuts, rows.size])))
+            margin = np.concatenate(
+                [self._judged(sweeps, rows[part], k[part], touching[part]) for part in parts]
+            )
+        return margin if sweeps.usable is None else np.where(sweeps.usable, margin, np.nan)
+
+    def _judged(self, sweeps: Sweeps, rows: Ints, k: Ints, touching: Bools) -> Floats:
+        """The margins of consecutive hulls, from all pairs of hull and segment that matter."""
         approach = Approach(self.border, sweeps, rows, k)
         margin, inside = approach.nearest()
+        first = rows[0]
         if margin.min() < SLACK:
             # Too close to say on which side the nearest point of the hull is; its middle is far from the border.
             close = (margin < SLACK).nonzero()[0]
-            x, y = sweeps.position[:, close] + sweeps.middle[:, close]
+            x, y = sweeps.position[:, first + close] + sweeps.middle[:, first + close]
             inside[close] = self.signed_distance(x, y) > 0.0
-        entering = approach.entering()
+        entering = approach.entering(touching)
         if entering.size:
-            inside[rows[entering]] = False
+            inside[rows[entering] - first] = False
         if not inside.all():
-            bad = (~inside).nonzero()[0]
+            bad = first + (~inside).nonzero()[0]
             corners = sweeps.sides[:2, :, bad] + sweeps.position[:, None, bad]
             around = self._around(corners.reshape(2, -1))
-            margin[bad] = violation(self.border, sweeps, approach, entering, bad, around)
-        return margin if sweeps.usable is None else np.where(sweeps.usable, margin, np.nan)
+            margin[bad - first] = violation(self.border, sweeps, approach, entering, bad, around)
+        return margin
 
-    def _candidates(self, sweeps: Sweeps) -> tuple[Ints, Ints]:
-        """Hulls and segments in pairs: at least all that may make up a hull's distance from the border, or enter it."""
+    def _candidates(self, sweeps: Sweeps) -> tuple[Ints, Ints, Bools]:
+        """Hulls and segments in pairs: at least all that may make up a hull's distance from the border, or enter it.
+
+        The mask names at least all pairs in which the segment enters the hull.
+        """
         middle = sweeps.position + sweeps.middle
         rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius)
-        rows, k = (
-            self._culled(sweeps, rows, self.cells.tiles.take(tiles, axis=1)) if rows.size else (rows, tiles)
-        )
+        k, touching = tiles, np.empty(0, dtype=np.bool_)
+        if rows.size:
+            rows, k, touching = self._culled(sweeps, rows, self.cells.tiles.take(tiles, axis=1))
         if unknown is None:
-            return rows, k
-        return self._with_unknown(rows, k, unknown, middle, sweeps.radius)
+            return rows, k, touching
+        rows, k, order = self._with_unknown(rows, k, unknown, middle, sweeps.radius)
+        return rows, k, np.append(touching, np.ones(rows.size - touching.size, dtype=np.bool_))[order]
 
     def _around(self, points: Floats) -> tuple[Ints, Ints]:
         """Points and segments in pairs: at least all segments that may be nearest to a point."""
@@ -103,20 +123,20 @@ class Region:
         rows, k = rows.take(real // WIDTH), k.take(real)
         if unknown is None:
             return rows, k
-        return self._with_unknown(rows, k, unknown, points, np.zeros(points.shape[1]))
+        return self._with_unknown(rows, k, unknown, points, np.zeros(points.shape[1]))[:2]
 
     def _with_unknown(
         self, rows: Ints, k: Ints, unknown: Bools, points: Floats, radius: Floats
-    ) -> tuple[Ints, Ints]:
-        """The same pairs, and those of the rows that the grid could not tell about."""
+    ) -> tuple[Ints, Ints, Ints]:
+        """The same pairs, and after them those of the rows that the grid could not tell about, put in this order."""
         which = unknown.nonzero()[0]
         x, y = points[:, which]
         others, more, _ = self.border.near(x, y, radius[which])
         rows, k = np.concatenate([rows, which[others]]), np.concatenate([k, more])
         order = np.argsort(rows, kind="stable")
-        return rows[order], k[order]
+        return rows[order], k[order], order
 
-    def _culled(self, sweeps: Sweeps, rows: Ints, k: Ints) -> tuple[Ints, Ints]:
+    def _culled(self, sweeps: Sweeps, rows: Ints, k: Ints) -> tuple[Ints, Ints, Bools]:
         """Of segments k (place in tile, tile) for hulls by tile, those that the box around the hull cannot rule out."""
         turn, low, high, excess = sweeps.boxes()
         frames = np.empty((4, sweeps.size), dtype=np.complex64)
@@ -147,7 +167,8 @@ class Region:
             limit = limit.repeat(counts)
         kept = (best <= limit).T.ravel().nonzero()[0]
         tile = kept // WIDTH
-        return rows.take(tile), k.take(kept % WIDTH * rows.size + tile)
+        place = kept % WIDTH * rows.size + tile
+        return rows.take(tile), k.take(place), best.take(place) <= self._slack * self._slack
 
 
 def _squares(below: Singles, above: Singles) -> Singles:

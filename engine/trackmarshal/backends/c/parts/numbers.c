@@ -63,9 +63,13 @@ static size_t tm_before(size_t index, size_t steps) {
 }
 
 /** A table: linear between knots, clamped outside, NaN for an argument that is not finite. */
-static double tm_lookup(const tm_table *table, double x) {
-  size_t low = 0u;
+static double tm_lookup(tm_table *table, double x) {
+  size_t low = table->last;
   size_t high = table->count - 1u;
+  if ((low < high) && ((table->knot[low] < x) || ((low > 0u) && (table->knot[low] == x))) && (x < table->knot[low + 1u])) { /* between the knots of the last time */
+    return table->value[low] + (table->slope[low] * (x - table->knot[low]));
+  }
+  low = 0u;
   if (!tm_finite(x)) {
     return TM_NAN;
   }
@@ -83,6 +87,7 @@ static double tm_lookup(const tm_table *table, double x) {
       high = middle;
     }
   }
+  table->last = low;
   return table->value[low] + (table->slope[low] * (x - table->knot[low]));
 }
 
@@ -97,6 +102,7 @@ static bool tm_fill_table(tm_table *table, const double *knots, const double *va
     }
   }
   table->count = count;
+  table->last = 0u;
   for (size_t i = 0u; i < count; ++i) {
     table->knot[i] = knots[i];
     table->value[i] = values[i];

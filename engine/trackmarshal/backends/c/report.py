@@ -1,0 +1,124 @@
+"""What an integrator asks about generated code: memory, stack, loops, operations, complexity, libm."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from trackmarshal.backends.c.build import EXACT, library
+from trackmarshal.backends.c.header import CAPACITIES, capacities
+from trackmarshal.backends.c.source import Source
+from trackmarshal.errors import TrackmarshalError
+
+LIBM = ("fabs", "sqrt", "floor", "ceil", "sin", "cos", "tan", "exp", "log", "pow", "atan2")
+_FUNCTION = re.compile(
+    r"^(?:static (?:inline )?)?[a-z_]+ \*?(tm_[a-z0-9_A-Z]+)\([^;{]*?\)\s*\{", re.MULTILINE
+)
+_DECISION = re.compile(r"\bif\b|\bfor\b|\bwhile\b|\bcase\b|&&|\|\||\?")
+
+
+def report(source: Source) -> str:
+    """The report, as markdown."""
+    return "\n".join([*_lines(source), ""])
+
+
+def libm(source: Source) -> list[str]:
+    """The functions of libm that a program calls."""
+    code = re.sub(r"/\*.*?\*/", "", source.source, flags=re.DOTALL)
+    return [name for name in LIBM if re.search(rf"\b{name}\(", code)]
+
+
+def complexity(source: Source) -> dict[str, int]:
+    """Cyclomatic complexity of every function: one more than its decisions."""
+    code = re.sub(r"/\*.*?\*/", "", source.source, flags=re.DOTALL)
+    found = list(_FUNCTION.finditer(code))
+    ends = [match.start() for match in found[1:]] + [len(code)]
+    return {
+        match.group(1): 1 + len(_DECISION.findall(code[match.end() : end])) for match, end in zip(found, ends)
+    }
+
+
+def stack(source: Source) -> dict[str, int] | None:
+    """Bytes of stack of every function, as gcc says; None without gcc. Inlined functions are part of their callers."""
+    gcc = shutil.which("gcc")
+    if gcc is None:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        (place / f"{source.name}.h").write_text(source.header, encoding="utf-8")
+        (place / f"{source.name}.c").write_text(source.source, encoding="utf-8")
+        command = [gcc, *EXACT, "-O2", "-fstack-usage", "-c", f"{source.name}.c"]
+        if subprocess.run(command, cwd=place, capture_output=True, check=False).returncode != 0:
+            return None
+        usage = next(place.glob("*.su"), None)
+        if usage is None:
+            return None
+        rows = [line.split("\t") for line in usage.read_text(encoding="utf-8").splitlines()]
+        return {row[0].rpartition(":")[2].split(".")[0]: int(row[1]) for row in rows}
+
+
+def context_bytes(source: Source) -> int | None:
+    """Bytes of the context with the default capacities; None without a compiler."""
+    try:
+        dll = ctypes.CDLL(str(library(source, {})))
+    except TrackmarshalError as error:
+        if error.code == "E471":
+            return None
+        raise
+    dll.tmg_size.restype = ctypes.c_size_t
+    return int(dll.tmg_size())
+
+
+def _lines(source: Source) -> Iterator[str]:
+    plan = source.plan
+    limits = {name: CAPACITIES[name][0] for name in capacities(plan)}
+    yield f"# Report on `{source.name}.c`"
+    yield ""
+    yield f"Generated from a spec with fingerprint `{plan.spec.fingerprint[:16]}`; {len(source.rules)} rules. C99, no allocation, no recursion, no global"
+    yield "state. Figures are for the default capacities and this machine's compiler."
+    yield ""
+    size = context_bytes(source)
+    yield f"- Context: {'unknown (no compiler)' if size is None else f'{size} bytes'}."
+    usage = stack(source)
+    if usage is None:
+        yield "- Stack: unknown (gcc's -fstack-usage says it)."
+    else:
+        top = max(usage.items(), key=lambda item: item[1])
+        yield f"- Stack: at most {sum(sorted(usage.values())[-6:])} bytes (no recursion; the six largest frames together), largest frame {top[1]} bytes (`{top[0]}`)."
+    yield f"- libm: {', '.join(libm(source)) or 'nothing'}."
+    yield ""
+    if limits:
+        yield "| capacity | default | bounds |"
+        yield "|---|---:|---|"
+        for name, value in limits.items():
+            yield f"| `{name}` | {value} | {CAPACITIES[name][1]} |"
+        yield ""
+    yield "| rule | spec | values computed, worst case | loops over |"
+    yield "|---|---|---:|---|"
+    for code in source.rules:
+        total, loops = 0, []
+        for signals, count in code.operations:
+            times = 1
+            for name in signals:
+                signal = plan.spec.signals[name]
+                times *= limits["TM_MAX_SAMPLES" if signal.sequence else "TM_MAX_ELEMENTS"]
+            total += times * count
+            if signals:
+                loops.append(" x ".join(signals) + f" ({times})")
+        span = code.rule.span
+        yield f"| {code.rule.name} | {span.file.path}:{span.line} | {total} | {', '.join(dict.fromkeys(loops)) or 'nothing'} |"
+    yield ""
+    yield "A rule is computed once, taking everything for known; only where something is not known, a second time with worst and best"
+    yield "cases (about twice the values). Geometry adds at most one pass over all segments of a line or border for each pose or point;"
+    yield "the boxes over the segments leave a few of them in practice."
+    yield ""
+    yield "| function | cyclomatic complexity |" + (" stack, bytes |" if usage else "")
+    yield "|---|---:|" + ("---:|" if usage else "")
+    for name, value in complexity(source).items():
+        yield f"| `{name}` | {value} |" + (f" {usage.get(name, 'inlined')} |" if usage else "")
+    yield ""

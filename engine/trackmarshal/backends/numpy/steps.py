@@ -1,0 +1,193 @@
+"""Nodes of the IR as closures: each computes its value from those of earlier nodes, in slots of a list."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from trackmarshal.backends.numpy import logic, places, time
+from trackmarshal.backends.numpy.batch import Batch
+from trackmarshal.backends.numpy.logic import Value
+from trackmarshal.ir import nodes as ir
+
+#: A step: the value of its node, from the batch and the values of earlier steps.
+Step = Callable[[Batch, list[Any]], Any]
+
+_ARITH: dict[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
+}  # fmt: skip
+_FUNC: dict[str, Callable[..., Any]] = {
+    "abs": np.abs, "sqrt": np.sqrt, "floor": np.floor,
+    # By name, so that whoever replaces one of numpy's functions replaces it here.
+    "sin": lambda x: np.sin(x), "cos": lambda x: np.cos(x), "tan": lambda x: np.tan(x), "exp": lambda x: np.exp(x),
+    "log": lambda x: np.log(x), "atan2": lambda y, x: np.arctan2(y, x),
+    # Adding 0.0 turns -0.0 into 0.0: see `ir.arithmetic`.
+    "min": lambda x, y: np.minimum(x, y) + 0.0, "max": lambda x, y: np.maximum(x, y) + 0.0,
+    # NaN in, NaN out, where IEEE 754 says that anything to the 0 is 1, and 1 to anything.
+    "pow": lambda x, y: np.where(np.isnan(x) | np.isnan(y), np.nan, np.power(x, y)),
+}  # fmt: skip
+_COMPARE: dict[str, tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]] = {
+    "<": (operator.lt, lambda x, y: y - x), "<=": (operator.le, lambda x, y: y - x),
+    ">": (operator.gt, lambda x, y: x - y), ">=": (operator.ge, lambda x, y: x - y),
+    "==": (operator.eq, lambda x, y: -abs(x - y)), "!=": (operator.ne, lambda x, y: abs(x - y)),
+}  # fmt: skip
+
+
+def step(node: ir.IR, at: tuple[int, ...]) -> Step:  # noqa: C901 - one case a node
+    """The step of a node whose inputs are in the slots `at`."""
+    match node:
+        case ir.Const():
+            constant = np.float64(node.value)
+            return lambda b, v: constant
+        case ir.Param():
+            return lambda b, v: b.param(node.name)
+        case ir.Column():
+            return lambda b, v: b.column(node.axis, node.field, node.offset)
+        case ir.Sample():
+            return lambda b, v: b.per_case([case.columns[node.signal][node.field][node.index] for case in b.cases])
+        case ir.Scalar():
+            return lambda b, v: b.per_case([case.scalars[node.signal][node.field] for case in b.cases])
+        case ir.Arith():
+            return _binary(_ARITH[node.op], *at)
+        case ir.Neg():
+            return _unary(operator.neg, *at)
+        case ir.Func():
+            return _unary(_FUNC[node.name], *at) if len(at) == 1 else _binary(_FUNC[node.name], *at)
+        case ir.Choose():
+            i, j, k = at
+            return lambda b, v: _choose(v[i], v[j], v[k])
+        case ir.Lookup():
+            (i,) = at
+            return lambda b, v: b.curve(node.table)(v[i])
+        case ir.Along():
+            return lambda b, v: places.along(b, node, [v[i] for i in at])
+        case ir.Truth():
+            truth = logic.defined(np.bool_(node.value), np.float64(np.inf if node.value else -np.inf))
+            return lambda b, v: truth
+        case ir.Flag():
+            return lambda b, v: _flag(b, node)
+        case ir.Compare():
+            return _comparison(node.op, *at)
+        case ir.Geometry():
+            return lambda b, v: places.predicate(b, node, [v[i] for i in at])
+        case ir.Not():
+            return _unary(logic.negate, *at)
+        case ir.Connective():
+            i, j = at
+            return lambda b, v: logic.connect(node.op, v[i], v[j])
+        case ir.Quantify():
+            return _quantify(node, *at)
+        case ir.Guarded():
+            return _binary(_guarded, *at)
+        case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+            return lambda b, v: time.operator(b, node, [v[i] for i in at])
+        case ir.First():
+            (i,) = at
+            return lambda b, v: _first(node.axis, v[i])
+        case _:
+            raise AssertionError(f"unknown node {type(node).__name__}")
+
+
+def independent(node: ir.IR) -> bool:
+    """Whether a node has one value for all cases when its inputs do and no case overrides a parameter."""
+    return isinstance(node, (ir.Const, ir.Param, ir.Truth, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Compare, ir.Not, ir.Connective))
+
+
+def _unary(function: Callable[[Any], Any], i: int) -> Step:
+    return lambda b, v: function(v[i])
+
+
+def _binary(function: Callable[[Any, Any], Any], i: int, j: int) -> Step:
+    return lambda b, v: function(v[i], v[j])
+
+
+def _choose(condition: Value, then: Any, otherwise: Any) -> Any:
+    chosen = np.where(condition.worst.sat, then, otherwise)
+    if condition.best is condition.worst:
+        return chosen
+    return np.where(condition.best.sat & ~condition.worst.sat, np.nan, chosen)
+
+
+def _comparison(op: str, i: int, j: int) -> Step:
+    holds, measure = _COMPARE[op]
+
+    def compare(batch: Batch, values: list[Any]) -> Value:
+        x, y = values[i], values[j]
+        margin = measure(x, y)
+        sat = holds(x, y)
+        # A sum is finite only if all parts are: the cheapest question whose answer is mostly yes.
+        if math.isfinite(np.add.reduce(margin, axis=None)):
+            return logic.defined(sat, margin)
+        known = np.isfinite(x) & np.isfinite(y)
+        if known.all():
+            return logic.defined(sat, margin)
+        return logic.partly(sat, margin, known)
+
+    return compare
+
+
+def _flag(batch: Batch, node: ir.Flag) -> Value:
+    if node.axis is not None:
+        assert node.field is not None
+        code = batch.flag(node.axis, node.field, node.offset)
+    else:
+        code = batch.per_case([_code(case.scalars[node.signal][node.field or ""]) for case in batch.cases])
+    sat = code == 1.0
+    margin = np.where(sat, np.inf, -np.inf)
+    known = ~np.isnan(code)
+    return logic.defined(sat, margin) if known.all() else logic.partly(sat, margin, known)
+
+
+def _code(value: bool | None) -> float:
+    return np.nan if value is None else float(value)
+
+
+def _quantify(node: ir.Quantify, *at: int) -> Step:
+    axis, every = node.axis, node.quantifier == "for all"
+    if node.guard is None:
+        (body,) = at
+
+        def plain(batch: Batch, values: list[Any]) -> Value:
+            mask = batch.mask(axis)
+            return logic.reduce(values[body], every, 1 + axis.level, mask, mask)
+
+        return plain
+    guard, body = at
+
+    def guarded(batch: Batch, values: list[Any]) -> Value:
+        # See the reference evaluator: what may be in range counts against a `for all` in the worst case.
+        mask, range_ = batch.mask(axis), values[guard]
+        in_worst = range_.best.sat if mask is None else mask & range_.best.sat
+        in_best = in_worst
+        if range_.best is not range_.worst:
+            in_best = range_.worst.sat if mask is None else mask & range_.worst.sat
+        if not every:
+            in_worst, in_best = in_best, in_worst
+        if in_worst.ndim == 0:
+            one = in_best is in_worst
+            in_worst = np.broadcast_to(in_worst, (1,) * batch.rank)
+            in_best = in_worst if one else np.broadcast_to(in_best, (1,) * batch.rank)
+        return logic.reduce(values[body], every, 1 + axis.level, in_worst, in_best)
+
+    return guarded
+
+
+def _guarded(guard: Value, body: Value) -> Value:
+    worst = logic.Side(body.worst.sat | ~guard.best.sat, np.where(guard.best.sat, body.worst.margin, np.inf))
+    if guard.best is guard.worst and body.best is body.worst:
+        return Value(worst, worst)
+    return Value(worst, logic.Side(body.best.sat | ~guard.worst.sat, np.where(guard.worst.sat, body.best.margin, np.inf)))
+
+
+def _first(axis: ir.Axis, body: Value) -> Value:
+    index = (slice(None),) * (1 + axis.level) + (slice(0, 1),)
+
+    def take(side: logic.Side) -> logic.Side:
+        return side if side.sat.ndim == 0 else logic.Side(side.sat[index], side.margin[index])
+
+    worst = take(body.worst)
+    return Value(worst, worst if body.best is body.worst else take(body.best))

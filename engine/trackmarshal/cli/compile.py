@@ -1,0 +1,67 @@
+"""Compile rules to freestanding C: source, header, build file, an example, and a report for whoever integrates it.
+
+trackmarshal compile specs/supervisor --target c --out build/supervisor
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from trackmarshal.cli.project import optional_project
+from trackmarshal.errors import TrackmarshalError
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("spec", metavar="SPEC", help="a .spec file, or a folder of them")
+    parser.add_argument("--target", choices=("c",), default="c", help="the language to compile to")
+    parser.add_argument("--out", required=True, metavar="DIR", help="where the files go; made if need be")
+    parser.add_argument(
+        "--rule", action="append", metavar="R", help="a rule to compile (repeatable; default: all)"
+    )
+    parser.add_argument(
+        "--with",
+        dest="settings",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="a configuration module (a vehicle, a track)",
+    )
+    parser.add_argument(
+        "--name", default="supervisor", metavar="NAME", help="the name of the C files (default: supervisor)"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    from trackmarshal.backends.c.example import cmake, main_c
+    from trackmarshal.backends.c.names import identifier
+    from trackmarshal.backends.c.report import report
+    from trackmarshal.backends.c.source import generate
+    from trackmarshal.evaluation import Evaluator, load
+
+    if identifier(args.name) != args.name or not args.name.isascii() or args.name in ("main", "glue"):
+        raise TrackmarshalError(
+            "E474",
+            f"`{args.name}` is no name for a C file",
+            help="letters, digits and _, no digit first; not `main`",
+        )
+    spec = load([Path(args.spec)], [Path(path) for path in args.settings], optional_project(args))
+    source = generate(spec, Evaluator(spec, args.rule, "reference").rules, args.name)
+    texts = {
+        f"{args.name}.h": source.header, f"{args.name}.c": source.source, "CMakeLists.txt": cmake(source),
+        "main.c": main_c(source), "report.md": report(source),
+    }  # fmt: skip
+    folder = Path(args.out)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            (folder / name).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise TrackmarshalError(
+            "E474", f"cannot write to {folder}: {error.strerror}", help="choose another folder with --out"
+        ) from error
+    if not args.quiet:
+        print(
+            f"{len(source.rules)} rules, {len(source.source.splitlines())} lines of C in {folder}: {', '.join(texts)}"
+        )
+    return 0

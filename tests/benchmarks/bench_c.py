@@ -1,0 +1,250 @@
+"""Generated C: one Supervisor step, a batch, the kernel against one written by hand, temporal operators, compiling and loading.
+
+Medians of CPU seconds. The step is all rules of S-1-A on a driving and an emergency trajectory of 50 points, 3 objects and borders of
+2 x 1500 points, from numpy arrays.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import os
+import statistics
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from trackmarshal.backends.c.build import EXACT, FAST, SHARED, compiler
+from trackmarshal.backends.c.program import CProgram
+from trackmarshal.backends.c.step import Stepper, run_columns
+from trackmarshal.evaluation import load
+from trackmarshal.ir.spec import Spec
+
+ROOT = Path(__file__).resolve().parents[2]
+SIX = ["friction", "turn_radius", "drive_acceleration", "braking_limit", "speed_limit", "pose_match"]
+LIMITS = {
+    "C: Supervisor step": 80e-6,
+    "C: batch, six rules, a trajectory": 1.5e-6,
+    "C: compile the shipped spec, cold": 3.0,
+    "C: generate and load the shipped spec, warm": 0.05,
+    "C: always[0, 10 s] on 1,000,000 samples": 0.03,
+    "C: until[0, 10 s] on 1,000,000 samples": 0.05,
+}
+
+
+def measure() -> dict[str, float]:
+    spec = load([ROOT / "specs" / "supervisor"])
+    result = {"C: Supervisor step": _step(spec)}
+    result |= _point_wise(spec)
+    result |= _temporal()
+    result |= _building(spec)
+    return result
+
+
+def median(run: Callable[[], object], repeats: int) -> float:
+    """Median CPU seconds, this process's children included."""
+    run()
+    spent = []
+    for _ in range(repeats):
+        before = time.process_time()
+        run()
+        spent.append(time.process_time() - before)
+    return statistics.median(spent)
+
+
+def program(spec: Spec, names: list[str] | None = None) -> CProgram:
+    return CProgram(spec, [r for r in spec.rules if (r.kind == "rule" if names is None else r.name in names)])
+
+
+def borders(count: int) -> tuple[list[tuple[float, float]], list[tuple[float, float]]]:
+    """A winding ring of 600 m radius, 12 m wide and more."""
+
+    def ring(radius: float, phase: float) -> list[tuple[float, float]]:
+        angles = [2 * math.pi * i / count for i in range(count)]
+        return [
+            (
+                (radius + 3 * math.sin(60 * t + phase)) * math.cos(t),
+                (radius + 3 * math.sin(60 * t + phase)) * math.sin(t),
+            )
+            for t in angles
+        ]
+
+    return ring(593.0, 0.0), ring(607.0, 1.0)
+
+
+def plan(start: float, v: float, braking: float) -> dict[str, Any]:
+    """50 samples on a circle of 600 m radius, from a station [m] on."""
+    t = np.arange(50) * 0.1
+    speed = np.maximum(v - braking * t, 0.0)
+    stop = v / braking if braking else math.inf
+    s = v * np.minimum(t, stop) - braking * np.minimum(t, stop) ** 2 / 2
+    angle = (start + s) / 600.0
+    return {
+        "t": t, "s": s, "x": 600 * np.cos(angle), "y": 600 * np.sin(angle), "heading": angle + math.pi / 2, "kappa": np.full(50, 1 / 600.0),
+        "v": speed, "a": np.where(speed > 0, -braking, 0.0), "grip": np.ones(50),
+    }  # fmt: skip
+
+
+def cycle() -> tuple[dict[str, Any], dict[str, Any]]:
+    ahead = np.array([60.0, 90.0, -40.0]) + 100.0
+    angle = ahead / 600.0
+    objects = {"x": 602 * np.cos(angle), "y": 602 * np.sin(angle), "heading": angle + math.pi / 2, "v": np.full(3, 45.0),
+               "length": np.full(3, 4.7), "width": np.full(3, 2.8), "age": np.zeros(3)}  # fmt: skip
+    empty = np.zeros(0)
+    shared: dict[str, Any] = {
+        "ego": {"x": 600 * math.cos(1 / 6), "y": 600 * math.sin(1 / 6), "heading": 1 / 6 + math.pi / 2, "v": 40.0, "age": 0.0},
+        "objects": objects, "obstacles": {k: empty for k in ("x", "y", "heading", "length", "width")},
+    }  # fmt: skip
+    driving = {**shared, "plan": plan(100.0, 40.0, 0.0), "emergency": False}
+    return driving, {**shared, "plan": plan(100.0, 40.0, 9.0), "emergency": True}
+
+
+def _step(spec: Spec) -> float:
+    stepper = Stepper(program(spec))
+    stepper.track("track", *borders(1500), True)
+    driving, emergency = cycle()
+
+    def many() -> None:
+        for _ in range(200):
+            stepper.step(driving)
+            stepper.step(emergency)
+
+    return median(many, 15) / 200
+
+
+def _point_wise(spec: Spec) -> dict[str, float]:
+    made = program(spec, SIX)
+    cases = 10_000
+    driving = cycle()[0]
+    columns = {(n, f): np.tile(driving[n][f], (cases, 1)) for n, f, _ in made.order.columns}
+    numbers = {(n, f): np.full(cases, driving[n][f]) for n, f in made.order.numbers}
+    result = {
+        "C: batch, six rules, a trajectory": median(lambda: run_columns(made, columns, numbers), 15) / cases
+    }
+    with_rss = program(spec, [*SIX])
+    generated = result["C: batch, six rules, a trajectory"]
+    by_hand = _by_hand(spec, driving)
+    del with_rss
+    return result | {
+        "C: six rules and RSS by hand, a trajectory": by_hand,
+        "C: generated to hand-written (ratio)": generated / by_hand,
+    }
+
+
+class _Limits(ctypes.Structure):
+    _fields_ = [
+        *((name, ctypes.c_double) for name in ("mass", "mu", "g", "r_min", "drag", "drive_factor", "b_max", "v_max", "d_loc",
+                                               "response", "a_response", "b_rear", "b_front")),
+        ("knots", ctypes.c_size_t), ("knot", ctypes.c_void_p), ("value", ctypes.c_void_p),
+    ]  # fmt: skip
+
+
+def _by_hand(spec: Spec, driving: dict[str, Any]) -> float:
+    """CPU seconds of the hand-written kernel on one trajectory, built with the same flags."""
+    command = compiler()
+    assert command is not None, "no C compiler"
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / "kernel.so"
+        subprocess.run(
+            [
+                *command,
+                *EXACT,
+                *FAST,
+                *SHARED,
+                "-o",
+                str(target),
+                str(Path(__file__).with_name("kernel.c")),
+                "-lm",
+            ],
+            check=True,
+        )
+        dll = ctypes.CDLL(str(target))
+    short = {name.rpartition(".")[2]: info.value for name, info in spec.params.items()}
+    table = next(info for name, info in spec.tables.items() if name.endswith("ax_max"))
+    knots, values = np.array(table.knots), np.array(table.values)
+    names = {"r_min": "R_min"}
+    limits = _Limits(
+        *(short[names.get(name, name)] for name, _ in _Limits._fields_[:13]),
+        len(knots),
+        knots.ctypes.data,
+        values.ctypes.data,
+    )
+    margins = np.zeros(7)
+    points = [
+        ctypes.c_void_p(driving["plan"][name].ctypes.data) for name in ("x", "y", "kappa", "v", "a", "grip")
+    ]
+    numbers = [
+        ctypes.c_double(value) for value in (driving["ego"]["x"], driving["ego"]["y"], 40.0, 55.3, 45.0)
+    ]
+    runs = 10_000
+
+    def many() -> None:
+        dll.kernel_many(
+            ctypes.c_size_t(runs),
+            ctypes.byref(limits),
+            ctypes.c_size_t(50),
+            *points,
+            *numbers,
+            ctypes.c_void_p(margins.ctypes.data),
+        )
+
+    return median(many, 15) / runs
+
+
+def _temporal() -> dict[str, float]:
+    text = "module bench\nsignal log : series { t: s increasing, p: 1, q: 1 }\n"
+    formulas = {
+        "always[0, 10 s]": "always[0 s, 10 s] (p.p > 0)",
+        "until[0, 10 s]": "(p.p > 0) until[0 s, 10 s] (p.q > 0)",
+    }
+    rng = np.random.default_rng(1)
+    samples = 1_000_000
+    columns = {
+        ("log", "t"): np.arange(samples)[None] * 0.01,
+        ("log", "p"): rng.normal(size=(1, samples)),
+        ("log", "q"): rng.normal(size=(1, samples)),
+    }
+    result = {}
+    for name, formula in formulas.items():
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "bench.spec"
+            path.write_text(
+                f'{text}rule r "bench"\n  along log as p\n  require {formula}\n', encoding="utf-8"
+            )
+            spec = load([path])
+        made = program(spec)
+        result[f"C: {name} on 1,000,000 samples"] = median(lambda made=made: run_columns(made, columns), 7)
+    return result
+
+
+def _building(spec: Spec) -> dict[str, float]:
+    before = os.environ.get("TRACKMARSHAL_CACHE")
+    spent = []
+    try:
+        for _ in range(3):
+            with tempfile.TemporaryDirectory() as folder:
+                os.environ["TRACKMARSHAL_CACHE"] = folder
+                begin = os.times()
+                program(spec).library_for()
+                end = os.times()
+                spent.append(sum(end[:4]) - sum(begin[:4]))
+                warm = median(lambda: program(spec).library_for(), 5)
+    finally:
+        if before is None:
+            del os.environ["TRACKMARSHAL_CACHE"]
+        else:
+            os.environ["TRACKMARSHAL_CACHE"] = before
+    return {
+        "C: compile the shipped spec, cold": statistics.median(spent),
+        "C: generate and load the shipped spec, warm": warm,
+    }
+
+
+if __name__ == "__main__":
+    for name, value in measure().items():
+        print(f"{value * 1e6:14.2f} us  {name}" if "ratio" not in name else f"{value:14.2f}     {name}")

@@ -1,0 +1,195 @@
+"""Generated C geometry against the reference, bit for bit: borders and lines of all kinds, poses around them."""
+
+from __future__ import annotations
+
+import math
+import random
+import struct
+from collections import Counter
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.program import CProgram
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator, load
+
+pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+
+TEXT = """module geo
+
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+signal ego : state { x: m, y: m, heading: rad }
+signal objects : set of object { x: m, y: m, heading: rad, length: m, width: m }
+signal track : corridor { left: polyline, right: polyline }
+signal way : polyline
+
+param length : m = 4.7 m in [-10, 1e9]
+param width  : m = 2.8 m in [-10, 1e9]
+zone z = polygon (0 m, 0 m) (10 m, 0 m) (10 m, 10 m) (5 m, 4 m) (0 m, 10 m)
+line l = (0 m, -6 m) (0 m, 6 m) (3 m, 8 m)
+
+"""
+RULES = {
+    "inside": "for all p in plan|swept_footprint(p, length, width) inside track",
+    "inside_one": "exists p in plan|swept_footprint(p, length, width) inside track",
+    "inside_zone": "exists p in plan|swept_footprint(p, length, width) inside z",
+    "point_in_zone": "for all p in plan|p in zone z",
+    "clear": "for all o in objects|for all p in plan: (swept_footprint(p, length, width) clear_of footprint(o))",
+    "stations": "for all p in plan|station(p, track) <= 100 m",
+    "offsets": "for all p in plan|offset(p, track) <= 1 m",
+    "directions": "for all p in plan|direction(p, track) <= 1",
+    "gaps": "for all p in plan|station_gap(track, station(ego, track), station(p, track)) <= 1 m",
+    "distances": "for all p in plan|distance_to(p, track) <= 1 m",
+    "paths": "for all o in objects|station(o, plan) + 1000 * offset(o, plan) <= distance_to(o, plan)",
+    "path_directions": "for all o in objects|direction(o, plan) <= 1",
+    "ways": "for all p in plan|offset(p, way) + station(p, way) <= distance_to(p, way)",
+    "places": "for all p in plan|offset(p, l) + station(p, l) <= distance_to(p, l)",
+    "borders": "for all p in plan|distance_to(p, track.left) <= distance_to(p, track.right)",
+}
+Points = list[list[float]]
+
+
+@cache
+def evaluator(folder: Path) -> tuple[Evaluator, CProgram]:
+    path = folder / "geo.spec"
+    rules = [
+        f'rule {n} "made up"\n  {t.partition("|")[0]}\n  require {t.partition("|")[2]}\n'
+        for n, t in RULES.items()
+    ]
+    path.write_text(TEXT + "\n".join(rules), encoding="utf-8")
+    spec = load(path)
+    made = Evaluator(spec, None, "reference")
+    return made, CProgram(spec, made.rules)
+
+
+def borders(r: random.Random) -> tuple[Points, Points, bool]:
+    """Two borders: an open road or a ring; sometimes on whole numbers, torn, crossing, repeated, reversed or broken."""
+    k, closed, w = r.randint(3, 40), r.random() < 0.5, r.choice([2, 3, 5, 8])
+    grid = (lambda v: float(round(v))) if r.random() < 0.3 else (lambda v: v)
+    other = k if r.random() < 0.6 else r.randint(3, 40)
+
+    def ring(radius: float, count: int) -> Points:
+        angles = [2 * math.pi * i / count for i in range(count)]
+        return [
+            [grid(radius * (1 + 0.15 * math.cos(3 * t)) * f(t)) for f in (math.cos, math.sin)] for t in angles
+        ]
+
+    def road(offset: float, count: int) -> Points:
+        return [
+            [grid(60 * i / count - 10), grid(offset + 4 * math.sin(4 * i / count))] for i in range(count + 1)
+        ]
+
+    if closed:
+        radius = r.uniform(15, 40)
+        left, right = ring(radius + w, k), ring(max(radius - w, 3), other)
+        if r.random() < 0.2:
+            left.reverse()
+        if r.random() < 0.5:
+            left, right = right, left
+        if r.random() < 0.3:
+            left.append(left[0])
+    else:
+        left, right = road(w, k), road(-w, other)
+        if r.random() < 0.1:
+            right[0] = list(left[0])
+        if r.random() < 0.1:
+            right[-1] = list(left[-1])
+    for points in (left, right):
+        kind, i = r.random(), r.randrange(len(points))
+        if kind < 0.1:
+            points[i] = [points[i][0] + r.uniform(-4, 4), points[i][1] + r.uniform(-4, 4)]
+        elif kind < 0.13:
+            points.insert(i, list(r.choice(points)))
+        elif kind < 0.15:
+            points[i] = [math.nan, points[i][1]]
+        elif kind < 0.2:
+            points.insert(i, [points[i][0] + 1e-10, points[i][1]])
+    return left, right, closed
+
+
+def case(r: random.Random, left: Points, right: Points, closed: bool) -> dict[str, Any]:
+    count, i = r.randint(2, 5), r.randrange(min(len(left), len(right)))
+    cx, cy = (left[i][0] + right[i][0]) / 2, (left[i][1] + right[i][1]) / 2
+    if r.random() < 0.2 or not cx == cx:
+        cx, cy = r.uniform(0, 10), r.uniform(0, 10)
+    h = r.choice([0.0, math.pi / 2, r.uniform(-4, 4)])
+    steps = [(r.choice([0, 1, 2.5]), r.choice([0, 0, 0.3 * r.random()])) for _ in range(count)]
+    x: list[Any] = [cx + j * math.cos(h) * step for j, (step, _) in enumerate(steps)]
+    y = [cy + j * math.sin(h) * step for j, (step, _) in enumerate(steps)]
+    heading = [h + turn for _, turn in steps]
+    if r.random() < 0.3:
+        x, y = [float(round(v)) for v in x], [float(round(v)) for v in y]
+    if r.random() < 0.05:
+        x[r.randrange(count)] = r.choice([None, 1e10, 1e9, -1e308])
+    if r.random() < 0.05:
+        heading[r.randrange(count)] = r.choice([1e9, 1e5])
+    objects = [
+        {"x": cx + r.uniform(-6, 6), "y": cy + r.uniform(-6, 6), "heading": r.choice([0.0, h, r.uniform(-4, 4)]),
+         "length": r.choice([4.0, 0.2, 1e-7, 5 * r.random()]), "width": r.choice([2.0, 0.2])}
+        for _ in range(r.randint(0, 2))
+    ]  # fmt: skip
+    signals = {
+        "plan": {"t": [0.1 * j for j in range(count)], "x": x, "y": y, "heading": heading}, "ego": {"x": cx, "y": cy, "heading": h},
+        "objects": objects, "track": {"left": left, "right": right, "closed": closed}, "way": r.choice([left, right, [[0, 0], [1, 1], [1, 1], [0, 5]]]),
+    }  # fmt: skip
+    data: dict[str, Any] = {"signals": signals}
+    if r.random() < 0.5:
+        data["params"] = {
+            "length": r.choice([4.0, 1.0, 0.1, 1e-6, 1e-7, 0.0, 8.0]),
+            "width": r.choice([2.0, 1.0, 0.1, 1e-6]),
+        }
+    if r.random() < 0.1:
+        data["places"] = {"z": [[0, 0], [8, 0], [8, 8]], "l": [[0, 0], [5, 5]]}
+    return data
+
+
+def bits(x: float) -> bytes:
+    return b"nan" if math.isnan(x) else struct.pack("<d", x)
+
+
+def compare(seed: int, folder: Path, seen: Counter[str]) -> list[str]:
+    reference, program = evaluator(folder)
+    r = random.Random(seed)
+    given = borders(r)
+    found = []
+    for _ in range(6):
+        read = reference.read(case(r, *given))
+        expected = next(iter(reference.evaluate([read])))
+        try:
+            run = program.run([read])
+        except TrackmarshalError as error:
+            assert error.code == "E473"
+            seen["refused"] += 1
+            continue
+        for rule in reference.rules:
+            verdict, margin = run.outcome(0, rule)
+            seen[verdict] += 1
+            wanted = expected.rules[rule.name]
+            if verdict != wanted.verdict or bits(margin) != bits(wanted.margin):
+                found.append(
+                    f"seed {seed} {rule.name}: {verdict} {margin!r} | {wanted.verdict} {wanted.margin!r}"
+                )
+    return found
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("geo")
+
+
+def test_some_tracks(folder: Path) -> None:
+    seen: Counter[str] = Counter()
+    found = [text for seed in range(80) for text in compare(seed, folder, seen)]
+    assert not found
+    assert min(seen[verdict] for verdict in ("satisfied", "violated", "undefined")) >= 100
+    assert seen["refused"] < 80
+
+
+@pytest.mark.acceptance
+def test_many_tracks(folder: Path) -> None:
+    seen: Counter[str] = Counter()
+    found = [text for seed in range(1000, 4000) for text in compare(seed, folder, seen)]
+    assert not found

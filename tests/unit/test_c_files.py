@@ -1,0 +1,146 @@
+"""What `compile --target c` writes: clean under strict compilers and sanitizers, documented, refusing what it cannot say."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+from support.shared import SUPERVISOR
+from trackmarshal.backends.c import build
+from trackmarshal.backends.c.program import CProgram
+from trackmarshal.backends.c.report import complexity, libm
+from trackmarshal.backends.c.source import Source, generate
+from trackmarshal.backends.results import chosen_rules
+from trackmarshal.cli import compile as verb
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import load
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import RuleInfo, Spec
+
+STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-ffp-contract=off"]
+
+
+@cache
+def spec() -> Spec:
+    return load(SUPERVISOR)
+
+
+@cache
+def source() -> Source:
+    return generate(spec(), chosen_rules(spec(), None))
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    folder = tmp_path_factory.mktemp("compiled")
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--project")
+    parser.add_argument("--quiet", action="store_true")
+    verb.configure(parser)
+    assert verb.run(parser.parse_args([str(SUPERVISOR), "--out", str(folder), "--quiet"])) == 0
+    yield folder
+
+
+def test_files(written: Path) -> None:
+    assert {path.name for path in written.iterdir()} == {
+        "supervisor.c",
+        "supervisor.h",
+        "main.c",
+        "CMakeLists.txt",
+        "report.md",
+    }
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_clean_and_sanitized(written: Path, compiler: str) -> None:
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler} is not installed")
+    program = written / f"example_{compiler}"
+    sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    command = [compiler, *STRICT, *sanitizers, "-O1", "supervisor.c", "main.c", "-o", str(program), "-lm"]
+    done = subprocess.run(command, cwd=written, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    ran = subprocess.run([str(program)], capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert len(ran.stdout.splitlines()) == len(source().rules)
+    assert re.search(r"^friction\s+satisfied", ran.stdout, re.MULTILINE)
+
+
+def test_every_rule_statement_names_rule_requirement_and_line() -> None:
+    text = next(code.text for code in source().rules if code.rule.name == "friction")
+    statements = [line for line in text.splitlines() if re.match(r"\s+(const )?(double|bool) ", line)]
+    assert len(statements) > 20
+    assert all(re.search(r"/\* friction S-1-A-4 .*trajectory\.spec:\d+ \*/", line) for line in statements)
+
+
+def test_header_gives_units() -> None:
+    header = source().header
+    assert re.search(r"const double \*kappa; /\* 1/m", header)
+    assert re.search(r"double vehicles_devbot_mass; /\* kg", header)
+
+
+def test_no_allocation_recursion_or_global_state() -> None:
+    code = re.sub(r"/\*.*?\*/", "", source().source, flags=re.DOTALL)
+    assert not re.search(r"\b(malloc|calloc|realloc|free|alloca|fmin|fmax)\b", code)
+    assert not [line for line in code.splitlines() if re.match(r"static (?!const)[^(]*;", line)]
+    bodies = re.split(r"^(?=\S[^;]*\{|\S.*\)\n\{)", code, flags=re.MULTILINE)
+    assert len(bodies) > 50
+    for body in bodies:
+        name = re.search(r"\b(tm_\w+)\(", body)
+        if name is not None:
+            assert body.count(f"{name.group(1)}(") == 1, name.group(1)
+
+
+def test_report_knows_libm_and_complexity() -> None:
+    assert {"sqrt", "fabs", "sin", "cos"} <= set(libm(source()))
+    assert "pow" not in libm(source())
+    values = complexity(source())
+    assert values["tm_check"] >= 1
+    assert values["tm_swept_inside"] > 10
+
+
+def test_unknown_nodes_are_refused_by_rule_and_node() -> None:
+    class Sorcery(ir.Formula):
+        """A node that no backend knows."""
+
+    rule = next(r for r in spec().rules if r.name == "friction")
+    changed = RuleInfo(
+        *[
+            Sorcery() if name == "formula" else None if name == "active" else getattr(rule, name)
+            for name in RuleInfo.fields
+        ]
+    )
+    with pytest.raises(TrackmarshalError, match=r"`friction`.*Sorcery") as caught:
+        generate(spec(), [changed])
+    assert (caught.value.code, caught.value.line) == ("E470", rule.span.line)
+
+
+def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
+    monkeypatch.setenv("CC", "no-such-compiler-here")
+    with pytest.raises(TrackmarshalError) as caught:
+        CProgram(spec(), [r for r in spec().rules if r.name == "friction"]).library_for()
+    assert caught.value.code == "E471"
+    assert not list((tmp_path / "c").glob("*.so"))
+
+
+@pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
+def test_two_processes_build_at_once(tmp_path: Path) -> None:
+    code = (
+        "import sys; from trackmarshal.evaluation import load; from trackmarshal.backends.c.program import CProgram\n"
+        f"spec = load({str(SUPERVISOR)!r}); p = CProgram(spec, [r for r in spec.rules if r.name == 'turn_radius'])\n"
+        "assert p.library_for().status == 0"
+    )
+    env = {**os.environ, "TRACKMARSHAL_CACHE": str(tmp_path)}
+    running = [subprocess.Popen([sys.executable, "-c", code], env=env) for _ in range(2)]
+    assert [process.wait() for process in running] == [0, 0]
+    made = list((tmp_path / "c").iterdir())
+    assert [path.suffix for path in made] == [".so"]
