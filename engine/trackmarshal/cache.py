@@ -9,7 +9,11 @@ from pathlib import Path
 def cache_folder() -> Path | None:
     """The folder, made if need be; None where it cannot be made (a read-only system)."""
     base = os.environ.get("TRACKMARSHAL_CACHE")
-    root = Path(base) if base else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "trackmarshal"
+    root = (
+        Path(base)
+        if base
+        else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "trackmarshal"
+    )
     try:
         root.mkdir(parents=True, exist_ok=True)
     except OSError:

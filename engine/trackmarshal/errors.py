@@ -17,7 +17,7 @@ class TrackmarshalError(Exception):
         *,
         file: str | None = None,
         line: int | None = None,
-        help: str | None = None,  # noqa: A002 - the word the diagnostics use
+        help: str | None = None,
     ) -> None:
         super().__init__(message)
         self.code = code

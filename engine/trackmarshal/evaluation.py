@@ -30,7 +30,10 @@ CODES = {
         "The spec has no rules, or the assumption has no `monitor`. Of nothing it could only be said that nothing is violated; that is "
         "refused, since it would read as safe.",
     ),
-    "E403": ("constraints of the spec do not hold", "The parameters as configured break a `constrain` of the spec; its rules would be unsound."),
+    "E403": (
+        "constraints of the spec do not hold",
+        "The parameters as configured break a `constrain` of the spec; its rules would be unsound.",
+    ),
 }
 
 
@@ -44,13 +47,21 @@ class Evaluator:
             rule = spec.rule(name)
             if rule is None:
                 known = [rule.name for rule in spec.rules]
-                raise TrackmarshalError("E401", f"the spec has no rule `{name}`", help=close_matches(name, known) or ", ".join(known))
+                raise TrackmarshalError(
+                    "E401",
+                    f"the spec has no rule `{name}`",
+                    help=close_matches(name, known) or ", ".join(known),
+                )
             if rule.formula is None:
-                raise TrackmarshalError("E404", f"`{name}` has no condition to evaluate", help="add a `monitor` to the assumption")
+                raise TrackmarshalError(
+                    "E404", f"`{name}` has no condition to evaluate", help="add a `monitor` to the assumption"
+                )
         self.spec = spec
         self.rules: list[RuleInfo] = chosen_rules(spec, names)
         if not self.rules:
-            raise TrackmarshalError("E404", "the spec has no rule to evaluate", help="without a rule, anything would be safe")
+            raise TrackmarshalError(
+                "E404", "the spec has no rule to evaluate", help="without a rule, anything would be safe"
+            )
         self.backend = backend
         self.reader = CaseReader(spec, {pair for rule in self.rules for pair in rule.reads})
         self._program: Any = None
@@ -89,12 +100,16 @@ class Evaluator:
         for constraint in self.spec.constraints:
             if values.truth(constraint.formula, {}).verdict != "satisfied":
                 because = f": {constraint.because}" if constraint.because else ""
-                broken.append(f"{constraint.span} `{constraint.span.text.split('because')[0].strip()}` does not hold{because}")
+                broken.append(
+                    f"{constraint.span} `{constraint.span.text.split('because')[0].strip()}` does not hold{because}"
+                )
         return broken
 
 
 def load(
-    paths: str | Path | Iterable[str | Path], configuration: Iterable[str | Path] = (), shown_from: Path | None = None
+    paths: str | Path | Iterable[str | Path],
+    configuration: Iterable[str | Path] = (),
+    shown_from: Path | None = None,
 ) -> Spec:
     """Compile files and folders, with the values of configuration modules put in; raises Diagnostics."""
     from trackmarshal.semantics.compile import compile_paths
@@ -117,7 +132,11 @@ def setting_names(configuration: Iterable[Path]) -> set[str]:
     names: set[str] = set()
     for path in configuration:
         settings = compile_paths([path]).spec
-        names |= {name.rpartition(".")[2] for kind in (settings.params, settings.tables, settings.places) for name in kind}
+        names |= {
+            name.rpartition(".")[2]
+            for kind in (settings.params, settings.tables, settings.places)
+            for name in kind
+        }
     return names
 
 
@@ -133,7 +152,17 @@ def configure(spec: Spec, settings: Spec) -> Spec:
     digest = hashlib.sha256(spec.fingerprint.encode())
     for setting in (*params.values(), *tables.values(), *places.values()):
         digest.update(repr(setting).encode())
-    return Spec(spec.signals, spec.events, params, tables, places, spec.constraints, spec.rules, spec.rulebooks, digest.hexdigest())
+    return Spec(
+        spec.signals,
+        spec.events,
+        params,
+        tables,
+        places,
+        spec.constraints,
+        spec.rules,
+        spec.rulebooks,
+        digest.hexdigest(),
+    )
 
 
 def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | TableInfo | PlaceInfo) -> None:
@@ -144,7 +173,13 @@ def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | Tab
     place = f"{info.span.file.path}"
     if not matches:
         shorts = [known.rpartition(".")[2] for known in target]
-        raise TrackmarshalError("E402", f"the spec declares no {kind} `{short}`", file=place, line=info.span.line, help=close_matches(short, shorts) or None)
+        raise TrackmarshalError(
+            "E402",
+            f"the spec declares no {kind} `{short}`",
+            file=place,
+            line=info.span.line,
+            help=close_matches(short, shorts) or None,
+        )
     for match in matches:
         old = target[match]
         problem = ""

@@ -22,7 +22,9 @@ class Node:
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
-        own = (n for n, kind in cls.__dict__.get("__annotations__", {}).items() if "ClassVar" not in str(kind))
+        own = (
+            n for n, kind in cls.__dict__.get("__annotations__", {}).items() if "ClassVar" not in str(kind)
+        )
         cls.fields = tuple(dict.fromkeys((*cls.fields, *own)))
         cls._known = frozenset(cls.fields)
         cls.compared = tuple(name for name in cls.fields if name != "span")
@@ -39,7 +41,9 @@ class Node:
                 raise TypeError(f"{type(self).__name__}: unknown fields {sorted(set(kwargs) - self._known)}")
             for name in self.fields:
                 if name not in values:
-                    values[name] = getattr(type(self), name)  # the default, or AttributeError: a missing field
+                    values[name] = getattr(
+                        type(self), name
+                    )  # the default, or AttributeError: a missing field
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{type(self).__name__} is immutable: cannot set {name}")

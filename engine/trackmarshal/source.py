@@ -99,7 +99,9 @@ class Span:
 
     def word(self, name: str) -> Span:
         """The first place in this span where a word stands; the head of the span when it does not occur."""
-        match = re.compile(rf"(?<![\w-]){re.escape(name)}(?![\w-])").search(self.file.text, self.start, self.end)
+        match = re.compile(rf"(?<![\w-]){re.escape(name)}(?![\w-])").search(
+            self.file.text, self.start, self.end
+        )
         return self.head if match is None else Span(self.file, *match.span())
 
     @property
@@ -114,13 +116,17 @@ NOWHERE = Span(SourceFile("<built-in>", ""), 0, 0)
 def decode(path: str, data: bytes) -> SourceFile:
     """Bytes to a SourceFile; raises E003, E004 or E005 with the line."""
     if not data.strip(b"\xef\xbb\xbf \t\r\n"):
-        raise TrackmarshalError("E003", "the file is empty", file=path, line=1, help="a spec file starts with `module NAME`")
+        raise TrackmarshalError(
+            "E003", "the file is empty", file=path, line=1, help="a spec file starts with `module NAME`"
+        )
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         message = f"byte {data[error.start]:#04x} at offset {error.start} is not UTF-8"
-        raise TrackmarshalError("E004", message, file=path, line=line, help="save the file as UTF-8") from error
+        raise TrackmarshalError(
+            "E004", message, file=path, line=line, help="save the file as UTF-8"
+        ) from error
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     odd = _CONTROL.search(text)
     if odd is not None:
@@ -138,7 +144,9 @@ def read(path: Path, shown: str | None = None) -> SourceFile:
             data = stream.read(MAX_BYTES + 1)  # no more: it may be a device without an end
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         message = getattr(error, "strerror", None) or str(error)
-        raise TrackmarshalError("E001", f"cannot be read: {message}", file=name, help="check the path and its permissions") from error
+        raise TrackmarshalError(
+            "E001", f"cannot be read: {message}", file=name, help="check the path and its permissions"
+        ) from error
     if len(data) > MAX_BYTES:
         message = f"the file is larger than {MAX_BYTES // 1_000_000} MB"
         raise TrackmarshalError("E002", message, file=name, help="split it into modules, if it is a spec")

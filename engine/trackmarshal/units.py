@@ -124,8 +124,12 @@ def show(dimension: Dimension) -> str:
     """The SI unit of a dimension, as a rule author would write it."""
     if dimension in _NAMED:
         return _NAMED[dimension]
-    above = [_factor(n, e) for n, e in zip(("kg", "m", "s"), (dimension[2], dimension[0], dimension[1])) if e > 0]
-    below = [_factor(n, -e) for n, e in zip(("kg", "m", "s"), (dimension[2], dimension[0], dimension[1])) if e < 0]
+    above = [
+        _factor(n, e) for n, e in zip(("kg", "m", "s"), (dimension[2], dimension[0], dimension[1])) if e > 0
+    ]
+    below = [
+        _factor(n, -e) for n, e in zip(("kg", "m", "s"), (dimension[2], dimension[0], dimension[1])) if e < 0
+    ]
     return "/".join(["*".join(above) or "1", *below])
 
 

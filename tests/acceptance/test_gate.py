@@ -7,12 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
 from support.project import command, copy_project
 from support.shared import REPOSITORY
 
 SPECS = sorted((REPOSITORY / "specs" / "supervisor").glob("*.spec"))
 _ITEM = re.compile(r"^(?:(rule|test|assume) ([\w-]+)(?: \"([^\"]*)\")?)", re.MULTILINE)
-_START = re.compile(r"^(?:module|use|reference|signal|event|param|constrain|table|zone|line|define|predicate|assume|rule|state|rulebook|test)\b", re.MULTILINE)
+_START = re.compile(
+    r"^(?:module|use|reference|signal|event|param|constrain|table|zone|line|define|predicate|assume|rule|state|rulebook|test)\b",
+    re.MULTILINE,
+)
 
 
 def items(kind: str) -> list[tuple[str, str, int]]:
@@ -43,7 +47,12 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def edited(project: Path) -> Iterator[Path]:
     """The project; what the test changes is restored, and the gate passes again."""
-    kept = {path: path.read_bytes() for folder in ("specs", "requirements") for path in (project / folder).rglob("*") if path.is_file()}
+    kept = {
+        path: path.read_bytes()
+        for folder in ("specs", "requirements")
+        for path in (project / folder).rglob("*")
+        if path.is_file()
+    }
     yield project
     for path, data in kept.items():
         path.write_bytes(data)
@@ -72,7 +81,9 @@ def test_without_a_rule(edited: Path, file: str, name: str, start: int) -> None:
 
 
 @pytest.mark.parametrize(("file", "name", "start"), items("rule")[::6])
-def test_without_a_rule_that_tests_and_the_rulebook_still_name(edited: Path, file: str, name: str, start: int) -> None:
+def test_without_a_rule_that_tests_and_the_rulebook_still_name(
+    edited: Path, file: str, name: str, start: int
+) -> None:
     path = edited / "specs" / "supervisor" / file
     path.write_text(without(path.read_text("utf-8"), start), encoding="utf-8")
     assert gate(edited) == 1
@@ -108,7 +119,11 @@ def test_without_an_interface_in_the_system_model(edited: Path) -> None:
 def test_a_failing_test_fails_the_gate(edited: Path) -> None:
     """Run for real: the evidence is made anew."""
     path = edited / "specs" / "supervisor" / "conduct.spec"
-    path.write_text(path.read_text("utf-8").replace("expect violated", "expect satisfied", 1), encoding="utf-8")
+    path.write_text(
+        path.read_text("utf-8").replace("expect violated", "expect satisfied", 1), encoding="utf-8"
+    )
     assert command(edited, "trace", "--gate")[0] == 1
-    path.write_text((REPOSITORY / "specs" / "supervisor" / "conduct.spec").read_text("utf-8"), encoding="utf-8")
+    path.write_text(
+        (REPOSITORY / "specs" / "supervisor" / "conduct.spec").read_text("utf-8"), encoding="utf-8"
+    )
     assert command(edited, "trace", "--gate")[0] == 0

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+
 from support.project import command, copy_project
 from support.shared import REPOSITORY
 

@@ -6,6 +6,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+
 from support.shared import shared
 from trackmarshal.cli.replay import evaluator_for
 from trackmarshal.scenarios import load
@@ -52,7 +53,9 @@ def test_both_evaluators_say_the_same(name: str) -> None:
         assert (a.decision, a.decision_from) == (b.decision, b.decision_from)
         for candidate, result in a.results.items():
             expected = b.results[candidate]
-            assert {r: x.verdict for r, x in result.rules.items()} == {r: x.verdict for r, x in expected.rules.items()}
+            assert {r: x.verdict for r, x in result.rules.items()} == {
+                r: x.verdict for r, x in expected.rules.items()
+            }
             for rule, x in result.rules.items():
                 assert x.margin == pytest.approx(expected.rules[rule].margin, rel=1e-9, abs=1e-9, nan_ok=True)
 
@@ -84,8 +87,15 @@ def test_the_peer_agrees_on_friction_drive_and_standstill() -> None:
     for name in ("modena_T1_cutin_collision", "modena_T1_infeasible", "modena_T1_valid"):
         theirs = peer[f"{name}__all"]["unsafe_intervals_s"]
         for candidate, short in (("driving", "perf"), ("emergency", "emerg")):
-            pairs = [("friction", "static_friction_ellipse"), ("drive_acceleration", "static_kinematic_dynamic")]
+            pairs = [
+                ("friction", "static_friction_ellipse"),
+                ("drive_acceleration", "static_kinematic_dynamic"),
+            ]
             if candidate == "emergency":  # a driving trajectory need not end in standstill
                 pairs.append(("ends_at_rest", "static_safe_end_state"))
             for rule, metric in pairs:
-                assert unsafe(name, candidate, rule) == [tuple(i) for i in theirs[f"{metric}/{short}"]], (name, candidate, rule)
+                assert unsafe(name, candidate, rule) == [tuple(i) for i in theirs[f"{metric}/{short}"]], (
+                    name,
+                    candidate,
+                    rule,
+                )

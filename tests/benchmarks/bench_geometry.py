@@ -27,12 +27,13 @@ def track(count: int = POINTS) -> tuple[Floats, Floats, Floats]:
     return (line + 5.0 * normal).T, (line - 5.0 * normal).T, np.stack([*line, np.arctan2(ahead[1], ahead[0])])
 
 
-def sweeps(poses: Floats, first: int, count: int) -> Floats:
-    """Pairs of poses (6, count), 2.5 m apart, from a point of the track on."""
+def sweeps(poses: Floats, first: int, count: int, aside: float) -> Floats:
+    """Pairs of poses (6, count), 2.5 m apart, from a point of the track on, `aside` m left of its middle."""
     step = np.hypot(*np.diff(poses[:2], axis=1))
     station = np.concatenate([[0.0], np.cumsum(step)])
     at = station[first] + 2.5 * np.arange(count + 1)
     x, y, heading = (np.interp(at, station, row) for row in (*poses[:2], np.unwrap(poses[2])))
+    x, y = x - aside * np.sin(heading), y + aside * np.cos(heading)
     return np.stack([x[:-1], y[:-1], heading[:-1], x[1:], y[1:], heading[1:]])
 
 
@@ -41,23 +42,28 @@ def measure(repeats: int = 7) -> dict[str, float]:
     left, right, poses = track()
     corridor = Corridor(left, right, closed=True)
     line = Polyline(poses[:2].T, closed=True)
-    few = sweeps(poses, 100, 60)
+    few = sweeps(poses, 100, 60, 1.0)
+    over = sweeps(poses, 100, 60, 4.5)
     generator = np.random.default_rng(0)
-    many = np.concatenate([sweeps(poses, k, 60) for k in generator.integers(0, 1300, 1000)], axis=1)
-    aside = few.copy()
-    aside[[0, 3]] -= 4.5 * np.sin(few[[2, 5]])
-    aside[[1, 4]] += 4.5 * np.cos(few[[2, 5]])
+    starts, asides = generator.integers(0, 1300, 1000), generator.uniform(-1.5, 1.5, 1000)
+    many = np.concatenate([sweeps(poses, k, 60, aside) for k, aside in zip(starts, asides)], axis=1)
+    midway = np.concatenate([sweeps(poses, k, 60, 0.0) for k in starts], axis=1)
     x, y = few[0, :5] + 1.0, few[1, :5] - 1.0
     boxes = few[0, 20:23], few[1, 20:23], few[2, 20:23]
     # By name: calls that are timed together, parts into which the time of one call is divided, the call.
     cases: dict[str, tuple[int, int, Callable[[], object]]] = {
         "corridor of 2 x 1500 points": (1, 1, lambda: Corridor(left, right, closed=True)),
         "60 swept footprints inside": (50, 1, lambda: corridor.margin_inside(*few, *BODY)),
-        "60 swept footprints over the border": (50, 1, lambda: corridor.margin_inside(*aside, *BODY)),
+        "60 swept footprints over the border": (50, 1, lambda: corridor.margin_inside(*over, *BODY)),
         "60000 swept footprints inside, for 30 of them": (
             1,
             2000,
             lambda: corridor.margin_inside(*many, *BODY),
+        ),
+        "60000 of them, as near to either border, for 30": (
+            1,
+            2000,
+            lambda: corridor.margin_inside(*midway, *BODY),
         ),
         "project 5 points": (50, 1, lambda: line.project(x, y)),
         "60 swept footprints clear of 3 boxes": (

@@ -39,7 +39,9 @@ def track() -> dict[str, Any]:
 
 def trajectory(angle: float, speed: float, acceleration: float) -> dict[str, list[float]]:
     """Along the middle of the course from an angle on, at a constant acceleration until standstill."""
-    columns: dict[str, list[float]] = {name: [] for name in ("t", "s", "x", "y", "heading", "kappa", "v", "a")}
+    columns: dict[str, list[float]] = {
+        name: [] for name in ("t", "s", "x", "y", "heading", "kappa", "v", "a")
+    }
     step = 0.1
     t = s = 0.0
     for _ in range(POINTS):
@@ -97,7 +99,8 @@ def measure(repeats: int = 15) -> dict[str, float]:
         "numpy: one cycle, program alone": median(lambda k: evaluator.program.run(ready[k]), repeats * 10),
         "numpy: one cycle, with witnesses": median(lambda k: witnesses(cycles[k]), repeats * 10),
         "numpy: batch of 1000 cycles, a trajectory": median(lambda k: verdicts(batch), 3) / len(batch),
-        "numpy: batch of 1000 cycles with witnesses, a trajectory": median(lambda k: witnesses(batch), 2) / len(batch),
+        "numpy: batch of 1000 cycles with witnesses, a trajectory": median(lambda k: witnesses(batch), 2)
+        / len(batch),
     }
 
 

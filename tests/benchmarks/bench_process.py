@@ -34,7 +34,9 @@ print(status, used.ru_utime + used.ru_stime, used.ru_maxrss, file=sys.stderr)
 def command(*arguments: str) -> tuple[float, float]:
     """CPU seconds (user and system) and peak memory in bytes of one run, from process start."""
     call = ["sh", "-c", '"$0" "$@"; true', sys.executable, "-c", MEASURED, *arguments]
-    done = subprocess.run(call, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run(
+        call, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False
+    )
     status, seconds, memory = done.stderr.splitlines()[-1].split()
     if status not in ("0", "1"):
         raise RuntimeError(f"trackmarshal {' '.join(arguments)} ended with {status}")

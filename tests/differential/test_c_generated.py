@@ -7,6 +7,7 @@ import struct
 from collections import Counter
 
 import pytest
+
 from support.agreement import compiled, read
 from support.generated import RandomChoices, subject
 from trackmarshal.backends.c.build import compiler
@@ -47,7 +48,7 @@ def test_some_specs() -> None:
     assert set(seen) == {"satisfied", "violated", "undefined", "inactive"}
 
 
-@pytest.mark.acceptance
+@pytest.mark.generated_c
 @pytest.mark.parametrize("block", range(10))
 def test_many_specs(block: int) -> None:
     seen: Counter[str] = Counter()

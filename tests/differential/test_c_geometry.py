@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.errors import TrackmarshalError
@@ -113,7 +114,7 @@ def borders(r: random.Random) -> tuple[Points, Points, bool]:
 def case(r: random.Random, left: Points, right: Points, closed: bool) -> dict[str, Any]:
     count, i = r.randint(2, 5), r.randrange(min(len(left), len(right)))
     cx, cy = (left[i][0] + right[i][0]) / 2, (left[i][1] + right[i][1]) / 2
-    if r.random() < 0.2 or not cx == cx:
+    if r.random() < 0.2 or math.isnan(cx):
         cx, cy = r.uniform(0, 10), r.uniform(0, 10)
     h = r.choice([0.0, math.pi / 2, r.uniform(-4, 4)])
     steps = [(r.choice([0, 1, 2.5]), r.choice([0, 0, 0.3 * r.random()])) for _ in range(count)]
@@ -161,7 +162,8 @@ def compare(seed: int, folder: Path, seen: Counter[str]) -> list[str]:
         try:
             run = program.run([read])
         except TrackmarshalError as error:
-            assert error.code == "E473"
+            if error.code != "E473":
+                raise
             seen["refused"] += 1
             continue
         for rule in reference.rules:
@@ -188,7 +190,7 @@ def test_some_tracks(folder: Path) -> None:
     assert seen["refused"] < 80
 
 
-@pytest.mark.acceptance
+@pytest.mark.generated_c
 def test_many_tracks(folder: Path) -> None:
     seen: Counter[str] = Counter()
     found = [text for seed in range(1000, 4000) for text in compare(seed, folder, seen)]

@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any
 
 import pytest
+
 from support import seed
 from support.shared import SUPERVISOR, oracle, shared
 from trackmarshal.backends.c.build import compiler

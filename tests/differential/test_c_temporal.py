@@ -7,6 +7,7 @@ import random
 import struct
 
 import pytest
+
 from support.agreement import compiled
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram

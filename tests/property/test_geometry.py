@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from trackmarshal.backends.reference import geometry as reference
@@ -14,6 +14,8 @@ from trackmarshal.runtime import geometry as fast
 
 Point = tuple[float, float]
 Pose = tuple[float, float, float]
+
+unhurried = settings(deadline=None)
 
 small = st.floats(-1.0, 1.0)
 headings = st.floats(-7.0, 7.0)
@@ -65,6 +67,7 @@ def margins(
     return expected, found
 
 
+@unhurried
 @given(st.data(), corridors(), sizes)
 def test_fast_is_the_reference(
     data: st.DataObject, borders: tuple[list[Point], list[Point]], body: tuple[float, float]
@@ -81,6 +84,7 @@ def test_fast_is_the_reference(
 whole = st.integers(-6, 6).map(float)
 
 
+@unhurried
 @given(
     st.lists(st.tuples(whole, whole), min_size=3, max_size=9),
     st.tuples(whole, whole),
@@ -102,6 +106,7 @@ def test_fast_is_the_reference_where_everything_touches(
     assert np.array_equal(zone.signed_distance(*start), [point], equal_nan=True)
 
 
+@unhurried
 @given(st.data(), corridors(), sizes)
 def test_many_at_once_are_each_by_itself(
     data: st.DataObject, borders: tuple[list[Point], list[Point]], body: tuple[float, float]
@@ -117,6 +122,7 @@ def test_many_at_once_are_each_by_itself(
     assert math.isnan(together[len(several) // 2])
 
 
+@unhurried
 @given(st.data(), corridors(), st.tuples(st.floats(0.2, 2.0), st.floats(0.2, 1.0)))
 def test_inside_means_that_every_corner_and_every_pose_between_is(
     data: st.DataObject, borders: tuple[list[Point], list[Point]], body: tuple[float, float]
@@ -137,6 +143,7 @@ def test_inside_means_that_every_corner_and_every_pose_between_is(
         assert margins(borders, (between, between), body)[1] >= margin - 1e-9
 
 
+@unhurried
 @given(st.data(), corridors(), sizes, st.floats(1.0, 2.0), st.floats(1.0, 2.0))
 def test_a_larger_vehicle_has_no_larger_margin(
     data: st.DataObject,
@@ -155,6 +162,7 @@ def test_a_larger_vehicle_has_no_larger_margin(
         assert larger < 1e-9
 
 
+@unhurried
 @given(st.data(), corridors(), sizes, headings, st.tuples(small, small))
 def test_rigid_motions_change_nothing(
     data: st.DataObject,
@@ -179,6 +187,7 @@ def test_rigid_motions_change_nothing(
         assert other == pytest.approx(margin, rel=1e-6, abs=1e-6)
 
 
+@unhurried
 @given(st.data(), corridors(), sizes)
 def test_both_directions_are_the_same_sweep(
     data: st.DataObject, borders: tuple[list[Point], list[Point]], body: tuple[float, float]
@@ -191,6 +200,7 @@ def test_both_directions_are_the_same_sweep(
 poses = st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0), headings)
 
 
+@unhurried
 @given(poses, poses, sizes, poses, sizes)
 def test_clearance(
     start: Pose, end: Pose, body: tuple[float, float], box: Pose, size: tuple[float, float]
@@ -207,6 +217,7 @@ def test_clearance(
 lines = st.lists(st.tuples(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0)), min_size=2, max_size=20)
 
 
+@unhurried
 @given(lines, st.booleans(), st.tuples(st.floats(-80.0, 80.0), st.floats(-80.0, 80.0)))
 def test_curvilinear_coordinates(line: list[Point], closed: bool, point: Point) -> None:
     made = fast.Polyline(line, closed)

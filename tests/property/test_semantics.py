@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from property.strategies.specs import DrawnChoices, equivalents, repeatable, subjects
-from support.agreement import compiled, differences, read, results, same
+from support.agreement import compiled, differences, near_differences, read, results, same
 from support.generated import (
     FormulaWriter,
     Inputs,
@@ -238,14 +238,14 @@ def test_the_order_of_objects_does_not_matter(backend: str, made: Subject, data:
 @pytest.mark.parametrize("geometry", [False, True], ids=["plain", "geometry"])
 @pytest.mark.parametrize("part", range(3))
 def test_a_batch_is_its_cases_one_by_one(part: int, geometry: bool) -> None:
-    """To the last bit, inexact functions too: what numpy computes for a number does not depend on its neighbours."""
+    """To the last bit; up to that where numpy takes another way to an inexact function for one number than for many."""
     for seed in range(40 * part, 40 * (part + 1)):
-        made = subject(RandomChoices(seed), inexact="any", geometry=geometry)
+        made = subject(RandomChoices(seed), inexact="gentle", geometry=geometry)
         spec = compiled(made.text)
         cases = read(spec, made.cases)
         together = results(spec, cases, "numpy")
         for case, result in zip(cases, together, strict=True):
-            assert not differences(result, results(spec, [case], "numpy")[0]), seed
+            assert not near_differences(spec, case, result, results(spec, [case], "numpy")[0]), seed
 
 
 @both

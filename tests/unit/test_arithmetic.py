@@ -93,7 +93,9 @@ def test_no_corner_raises(name: str) -> None:
         ("pow", (2.0, 0.5), math.sqrt(2.0)),
     ],
 )  # fmt: skip
-def test_functions_have_the_values_of_their_definitions(name: str, args: tuple[float, ...], value: float) -> None:
+def test_functions_have_the_values_of_their_definitions(
+    name: str, args: tuple[float, ...], value: float
+) -> None:
     assert bits(apply(name, args)) == bits(value)
 
 
@@ -142,12 +144,17 @@ def test_an_unknown_operator_raises(function: object) -> None:
 
 
 tables = st.lists(
-    st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)), min_size=1, max_size=6, unique_by=lambda row: row[0]
+    st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)),
+    min_size=1,
+    max_size=6,
+    unique_by=lambda row: row[0],
 ).map(sorted)
 
 
 @given(tables, st.floats(-2e6, 2e6))
-def test_tables_are_linear_between_knots_and_clamped_outside(rows: list[tuple[float, float]], x: float) -> None:
+def test_tables_are_linear_between_knots_and_clamped_outside(
+    rows: list[tuple[float, float]], x: float
+) -> None:
     knots, values = [k for k, _ in rows], [v for _, v in rows]
     found = interpolate(knots, values, x)
     if x <= knots[0]:

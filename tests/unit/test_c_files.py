@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+
 from support.shared import SUPERVISOR
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c.program import CProgram
@@ -46,7 +47,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     parser.add_argument("--quiet", action="store_true")
     verb.configure(parser)
     assert verb.run(parser.parse_args([str(SUPERVISOR), "--out", str(folder), "--quiet"])) == 0
-    yield folder
+    return folder
 
 
 def test_files(written: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+
 from support.project import command
 from support.shared import REPOSITORY
 from trackmarshal.errors import TrackmarshalError
@@ -62,6 +63,8 @@ def test_the_command_line_counts_more_than_the_recording() -> None:
     """The recording is of a car with more grip than the compact one."""
     recording = str(REPOSITORY / "specs" / "scenarios" / "cut_in.tmrec.jsonl")
     plain = command(REPOSITORY, "replay", recording)[1]
-    compact = command(REPOSITORY, "replay", recording, "--with", str(REPOSITORY / "specs" / "vehicles" / "compact.spec"))[1]
+    compact = command(
+        REPOSITORY, "replay", recording, "--with", str(REPOSITORY / "specs" / "vehicles" / "compact.spec")
+    )[1]
     assert "friction" not in plain
     assert "friction" in compact

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing.cases import prepare
 from trackmarshal.testing.run import run_tests

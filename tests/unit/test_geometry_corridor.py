@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from support.bodies import BOTH, Geometry, Pose
 from support.tracks import eight, loop, oval
+from trackmarshal.runtime.geometry import Corridor, Polygon
 
 CAR = (4.0, 2.0)
 LEFT = [(0.0, 5.0), (50.0, 5.0), (100.0, 5.0)]
@@ -250,6 +252,29 @@ def test_far_from_the_origin_nothing_is_lost(geometry: Geometry) -> None:
         2.5, abs=1e-8
     )
     assert geometry.inside(left, right, *stand(x + 50, y + 4.25), CAR) == pytest.approx(-0.25, abs=1e-8)
+
+
+def test_a_scribble_is_refused() -> None:
+    points = np.random.default_rng(0).uniform(-100.0, 100.0, (3000, 2))
+    fault = Polygon(points).fault
+    assert fault is not None
+    assert fault.startswith("polygon crosses itself near (")
+
+
+@both
+def test_lengths_that_are_no_vehicle(geometry: Geometry) -> None:
+    assert math.isnan(geometry.inside(LEFT, RIGHT, *stand(50.0, 0.0), (1e-7, 2.0)))
+    assert geometry.inside(LEFT, RIGHT, *stand(50.0, 0.0), (1e-6, 1e-6)) == pytest.approx(5.0)
+
+
+def test_prepared_borders_cannot_be_changed() -> None:
+    left = np.array(LEFT)
+    corridor = Corridor(left, RIGHT)
+    before = corridor.margin_inside(*stand(50.0, 0.0)[0], *stand(50.0, 0.0)[1], *CAR)
+    left[:, 1] = 2.0  # the caller's array is not the corridor's
+    assert corridor.margin_inside(*stand(50.0, 0.0)[0], *stand(50.0, 0.0)[1], *CAR) == before
+    with pytest.raises(ValueError, match="read-only"):
+        corridor.left[0, 0] = 1.0
 
 
 @both

@@ -82,7 +82,14 @@ def test_children_are_the_nodes_in_fields_and_tuples() -> None:
     a, b, c = Leaf("a"), Leaf("b"), Leaf("c")
     pair = Pair(a, b, (c,))
     assert list(pair.children()) == [a, b, c]
-    assert [getattr(node, "name", "pair") for node in Pair(pair, a).walk()] == ["pair", "pair", "a", "b", "c", "a"]
+    assert [getattr(node, "name", "pair") for node in Pair(pair, a).walk()] == [
+        "pair",
+        "pair",
+        "a",
+        "b",
+        "c",
+        "a",
+    ]
 
 
 def test_a_walk_goes_deeper_than_the_stack() -> None:

@@ -11,8 +11,26 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trackmarshal.units import (
-    ACCELERATION, FORCE, LENGTH, MASS, NUMBER, SPEED, TIME, UNIT_PATTERN, UNITS, Dimension,
-    from_si, name, over, parse_shown, parse_unit, power, quantity, show, times, to_si,
+    ACCELERATION,
+    FORCE,
+    LENGTH,
+    MASS,
+    NUMBER,
+    SPEED,
+    TIME,
+    UNIT_PATTERN,
+    UNITS,
+    Dimension,
+    from_si,
+    name,
+    over,
+    parse_shown,
+    parse_unit,
+    power,
+    quantity,
+    show,
+    times,
+    to_si,
 )  # fmt: skip
 
 #: The exact factors to SI, written independently of the table under test.
@@ -32,7 +50,9 @@ fractional = st.tuples(*[st.fractions(min_value=-3, max_value=3, max_denominator
 
 def unit_texts() -> st.SearchStrategy[str]:
     names = st.sampled_from(sorted(UNITS))
-    part = st.builds(lambda unit, e: unit + ("" if e == 1 else f"^{e}"), names, st.sampled_from([1, 2, 3, -1, -2]))
+    part = st.builds(
+        lambda unit, e: unit + ("" if e == 1 else f"^{e}"), names, st.sampled_from([1, 2, 3, -1, -2])
+    )
     return st.lists(part, min_size=1, max_size=3).flatmap(
         lambda parts: st.lists(st.sampled_from("/*"), min_size=len(parts) - 1, max_size=len(parts) - 1).map(
             lambda signs: "".join(p + s for p, s in zip(parts, [*signs, ""]))
@@ -141,7 +161,9 @@ def test_what_is_shown_of_whole_exponents_is_a_unit(dimension: Dimension) -> Non
 def test_how_messages_call_them(dimension: Dimension, shown: str, spoken: str) -> None:
     assert show(dimension) == shown
     assert name(dimension) == spoken
-    assert quantity(dimension) == (spoken if dimension == NUMBER or spoken == shown else f"{spoken} [{shown}]")
+    assert quantity(dimension) == (
+        spoken if dimension == NUMBER or spoken == shown else f"{spoken} [{shown}]"
+    )
 
 
 def test_what_is_not_shown_is_refused() -> None:

@@ -21,7 +21,9 @@ class CaseValues(Values, Protocol):
     def geometry_fault(self, formula: ir.Formula) -> str | None: ...
 
 
-def case_result(rules: Sequence[RuleInfo], case: Case, values: CaseValues, series: bool = False) -> CaseResult:
+def case_result(
+    rules: Sequence[RuleInfo], case: Case, values: CaseValues, series: bool = False
+) -> CaseResult:
     """The results of rules on one case; rules without a formula (assumptions without a monitor) have none."""
     results = {r.name: rule_result(r, case, values, series) for r in rules if r.formula is not None}
     return CaseResult(case.id, results, tuple(str(fault) for fault in case.faults))
@@ -32,16 +34,34 @@ def rule_result(rule: RuleInfo, case: Case, values: CaseValues, series: bool = F
     formula = rule.formula
     assert formula is not None
     if case.blocks(rule.reads):
-        return RuleResult(rule.name, "undefined", math.nan, rule.unit, None, _blocked_reason(rule, case), _no_series(rule, case, series))
+        return RuleResult(
+            rule.name,
+            "undefined",
+            math.nan,
+            rule.unit,
+            None,
+            _blocked_reason(rule, case),
+            _no_series(rule, case, series),
+        )
     if rule.active is not None and not values.truth(rule.active, {}).best.sat:
-        return RuleResult(rule.name, "inactive", math.inf, rule.unit, None, "nothing in its range", _series(rule, values, series))
+        return RuleResult(
+            rule.name,
+            "inactive",
+            math.inf,
+            rule.unit,
+            None,
+            "nothing in its range",
+            _series(rule, values, series),
+        )
     truth = values.truth(formula, {})
     witness = Descent(values).find(formula)
     unit = rule.unit if rule.unit != "mixed" else witness.unit if witness is not None else "1"
     reason = ""
     if truth.verdict == "undefined":
         reason = values.geometry_fault(formula) or ""
-    return RuleResult(rule.name, truth.verdict, truth.margin, unit, witness, reason, _series(rule, values, series))
+    return RuleResult(
+        rule.name, truth.verdict, truth.margin, unit, witness, reason, _series(rule, values, series)
+    )
 
 
 def _series(rule: RuleInfo, values: CaseValues, wanted: bool) -> tuple[list[str], list[float]] | None:

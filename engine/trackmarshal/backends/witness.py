@@ -26,7 +26,13 @@ class Sides(NamedTuple):
 
     def margin(self, verdict: str, index: int) -> float:
         """The margin that counts for a verdict; 0 for an undefined one."""
-        return 0.0 if verdict == "undefined" else self.worst[index] if verdict == "satisfied" else self.best[index]
+        return (
+            0.0
+            if verdict == "undefined"
+            else self.worst[index]
+            if verdict == "satisfied"
+            else self.best[index]
+        )
 
     def first(self, wanted: str, indices: Iterable[int], least: bool) -> int | None:
         """The first index with a verdict and, of those with it, the least or greatest margin; None where it is nowhere."""
@@ -132,7 +138,11 @@ class Descent:
         return Witness(binders, self._values.truth(node, env).margin, unit, node.span)
 
     def _pick(
-        self, node: ir.Formula, env: Env, pick: Callable[..., Branch], branches: Iterable[tuple[ir.Formula, Env, int]]
+        self,
+        node: ir.Formula,
+        env: Env,
+        pick: Callable[..., Branch],
+        branches: Iterable[tuple[ir.Formula, Env, int]],
     ) -> tuple[ir.Formula, Env] | None:
         """The branch with the verdict of the whole (negated ones count reversed) and the deciding margin."""
         wanted = self._verdict(node, env)
@@ -192,7 +202,12 @@ class Descent:
         left = self._values.sides(node.left, node.axis, env)
         right = self._values.sides(node.right, node.axis, env)
         outcomes: dict[int, float] = {}  # of the samples with the verdict of the whole
-        held_sat, may_sat, held, most = True, True, math.inf, math.inf  # of the left side, from k up to the sample
+        held_sat, may_sat, held, most = (
+            True,
+            True,
+            math.inf,
+            math.inf,
+        )  # of the left side, from k up to the sample
         ahead = node.op == "until"
         for j in range(k, window.stop) if ahead else range(k, window.start - 1, -1):
             if j in window:
@@ -205,7 +220,9 @@ class Descent:
             return None
         at = min(outcomes) if wanted == "undefined" else max(sorted(outcomes), key=outcomes.__getitem__)
         before = left.first(wanted, range(k, at) if ahead else range(at + 1, k + 1), True)
-        if right.verdict(at) == wanted and (before is None or right.margin(wanted, at) <= left.margin(wanted, before)):
+        if right.verdict(at) == wanted and (
+            before is None or right.margin(wanted, at) <= left.margin(wanted, before)
+        ):
             return node.right, {**env, level: at}
         return None if before is None else (node.left, {**env, level: before})
 

@@ -40,7 +40,10 @@ def run(args: argparse.Namespace) -> int:
     for format_ in ("html", "json", "csv", "md"):
         (target / f"matrix.{format_}").write_text(trace.render(matrix, format_), encoding="utf-8")
     summary = json.loads(trace.render(matrix, "json"))
-    records = [run_record(outcome, evaluator, source_hash=summary.source_hash) for summary, outcome, evaluator in made.replays]
+    records = [
+        run_record(outcome, evaluator, source_hash=summary.source_hash)
+        for summary, outcome, evaluator in made.replays
+    ]
     failed = [r for r in made.results if r.outcome != "passed"]
     uncovered = [c.rule.name for c in coverage(made.compiled.spec, made.prepared) if not c.complete]
     gaps = trace.gate(matrix)
@@ -59,7 +62,9 @@ def run(args: argparse.Namespace) -> int:
     )  # fmt: skip
     outside = [truth for run_ in made.runs for truth in run_.ground_truth.values() if not truth.inside]
     if not args.quiet:
-        print(f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {len(made.runs)} scenarios run, {len(gaps)} gaps")
+        print(
+            f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {len(made.runs)} scenarios run, {len(gaps)} gaps"
+        )
         print(page)
     errors = any(d.level == "error" for d in found)
     return 1 if failed or gaps or outside or errors else 0

@@ -103,12 +103,19 @@ def _evaluators(root: Path, project: Project) -> dict[str, tuple[Recording, Eval
         path = root / shown
         if path.is_file():
             recording = load(path, shown)
-            result[shown] = recording, evaluator_for(recording, root / project.default_spec, [], root, None, "numpy", path.parent)
+            result[shown] = (
+                recording,
+                evaluator_for(recording, root / project.default_spec, [], root, None, "numpy", path.parent),
+            )
     return result
 
 
 def _run_scenarios(
-    root: Path, old: list[RunSummary], evaluators: dict[str, tuple[Recording, Evaluator]], everything: bool, quiet: bool
+    root: Path,
+    old: list[RunSummary],
+    evaluators: dict[str, tuple[Recording, Evaluator]],
+    everything: bool,
+    quiet: bool,
 ) -> tuple[list[RunSummary], list[tuple[RunSummary, Any, Any]]]:
     """Runs of all scenarios: the old ones where they are of the same recording and rules, else new ones."""
     from trackmarshal.cli.replay import run_one
@@ -118,7 +125,10 @@ def _run_scenarios(
     for shown, (recording, evaluator) in evaluators.items():
         digest = evidence.file_hash(root / shown)
         before = known.get(shown)
-        fresh = before is not None and (before.source_hash, before.spec_fingerprint) == (digest, evaluator.spec.fingerprint)
+        fresh = before is not None and (before.source_hash, before.spec_fingerprint) == (
+            digest,
+            evaluator.spec.fingerprint,
+        )
         if before is not None and fresh and not everything:
             runs.append(before)
             continue
@@ -134,4 +144,6 @@ def _finding(item: Diagnostic) -> Finding:
     from trackmarshal.trace import Finding, Place
 
     span = item.span
-    return Finding(item.code, item.level, item.message, Place(span.file.path, span.line, span.column), item.help)
+    return Finding(
+        item.code, item.level, item.message, Place(span.file.path, span.line, span.column), item.help
+    )

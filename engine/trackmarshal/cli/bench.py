@@ -18,12 +18,17 @@ from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
 
 CODES = {
-    "E461": ("no benchmarks", "`bench` runs the modules tests/benchmarks/bench_*.py of the project; this one has none of that name."),
+    "E461": (
+        "no benchmarks",
+        "`bench` runs the modules tests/benchmarks/bench_*.py of the project; this one has none of that name.",
+    ),
 }
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("names", nargs="*", metavar="NAME", help="only these: `temporal` for bench_temporal.py (default: all)")
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help="only these: `temporal` for bench_temporal.py (default: all)"
+    )
     parser.add_argument("--format", choices=("text", "json"), default="text")
 
 
@@ -33,7 +38,9 @@ def run(args: argparse.Namespace) -> int:
     if args.names:
         files = [file for file in files if file.stem.removeprefix("bench_") in args.names]
     if not files:
-        raise TrackmarshalError("E461", f"no benchmark {' '.join(args.names)} in {folder}", help="see the files there")
+        raise TrackmarshalError(
+            "E461", f"no benchmark {' '.join(args.names)} in {folder}", help="see the files there"
+        )
     rows = []
     for file in files:
         if not args.quiet:
@@ -46,7 +53,15 @@ def run(args: argparse.Namespace) -> int:
         results = [{"name": n, "value": v, "unit": _unit(n), "limit": limit} for n, v, limit in rows]
         print(dump({"machine": _machine(), "results": results}))
     else:
-        shown = [[n, _figure(n, v), "" if limit is None else _figure(n, limit), "" if limit is None else f"{v / limit:.2f}"] for n, v, limit in rows]
+        shown = [
+            [
+                n,
+                _figure(n, v),
+                "" if limit is None else _figure(n, limit),
+                "" if limit is None else f"{v / limit:.2f}",
+            ]
+            for n, v, limit in rows
+        ]
         print(_machine())
         print(table(shown, ["benchmark", "median", "limit", "ratio"]))
     return 1 if any(limit is not None and value > limit for _, value, limit in rows) else 0
@@ -79,6 +94,10 @@ def _machine() -> str:
     model = platform.processor() or platform.machine()
     info = Path("/proc/cpuinfo")
     if info.is_file():
-        names = [line.partition(":")[2].strip() for line in info.read_text().splitlines() if line.startswith("model name")]
+        names = [
+            line.partition(":")[2].strip()
+            for line in info.read_text().splitlines()
+            if line.startswith("model name")
+        ]
         model = names[0] if names else model
     return f"{model}, Python {platform.python_version()}, {platform.system()}"

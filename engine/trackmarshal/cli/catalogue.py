@@ -22,7 +22,12 @@ def catalogue() -> dict[str, tuple[str, str]]:
         module = import_module(name)
         own: dict[str, tuple[str, str]] = dict(getattr(module, "CODES", {}))
         for item in vars(module).values():
-            if isinstance(item, type) and issubclass(item, Diagnostic) and item.code and item.__module__ == name:
+            if (
+                isinstance(item, type)
+                and issubclass(item, Diagnostic)
+                and item.code
+                and item.__module__ == name
+            ):
                 own[item.code] = (item.title, item.explanation)
         for code, entry in own.items():
             if code in found and found[code] != entry:

@@ -14,11 +14,15 @@ if TYPE_CHECKING:
     from trackmarshal.diagnostics.base import Diagnostic
     from trackmarshal.semantics.compile import Compiled
 
+#: Findings of requirement files that say: nothing of this file is known.
+UNREADABLE = {*(f"T{number}" for number in range(101, 112)), "T113"}
 FORMATS = ("text", "json", "sarif", "github")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)")
+    parser.add_argument(
+        "paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)"
+    )
     parser.add_argument("--format", choices=FORMATS, default="text")
 
 
@@ -37,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
         what = f"{_count(len(compiled.order), 'module')}, {_count(rules, 'rule or assumption', 'rules and assumptions')}"
         summary = f"{what}: {_count(errors, 'error')}, {_count(warnings, 'warning')}"
         print(summary, file=sys.stderr if found else sys.stdout)
-    if compiled.failures:
+    if any(isinstance(f, TrackmarshalError) for f in found):  # something could not be read at all
         return 2
     return 1 if errors else 0
 
@@ -54,9 +58,13 @@ def examine(compiled: Compiled, project: Path | None) -> list[Diagnostic | Track
     from trackmarshal.testing.cases import prepare
 
     found = [*compiled.found, *prepare(compiled)[1], *unconstrained(compiled)]
+    unreadable: list[TrackmarshalError] = []
     if project is not None:
-        found += unknown_requirements(compiled, project)
-    return [*compiled.failures, *sorted(found, key=lambda d: (d.span.file.path, d.span.start, d.code))]
+        unreadable = unreadable_requirements(project)
+        if not unreadable:  # else it is not known what is demanded
+            found += unknown_requirements(compiled, project)
+    in_order = sorted(found, key=lambda d: (d.span.file.path, d.span.start, d.code))
+    return [*compiled.failures, *unreadable, *in_order]
 
 
 def unconstrained(compiled: Compiled) -> list[Diagnostic]:
@@ -81,9 +89,35 @@ def unconstrained(compiled: Compiled) -> list[Diagnostic]:
             continue
         if values.truth(constraint.formula, {}).verdict != "satisfied":
             infos = [spec.params[name] for name in params]
-            shown = ", ".join(f"{i.name.rpartition('.')[2]} = {from_si(i.value, i.unit):g} {i.unit}" for i in infos)
-            found.append(Unconstrained(constraint.span.head, shown, constraint.because or "change a value, or the constraint"))
+            shown = ", ".join(
+                f"{i.name.rpartition('.')[2]} = {from_si(i.value, i.unit):g} {i.unit}" for i in infos
+            )
+            found.append(
+                Unconstrained(
+                    constraint.span.head, shown, constraint.because or "change a value, or the constraint"
+                )
+            )
     return found
+
+
+def unreadable_requirements(project: Path) -> list[TrackmarshalError]:
+    """Files of the project's requirements that cannot be read, so that it is not known what they demand."""
+    from trackmarshal.trace import requirements
+    from trackmarshal.trace.findings import Finding
+
+    found: list[Finding] = []
+    requirements.load(project, found)
+    return [
+        TrackmarshalError(
+            f.code,
+            f.message,
+            file=f.place and f.place.file,
+            line=(f.place and f.place.line) or None,
+            help=f.help or None,
+        )
+        for f in found
+        if f.code in UNREADABLE
+    ]
 
 
 def unknown_requirements(compiled: Compiled, project: Path) -> list[Diagnostic]:
@@ -96,7 +130,11 @@ def unknown_requirements(compiled: Compiled, project: Path) -> list[Diagnostic]:
     known = {str(name) for name in requirements.ids(project)}
     items = [item for name in compiled.order for item in compiled.library.modules[name].tree.items]
     return [
-        UnknownRequirement(name.span, name.name, close_matches(name.name, known) or "requirements are declared in requirements/*.yaml")
+        UnknownRequirement(
+            name.span,
+            name.name,
+            close_matches(name.name, known) or "requirements are declared in requirements/*.yaml",
+        )
         for item in items
         if isinstance(item, (ast.Rule, ast.Assume))
         for clause in item.clauses

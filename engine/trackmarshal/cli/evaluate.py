@@ -1,6 +1,6 @@
 """Evaluate rules of a spec on given data: one case a line of JSON in, one result a line out, in order.
 
-  trackmarshal eval specs/supervisor --data cases.jsonl --rule friction --format jsonl
+trackmarshal eval specs/supervisor --data cases.jsonl --rule friction --format jsonl
 """
 
 from __future__ import annotations
@@ -30,18 +30,37 @@ _HELP = 'a case is one line, such as {"id": 1, "signals": {"plan": {"t": [0, 0.1
 
 CODES = {
     "D101": ("a line that is not JSON", "Data is JSON Lines: one JSON object a line, UTF-8."),
-    "D103": ("no cases", "The data holds no case at all. Nothing was evaluated, so nothing is known to be safe."),
-    "D102": ("the data cannot be read", "The file of `--data` does not exist or cannot be read; `-` reads standard input."),
+    "D103": (
+        "no cases",
+        "The data holds no case at all. Nothing was evaluated, so nothing is known to be safe.",
+    ),
+    "D102": (
+        "the data cannot be read",
+        "The file of `--data` does not exist or cannot be read; `-` reads standard input.",
+    ),
 }
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("spec", metavar="SPEC", help="a .spec file, or a folder of them")
-    parser.add_argument("--data", required=True, metavar="FILE", help="JSON Lines, one case a line; - for standard input")
-    parser.add_argument("--rule", action="append", metavar="R", help="a rule to evaluate (repeatable; default: all)")
-    parser.add_argument("--with", dest="settings", action="append", default=[], metavar="FILE", help="a configuration module (a vehicle, a track)")
+    parser.add_argument(
+        "--data", required=True, metavar="FILE", help="JSON Lines, one case a line; - for standard input"
+    )
+    parser.add_argument(
+        "--rule", action="append", metavar="R", help="a rule to evaluate (repeatable; default: all)"
+    )
+    parser.add_argument(
+        "--with",
+        dest="settings",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="a configuration module (a vehicle, a track)",
+    )
     parser.add_argument("--backend", choices=("numpy", "reference"), default="numpy")
-    parser.add_argument("--series", action="store_true", help="for rules along a timeline: the value at every sample")
+    parser.add_argument(
+        "--series", action="store_true", help="for rules along a timeline: the value at every sample"
+    )
     parser.add_argument("--format", choices=("text", "jsonl"), default="text")
 
 
@@ -83,7 +102,9 @@ def _identity(raw: object) -> object:
     """What a case is called; raises D201 for a name that could not be written back."""
     identity = raw.get("id") if isinstance(raw, dict) else None
     if isinstance(identity, (dict, list)) or (isinstance(identity, float) and not math.isfinite(identity)):
-        raise TrackmarshalError("D201", "`id` is a string or a finite number", help="leave it out to have the number of the line")
+        raise TrackmarshalError(
+            "D201", "`id` is a string or a finite number", help="leave it out to have the number of the line"
+        )
     return identity
 
 
@@ -94,9 +115,13 @@ def _parse(line: bytes) -> Any:
         message = f"byte {line[error.start]:#04x} in column {error.start + 1} is not UTF-8"
         raise TrackmarshalError("D101", message, help="save the data as UTF-8") from error
     except RecursionError as error:
-        raise TrackmarshalError("D101", "nested too deeply", help="a case is an object of lists of numbers") from error
+        raise TrackmarshalError(
+            "D101", "nested too deeply", help="a case is an object of lists of numbers"
+        ) from error
     except json.JSONDecodeError as error:
-        raise TrackmarshalError("D101", f"not JSON: {error.msg}, in column {error.colno}", help=_HELP) from error
+        raise TrackmarshalError(
+            "D101", f"not JSON: {error.msg}, in column {error.colno}", help=_HELP
+        ) from error
     except ValueError as error:  # Python refuses whole numbers of thousands of digits
         raise TrackmarshalError("D101", "a number has too many digits", help="write it as 1.5e9") from error
 
@@ -107,24 +132,33 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(result) != len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
-        raise TrackmarshalError("D101", f"the key `{twice}` stands twice in one object", help="keep one of them")
+        raise TrackmarshalError(
+            "D101", f"the key `{twice}` stands twice in one object", help="keep one of them"
+        )
     return result
 
 
 def _lines(path: str) -> Iterator[bytes]:
     if path == "-" and sys.stdin is None:
-        raise TrackmarshalError("D102", "there is no standard input", file=path, help="name a file with --data")
+        raise TrackmarshalError(
+            "D102", "there is no standard input", file=path, help="name a file with --data"
+        )
     try:
         with nullcontext(sys.stdin.buffer) if path == "-" else Path(path).open("rb") as stream:
             while line := stream.readline(MAX_LINE):
                 yield line
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         message = getattr(error, "strerror", None) or str(error)
-        raise TrackmarshalError("D102", f"cannot be read: {message}", file=path, help="check the path; - is standard input") from error
+        raise TrackmarshalError(
+            "D102", f"cannot be read: {message}", file=path, help="check the path; - is standard input"
+        ) from error
 
 
 def _flush(
-    pending: list[tuple[object, Case | TrackmarshalError]], evaluator: Evaluator, broken: list[str], args: argparse.Namespace
+    pending: list[tuple[object, Case | TrackmarshalError]],
+    evaluator: Evaluator,
+    broken: list[str],
+    args: argparse.Namespace,
 ) -> int:
     """Evaluate and print a chunk; `broken` are constraints that do not hold as configured; 2 when a line could not be read, else 0."""
     cases = [case for _, case in pending if not isinstance(case, TrackmarshalError)]
@@ -146,13 +180,19 @@ def _error_line(identity: object, error: TrackmarshalError, format_: str) -> str
         found = {"code": error.code, "message": error.message, "line": error.line, "help": error.help}
         return dump({"id": identity, "error": found})
     lines = [f"case {identity}: error[{error.code}]: {error.message}", f"  --> {error.file}:{error.line}"]
-    return "\n".join(printable(line) for line in [*lines, *([f"  = help: {error.help}"] if error.help else [])])
+    return "\n".join(
+        printable(line) for line in [*lines, *([f"  = help: {error.help}"] if error.help else [])]
+    )
 
 
 def _json_line(result: CaseResult, broken: list[str]) -> str:
     # Where a constraint is broken, the rules are unsound: whatever they say, it is not known to be safe.
     safe = result.safe and not broken
-    line: dict[str, Any] = {"id": result.id, "safe": safe, "rules": {n: rule_json(r) for n, r in result.rules.items()}}
+    line: dict[str, Any] = {
+        "id": result.id,
+        "safe": safe,
+        "rules": {n: rule_json(r) for n, r in result.rules.items()},
+    }
     if result.faults:
         line["faults"] = list(result.faults)
     if broken:
@@ -163,11 +203,27 @@ def _json_line(result: CaseResult, broken: list[str]) -> str:
 def _text(result: CaseResult, broken: list[str]) -> str:
     rows = []
     for name, rule in result.rules.items():
-        where = printable(", ".join(f"{k}={v}" for k, v in rule.witness.binders.items()) if rule.witness else rule.reason)
+        where = printable(
+            ", ".join(f"{k}={v}" for k, v in rule.witness.binders.items()) if rule.witness else rule.reason
+        )
         span = str(rule.witness.span) if rule.witness and rule.witness.span else ""
         shown = number(rule.margin)
-        rows.append([name, rule.verdict, f"{shown:.6g}" if isinstance(shown, float) else shown, rule.unit, where, span])
+        rows.append(
+            [
+                name,
+                rule.verdict,
+                f"{shown:.6g}" if isinstance(shown, float) else shown,
+                rule.unit,
+                where,
+                span,
+            ]
+        )
     safe = result.safe and not broken
-    lines = [printable(f"case {result.id}: {'safe' if safe else 'UNSAFE'}"), table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"])]
-    lines += [printable(f"input: {fault}") for fault in result.faults] + [f"constraint: {text}" for text in broken]
+    lines = [
+        printable(f"case {result.id}: {'safe' if safe else 'UNSAFE'}"),
+        table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"]),
+    ]
+    lines += [printable(f"input: {fault}") for fault in result.faults] + [
+        f"constraint: {text}" for text in broken
+    ]
     return "\n".join(lines)

@@ -10,7 +10,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal import __version__
-from trackmarshal.records import Record, Ref, ResultsFile, RuleFacts, RunSummary, SpecItem, SpecTest, TestResult, TruthFacts, load, save
+from trackmarshal.records import (
+    Record,
+    Ref,
+    ResultsFile,
+    RuleFacts,
+    RunSummary,
+    SpecItem,
+    SpecTest,
+    TestResult,
+    TruthFacts,
+    load,
+    save,
+)
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
@@ -48,7 +60,8 @@ def _refs(pairs: Iterable[tuple[str, Any]]) -> tuple[Ref, ...]:
 def spec_tests(tests: Iterable[PreparedTest]) -> list[SpecTest]:
     """Tests as the matrix sees them."""
     return [
-        SpecTest(t.rule.name, t.title, t.verdict, t.boundary, t.span.file.path, t.span.line, t.span.column) for t in tests
+        SpecTest(t.rule.name, t.title, t.verdict, t.boundary, t.span.file.path, t.span.line, t.span.column)
+        for t in tests
     ]
 
 
@@ -90,7 +103,14 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
         names = tuple(rule.name for rule in evaluator.rules if kind_of(rule, evaluator.spec) == truth.kind)
         truths[truth.kind] = TruthFacts(truth.inside, tuple(said), names)
     return RunSummary(
-        shown, source_hash, evaluator.spec.fingerprint, len(outcome.cycles), tuple(facts), truths, outcome.fired, now()
+        shown,
+        source_hash,
+        evaluator.spec.fingerprint,
+        len(outcome.cycles),
+        tuple(facts),
+        truths,
+        outcome.fired,
+        now(),
     )
 
 

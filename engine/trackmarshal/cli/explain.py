@@ -1,7 +1,7 @@
 """What an error code means, or why a rule said what it said in one cycle of a recording, with the numbers.
 
-  trackmarshal explain E301
-  trackmarshal explain run.tmrec.jsonl --rule friction --at 2.6
+trackmarshal explain E301
+trackmarshal explain run.tmrec.jsonl --rule friction --at 2.6
 """
 
 from __future__ import annotations
@@ -41,7 +41,9 @@ def run(args: argparse.Namespace) -> int:
     if re.fullmatch(r"[A-Za-z]\d{3}", args.what) and not Path(args.what).exists():
         return _code(args.what.upper())
     if args.rule is None or args.at is None:
-        raise TrackmarshalError("E442", f"`{args.what}` is no code", help="for a recording, add --rule R --at T")
+        raise TrackmarshalError(
+            "E442", f"`{args.what}` is no code", help="for a recording, add --rule R --at T"
+        )
     return _verdict(args)
 
 
@@ -67,17 +69,28 @@ def _verdict(args: argparse.Namespace) -> int:
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
     recording = load(args.what)
-    evaluator = evaluator_for(recording, spec_path, [Path(p) for p in args.settings], optional_project(args), [args.rule], "reference")
+    evaluator = evaluator_for(
+        recording,
+        spec_path,
+        [Path(p) for p in args.settings],
+        optional_project(args),
+        [args.rule],
+        "reference",
+    )
     cycle = min(recording.cycles, key=lambda c: abs(c.t - args.at))
     if abs(cycle.t - args.at) > 1e-6:
-        raise TrackmarshalError("E442", f"no cycle at t = {args.at:g} s", help=f"the nearest is at {cycle.t:g} s")
+        raise TrackmarshalError(
+            "E442", f"no cycle at t = {args.at:g} s", help=f"the nearest is at {cycle.t:g} s"
+        )
     tables, _ = known_tables(recording, evaluator.spec)
     for candidate in [args.candidate] if args.candidate else list(cycle.candidates):
         signals = recording.signals(cycle, candidate)
         case = evaluator.read({"params": recording.params, "tables": tables, "signals": signals})
         values = Reference(evaluator.spec, case)
         result = rule_result(evaluator.rules[0], case, values)
-        print("\n".join(_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}")))
+        print(
+            "\n".join(_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}"))
+        )
     return 0
 
 
@@ -86,8 +99,14 @@ def _told(evaluator: Evaluator, result: RuleResult, values: Reference, heading: 
     from trackmarshal.backends.witness import Descent
 
     rule = evaluator.rules[0]
-    lines = [heading, f"{rule.name}: {rule.title}", f"  {result.verdict}, margin {_figure(result.margin)} {result.unit}"]
-    lines.append(f"  satisfies {', '.join(name for name, _ in rule.satisfies) or 'nothing'}; declared at {rule.span}")
+    lines = [
+        heading,
+        f"{rule.name}: {rule.title}",
+        f"  {result.verdict}, margin {_figure(result.margin)} {result.unit}",
+    ]
+    lines.append(
+        f"  satisfies {', '.join(name for name, _ in rule.satisfies) or 'nothing'}; declared at {rule.span}"
+    )
     if result.reason:
         lines.append(f"  {result.reason}")
     descent = Descent(values)
@@ -96,7 +115,9 @@ def _told(evaluator: Evaluator, result: RuleResult, values: Reference, heading: 
         return lines
     node, env = descent.decisive
     if witness.binders:
-        lines.append("  decided at " + ", ".join(f"{name} = {index}" for name, index in witness.binders.items()))
+        lines.append(
+            "  decided at " + ", ".join(f"{name} = {index}" for name, index in witness.binders.items())
+        )
     if witness.span is not None:
         lines.append(f"  by {witness.span}: {' '.join(witness.span.text.split())}")
     lines += [f"    {text} = {_figure(value)}" for text, value in _numbers(node, env, values)]
@@ -113,11 +134,15 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
     leaves: dict[str, float] = {}
     for part in ir.below(node):
         if isinstance(part, ir.Column):
-            leaves[f"{part.axis.signal}[{max(0, env[part.axis.level] + part.offset)}].{part.field}"] = values.number(part, env)
+            leaves[f"{part.axis.signal}[{max(0, env[part.axis.level] + part.offset)}].{part.field}"] = (
+                values.number(part, env)
+            )
         elif isinstance(part, ir.Scalar):
             leaves[f"{part.signal}.{part.field}"] = values.number(part, env)
         elif isinstance(part, ir.Sample):
-            leaves[f"{part.signal}.{'first' if part.index == 0 else 'last'}.{part.field}"] = values.number(part, env)
+            leaves[f"{part.signal}.{'first' if part.index == 0 else 'last'}.{part.field}"] = values.number(
+                part, env
+            )
         elif isinstance(part, ir.Param):
             leaves[part.name] = values.number(part, env)
         elif isinstance(part, ir.Lookup):

@@ -17,11 +17,14 @@ from trackmarshal.errors import TrackmarshalError
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)")
+    parser.add_argument(
+        "paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)"
+    )
     parser.add_argument("--check", action="store_true", help="write nothing; exit 1 when a file would change")
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.diagnostics.base import Diagnostics
     from trackmarshal.semantics.modules import spec_files
     from trackmarshal.source import read
     from trackmarshal.syntax.format import format_text
@@ -34,14 +37,14 @@ def run(args: argparse.Namespace) -> int:
             text = format_text(read(path, _shown(path)))
         except TrackmarshalError as error:
             print_problem(error)
-            status = 1
+            status = max(status, 1 if isinstance(error, Diagnostics) else 2)
             continue
         if text.encode() == path.read_bytes():
             continue
         changed += 1
         if args.check:
             print(f"would lay out {_shown(path)}")
-            status = 1
+            status = max(status, 1)
         else:
             _replace(path, text)
             if not args.quiet:

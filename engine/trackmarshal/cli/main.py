@@ -78,13 +78,22 @@ def _guarded(arguments: list[str]) -> int:
         if os.environ.get("TRACKMARSHAL_DEBUG"):
             raise
         print(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
-        print("  This is a defect of trackmarshal. Set TRACKMARSHAL_DEBUG=1 for the details and report it.", file=sys.stderr)
+        print(
+            "  This is a defect of trackmarshal. Set TRACKMARSHAL_DEBUG=1 for the details and report it.",
+            file=sys.stderr,
+        )
         return INTERNAL
 
 
 def _path(error: OSError) -> str | None:
     """Which file an error of the system is about."""
-    return None if error.filename is None else os.fsdecode(error.filename) if isinstance(error.filename, (str, bytes)) else str(error.filename)
+    return (
+        None
+        if error.filename is None
+        else os.fsdecode(error.filename)
+        if isinstance(error.filename, (str, bytes))
+        else str(error.filename)
+    )
 
 
 def _dispatch(arguments: list[str]) -> int:
@@ -92,8 +101,14 @@ def _dispatch(arguments: list[str]) -> int:
     if verb not in VERBS:
         return _overview(verb, arguments)
     module = importlib.import_module(f"trackmarshal.cli.{_module(verb)}")
-    parser = argparse.ArgumentParser(prog=f"trackmarshal {verb}", description=module.__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--project", metavar="DIR", help="the project to work on (default: the one this folder is in)")
+    parser = argparse.ArgumentParser(
+        prog=f"trackmarshal {verb}",
+        description=module.__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--project", metavar="DIR", help="the project to work on (default: the one this folder is in)"
+    )
     parser.add_argument("--quiet", action="store_true", help="no progress, only results")
     module.configure(parser)
     rest = list(arguments)

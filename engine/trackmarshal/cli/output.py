@@ -61,7 +61,12 @@ def progress(items: Sequence[T], what: str, quiet: bool) -> Iterator[T]:
     for index, item in enumerate(items):
         if monotonic() - start > 1.0:
             done = 30 * index // max(1, len(items))
-            print(f"\r{what} [{'#' * done}{'.' * (30 - done)}] {index}/{len(items)}", end="", file=sys.stderr, flush=True)
+            print(
+                f"\r{what} [{'#' * done}{'.' * (30 - done)}] {index}/{len(items)}",
+                end="",
+                file=sys.stderr,
+                flush=True,
+            )
             shown = True
         yield item
     if shown:
@@ -72,4 +77,6 @@ def table(rows: Iterable[Sequence[str]], head: Sequence[str]) -> str:
     """Aligned columns for a terminal."""
     lines = [list(head), *[list(row) for row in rows]]
     widths = [max(len(line[i]) for line in lines) for i in range(len(head))]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines)
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines
+    )

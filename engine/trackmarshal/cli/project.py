@@ -13,7 +13,10 @@ CODES = {
         "A project is a folder with requirements/v-model.yaml. Verbs without a PATH work on the project that the current folder is in; "
         "`--project DIR` names another.",
     ),
-    "E411": ("the system refuses", "A file or a folder cannot be read or written: it is not there, its permissions forbid it, or the disk is full."),
+    "E411": (
+        "the system refuses",
+        "A file or a folder cannot be read or written: it is not there, its permissions forbid it, or the disk is full.",
+    ),
 }
 MARKER = Path("requirements") / "v-model.yaml"
 
@@ -22,7 +25,11 @@ def find_project(args: argparse.Namespace) -> Path:
     """The project's folder; raises E410 when there is none."""
     project = optional_project(args)
     if project is None:
-        raise TrackmarshalError("E410", f"no {MARKER} in {Path.cwd()} or above", help="go into a project, or name one with --project DIR")
+        raise TrackmarshalError(
+            "E410",
+            f"no {MARKER} in {Path.cwd()} or above",
+            help="go into a project, or name one with --project DIR",
+        )
     return project
 
 
@@ -31,7 +38,9 @@ def optional_project(args: argparse.Namespace) -> Path | None:
     if args.project is not None:
         root = Path(args.project)
         if not (root / MARKER).is_file():
-            raise TrackmarshalError("E410", f"{root} has no {MARKER}", help="--project names a project's folder")
+            raise TrackmarshalError(
+                "E410", f"{root} has no {MARKER}", help="--project names a project's folder"
+            )
         return root.resolve()
     here = Path.cwd()
     return next((folder for folder in (here, *here.parents) if (folder / MARKER).is_file()), None)

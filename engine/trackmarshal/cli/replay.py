@@ -31,7 +31,14 @@ CODES = {
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="recordings: .tmrec.jsonl or .saa")
     parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
-    parser.add_argument("--with", dest="settings", action="append", default=[], metavar="FILE", help="a configuration module (a vehicle, a track)")
+    parser.add_argument(
+        "--with",
+        dest="settings",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="a configuration module (a vehicle, a track)",
+    )
     parser.add_argument("--rule", action="append", metavar="R", help="evaluate only these rules (repeatable)")
     parser.add_argument("--backend", choices=("numpy", "reference"), default="numpy")
     parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")
@@ -103,7 +110,9 @@ def evaluator_for(
         raise
     broken = evaluator.broken_constraints(configured)
     if broken:
-        raise TrackmarshalError("E403", broken[0], help="change the parameters in the spec, the configuration or the recording")
+        raise TrackmarshalError(
+            "E403", broken[0], help="change the parameters in the spec, the configuration or the recording"
+        )
     return evaluator
 
 
@@ -112,7 +121,11 @@ def _setting(name: str, recording: Recording, near: Path, project: Path | None) 
     for folder in folders:
         if (folder / name).is_file():
             return folder / name
-    raise TrackmarshalError("E431", f"`{name}` is neither beside the recording nor in the project", file=recording.source)
+    message, help_ = (
+        f"`{name}` is neither beside the recording nor in the project",
+        "correct the recording's `use`, or its place",
+    )
+    raise TrackmarshalError("E431", message, file=recording.source, help=help_)
 
 
 def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
@@ -150,30 +163,55 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
     rows = []
     for rule in evaluator.rules:
         for candidate in ("driving", "emergency"):
-            unsafe = [c for c in outcome.cycles if candidate in c.results and c.results[candidate].rules[rule.name].unsafe]
+            unsafe = [
+                c
+                for c in outcome.cycles
+                if candidate in c.results and c.results[candidate].rules[rule.name].unsafe
+            ]
             if not unsafe:
                 continue
             worst = min(unsafe, key=lambda c: _badness(c.results[candidate].rules[rule.name]))
             result = worst.results[candidate].rules[rule.name]
-            spans = ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals([c.t for c in unsafe], times))
+            spans = ", ".join(
+                f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals([c.t for c in unsafe], times)
+            )
             verdicts = "/".join(sorted({c.results[candidate].rules[rule.name].verdict for c in unsafe}))
             satisfies = ", ".join(name for name, _ in rule.satisfies)
             where = str(result.witness.span) if result.witness and result.witness.span else result.reason
-            rows.append([rule.name, candidate, verdicts, spans, f"{result.margin:.4g} {result.unit} at {worst.t:g} s", satisfies, where])
+            rows.append(
+                [
+                    rule.name,
+                    candidate,
+                    verdicts,
+                    spans,
+                    f"{result.margin:.4g} {result.unit} at {worst.t:g} s",
+                    satisfies,
+                    where,
+                ]
+            )
     count = {kind: sum(c.decision == kind for c in outcome.cycles) for kind in (DRIVE, PREVIOUS, NOTHING)}
-    lines = [f"{outcome.recording.name}: {len(times)} cycles, " + ", ".join(f"{n} {kind}" for kind, n in count.items() if n)]
+    lines = [
+        f"{outcome.recording.name}: {len(times)} cycles, "
+        + ", ".join(f"{n} {kind}" for kind, n in count.items() if n)
+    ]
     if rows:
-        lines.append(table(rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"]))
+        lines.append(
+            table(rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"])
+        )
     else:
         lines.append("every trajectory is safe")
     faults = sorted({f for c in outcome.cycles for r in c.results.values() for f in r.faults})
-    lines += [f"input: {fault}" for fault in faults[:10]] + ([f"input: ... {len(faults) - 10} more"] if len(faults) > 10 else [])
+    lines += [f"input: {fault}" for fault in faults[:10]] + (
+        [f"input: ... {len(faults) - 10} more"] if len(faults) > 10 else []
+    )
     for truth in outcome.truths:
         judged = f"{truth.judged} cycles judged"
         if truth.inside:
             lines.append(f"ground truth, {truth.kind}: inside ({judged})")
         else:
-            lines.append(f"ground truth, {truth.kind}: OUTSIDE ({judged}); missed at {_list(truth.missed)}, false alarm at {_list(truth.false_alarms)}")
+            lines.append(
+                f"ground truth, {truth.kind}: OUTSIDE ({judged}); missed at {_list(truth.missed)}, false alarm at {_list(truth.false_alarms)}"
+            )
     return "\n".join(lines)
 
 

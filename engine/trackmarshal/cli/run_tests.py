@@ -14,7 +14,9 @@ from trackmarshal.cli.project import find_project, optional_project
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)")
+    parser.add_argument(
+        "paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)"
+    )
     parser.add_argument("--format", choices=("text", "json"), default="text")
 
 
@@ -43,11 +45,27 @@ def run(args: argparse.Namespace) -> int:
         }))  # fmt: skip
     else:
         for outcome in bad:
-            print(f"{outcome.outcome}: {outcome.test.span}: {outcome.test.rule.name}: {outcome.test.title}\n  {outcome.message}")
-        rows = [[c.rule.name, str(c.tests), _mark(c.satisfied), _mark(c.violated), _mark(c.boundary) if has_boundary(c.rule) else "n/a"] for c in partial]
+            print(
+                f"{outcome.outcome}: {outcome.test.span}: {outcome.test.rule.name}: {outcome.test.title}\n  {outcome.message}"
+            )
+        rows = [
+            [
+                c.rule.name,
+                str(c.tests),
+                _mark(c.satisfied),
+                _mark(c.violated),
+                _mark(c.boundary) if has_boundary(c.rule) else "n/a",
+            ]
+            for c in partial
+        ]
         if rows:
-            print("rules whose boundary is not covered:\n" + table(rows, ["rule", "tests", "inside", "outside", "on it"]))
-        print(f"{len(outcomes) - len(bad)} passed, {len(bad)} failed; {len(covered) - len(partial)} of {len(covered)} rules covered")
+            print(
+                "rules whose boundary is not covered:\n"
+                + table(rows, ["rule", "tests", "inside", "outside", "on it"])
+            )
+        print(
+            f"{len(outcomes) - len(bad)} passed, {len(bad)} failed; {len(covered) - len(partial)} of {len(covered)} rules covered"
+        )
     return 1 if bad or found or partial else 0
 
 

@@ -1,6 +1,6 @@
 """Generate recordings from their declarations: the same declaration gives the same recording, byte for byte.
 
-  trackmarshal scenario specs/scenarios/cut_in.yaml --out specs/scenarios/cut_in.tmrec.jsonl
+trackmarshal scenario specs/scenarios/cut_in.yaml --out specs/scenarios/cut_in.tmrec.jsonl
 """
 
 from __future__ import annotations

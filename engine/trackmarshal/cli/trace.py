@@ -18,7 +18,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", choices=FORMATS, default="text")
     parser.add_argument("--gate", action="store_true", help="exit 1 when a gap is neither covered nor waived")
     parser.add_argument("--as-is", action="store_true", help="run nothing; read the results that are there")
-    parser.add_argument("--accept-baseline", action="store_true", help="write the present tests of each rule to the baseline")
+    parser.add_argument(
+        "--accept-baseline", action="store_true", help="write the present tests of each rule to the baseline"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

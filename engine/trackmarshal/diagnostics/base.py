@@ -65,7 +65,13 @@ class Diagnostics(TrackmarshalError):
     def __init__(self, items: Iterable[Diagnostic]) -> None:
         self.items = tuple(sorted(items, key=lambda d: (d.span.file.path, d.span.start, d.code)))
         first = self.items[0]
-        super().__init__(first.code, first.message, file=first.span.file.path, line=first.span.line, help=first.help or None)
+        super().__init__(
+            first.code,
+            first.message,
+            file=first.span.file.path,
+            line=first.span.line,
+            help=first.help or None,
+        )
 
 
 def close_matches(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:

@@ -16,11 +16,8 @@ from trackmarshal.source import Span
 class IR(Node):
     """A node of the IR; equal only to itself."""
 
-    def __eq__(self, other: object) -> bool:
-        return self is other
-
-    def __hash__(self) -> int:
-        return id(self)
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
 
 
 class Axis(IR):

@@ -31,7 +31,11 @@ class Fault:
     message: str
 
     def __str__(self) -> str:
-        place = self.signal + (f".{self.field}" if self.field else "") + ("" if self.index is None else f"[{self.index}]")
+        place = (
+            self.signal
+            + (f".{self.field}" if self.field else "")
+            + ("" if self.index is None else f"[{self.index}]")
+        )
         return f"{self.code} {place}: {self.message}"
 
 
@@ -57,7 +61,9 @@ class Case:
     faults: list[Fault] = field(default_factory=list)
     unusable: set[tuple[str, str]] = field(default_factory=set)
 
-    def fault(self, code: str, signal: str, field_: str, index: int | None, message: str, unusable: bool = True) -> None:
+    def fault(
+        self, code: str, signal: str, field_: str, index: int | None, message: str, unusable: bool = True
+    ) -> None:
         self.faults.append(Fault(code, signal, field_, index, message))
         if unusable:
             self.unusable.add((signal, field_))
@@ -130,7 +136,9 @@ class CaseReader:
 
     def _event(self, case: Case, name: str, value: object) -> None:
         if value is not None and not isinstance(value, bool):
-            raise TrackmarshalError("D202", f"event `{name}` is true, false or null, not {_type(value)}", help=_MISSING)
+            raise TrackmarshalError(
+                "D202", f"event `{name}` is true, false or null, not {_type(value)}", help=_MISSING
+            )
         if value is None:
             case.fault("D211", name, "", None, "the event is missing")
         case.scalars[name] = {"": value}
@@ -158,12 +166,14 @@ class CaseReader:
             _refuse_misspelt(signal, record, needed)
         columns: dict[str, Sequence[Any]] = {}
         for kind in _wanted(signal, needed):
-            column = []
-            for index, record in enumerate(records):
-                if kind.name not in record and kind.default is None:
-                    case.fault("D211", signal.name, kind.name, index, "the field is missing")
-                column.append(self._value(case, signal, kind, record.get(kind.name, self._default(kind)), index))
-            columns[kind.name] = column
+            default = self._default(kind)
+            if kind.default is None:
+                for index, record in enumerate(records):
+                    if kind.name not in record:
+                        case.fault("D211", signal.name, kind.name, index, "the field is missing")
+            columns[kind.name] = self._column(
+                case, signal, kind, [record.get(kind.name, default) for record in records]
+            )
         case.columns[signal.name] = columns
 
     def _timeline(self, case: Case, signal: SignalType, needed: set[str], raw: object) -> None:
@@ -172,7 +182,11 @@ class CaseReader:
         orders = {k.name for k in signal.fields_ if k.increasing and k.name in data}
         kinds = _wanted(signal, needed | orders)
         _refuse_misspelt(signal, data, needed)
-        given = {k.name: _sequence(data[k.name], f"{signal.name}.{k.name}") for k in kinds if data.get(k.name) is not None}
+        given = {
+            k.name: _sequence(data[k.name], f"{signal.name}.{k.name}")
+            for k in kinds
+            if data.get(k.name) is not None
+        }
         # Columns that no rule reads count too: where one is longer, samples are missing from the others.
         present = [k.name for k in signal.fields_ if k.kind != "polyline" and data.get(k.name) is not None]
         lengths = {name: _length(data[name], f"{signal.name}.{name}") for name in present}
@@ -185,7 +199,9 @@ class CaseReader:
             count = min(lengths.values())
         least = 2 if signal.kind == "trajectory" else 1
         if lengths and min(lengths.values()) < least:
-            case.fault("D213", signal.name, "", None, f"{min(lengths.values())} samples, at least {least} are needed")
+            case.fault(
+                "D213", signal.name, "", None, f"{min(lengths.values())} samples, at least {least} are needed"
+            )
             count = max(count, 1)
         columns: dict[str, Sequence[Any]] = {}
         for kind in kinds:
@@ -198,14 +214,16 @@ class CaseReader:
                 else:
                     columns[kind.name] = [kind.default] * count
                 continue
-            values = [self._value(case, signal, kind, value, i) for i, value in enumerate(column[:count])]
+            values = self._column(case, signal, kind, column[:count])
             values += [None if kind.kind == "bool" else NAN] * (count - len(values))
             if kind.increasing:
                 if math.isnan(values[0]):
                     case.unusable.add((signal.name, ""))
                 for i, (before, after) in enumerate(zip(values, values[1:])):
                     if not before < after:  # NaN too
-                        case.fault("D214", signal.name, kind.name, i + 1, f"{after!r} follows {before!r}", False)
+                        case.fault(
+                            "D214", signal.name, kind.name, i + 1, f"{after!r} follows {before!r}", False
+                        )
                         case.unusable.add((signal.name, ""))
                         break
             columns[kind.name] = values
@@ -219,9 +237,15 @@ class CaseReader:
         data = _mapping(raw, f"signal `{signal.name}`")
         closed = data.get("closed", False)
         if not isinstance(closed, bool):
-            raise TrackmarshalError("D202", f"{signal.name}.closed is true or false, not {_type(closed)}", help="leave it out for false")
+            raise TrackmarshalError(
+                "D202",
+                f"{signal.name}.closed is true or false, not {_type(closed)}",
+                help="leave it out for false",
+            )
         case.closed[signal.name] = closed
-        for name in {kind.name for kind in signal.fields_ if kind.kind == "polyline"} & (needed | {"left", "right"}):
+        for name in {kind.name for kind in signal.fields_ if kind.kind == "polyline"} & (
+            needed | {"left", "right"}
+        ):
             if data.get(name) is None:
                 case.fault("D211", signal.name, name, None, "the line is missing")
                 case.lines[signal.name, name] = []
@@ -249,18 +273,35 @@ class CaseReader:
                 kept.popitem(last=False)
         return points
 
+    def _column(self, case: Case, signal: SignalType, kind: FieldType, column: Sequence[Any]) -> list[Any]:
+        """The values of a column. Almost all columns are flawless numbers, which a few passes over them tell."""
+        if not column:
+            return []
+        if kind.kind == "number" and set(map(type, column)) == {float}:
+            values = list(column) if kind.unit in _SI else [to_si(value, kind.unit) for value in column]
+            inside = (kind.lower is None or min(values) >= kind.lower) and (
+                kind.upper is None or max(values) <= kind.upper
+            )
+            if inside and math.isfinite(sum(values)):  # which it is only if all of them are
+                return values
+        return [self._value(case, signal, kind, value, i) for i, value in enumerate(column)]
+
     @staticmethod
     def _default(kind: FieldType) -> float | None:
         """The declared default, in the unit that data comes in."""
         return None if kind.default is None else from_si(kind.default, kind.unit)
 
-    def _value(self, case: Case, signal: SignalType, kind: FieldType, value: object, index: int | None) -> Any:
+    def _value(
+        self, case: Case, signal: SignalType, kind: FieldType, value: object, index: int | None
+    ) -> Any:
         if kind.kind == "bool":
             if value is None:
                 case.fault("D215", signal.name, kind.name, index, "the value is missing", False)
             elif not isinstance(value, bool):
                 place = _place(signal.name, kind.name, index)
-                raise TrackmarshalError("D202", f"{place} is true, false or null, not {_type(value)}", help=_MISSING)
+                raise TrackmarshalError(
+                    "D202", f"{place} is true, false or null, not {_type(value)}", help=_MISSING
+                )
             return value
         number = _number(value, signal.name, kind.name, index)
         if kind.unit not in _SI:
@@ -268,8 +309,13 @@ class CaseReader:
         if not math.isfinite(number):
             case.fault("D215", signal.name, kind.name, index, "not finite", False)
             return NAN
-        if (kind.lower is not None and number < kind.lower) or (kind.upper is not None and number > kind.upper):
-            low, high = (("-inf", "inf")[i] if b is None else f"{from_si(b, kind.unit):g}" for i, b in enumerate((kind.lower, kind.upper)))
+        if (kind.lower is not None and number < kind.lower) or (
+            kind.upper is not None and number > kind.upper
+        ):
+            low, high = (
+                ("-inf", "inf")[i] if b is None else f"{from_si(b, kind.unit):g}"
+                for i, b in enumerate((kind.lower, kind.upper))
+            )
             message = f"{value!r} {kind.unit} is outside [{low}, {high}]"
             case.fault("D216", signal.name, kind.name, index, message, False)
         return number
@@ -294,13 +340,17 @@ def _name(record: Mapping[str, Any], index: int, signal: str) -> str:
         return str(index)
     if isinstance(name, bool) or not isinstance(name, (str, int, float)):
         help_ = "leave it out to have the index"
-        raise TrackmarshalError("D202", f"{signal}[{index}].id is a string or a number, not {_type(name)}", help=help_)
+        raise TrackmarshalError(
+            "D202", f"{signal}[{index}].id is a string or a number, not {_type(name)}", help=help_
+        )
     return str(name)
 
 
 def _refuse_misspelt(signal: SignalType, data: Mapping[str, Any], needed: set[str]) -> None:
     """Refuse a field whose name is almost that of one that is left out, and whose default would stand in for it."""
-    left_out = [k.name for k in signal.fields_ if k.default is not None and k.name in needed and k.name not in data]
+    left_out = [
+        k.name for k in signal.fields_ if k.default is not None and k.name in needed and k.name not in data
+    ]
     if left_out:
         for key in data.keys() - {k.name for k in signal.fields_} - {"id"}:
             hint = close_matches(str(key), left_out, 0.75)
@@ -330,10 +380,14 @@ def check_param(info: ParamInfo, value: float) -> float:
     number = to_si(value, info.unit)
     short = info.name.rpartition(".")[2]
     if not math.isfinite(number):
-        raise TrackmarshalError("D204", f"parameter `{short}` is not finite", help="leave it out to keep the spec's own value")
+        raise TrackmarshalError(
+            "D204", f"parameter `{short}` is not finite", help="leave it out to keep the spec's own value"
+        )
     if (info.lower is not None and number < info.lower) or (info.upper is not None and number > info.upper):
         help_ = f"the range is declared at {info.span}"
-        raise TrackmarshalError("D204", f"parameter `{short}` = {value!r} {info.unit} is outside its range", help=help_)
+        raise TrackmarshalError(
+            "D204", f"parameter `{short}` = {value!r} {info.unit} is outside its range", help=help_
+        )
     return number
 
 
@@ -342,7 +396,9 @@ def check_table(info: TableInfo, rows: object) -> tuple[tuple[float, ...], tuple
     short = info.name.rpartition(".")[2]
     pairs = [(to_si(x, info.units[0]), to_si(y, info.units[1])) for x, y in _points(rows, f"tables.{short}")]
     if not pairs or any(not (math.isfinite(x) and math.isfinite(y)) for x, y in pairs):
-        raise TrackmarshalError("D204", f"table `{short}` has no rows, or a value that is not finite", help=_ROWS)
+        raise TrackmarshalError(
+            "D204", f"table `{short}` has no rows, or a value that is not finite", help=_ROWS
+        )
     if any(not a[0] < b[0] for a, b in zip(pairs, pairs[1:])):
         raise TrackmarshalError("D204", f"the knots of table `{short}` do not ascend", help=_ROWS)
     return tuple(p[0] for p in pairs), tuple(p[1] for p in pairs)
@@ -369,11 +425,15 @@ def _wanted(signal: SignalType, needed: set[str]) -> list[FieldType]:
 def _poison(case: Case, signal: SignalType, needed: set[str]) -> None:
     """One sample or element of nothing, so that whatever reads the signal is undefined."""
     if signal.many or signal.sequence:
-        case.columns[signal.name] = {k.name: [None if k.kind == "bool" else NAN] for k in _wanted(signal, needed)}
+        case.columns[signal.name] = {
+            k.name: [None if k.kind == "bool" else NAN] for k in _wanted(signal, needed)
+        }
         case.counts[signal.name] = 1
         case.names[signal.name] = ["?"]
     elif signal.kind == "state":
-        case.scalars[signal.name] = {k.name: None if k.kind == "bool" else NAN for k in _wanted(signal, needed)}
+        case.scalars[signal.name] = {
+            k.name: None if k.kind == "bool" else NAN for k in _wanted(signal, needed)
+        }
     else:
         for kind in signal.fields_:
             case.lines[signal.name, kind.name] = []
@@ -396,11 +456,19 @@ def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
     found = known.get(name, [])
     if not found:
         shorts = [key for key in known if "." not in key]
-        listed = f"it declares {', '.join(shorts[:12])}" + (", ..." if len(shorts) > 12 else "") if shorts else f"it has no {what}s"
-        raise TrackmarshalError("D203", f"the spec declares no {what} `{name}`", help=close_matches(name, known) or listed)
+        listed = (
+            f"it declares {', '.join(shorts[:12])}" + (", ..." if len(shorts) > 12 else "")
+            if shorts
+            else f"it has no {what}s"
+        )
+        raise TrackmarshalError(
+            "D203", f"the spec declares no {what} `{name}`", help=close_matches(name, known) or listed
+        )
     if len({info.name for info in found}) > 1:
         choices = " or ".join(f"`{info.name}`" for info in found)
-        raise TrackmarshalError("D203", f"{what} `{name}` is declared in several modules", help=f"write {choices}")
+        raise TrackmarshalError(
+            "D203", f"{what} `{name}` is declared in several modules", help=f"write {choices}"
+        )
     return found[0]
 
 
@@ -408,7 +476,9 @@ def _mapping(raw: object, what: str) -> Mapping[str, Any]:
     if not isinstance(raw, Mapping):
         help_ = "write it as {...}; leave it out if there is none"
         if what == "the case":
-            raise TrackmarshalError("D201", f"{what} is an object, not {_type(raw)}", help='write {"id": 1, "signals": {...}}')
+            raise TrackmarshalError(
+                "D201", f"{what} is an object, not {_type(raw)}", help='write {"id": 1, "signals": {...}}'
+            )
         raise TrackmarshalError("D202", f"{what} is an object, not {_type(raw)}", help=help_)
     return raw
 
@@ -434,7 +504,9 @@ def _number(value: object, *where: object) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         if isinstance(value, str) and value in ("nan", "inf", "-inf"):
             return float(value)
-        raise TrackmarshalError("D202", f"{_place(*where)} is a number or null, not {_type(value)}", help=_MISSING)
+        raise TrackmarshalError(
+            "D202", f"{_place(*where)} is a number or null, not {_type(value)}", help=_MISSING
+        )
     try:
         return float(value)
     except OverflowError:

@@ -60,10 +60,14 @@ class Replay:
 
     def unsafe_times(self, candidate: str, rule: str) -> list[float]:
         """When a rule made a candidate unsafe."""
-        return [c.t for c in self.cycles if candidate in c.results and c.results[candidate].rules[rule].unsafe]
+        return [
+            c.t for c in self.cycles if candidate in c.results and c.results[candidate].rules[rule].unsafe
+        ]
 
 
-def replay(recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter) -> Replay:
+def replay(
+    recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter
+) -> Replay:
     """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar)."""
     spec = evaluator.spec
     tables, ignored = known_tables(recording, spec)

@@ -52,7 +52,12 @@ _SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
 MOST_EXPANSIONS = 20_000
 #: How many definitions may be inside each other.
 DEEPEST = 50
-_ON_LINE: dict[str, Dimension] = {"station": LENGTH, "offset": LENGTH, "direction": NUMBER, "distance_to": LENGTH}
+_ON_LINE: dict[str, Dimension] = {
+    "station": LENGTH,
+    "offset": LENGTH,
+    "direction": NUMBER,
+    "distance_to": LENGTH,
+}
 
 
 def built_in_names() -> set[str]:
@@ -61,11 +66,20 @@ def built_in_names() -> set[str]:
 
 
 def call(
-    self: Expressions, function: str, args: tuple[ast.Expr, ...], names: tuple[str, ...], span: Span, ctx: Context
+    self: Expressions,
+    function: str,
+    args: tuple[ast.Expr, ...],
+    names: tuple[str, ...],
+    span: Span,
+    ctx: Context,
 ) -> Value:
     """A call of anything by its name."""
     if any(names):
-        self.fail(UnknownReference(span, "named arguments are for the builders of tests", "write the arguments in order"))
+        self.fail(
+            UnknownReference(
+                span, "named arguments are for the builders of tests", "write the arguments in order"
+            )
+        )
     if function not in ctx.scope.names():
         if function in ir.FUNCTIONS:
             return _numeric(self, function, args, span, ctx)
@@ -108,10 +122,14 @@ def _name_of_call(function: str, args: tuple[ast.Expr, ...], span: Span) -> Span
     return span if match is None else Span(span.file, *match.span())
 
 
-def expand(self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value], span: Span, ctx: Context) -> Value:
+def expand(
+    self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value], span: Span, ctx: Context
+) -> Value:
     """A definition written out with its arguments in place of its parameters."""
     if symbol.qualified in ctx.stack:
-        cycle = " -> ".join(q.rpartition(".")[2] for q in (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified))
+        cycle = " -> ".join(
+            q.rpartition(".")[2] for q in (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified)
+        )
         self.fail(Recursive(span, item.name, cycle))
     if symbol.qualified in self.failed:
         raise Poison
@@ -131,7 +149,9 @@ def expand(self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value
         wanted = parse_unit(item.result)[2]
         if value.dimension != wanted:
             what = f"the value of `{item.name}`"
-            self.fail(WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension)))
+            self.fail(
+                WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension))
+            )
     return NumberValue(value.node, value.dimension, span)
 
 
@@ -144,7 +164,14 @@ def check_definition(self: Expressions, symbol: Symbol, item: ast.Define, ctx: C
 def _placeholder(self: Expressions, parameter: ast.Parameter) -> Value:
     kind, span = parameter.type, parameter.span
     if kind in SHAPES:
-        return RecordValue(f"`{parameter.name}`, a {kind}", None, SHAPES[kind], lambda f, at: self.make(ir.Const, 0.0), None, span)
+        return RecordValue(
+            f"`{parameter.name}`, a {kind}",
+            None,
+            SHAPES[kind],
+            lambda f, at: self.make(ir.Const, 0.0),
+            None,
+            span,
+        )
     if kind in ("trajectory", "polyline"):
         return LineValue(self.make(ir.Line, "place", "", ""), span)
     if kind == "corridor":
@@ -172,7 +199,16 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
     wanted = parse_unit(kind)[2]
     if value.dimension != wanted:
         what = f"argument `{parameter.name}`"
-        self.fail(WrongDimension(span, parameter.span, what, quantity(wanted), quantity(value.dimension), unit_hint(value, wanted)))
+        self.fail(
+            WrongDimension(
+                span,
+                parameter.span,
+                what,
+                quantity(wanted),
+                quantity(value.dimension),
+                unit_hint(value, wanted),
+            )
+        )
     return value
 
 
@@ -181,7 +217,11 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     fits = len(args) == wanted or (more and len(args) > wanted)
     if not fits:
         least = "at least " if more else ""
-        self.found.append(WrongArity(_name_of_call(function, args, span), function, least + _count(wanted), _given(len(args))))
+        self.found.append(
+            WrongArity(
+                _name_of_call(function, args, span), function, least + _count(wanted), _given(len(args))
+            )
+        )
     values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))
     if not fits:
         raise Poison
@@ -201,7 +241,16 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         for value in numbers:
             if value.dimension != NUMBER:
                 what, found = f"the argument of `{function}`", quantity(value.dimension)
-                self.fail(WrongDimension(value.span, None, what, "a plain number", found, "divide it by a quantity of its own dimension"))
+                self.fail(
+                    WrongDimension(
+                        value.span,
+                        None,
+                        what,
+                        "a plain number",
+                        found,
+                        "divide it by a quantity of its own dimension",
+                    )
+                )
     return NumberValue(self.make(ir.Func, function, tuple(v.node for v in numbers)), dimension, span)
 
 
@@ -212,7 +261,9 @@ def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Valu
         what = f"the argument of `{item.name}`"
         hint = unit_hint(value, argument) if isinstance(value, NumberValue) else ""
         declared = item.span.head.word(item.unit)
-        self.fail(WrongDimension(value.__dict__["span"], declared, what, quantity(argument), _spoken(value), hint))
+        self.fail(
+            WrongDimension(value.__dict__["span"], declared, what, quantity(argument), _spoken(value), hint)
+        )
     return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span)
 
 
@@ -243,24 +294,38 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         poses = (*fields(self, before, "pose", spans[0], ctx), *fields(self, sample, "pose", spans[0], ctx))
         return RegionValue((*poses, *(_length(self, v) for v in values[1:])), span)
     if function == "swept":
-        poses = (*fields(self, values[0], "pose", spans[0], ctx), *fields(self, values[1], "pose", spans[1], ctx))
+        poses = (
+            *fields(self, values[0], "pose", spans[0], ctx),
+            *fields(self, values[1], "pose", spans[1], ctx),
+        )
         return RegionValue((*poses, *(_length(self, v) for v in values[2:])), span)
     if function == "inside":
         region = _region(self, values[0], spans[0])
-        return FormulaValue(self.make(ir.Geometry, "swept_inside", region.args, _area(self, values[1], spans[1]), ctx.site or span), span)
+        return FormulaValue(
+            self.make(
+                ir.Geometry, "swept_inside", region.args, _area(self, values[1], spans[1]), ctx.site or span
+            ),
+            span,
+        )
     if function == "clear_of":
         hull, box = _region(self, values[0], spans[0]), _region(self, values[1], spans[1])
         if box.args[0:3] != box.args[3:6]:
             self.fail(WrongKind(spans[1], "a footprint at rest", "a swept footprint", "swap the two sides"))
-        node = self.make(ir.Geometry, "swept_clear", (*hull.args, *box.args[0:3], *box.args[6:8]), None, ctx.site or span)
+        node = self.make(
+            ir.Geometry, "swept_clear", (*hull.args, *box.args[0:3], *box.args[6:8]), None, ctx.site or span
+        )
         return FormulaValue(node, span)
     if function in _ON_LINE:
         x, y = fields(self, values[0], "point", spans[0], ctx)
         what = "distance" if function == "distance_to" else function
-        return NumberValue(self.make(ir.Along, what, line(self, values[1], spans[1]), (x, y)), _ON_LINE[function], span)
+        return NumberValue(
+            self.make(ir.Along, what, line(self, values[1], spans[1]), (x, y)), _ON_LINE[function], span
+        )
     if function == "station_gap":
         stations = tuple(_length(self, v) for v in values[1:])
-        return NumberValue(self.make(ir.Along, "station_gap", line(self, values[0], spans[0]), stations), LENGTH, span)
+        return NumberValue(
+            self.make(ir.Along, "station_gap", line(self, values[0], spans[0]), stations), LENGTH, span
+        )
     if function == "centre":
         area = _area(self, values[0], spans[0])
         if area.kind != "corridor":
@@ -307,7 +372,11 @@ def line(self: Expressions, value: Value, span: Span) -> ir.Line:
         for column in SHAPES["point"]:
             field = value.signal.field(column)
             if field is None or field.kind != "number" or parse_unit(field.unit)[2] != LENGTH:
-                self.fail(WrongKind(span, "a trajectory with a path", value.spoken, f"declare its column `{column}: m`"))
+                self.fail(
+                    WrongKind(
+                        span, "a trajectory with a path", value.spoken, f"declare its column `{column}: m`"
+                    )
+                )
         return self.make(ir.Line, "path", value.signal.name, "")
     if isinstance(value, AreaValue) and value.area.kind == "corridor":
         return self.make(ir.Line, "centre", value.area.name, "")
@@ -326,11 +395,15 @@ def _area(self: Expressions, value: Value, span: Span) -> ir.Area:
 
 def _region(self: Expressions, value: Value, span: Span) -> RegionValue:
     if not isinstance(value, RegionValue):
-        self.fail(WrongKind(span, "a footprint", value.spoken, "write footprint(...) or swept_footprint(...)"))
+        self.fail(
+            WrongKind(span, "a footprint", value.spoken, "write footprint(...) or swept_footprint(...)")
+        )
     return value
 
 
-def _footprint(self: Expressions, values: list[Value], spans: list[Span], span: Span, ctx: Context) -> RegionValue:
+def _footprint(
+    self: Expressions, values: list[Value], spans: list[Span], span: Span, ctx: Context
+) -> RegionValue:
     if len(values) == 1:
         body = fields(self, values[0], "body", spans[0], ctx)
         return RegionValue((*body[:3], *body[:3], *body[3:]), span)
@@ -341,7 +414,11 @@ def _footprint(self: Expressions, values: list[Value], spans: list[Span], span: 
 def _length(self: Expressions, value: Value) -> ir.Num:
     if not isinstance(value, NumberValue) or value.dimension != LENGTH:
         hint = unit_hint(value, LENGTH) if isinstance(value, NumberValue) else ""
-        self.fail(WrongDimension(value.__dict__["span"], None, "this argument", quantity(LENGTH), _spoken(value), hint))
+        self.fail(
+            WrongDimension(
+                value.__dict__["span"], None, "this argument", quantity(LENGTH), _spoken(value), hint
+            )
+        )
     return value.node
 
 

@@ -95,29 +95,59 @@ class _Compiler:
             self._scope(module)
         for module in self.order:  # in a circle of modules, one uses a module that comes later
             self._uses(module)
-        for step in (self._signals, self._params, self._tables, self._places, self._definitions, self._constraints):
+        for step in (
+            self._signals,
+            self._params,
+            self._tables,
+            self._places,
+            self._definitions,
+            self._constraints,
+        ):
             for module in self.order:
                 step(module)
         rules = self._rules()
         broken = {name for scope in self.scopes.values() for name in scope.own_broken}
         names = {i.__dict__["name"] for i in self._items(ast.Rule, ast.Assume)} | broken
-        rulebooks = tuple(check_rulebook(rulebook, names, self.found) for rulebook in self._items(ast.Rulebook))
+        rulebooks = tuple(
+            check_rulebook(rulebook, names, self.found) for rulebook in self._items(ast.Rulebook)
+        )
         for test in self._items(ast.Test):
             check_test_target(test, names, self.found)
         digest = hashlib.sha256("".join(r.fingerprint for r in rules).encode())
         for info in [*self.params.values(), *self.tables.values(), *self.places.values()]:
             digest.update(repr(info).encode())
         spec = Spec(
-            self.signals, self.events, self.params, self.tables, self.places, tuple(self.constraints), tuple(rules), rulebooks,
+            self.signals,
+            self.events,
+            self.params,
+            self.tables,
+            self.places,
+            tuple(self.constraints),
+            tuple(rules),
+            rulebooks,
             digest.hexdigest(),
         )
         # Equality of diagnostics ignores where they are; what a definition says wrong is found at each of its uses.
         distinct = {(d.code, d.span.file.path, d.span.start, d.span.end, d.message): d for d in self.found}
         found = tuple(sorted(distinct.values(), key=lambda d: (d.span.file.path, d.span.start, d.code)))
-        return Compiled(spec, self.library, self.asked, self.order, self.scopes, self.x, found, tuple(self.library.failures))
+        return Compiled(
+            spec,
+            self.library,
+            self.asked,
+            self.order,
+            self.scopes,
+            self.x,
+            found,
+            tuple(self.library.failures),
+        )
 
     def _items(self, *kinds: type[ast.Item]) -> list[ast.Item]:  # type: ignore[explicit-any, unused-ignore]
-        return [i for module in self.order for i in self.library.modules[module].tree.items if isinstance(i, kinds)]
+        return [
+            i
+            for module in self.order
+            for i in self.library.modules[module].tree.items
+            if isinstance(i, kinds)
+        ]
 
     def _scope(self, module: str) -> None:
         scope = self.scopes[module] = Scope(module, self.found)
@@ -160,7 +190,10 @@ class _Compiler:
                 seen[field.name] = field.span
                 fields.append(self._field(field, module))
             if item.kind == "corridor" and not fields:
-                fields = [FieldType(side, "polyline", "m", False, None, None, None, item.span) for side in ("left", "right")]
+                fields = [
+                    FieldType(side, "polyline", "m", False, None, None, None, item.span)
+                    for side in ("left", "right")
+                ]
             signal = SignalType(item.name, item.kind, item.many, tuple(fields), item.span)
             if known is None:
                 self.signals[item.name] = signal
@@ -186,15 +219,20 @@ class _Compiler:
                 default = self._finite(field.default, unit, dimension, module)
                 if not _inside(default, lower, upper):
                     at, limits = field.default.__dict__["span"], field.range.span if field.range else None
-                    self.found.append(BadValue(at, f"the default of `{field.name}` is outside its range", limits))
+                    self.found.append(
+                        BadValue(at, f"the default of `{field.name}` is outside its range", limits)
+                    )
         return FieldType(field.name, "number", unit, field.increasing, lower, upper, default, field.span)
 
-    def _range(self, limits: ast.Range | None, unit: str, dimension: Dimension, module: str) -> tuple[float | None, float | None]:
+    def _range(
+        self, limits: ast.Range | None, unit: str, dimension: Dimension, module: str
+    ) -> tuple[float | None, float | None]:
         """A range in SI; bounds without a unit are in the declared one."""
         if limits is None:
             return None, None
         lower, upper = self.x.all(
-            lambda: self._literal(limits.lower, unit, dimension, module), lambda: self._literal(limits.upper, unit, dimension, module)
+            lambda: self._literal(limits.lower, unit, dimension, module),
+            lambda: self._literal(limits.upper, unit, dimension, module),
         )
         if not lower <= upper:
             self.x.fail(BadValue(limits.span, "a range runs from low to high", None, "swap the bounds"))
@@ -204,7 +242,14 @@ class _Compiler:
         """A literal in SI that is not infinite: ranges have open ends, values don't."""
         value = self._literal(expr, unit, dimension, module)
         if not math.isfinite(value):
-            self.x.fail(BadValue(expr.__dict__["span"], "this value is not finite", None, "only ranges may be open: `in [0, inf]`"))
+            self.x.fail(
+                BadValue(
+                    expr.__dict__["span"],
+                    "this value is not finite",
+                    None,
+                    "only ranges may be open: `in [0, inf]`",
+                )
+            )
         return value
 
     def _literal(self, expr: ast.Expr, unit: str, dimension: Dimension, module: str) -> float:
@@ -218,7 +263,9 @@ class _Compiler:
         own = parse_unit(expr.unit)[2] if expr.unit else dimension
         if own != dimension:
             hint = f"write it in {unit}" + (", or leave the unit out" if unit != "1" else "")
-            self.x.fail(WrongDimension(expr.span, None, "this value", quantity(dimension), quantity(own), hint))
+            self.x.fail(
+                WrongDimension(expr.span, None, "this value", quantity(dimension), quantity(own), hint)
+            )
         problem = literal_problem(expr.text, expr.unit or unit)
         if problem:
             self.x.fail(BadValue(expr.span, problem))
@@ -234,14 +281,17 @@ class _Compiler:
     def _param(self, item: ast.Param, module: str) -> None:
         dimension = parse_unit(item.unit)[2]
         number, (lower, upper) = self.x.all(
-            lambda: self._param_value(item, dimension, module), lambda: self._range(item.range, item.unit, dimension, module)
+            lambda: self._param_value(item, dimension, module),
+            lambda: self._range(item.range, item.unit, dimension, module),
         )
         if not _inside(number, lower, upper):
             assert item.range is not None
             at = item.value.__dict__["span"]
             self.x.fail(BadValue(at, f"the value of `{item.name}` is outside its range", item.range.span))
         qualified = f"{module}.{item.name}"
-        self.params.setdefault(qualified, ParamInfo(qualified, number, item.unit, lower, upper, item.source, item.span))
+        self.params.setdefault(
+            qualified, ParamInfo(qualified, number, item.unit, lower, upper, item.source, item.span)
+        )
 
     def _param_value(self, item: ast.Param, dimension: Dimension, module: str) -> float:
         value = self.x.number(item.value, self._context(module))
@@ -262,9 +312,17 @@ class _Compiler:
                 self._without_value(part.name, span, module)
         value = constant_value(node, lambda name: self.params[name].value)
         if value is None:
-            self.x.fail(BadValue(span, "this is not constant", None, "use literals and parameters that are declared before"))
+            self.x.fail(
+                BadValue(
+                    span, "this is not constant", None, "use literals and parameters that are declared before"
+                )
+            )
         if not math.isfinite(value):
-            self.x.fail(BadValue(span, "this value is not finite", None, "its arithmetic divides by zero or overflows"))
+            self.x.fail(
+                BadValue(
+                    span, "this value is not finite", None, "its arithmetic divides by zero or overflows"
+                )
+            )
         return value
 
     def _without_value(self, qualified: str, span: Span, module: str) -> NoReturn:
@@ -274,10 +332,18 @@ class _Compiler:
         if own == module and symbol is not None:
             declared: Span = symbol.item.__dict__["span"]
             if declared.start < span.start < declared.end:
-                self.x.fail(BadValue(span.word(short), f"the value of `{short}` needs itself", None, "write its value"))
+                self.x.fail(
+                    BadValue(
+                        span.word(short), f"the value of `{short}` needs itself", None, "write its value"
+                    )
+                )
             if declared.start > span.start:
                 hint, about = "move its declaration up", "it is declared here"
-                self.x.fail(BadValue(span.word(short), f"`{short}` is declared further down", declared.head, hint, about))
+                self.x.fail(
+                    BadValue(
+                        span.word(short), f"`{short}` is declared further down", declared.head, hint, about
+                    )
+                )
         raise Poison
 
     def _tables(self, module: str) -> None:
@@ -294,9 +360,19 @@ class _Compiler:
         for before, after, (above, _), (row, _) in zip(knots, knots[1:], item.rows, item.rows[1:]):
             if not before < after:
                 hint, about = "sort the rows; each knot stands once", "not above this one"
-                self.x.fail(BadValue(row.__dict__["span"], "the knots of a table ascend", above.__dict__["span"], hint, about))
+                self.x.fail(
+                    BadValue(
+                        row.__dict__["span"],
+                        "the knots of a table ascend",
+                        above.__dict__["span"],
+                        hint,
+                        about,
+                    )
+                )
         qualified = f"{module}.{item.name}"
-        self.tables.setdefault(qualified, TableInfo(qualified, knots, values, (item.unit, item.result), item.span))
+        self.tables.setdefault(
+            qualified, TableInfo(qualified, knots, values, (item.unit, item.result), item.span)
+        )
 
     def _places(self, module: str) -> None:
         for item in self._own(module, ast.Place):
@@ -304,7 +380,9 @@ class _Compiler:
 
     def _place(self, item: ast.Place, module: str) -> None:
         length = parse_unit("m")[2]
-        numbers = self.x.all(*(lambda n=n: self._finite(n, "m", length, module) for point in item.points for n in point))
+        numbers = self.x.all(
+            *(lambda n=n: self._finite(n, "m", length, module) for point in item.points for n in point)
+        )
         points = tuple(zip(numbers[::2], numbers[1::2]))
         least = 3 if item.kind == "zone" else 2
         if len(set(points)) < least:
@@ -320,10 +398,14 @@ class _Compiler:
             seen: dict[str, Span] = {}
             for parameter in item.parameters:
                 if parameter.name in seen:
-                    self.found.append(Duplicate(parameter.span, seen[parameter.name], "parameter", parameter.name))
+                    self.found.append(
+                        Duplicate(parameter.span, seen[parameter.name], "parameter", parameter.name)
+                    )
                 seen.setdefault(parameter.name, parameter.span)
             symbol = Symbol(item, module, f"{module}.{item.name}")
-            if not self.x.attempt(lambda s=symbol, i=item: calls.check_definition(self.x, s, i, ctx), item.span.head):  # type: ignore[misc]
+            if not self.x.attempt(
+                lambda s=symbol, i=item: calls.check_definition(self.x, s, i, ctx), item.span.head
+            ):  # type: ignore[misc]
                 self.x.failed.add(symbol.qualified)
         for state in self._own(module, ast.State):
             check_state(state, self.x, ctx)
@@ -338,7 +420,9 @@ class _Compiler:
         if not settled(formula):
             at = item.condition.__dict__["span"]
             hint = "what the input must fulfil is an `assume` with a `monitor`, or a `rule`"
-            self.x.fail(BadValue(at, "a constraint is about parameters and tables, not about inputs", None, hint))
+            self.x.fail(
+                BadValue(at, "a constraint is about parameters and tables, not about inputs", None, hint)
+            )
         self.constraints.append(ConstraintInfo(formula, item.because, item.span))
 
     def _rules(self) -> list[RuleInfo]:
@@ -352,7 +436,9 @@ class _Compiler:
                     continue
                 if item.name in first:
                     kind = "rule" if isinstance(item, ast.Rule) else "assumption"
-                    self.found.append(Duplicate(item.span.head, first[item.name].__dict__["span"].head, kind, item.name))
+                    self.found.append(
+                        Duplicate(item.span.head, first[item.name].__dict__["span"].head, kind, item.name)
+                    )
                 rule = RuleBuilder(self.x, self._context(module)).build(item, assumptions)
                 if rule is not None and item.name not in first:
                     rules.append(rule)

@@ -21,7 +21,19 @@ def literal_problem(text: str, unit: str) -> str:
 
 
 #: What the formula of a `constrain` may be made of: everything that parameters and tables decide.
-_SETTLED = (ir.Const, ir.Param, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Truth, ir.Compare, ir.Not, ir.Connective)
+_SETTLED = (
+    ir.Const,
+    ir.Param,
+    ir.Arith,
+    ir.Neg,
+    ir.Func,
+    ir.Choose,
+    ir.Lookup,
+    ir.Truth,
+    ir.Compare,
+    ir.Not,
+    ir.Connective,
+)
 
 
 def settled(formula: ir.Formula) -> bool:

@@ -128,7 +128,9 @@ class UnknownField(Diagnostic):
     text = "{what} has no field `{name}`"
     label = "it has: {known}"
     remedy = "{hint}"
-    explanation = "Only the fields that a signal's declaration lists can be read: they are the input contract."
+    explanation = (
+        "Only the fields that a signal's declaration lists can be read: they are the input contract."
+    )
 
     span: Span
     what: str

@@ -56,7 +56,12 @@ class Context(Node):
     def bind(self, names: dict[str, Value], levels: int = 0, timeline: ir.Axis | None = None) -> Context:
         """This context with more local names, and `levels` more axes in use."""
         return Context(
-            self.scope, {**self.local, **names}, self.level + levels, timeline or self.timeline, self.site, self.stack
+            self.scope,
+            {**self.local, **names},
+            self.level + levels,
+            timeline or self.timeline,
+            self.site,
+            self.stack,
         )
 
 
@@ -67,7 +72,9 @@ STATE_HINT = "write what the rule needs from the signals of one cycle"
 class Expressions:
     """Lowers expressions; `signals` maps the names of signals to their types, `found` collects diagnostics."""
 
-    def __init__(self, interner: ir.Interner, signals: dict[str, SignalType], found: list[Diagnostic]) -> None:
+    def __init__(
+        self, interner: ir.Interner, signals: dict[str, SignalType], found: list[Diagnostic]
+    ) -> None:
         self.make = interner.make
         self.signals = signals
         self.found = found
@@ -115,7 +122,11 @@ class Expressions:
     def number(self, expr: ast.Expr, ctx: Context) -> NumberValue:
         value = self.value(expr, ctx)
         if not isinstance(value, NumberValue):
-            hint = "`if FORMULA then 1 else 0` makes a number of a formula" if isinstance(value, FormulaValue) else ""
+            hint = (
+                "`if FORMULA then 1 else 0` makes a number of a formula"
+                if isinstance(value, FormulaValue)
+                else ""
+            )
             self.fail(WrongKind(_span(expr), "a number", value.spoken, hint))
         return value
 
@@ -158,7 +169,9 @@ class Expressions:
                 return self._if_else(expr, ctx)
             case ast.Within():
                 low = ast.Binary("<=", expr.lower, expr.value, span)
-                return self.value(ast.Binary("and", low, ast.Binary("<=", expr.value, expr.upper, span), span), ctx)
+                return self.value(
+                    ast.Binary("and", low, ast.Binary("<=", expr.value, expr.upper, span), span), ctx
+                )
             case ast.InZone():
                 return self._in_zone(expr, ctx)
             case ast.Temporal():
@@ -180,7 +193,9 @@ class Expressions:
             return type(value)(**{**value.__dict__, "span": expr.span})  # messages point to the use
         if expr.name == "pi" and ctx.scope.find("pi") is None:
             return NumberValue(self.make(ir.Const, math.pi), NUMBER, expr.span)
-        return self._symbol(self.look_up(expr.name, expr.span, "name", {*ctx.local, "pi"}, ctx), expr.span, ctx)
+        return self._symbol(
+            self.look_up(expr.name, expr.span, "name", {*ctx.local, "pi"}, ctx), expr.span, ctx
+        )
 
     def look_up(self, name: str, span: Span, what: str, extra: set[str], ctx: Context) -> Symbol:
         """A declared name; fails with what is wrong with it."""
@@ -197,7 +212,12 @@ class Expressions:
             case ast.Signal():
                 signal = self.signals[item.name]
                 if signal.kind == "state":
-                    return self.record(signal, f"the state `{signal.name}`", span, lambda f: self.make(ir.Scalar, signal.name, f))
+                    return self.record(
+                        signal,
+                        f"the state `{signal.name}`",
+                        span,
+                        lambda f: self.make(ir.Scalar, signal.name, f),
+                    )
                 if signal.kind == "polyline":
                     return LineValue(self.make(ir.Line, "signal", signal.name, ""), span)
                 return SignalValue(signal, span)
@@ -214,7 +234,9 @@ class Expressions:
             case ast.Define() if not item.parameters:
                 return calls.expand(self, symbol, item, [], span, ctx)
             case ast.Define() | ast.Table():
-                self.fail(WrongKind(span, "a value", f"the function `{item.name}`", f"call it: `{item.name}(...)`"))
+                self.fail(
+                    WrongKind(span, "a value", f"the function `{item.name}`", f"call it: `{item.name}(...)`")
+                )
             case ast.State():
                 self.fail(RunAxis(span, f"state `{item.name}`", STATE_HINT))
             case ast.Reference() | ast.Rulebook():
@@ -237,7 +259,11 @@ class Expressions:
 
             return read
 
-        shape = {f.name: None if f.kind == "bool" else parse_unit(f.unit)[2] for f in signal.fields_ if f.kind != "polyline"}
+        shape = {
+            f.name: None if f.kind == "bool" else parse_unit(f.unit)[2]
+            for f in signal.fields_
+            if f.kind != "polyline"
+        }
         return RecordValue(what, signal, shape, reader(number), reader(previous) if previous else None, span)
 
     def _attribute(self, expr: ast.Attribute, ctx: Context) -> Value:
@@ -245,7 +271,15 @@ class Expressions:
         span = expr.span
         if isinstance(value, RecordValue):
             if expr.name not in value.shape:
-                self.fail(UnknownField(span, value.what, expr.name, ", ".join(value.shape), close_matches(expr.name, value.shape)))
+                self.fail(
+                    UnknownField(
+                        span,
+                        value.what,
+                        expr.name,
+                        ", ".join(value.shape),
+                        close_matches(expr.name, value.shape),
+                    )
+                )
             node = value.read(expr.name, ctx.site or span)
             dimension = value.shape[expr.name]
             if isinstance(node, ir.Formula):
@@ -261,7 +295,11 @@ class Expressions:
             field = signal.field(expr.name)
             if field is not None and field.kind == "polyline" and not signal.many:
                 return LineValue(self.make(ir.Line, "signal", signal.name, expr.name), span)
-            known = ["first", "last"] if signal.sequence else [f.name for f in signal.fields_ if f.kind == "polyline"]
+            known = (
+                ["first", "last"]
+                if signal.sequence
+                else [f.name for f in signal.fields_ if f.kind == "polyline"]
+            )
             hint, shown = close_matches(expr.name, known), ", ".join(known)
             if signal.sequence or signal.many:
                 parts = f"{'samples' if signal.sequence else 'elements'} with {', '.join(f.name for f in signal.fields_)}"
@@ -282,48 +320,74 @@ class Expressions:
             return self._power(expr, ctx)
         left, right = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
         if op in ("*", "/"):
-            dimension = times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
+            dimension = (
+                times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
+            )
             return NumberValue(self.make(ir.Arith, op, left.node, right.node), dimension, span)
         self.same("compare" if op in _COMPARISONS else "add" if op == "+" else "subtract", left, right)
         if op in ("+", "-"):
             return NumberValue(self.make(ir.Arith, op, left.node, right.node), left.dimension, span)
         if op in _COMPARISONS:
-            return FormulaValue(self.make(ir.Compare, op, left.node, right.node, show(left.dimension), ctx.site or span), span)
+            return FormulaValue(
+                self.make(ir.Compare, op, left.node, right.node, show(left.dimension), ctx.site or span), span
+            )
         raise AssertionError(f"unknown operator {op}")
 
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
             return
-        sides = ("left side", "right side") if action in ("compare", "add", "subtract") else ("first one", "second one")
+        sides = (
+            ("left side", "right side")
+            if action in ("compare", "add", "subtract")
+            else ("first one", "second one")
+        )
         hint = calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension)
         hint = hint or _factor(left.dimension, right.dimension, *sides)
-        self.fail(DimensionMismatch(left.span, right.span, action, quantity(left.dimension), quantity(right.dimension), hint))
+        self.fail(
+            DimensionMismatch(
+                left.span, right.span, action, quantity(left.dimension), quantity(right.dimension), hint
+            )
+        )
 
     def _power(self, expr: ast.Binary, ctx: Context) -> Value:
         base, exponent = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
         if exponent.dimension != NUMBER:
-            self.fail(BadValue(exponent.span, f"an exponent is a plain number, not {quantity(exponent.dimension)}"))
+            self.fail(
+                BadValue(exponent.span, f"an exponent is a plain number, not {quantity(exponent.dimension)}")
+            )
         constant = exponent.node.value if isinstance(exponent.node, ir.Const) else None
         if constant is not None and constant == int(constant) and 1 <= abs(constant) <= 8:
             node = base.node
-            for _ in range(int(abs(constant)) - 1):  # defined as repeated multiplication, not as a library's pow
+            for _ in range(
+                int(abs(constant)) - 1
+            ):  # defined as repeated multiplication, not as a library's pow
                 node = self.make(ir.Arith, "*", node, base.node)
             if constant < 0:
                 node = self.make(ir.Arith, "/", self.make(ir.Const, 1.0), node)
             return NumberValue(node, power(base.dimension, Fraction(int(constant))), expr.span)
         if base.dimension != NUMBER:
-            hint = "use sqrt(...) for a root" if constant == 0.5 else "divide the base by a reference quantity first"
+            hint = (
+                "use sqrt(...) for a root"
+                if constant == 0.5
+                else "divide the base by a reference quantity first"
+            )
             problem = f"the exponent of {quantity(base.dimension)} must be a literal whole number from 1 to 8, or from -8 to -1"
-            self.fail(BadValue(exponent.span, problem, base.span, hint, f"this is {quantity(base.dimension)}"))
+            self.fail(
+                BadValue(exponent.span, problem, base.span, hint, f"this is {quantity(base.dimension)}")
+            )
         return NumberValue(self.make(ir.Func, "pow", (base.node, exponent.node)), NUMBER, expr.span)
 
     def _if_else(self, expr: ast.IfElse, ctx: Context) -> Value:
         condition, then, otherwise = self.all(
-            lambda: self.formula(expr.condition, ctx), lambda: self.number(expr.then, ctx), lambda: self.number(expr.otherwise, ctx)
+            lambda: self.formula(expr.condition, ctx),
+            lambda: self.number(expr.then, ctx),
+            lambda: self.number(expr.otherwise, ctx),
         )
         self.same("choose between", then, otherwise)
-        return NumberValue(self.make(ir.Choose, condition.node, then.node, otherwise.node), then.dimension, expr.span)
+        return NumberValue(
+            self.make(ir.Choose, condition.node, then.node, otherwise.node), then.dimension, expr.span
+        )
 
     def _in_zone(self, expr: ast.InZone, ctx: Context) -> Value:
         at = Span(expr.span.file, _span(expr.value).end, expr.span.end).word(expr.zone)
@@ -338,7 +402,11 @@ class Expressions:
 
     def timeline(self, what: str, span: Span, ctx: Context) -> ir.Axis:
         if ctx.timeline is None:
-            self.fail(RunAxis(ctx.site or span, what, "for the planned horizon, add `along SIGNAL as NAME` to the rule"))
+            self.fail(
+                RunAxis(
+                    ctx.site or span, what, "for the planned horizon, add `along SIGNAL as NAME` to the rule"
+                )
+            )
         return ctx.timeline
 
     def _temporal(self, expr: ast.Temporal, ctx: Context) -> Value:
@@ -349,7 +417,11 @@ class Expressions:
         return FormulaValue(self.make(ir.Temporal, expr.op, axis, operands[0], lower, upper), expr.span)
 
     def _over_time(
-        self, expr: ast.Temporal | ast.Until, operands: tuple[ast.Expr, ...], window: ast.Window | None, ctx: Context
+        self,
+        expr: ast.Temporal | ast.Until,
+        operands: tuple[ast.Expr, ...],
+        window: ast.Window | None,
+        ctx: Context,
     ) -> tuple[ir.Axis, list[ir.Formula], tuple[float | None, float | None]]:
         """Timeline, operands and window of a temporal operator; the errors of all of them are reported."""
         start = expr.span.start if isinstance(expr, ast.Temporal) else _span(expr.left).end
@@ -384,7 +456,14 @@ class Expressions:
             problem = f"the window of a temporal operator is a time, not {quantity(value.dimension)}"
             self.fail(BadValue(value.span, problem, None, calls.unit_hint(value, TIME)))
         if not isinstance(value.node, ir.Const):
-            self.fail(BadValue(value.span, "the window of a temporal operator is constant", None, "write a number with a unit of time"))
+            self.fail(
+                BadValue(
+                    value.span,
+                    "the window of a temporal operator is constant",
+                    None,
+                    "write a number with a unit of time",
+                )
+            )
         return value.node.value
 
     def axis(
@@ -397,12 +476,24 @@ class Expressions:
         signal = value.signal
         if len(names) > 1 and not consecutive:
             hint = f"write `consecutive {', '.join(names)}`, or a quantifier for each"
-            self.fail(UnknownReference(span, "several variables range together over consecutive samples only", hint))
+            self.fail(
+                UnknownReference(span, "several variables range together over consecutive samples only", hint)
+            )
         if consecutive and not signal.sequence:
-            self.fail(UnknownReference(span, f"the elements of `{signal.name}` have no order", "remove `consecutive`"))
+            self.fail(
+                UnknownReference(
+                    span, f"the elements of `{signal.name}` have no order", "remove `consecutive`"
+                )
+            )
         if consecutive and len(names) < 2:
-            self.fail(UnknownReference(span, "`consecutive` binds two or more samples", "add a variable, or remove `consecutive`"))
-        axis = self.make(ir.Axis, signal.name, "samples" if signal.sequence else "elements", len(names), ctx.level)
+            self.fail(
+                UnknownReference(
+                    span, "`consecutive` binds two or more samples", "add a variable, or remove `consecutive`"
+                )
+            )
+        axis = self.make(
+            ir.Axis, signal.name, "samples" if signal.sequence else "elements", len(names), ctx.level
+        )
         variables: dict[str, Value] = {}
         for offset, name in enumerate(names):
             if name in variables:
@@ -440,7 +531,9 @@ class Expressions:
             raise Poison
         return FormulaValue(self.make(ir.Quantify, expr.quantifier, axis, guard, body, expr.names), expr.span)
 
-    def range_of(self, bind: ast.Bind | ast.Quantified, ctx: Context) -> tuple[ir.Axis | None, dict[str, Value]]:
+    def range_of(
+        self, bind: ast.Bind | ast.Quantified, ctx: Context
+    ) -> tuple[ir.Axis | None, dict[str, Value]]:
         """The axis and the variables of a quantifier; where its range has an error, no axis and broken variables."""
         try:
             return self.axis(bind.domain, bind.names, bind.consecutive, bind.span.head, ctx)
@@ -449,7 +542,13 @@ class Expressions:
 
     def check_used(self, names: tuple[str, ...], parts: tuple[Node | None, ...], span: Span) -> None:
         """Warn of a quantifier none of whose variables is mentioned below."""
-        used = {node.name for part in parts if part is not None for node in part.walk() if isinstance(node, ast.Name)}
+        used = {
+            node.name
+            for part in parts
+            if part is not None
+            for node in part.walk()
+            if isinstance(node, ast.Name)
+        }
         if used.isdisjoint(names):
             self.found.append(UnusedVariable(span, "`, `".join(names)))
 

@@ -51,7 +51,9 @@ class Library:
             files = spec_files(path)
             if not files:
                 help_ = "name a .spec file, or a folder with some"
-                self.failures.append(TrackmarshalError("E006", "no .spec files in this folder", file=str(path), help=help_))
+                self.failures.append(
+                    TrackmarshalError("E006", "no .spec files in this folder", file=str(path), help=help_)
+                )
             for file in files:
                 module = self._load_file(file)
                 if module is not None:
@@ -94,7 +96,11 @@ class Library:
         if path.is_relative_to(_PRELUDE):
             return f"prelude/{path.name}"
         resolved = path.resolve()
-        return str(resolved.relative_to(self._shown_from)) if resolved.is_relative_to(self._shown_from) else str(path)
+        return (
+            str(resolved.relative_to(self._shown_from))
+            if resolved.is_relative_to(self._shown_from)
+            else str(path)
+        )
 
     def _load_file(self, path: Path) -> LoadedModule | None:
         pending = [path]
@@ -138,11 +144,19 @@ class Library:
         else:
             name = names[0].name
             for extra in names[1:]:
-                self.found.append(ModuleName(extra.span, "a file holds one module", "remove this line", names[0].span))
+                self.found.append(
+                    ModuleName(extra.span, "a file holds one module", "remove this line", names[0].span)
+                )
             if tree.items[0].__dict__["span"].start < names[0].span.start:
-                self.found.append(ModuleName(names[0].span, "`module` comes first in a file", "move it to the top"))
+                self.found.append(
+                    ModuleName(names[0].span, "`module` comes first in a file", "move it to the top")
+                )
         uses = tuple(item for item in tree.items if isinstance(item, ast.Use))
-        declared = {spelled(word) for word, keyword in broken.items() if keyword not in ("module", "use", "test", "constrain")}
+        declared = {
+            spelled(word)
+            for word, keyword in broken.items()
+            if keyword not in ("module", "use", "test", "constrain")
+        }
         module = LoadedModule(name, path, file, tree, uses, declared, "use" not in broken.values())
         if name in self.modules:
             other = self.modules[name]
@@ -154,7 +168,10 @@ class Library:
 
     def _missing(self, use: ast.Use, target: Path, root: Path) -> None:
         known = [*_modules_below(root), *(f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec"))]
-        hint = close_matches(use.name, known) or "`use a.b` reads a/b.spec, from the folder in which this module's own name starts"
+        hint = (
+            close_matches(use.name, known)
+            or "`use a.b` reads a/b.spec, from the folder in which this module's own name starts"
+        )
         self.found.append(ModuleNotFound(use.span, use.name, self._shown(target), hint))
 
     def _misnamed(self, use: ast.Use, target: Path) -> None:
@@ -162,7 +179,11 @@ class Library:
         found = self._by_path.get(target.resolve())
         if found is not None and found.name != use.name:
             problem = f"{self._shown(target)} is module `{found.name}`, not `{use.name}`"
-            self.found.append(ModuleName(use.span, problem, "a module `a.b` lives in a/b.spec", _named(found.tree, use.span)))
+            self.found.append(
+                ModuleName(
+                    use.span, problem, "a module `a.b` lives in a/b.spec", _named(found.tree, use.span)
+                )
+            )
 
 
 _DECLARED = re.compile(r"^([A-Za-z_]\w*)[ \t]+([^\W\d][\w.-]*)", re.MULTILINE)
@@ -185,7 +206,11 @@ def _modules_below(root: Path, most: int = 2000) -> list[str]:
     for folder, folders, files in os.walk(root):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         most -= len(folders) + len(files)
-        names += [".".join(Path(folder, f).relative_to(root).with_suffix("").parts) for f in files if f.endswith(".spec")]
+        names += [
+            ".".join(Path(folder, f).relative_to(root).with_suffix("").parts)
+            for f in files
+            if f.endswith(".spec")
+        ]
         if most < 0:
             break
     return names
@@ -210,7 +235,11 @@ def _root(module: LoadedModule) -> Path:
 def _module_path(name: str, root: Path) -> Path:
     parts = name.split(".")
     if parts[0] == "prelude":
-        return _PRELUDE.joinpath(*parts[1:]).with_suffix(".spec") if len(parts) > 1 else _PRELUDE / "prelude.spec"
+        return (
+            _PRELUDE.joinpath(*parts[1:]).with_suffix(".spec")
+            if len(parts) > 1
+            else _PRELUDE / "prelude.spec"
+        )
     return root.joinpath(*parts).with_suffix(".spec")
 
 

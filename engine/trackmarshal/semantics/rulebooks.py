@@ -22,7 +22,10 @@ def check_rulebook(item: ast.Item, rules: set[str], found: list[Diagnostic]) -> 
     for chain in item.chains:
         for name in chain.names:
             if name.name not in rules:
-                hint = close_matches(name.name, rules) or "a rulebook orders the rules that are checked together with it"
+                hint = (
+                    close_matches(name.name, rules)
+                    or "a rulebook orders the rules that are checked together with it"
+                )
                 found.append(UnknownReference(name.span, f"no rule `{name.name}`", hint))
         for left, relation, right in zip(chain.names, chain.relations, chain.names[1:]):
             relations.append((left.name, relation, right.name))
@@ -75,7 +78,9 @@ def check_state(item: ast.State, x: Expressions, ctx: Context) -> None:
         x.found.append(StateProblem(item.span.head, f"`{item.name}` is `{item.start}` for ever"))
     try:
         if item.domain:
-            _, names = x.axis(ast.Name(item.domain, item.span.word(item.domain)), (item.binder,), False, item.span.head, ctx)
+            _, names = x.axis(
+                ast.Name(item.domain, item.span.word(item.domain)), (item.binder,), False, item.span.head, ctx
+            )
             ctx = ctx.bind(names, 1)
     except Poison:
         ctx = ctx.bind({item.binder: Broken()})
@@ -89,22 +94,48 @@ def check_signal(item: ast.Signal, found: list[Diagnostic]) -> None:
     head, kind = item.span.head, item.kind
     if item.many != (kind == "object"):
         problem = f"there is no set of {kind}s" if item.many else "objects come in sets"
-        found.append(BadValue(head, problem, None, "write `set of object`" + ("" if item.many else ", or `state` for a single record")))
+        found.append(
+            BadValue(
+                head,
+                problem,
+                None,
+                "write `set of object`" + ("" if item.many else ", or `state` for a single record"),
+            )
+        )
     if kind == "polyline" and item.fields_:
-        found.append(BadValue(item.fields_[0].span, "a polyline has no fields", None, "it is a list of points"))
+        found.append(
+            BadValue(item.fields_[0].span, "a polyline has no fields", None, "it is a list of points")
+        )
     if kind == "corridor" and item.fields_:
         sides = {field.name for field in item.fields_ if field.type == "polyline"}
         for field in item.fields_:
             if field.type != "polyline" or field.name not in ("left", "right"):
-                found.append(BadValue(field.span, f"a corridor has no field `{field.name}: {field.type}`", None, _CORRIDOR))
+                found.append(
+                    BadValue(
+                        field.span, f"a corridor has no field `{field.name}: {field.type}`", None, _CORRIDOR
+                    )
+                )
         for side in ("left", "right"):
             if side not in sides:
-                found.append(BadValue(head, f"the corridor `{item.name}` lacks `{side}: polyline`", None, _CORRIDOR))
+                found.append(
+                    BadValue(head, f"the corridor `{item.name}` lacks `{side}: polyline`", None, _CORRIDOR)
+                )
     for field in item.fields_ if kind not in ("corridor", "polyline") else ():
         if field.type == "polyline":
-            found.append(BadValue(field.span, f"a {kind} has no polylines", None, "polylines stand in a corridor, or alone"))
+            found.append(
+                BadValue(
+                    field.span, f"a {kind} has no polylines", None, "polylines stand in a corridor, or alone"
+                )
+            )
         if field.increasing and kind not in ("trajectory", "series"):
-            found.append(BadValue(field.span, f"a field of a {kind} has no order", None, "only columns of a timeline increase"))
+            found.append(
+                BadValue(
+                    field.span,
+                    f"a field of a {kind} has no order",
+                    None,
+                    "only columns of a timeline increase",
+                )
+            )
 
 
 _CORRIDOR = "its fields are `left: polyline` and `right: polyline`"
@@ -115,5 +146,7 @@ def check_test_target(item: ast.Item, rules: set[str], found: list[Diagnostic]) 
     assert isinstance(item, ast.Test)
     if item.rule not in rules:
         at = item.span.head.word(item.rule)
-        hint = close_matches(item.rule, rules) or "a test follows the rule that it is about, or uses its module"
+        hint = (
+            close_matches(item.rule, rules) or "a test follows the rule that it is about, or uses its module"
+        )
         found.append(UnknownReference(at, f"no rule `{item.rule}` to test", hint))

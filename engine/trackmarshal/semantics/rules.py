@@ -46,8 +46,15 @@ class RuleBuilder:
                 case ast.Severity():
                     text["severity"] = clause.word
                     if clause.word not in SEVERITIES:
-                        hint = close_matches(clause.word, SEVERITIES) or f"write {', '.join(SEVERITIES[:-1])} or {SEVERITIES[-1]}"
-                        self.x.found.append(UnknownReference(_last_word(clause.span, clause.word), f"`{clause.word}` is no severity", hint))
+                        hint = (
+                            close_matches(clause.word, SEVERITIES)
+                            or f"write {', '.join(SEVERITIES[:-1])} or {SEVERITIES[-1]}"
+                        )
+                        self.x.found.append(
+                            UnknownReference(
+                                _last_word(clause.span, clause.word), f"`{clause.word}` is no severity", hint
+                            )
+                        )
                 case ast.Evidence():
                     text["evidence"] = clause.path
                 case ast.Owner():
@@ -55,7 +62,10 @@ class RuleBuilder:
         for name, span in assuming:
             if name not in assumptions:
                 problem = f"no assumption `{name}` is declared in what is checked together"
-                hint = close_matches(name, assumptions) or f"declare it: `assume {name}`, or add a `use` of its module"
+                hint = (
+                    close_matches(name, assumptions)
+                    or f"declare it: `assume {name}`, or add a `use` of its module"
+                )
                 self.x.found.append(UnknownReference(span, problem, hint))
         formula, active, along = self._formula(item)
         if any(d.level == "error" for d in self.x.found[before:]):
@@ -78,15 +88,29 @@ class RuleBuilder:
         for clause_type, word in singles.items():
             clauses = [c for c in item.clauses if isinstance(c, clause_type)]
             for extra in clauses[1:]:
-                hint = "join the conditions with `and`, or write two rules" if clause_type is ast.Require else "keep one of them"
-                self._problem(extra, f"`{word}` stands once in {a_kind}", hint, clauses[0].__dict__["span"].head)
+                hint = (
+                    "join the conditions with `and`, or write two rules"
+                    if clause_type is ast.Require
+                    else "keep one of them"
+                )
+                self._problem(
+                    extra, f"`{word}` stands once in {a_kind}", hint, clauses[0].__dict__["span"].head
+                )
         requires = [c for c in item.clauses if isinstance(c, ast.Require)]
         if kind == "rule" and not requires:
-            self.x.found.append(ClauseProblem(item.span.head, f"rule `{item.name}` requires nothing", "add a `require` clause"))
+            self.x.found.append(
+                ClauseProblem(
+                    item.span.head, f"rule `{item.name}` requires nothing", "add a `require` clause"
+                )
+            )
         if kind == "assume" and not requires:
             for clause in item.clauses:
                 if isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever)):
-                    self._problem(clause, "there is no `monitor` that this clause would be about", "add a `monitor`, or remove the clause")
+                    self._problem(
+                        clause,
+                        "there is no `monitor` that this clause would be about",
+                        "add a `monitor`, or remove the clause",
+                    )
         for require in requires:
             if (require.keyword == "monitor") != (kind == "assume"):
                 right = "monitor" if kind == "assume" else "require"
@@ -94,7 +118,11 @@ class RuleBuilder:
         if kind == "rule":
             for clause in item.clauses:
                 if isinstance(clause, (ast.Evidence, ast.Owner)):
-                    self._problem(clause, "evidence and owner belong to an assumption", "move it to the `assume` it is about")
+                    self._problem(
+                        clause,
+                        "evidence and owner belong to an assumption",
+                        "move it to the `assume` it is about",
+                    )
         bound = False
         for clause in item.clauses:
             if isinstance(clause, ast.Bind):
@@ -102,14 +130,32 @@ class RuleBuilder:
             elif isinstance(clause, ast.Along) and bound:
                 self._problem(clause, "`along` comes before the quantifiers", "move it up")
             elif isinstance(clause, ast.Except) and not bound:
-                self._problem(clause, "`except` leaves elements out of a quantifier's range", "put a `for all` before it, or use `whenever`")
+                self._problem(
+                    clause,
+                    "`except` leaves elements out of a quantifier's range",
+                    "put a `for all` before it, or use `whenever`",
+                )
             elif isinstance(clause, ast.WithinTime):
-                self.x.found.append(RunAxis(clause.span, "`within`", "for the planned horizon, write `along` and `eventually[0 s, ...]`"))
+                self.x.found.append(
+                    RunAxis(
+                        clause.span,
+                        "`within`",
+                        "for the planned horizon, write `along` and `eventually[0 s, ...]`",
+                    )
+                )
             elif isinstance(clause, ast.Whenever) and bound:
                 self._problem(clause, "`whenever` comes before the quantifiers", "move it up, or use `where`")
-            if requires and clause is not requires[0] and isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever)):
+            if (
+                requires
+                and clause is not requires[0]
+                and isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever))
+            ):
                 if clause.__dict__["span"].start > requires[0].span.start:
-                    self._problem(clause, "this clause comes after the condition that it is about", "move it before the condition")
+                    self._problem(
+                        clause,
+                        "this clause comes after the condition that it is about",
+                        "move it before the condition",
+                    )
 
     def _problem(self, clause: ast.Clause, problem: str, hint: str, first: Span | None = None) -> None:
         self.x.found.append(ClauseProblem(clause.__dict__["span"].head, problem, hint, first))
@@ -124,25 +170,43 @@ class RuleBuilder:
         if isinstance(symbol, Ambiguous):
             self.x.found.append(symbol)
         elif symbol is not None:
-            references = [n for n in scope.names() if isinstance(getattr(scope.find(n), "item", None), ast.Reference)]
+            references = [
+                n for n in scope.names() if isinstance(getattr(scope.find(n), "item", None), ast.Reference)
+            ]
             hint = close_matches(name, references) or f'declare it: `reference {name} = "..."`'
-            self.x.found.append(UnknownReference(span, f"no reference `{name}` is declared here or in a used module", hint))
+            self.x.found.append(
+                UnknownReference(span, f"no reference `{name}` is declared here or in a used module", hint)
+            )
         return ""
 
-    def _formula(self, item: ast.Rule | ast.Assume) -> tuple[ir.Formula | None, ir.Formula | None, ir.Axis | None]:
+    def _formula(
+        self, item: ast.Rule | ast.Assume
+    ) -> tuple[ir.Formula | None, ir.Formula | None, ir.Axis | None]:
         """The whole formula, where the rule applies, and its timeline. Errors of all clauses are reported."""
         steps: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]] = []
         ctx, body, failed = self.ctx, None, False
-        clauses = [c for c in item.clauses if isinstance(c, (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.Require))]
+        clauses = [
+            c
+            for c in item.clauses
+            if isinstance(c, (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.Require))
+        ]
         for position, clause in enumerate(clauses):
             self.x.expansions = 0
             try:
                 match clause:
                     case ast.Along():
                         signal = self.x.value(clause.signal, ctx)
-                        if not isinstance(signal, SignalValue) or not signal.signal.sequence or not _has_time(signal.signal):
+                        if (
+                            not isinstance(signal, SignalValue)
+                            or not signal.signal.sequence
+                            or not _has_time(signal.signal)
+                        ):
                             hint = "a timeline is a trajectory or a series with a column `t: s increasing`"
-                            self.x.fail(ClauseProblem(clause.signal.span, f"`{clause.signal.name}` is no timeline", hint))
+                            self.x.fail(
+                                ClauseProblem(
+                                    clause.signal.span, f"`{clause.signal.name}` is no timeline", hint
+                                )
+                            )
                         bound, names = self.x.axis(clause.signal, (clause.name,), False, clause.span, ctx)
                         ctx = ctx.bind(names, 1, bound)
                         steps.append((clause, bound, None))
@@ -150,7 +214,9 @@ class RuleBuilder:
                         axis, names = self.x.range_of(clause, ctx)
                         failed |= axis is None
                         ctx = ctx.bind(names, 1)
-                        self.x.check_used(clause.names, (clause.where, *clauses[position + 1 :]), clause.span.head)
+                        self.x.check_used(
+                            clause.names, (clause.where, *clauses[position + 1 :]), clause.span.head
+                        )
                         guard = self.x.formula(clause.where, ctx).node if clause.where is not None else None
                         steps.append((clause, axis, guard))
                     case ast.Except() | ast.Whenever():
@@ -165,8 +231,12 @@ class RuleBuilder:
                 failed = True
                 if isinstance(error, RecursionError):
                     self.x.too_deep(clause.__dict__["span"].head)
-                if isinstance(clause, (ast.Let, ast.Along)):  # a broken name, so that the clauses below are still checked
-                    timeline = self.x.make(ir.Axis, "", "samples", 1, 0) if isinstance(clause, ast.Along) else None
+                if isinstance(
+                    clause, (ast.Let, ast.Along)
+                ):  # a broken name, so that the clauses below are still checked
+                    timeline = (
+                        self.x.make(ir.Axis, "", "samples", 1, 0) if isinstance(clause, ast.Along) else None
+                    )
                     ctx = ctx.bind({clause.name: Broken()}, 0, timeline)
         if failed or body is None:
             return None, None, None
@@ -187,7 +257,9 @@ class RuleBuilder:
                 # An empty `for all` demands nothing; an empty `exists` has not found what it demands, and an
                 # element whose own demand is empty is found: whatever lies below an `exists`, it is never idle.
                 if clause.quantifier == "for all":
-                    active = make(ir.Quantify, "exists", axis, guard, active or make(ir.Truth, True), clause.names)
+                    active = make(
+                        ir.Quantify, "exists", axis, guard, active or make(ir.Truth, True), clause.names
+                    )
                 else:
                     active = None
             elif isinstance(clause, ast.Whenever):
@@ -206,7 +278,12 @@ class RuleBuilder:
 def _has_time(signal: SignalType) -> bool:
     """Whether a timeline has a column of times that the input contract holds to increase."""
     field = signal.field("t")
-    return field is not None and field.kind == "number" and field.increasing and parse_unit(field.unit)[2] == TIME
+    return (
+        field is not None
+        and field.kind == "number"
+        and field.increasing
+        and parse_unit(field.unit)[2] == TIME
+    )
 
 
 def _with_exceptions(
@@ -222,7 +299,11 @@ def _with_exceptions(
             bind, bound, before = result[place]
             assert guard is not None
             allowed = x.make(ir.Not, guard)
-            result[place] = (bind, bound, allowed if before is None else x.make(ir.Connective, "and", before, allowed))
+            result[place] = (
+                bind,
+                bound,
+                allowed if before is None else x.make(ir.Connective, "and", before, allowed),
+            )
         else:
             result.append((clause, axis, guard))
     return result
@@ -311,7 +392,9 @@ def describe(root: ir.IR) -> str:
             if isinstance(value, ir.IR):
                 parts.append(f"#{visit(value)}")
             elif isinstance(value, tuple):
-                parts.append("(" + " ".join(f"#{visit(v)}" if isinstance(v, ir.IR) else repr(v) for v in value) + ")")
+                parts.append(
+                    "(" + " ".join(f"#{visit(v)}" if isinstance(v, ir.IR) else repr(v) for v in value) + ")"
+                )
             else:
                 parts.append(repr(value))
         numbers[id(node)] = len(numbers)

@@ -142,7 +142,9 @@ class Builder:
 
     def table(self, meta: Meta, c: list[Any]) -> ast.Table:
         rows = tuple(c[4:-1])
-        return ast.Table(spelled(c[0]), spelled(c[1]), plain_unit(c[2]), plain_unit(c[3]), rows, c[-1], self._span(meta))
+        return ast.Table(
+            spelled(c[0]), spelled(c[1]), plain_unit(c[2]), plain_unit(c[3]), rows, c[-1], self._span(meta)
+        )
 
     def zone(self, meta: Meta, c: list[Any]) -> ast.Place:
         return ast.Place("zone", spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))

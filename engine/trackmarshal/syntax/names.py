@@ -14,7 +14,17 @@ GREEK = {
 }  # fmt: skip
 _LETTERS = {name: letter for letter, name in GREEK.items()}
 # Other code points that keyboards give for the same letters: micro sign, increment, ohm, final sigma, variants.
-GREEK.update({"\u00b5": "mu", "\u2206": "Delta", "\u2126": "Omega", "ς": "sigma", "ϕ": "phi", "ϑ": "theta", "ϵ": "epsilon"})
+GREEK.update(
+    {
+        "\u00b5": "mu",
+        "\u2206": "Delta",
+        "\u2126": "Omega",
+        "ς": "sigma",
+        "ϕ": "phi",
+        "ϑ": "theta",
+        "ϵ": "epsilon",
+    }
+)
 
 
 def spelled(name: str) -> str:

@@ -72,7 +72,11 @@ class _Reader(pickle.Unpickler):
     def find_class(self, module: str, name: str) -> Any:
         if module == "trackmarshal.syntax.ast" or (module, name) == ("trackmarshal.source", "Span"):
             return super().find_class(module, name)
-        if (module, name) in (("copyreg", "__newobj__"), ("copyreg", "_reconstructor"), ("builtins", "object")):
+        if (module, name) in (
+            ("copyreg", "__newobj__"),
+            ("copyreg", "_reconstructor"),
+            ("builtins", "object"),
+        ):
             return super().find_class(module, name)
         raise pickle.UnpicklingError(f"{module}.{name} is no part of a tree")
 

@@ -25,7 +25,16 @@ from trackmarshal.units import Dimension, from_si, parse_shown, parse_unit, quan
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive")
 #: The units of the columns that builders make.
-_COLUMNS = {"t": "s", "s": "m", "x": "m", "y": "m", "heading": "rad", "kappa": "1/m", "v": "m/s", "a": "m/s^2"}
+_COLUMNS = {
+    "t": "s",
+    "s": "m",
+    "x": "m",
+    "y": "m",
+    "heading": "rad",
+    "kappa": "1/m",
+    "v": "m/s",
+    "a": "m/s^2",
+}
 
 
 class PreparedTest(Node):
@@ -118,7 +127,11 @@ class _Preparation:
                 raise Poison  # its declaration has an error of syntax
             self._unknown(entry)
         if entry.changes and not (isinstance(item, ast.Signal) and self._spec.signals[item.name].sequence):
-            self.fail(entry.changes[0].span, "`with` changes columns of a timeline", f"give all of `{entry.name}` in one value")
+            self.fail(
+                entry.changes[0].span,
+                "`with` changes columns of a timeline",
+                f"give all of `{entry.name}` in one value",
+            )
         match item:
             case ast.Signal():
                 case["signals"][entry.name] = self._signal(self._spec.signals[item.name], entry)
@@ -135,7 +148,9 @@ class _Preparation:
                 table = self._spec.tables.get(symbol.qualified)
                 if table is None:
                     raise Poison
-                rows = self._x.all(*(lambda r=row: self._pair(r, table.units) for row in self._list(entry.value)))
+                rows = self._x.all(
+                    *(lambda r=row: self._pair(r, table.units) for row in self._list(entry.value))
+                )
                 try:
                     check_table(table, rows)
                 except TrackmarshalError as error:
@@ -147,11 +162,16 @@ class _Preparation:
     def _unknown(self, entry: ast.Given) -> NoReturn:
         kinds = (ast.Signal, ast.Event, ast.Param, ast.Table, ast.Place)
         symbols = {name: self._scope.find(name) for name in self._scope.names()}
-        known = [name for name, symbol in symbols.items() if symbol is not None and isinstance(symbol.item, kinds)]
+        known = [
+            name for name, symbol in symbols.items() if symbol is not None and isinstance(symbol.item, kinds)
+        ]
         hint = close_matches(entry.name, known) or "only what the test's module declares or uses can be given"
         problem = f"`{entry.name}` is no signal, event, parameter, table, zone or line"
         if entry.name in symbols and symbols[entry.name] is None:
-            problem, hint = f"`{entry.name}` is declared in several used modules", "rename one, or use only one of the modules"
+            problem, hint = (
+                f"`{entry.name}` is declared in several used modules",
+                "rename one, or use only one of the modules",
+            )
         self.fail(entry.span.word(entry.name), problem, hint)
 
     def _param(self, info: ParamInfo, value: ast.Expr) -> float:
@@ -165,7 +185,9 @@ class _Preparation:
 
     def _signal(self, signal: SignalType, entry: ast.Given) -> Any:
         if signal.many:
-            return self._x.all(*(lambda e=element: self._record(signal, e) for element in self._list(entry.value)))
+            return self._x.all(
+                *(lambda e=element: self._record(signal, e) for element in self._list(entry.value))
+            )
         if signal.sequence:
             columns = self._columns(signal, entry.value)
             self._x.all(*(lambda c=change: self._change(signal, columns, c) for change in entry.changes))
@@ -177,7 +199,11 @@ class _Preparation:
         if isinstance(entry.value, ast.Call):
             return self._build(entry.value, "corridor")
         if not isinstance(entry.value, ast.RecordValue):
-            self.fail(_span(entry.value), "a corridor is built, or given as `{ left: [...], right: [...] }`", _HOW["corridor"])
+            self.fail(
+                _span(entry.value),
+                "a corridor is built, or given as `{ left: [...], right: [...] }`",
+                _HOW["corridor"],
+            )
         return self._entries(entry.value, self._side)
 
     def _side(self, side: str, value: ast.Expr) -> Any:
@@ -200,11 +226,18 @@ class _Preparation:
                     unit = _COLUMNS[field.name]
                     if field.kind != "number" or parse_unit(field.unit)[2] != parse_unit(unit)[2]:
                         problem = f"`{value.function}` gives `{field.name}` in {unit}, which does not fit its declaration"
-                        self.fail(value.span, problem, "give the columns yourself, or declare it with this dimension", field.span)
+                        self.fail(
+                            value.span,
+                            problem,
+                            "give the columns yourself, or declare it with this dimension",
+                            field.span,
+                        )
                     columns[field.name] = [from_si(number, field.unit) for number in built[field.name]]
             return columns
         if not isinstance(value, ast.RecordValue):
-            self.fail(_span(value), "a timeline is built, or given as `{ column: [...] }`", _HOW["trajectory"])
+            self.fail(
+                _span(value), "a timeline is built, or given as `{ column: [...] }`", _HOW["trajectory"]
+            )
 
         def column(field_name: str, content: ast.Expr) -> list[Any]:
             field = self._field(signal, field_name, _span(content))
@@ -249,16 +282,26 @@ class _Preparation:
             if not named:
                 self.fail(_span(value), "the arguments of builders are named", takes)
             if parameter is None:
-                self.fail(_span(value), f"`{builder.name}` has no argument `{named}`", close_matches(named, builder.parameters) or takes)
+                self.fail(
+                    _span(value),
+                    f"`{builder.name}` has no argument `{named}`",
+                    close_matches(named, builder.parameters) or takes,
+                )
             if call.names.count(named) > 1:
                 self.fail(_span(value), f"`{named}` is given twice", "keep one of them")
             return named, self._number(value, parameter.unit, f"the argument `{named}`")
 
-        arguments = dict(self._x.all(*(lambda n=n, v=v: argument(n, v) for n, v in zip(call.names, call.args))))
+        arguments = dict(
+            self._x.all(*(lambda n=n, v=v: argument(n, v) for n, v in zip(call.names, call.args)))
+        )
         missing = [n for n, p in builder.parameters.items() if p.required and n not in arguments]
         if missing:
             shown = ", ".join(f"{n}: ... {builder.parameters[n].unit}" for n in missing)
-            self.fail(call.span, f"`{builder.name}` needs {' and '.join(f'`{n}`' for n in missing)}", f"write `{builder.name}({shown})`")
+            self.fail(
+                call.span,
+                f"`{builder.name}` needs {' and '.join(f'`{n}`' for n in missing)}",
+                f"write `{builder.name}({shown})`",
+            )
         return arguments
 
     def _record(self, signal: SignalType, value: ast.Expr) -> dict[str, Any]:
@@ -304,7 +347,9 @@ class _Preparation:
         if len(parts) != 2:
             entries = "1 entry" if len(parts) == 1 else f"{len(parts)} entries"
             self.fail(_span(value), f"a pair is needed here, this has {entries}", "write `[x, y]`")
-        return self._x.all(*(lambda p=part, u=unit: self._number(p, u, "this") for part, unit in zip(parts, units)))
+        return self._x.all(
+            *(lambda p=part, u=unit: self._number(p, u, "this") for part, unit in zip(parts, units))
+        )
 
     def _number(self, value: ast.Expr, unit: str, what: str) -> float:
         """A constant in the unit that the data comes in; `nan` and `inf` are allowed here and only here."""
@@ -315,7 +360,10 @@ class _Preparation:
 
     def _si(self, value: ast.Expr, dimension: Dimension, what: str) -> float:
         if isinstance(value, (ast.ListValue, ast.RecordValue)):
-            self.fail(_span(value), f"{what} is one value, not a {'list' if isinstance(value, ast.ListValue) else 'record'}")
+            self.fail(
+                _span(value),
+                f"{what} is one value, not a {'list' if isinstance(value, ast.ListValue) else 'record'}",
+            )
         checked = self._x.number(value, self._ctx)
         if checked.dimension != dimension:
             problem = f"{what} is {quantity(dimension)}, not {quantity(checked.dimension)}"
@@ -347,8 +395,15 @@ class _Preparation:
 
     def _verdict(self, expect: ast.Expect) -> None:
         if expect.verdict not in VERDICTS:
-            hint = close_matches(expect.verdict, VERDICTS) or f"a verdict is {', '.join(VERDICTS[:-1])} or {VERDICTS[-1]}"
-            self.fail(expect.span.word(expect.verdict), f"`{expect.verdict}` is no verdict that a test can expect", hint)
+            hint = (
+                close_matches(expect.verdict, VERDICTS)
+                or f"a verdict is {', '.join(VERDICTS[:-1])} or {VERDICTS[-1]}"
+            )
+            self.fail(
+                expect.span.word(expect.verdict),
+                f"`{expect.verdict}` is no verdict that a test can expect",
+                hint,
+            )
 
     def _at(self, expect: ast.Expect, rule: RuleInfo | None) -> str | None:
         """The index, or the id of an object, at which the rule is expected to be decided."""
@@ -357,8 +412,12 @@ class _Preparation:
         if rule is not None and rule.formula is not None:
             variables = dict.fromkeys(_variables(rule.formula))
             if expect.binder not in variables:
-                hint = close_matches(expect.binder, variables) or ("it has " + ", ".join(variables) if variables else "it has none")
-                self.fail(expect.span.word(expect.binder), f"`{rule.name}` has no variable `{expect.binder}`", hint)
+                hint = close_matches(expect.binder, variables) or (
+                    "it has " + ", ".join(variables) if variables else "it has none"
+                )
+                self.fail(
+                    expect.span.word(expect.binder), f"`{rule.name}` has no variable `{expect.binder}`", hint
+                )
         if expect.at.startswith('"'):
             return expect.at.strip('"')
         index = _index(expect.at)

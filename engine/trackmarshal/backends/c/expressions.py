@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.backends.c.layout import Layout
@@ -281,9 +281,9 @@ class Writer:
                 slots = series(self, node, at)
                 return self._read(slots, self.index(node.axis, at), at)
             case ir.First():
-                inner = at.open("")
-                inner.binds[node.axis] = "0u"
-                return self._carried(self.formula(node.operand, inner), at, inner)
+                first = at.open("")
+                first.binds[node.axis] = "0u"
+                return self._carried(self.formula(node.operand, first), at, first)
             case _:
                 raise self.refuse(
                     node, f"the C generator does not know formulas of kind {type(node).__name__}"
@@ -405,8 +405,10 @@ class Writer:
             f"!{guard.worst_sat} || {body.best_sat}", f"{guard.worst_sat} ? {body.best_margin} : TM_INF",
         )  # fmt: skip
 
-    def quantify(self, nodes: list[ir.Quantify], at: Block) -> list[Value]:
-        """Quantifiers over one axis, in one loop."""
+    def quantify(
+        self, nodes: list[ir.Quantify], at: Block, owners: Sequence[RuleInfo] | None = None
+    ) -> list[Value]:
+        """Quantifiers over one axis, in one loop; of several rules, where `owners` says whose each is."""
         axis = nodes[0].axis
         numbers = [self.fresh() for _ in nodes]
         names = (("s", "m"),) if self.known else (("ws", "wm"), ("bs", "bm"))
@@ -419,7 +421,9 @@ class Writer:
         self.add(at, f"const size_t {total} = {self.count(axis)};", total)
         loop = at.open(f"for (size_t {i} = 0u; {i} < {total}; ++{i})")
         loop.binds[axis] = i
-        for node, k in zip(nodes, numbers):
+        for place, (node, k) in enumerate(zip(nodes, numbers)):
+            if owners is not None:
+                self.rule, self._span = owners[place], owners[place].span
             guard = None if node.guard is None else self.formula(node.guard, loop)
             if (
                 self.known

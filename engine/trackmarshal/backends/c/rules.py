@@ -127,3 +127,76 @@ def _entry(plan: Layout, rule: RuleInfo, name: str) -> list[str]:
         "}",
         "",
     ]
+
+
+@dataclass(frozen=True)
+class GroupCode:
+    """Rules over one timeline whose functions for known values are joined in one loop."""
+
+    rules: tuple[RuleInfo, ...]
+    c_name: str
+    text: str
+
+
+def group_codes(plan: Layout) -> list[GroupCode]:
+    """The groups of rules that can share a loop: what they compute alike is computed once, and the loop runs once."""
+    found: dict[ir.Axis, list[RuleInfo]] = {}
+    for rule in plan.rules:
+        axis = _axis(rule)
+        if axis is not None:
+            found.setdefault(axis, []).append(rule)
+    groups = [(axis, rules) for axis, rules in found.items() if len(rules) > 1]
+    return [
+        _group(plan, f"{plan.input(axis.signal).c_name}_{i}", rules) for i, (axis, rules) in enumerate(groups)
+    ]
+
+
+def _axis(rule: RuleInfo) -> ir.Axis | None:
+    """The timeline that a rule quantifies over, if it does nothing else that loops."""
+    formula, active = rule.formula, rule.active
+    if not isinstance(formula, ir.Quantify) or formula.axis.kind != "samples":
+        return None
+    if active is not None and not (isinstance(active, ir.Quantify) and active.axis is formula.axis):
+        return None
+    looping = (ir.Quantify, ir.First, ir.Temporal, ir.Until, ir.Shift, ir.Edge, ir.Geometry, ir.Along)
+    inner = [
+        node
+        for root in roots(rule)
+        for node in ir.below(root)
+        if isinstance(node, looping) and node is not root
+    ]
+    return None if inner else formula.axis
+
+
+def _group(plan: Layout, name: str, rules: list[RuleInfo]) -> GroupCode:
+    writer = Writer(plan, rules[0], True)
+    root = writer.root
+    nodes: list[ir.Quantify] = []
+    owners: list[RuleInfo] = []
+    for rule in rules:
+        for formula in roots(rule):
+            assert isinstance(formula, ir.Quantify)
+            nodes.append(formula)
+            owners.append(rule)
+    root.add("bool suspect = false;")
+    values = writer.quantify(nodes, root, owners)
+    by_rule: dict[str, list[Value]] = {}
+    for rule, value in zip(owners, values):
+        by_rule.setdefault(rule.name, []).append(value)
+    root.add("if (suspect) { return false; }")
+    for rule in rules:
+        value, *active = by_rule[rule.name]
+        inactive = f"!{active[0].best_sat}" if active else "false"
+        arguments = f"{value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin}"
+        root.add(
+            f"tm_decide(&out->rule[TM_RULE_{plan.rule_names[rule.name].upper()}], {inactive}, {arguments});"
+        )
+    root.add("return true;")
+    prune(root)
+    lines = list(render(root))
+    text = "\n".join(lines)
+    unused = [f"  (void){p};" for p in ("c", "in") if f"{p}->" not in text and f"({p}," not in text]
+    head = f"static bool tm_known_{name}(tm_context *c, const tm_input *in, tm_output *out)"
+    names = ", ".join(rule.name for rule in rules)
+    said = f"/* In one loop, taking everything for known: {comment(names)}. False where something is not. */"
+    return GroupCode(tuple(rules), f"tm_known_{name}", "\n".join([said, head, "{", *unused, *lines[1:], ""]))

@@ -9,7 +9,7 @@ from trackmarshal.backends.c import parts
 from trackmarshal.backends.c.header import header
 from trackmarshal.backends.c.layout import Layout, layout
 from trackmarshal.backends.c.names import comment, literal
-from trackmarshal.backends.c.rules import RuleCode, rule_code
+from trackmarshal.backends.c.rules import GroupCode, RuleCode, group_codes, rule_code
 from trackmarshal.ir.spec import RuleInfo, Spec
 
 
@@ -39,8 +39,9 @@ def generate(spec: Spec, rules: Sequence[RuleInfo], name: str = "supervisor") ->
 
 
 def _source(plan: Layout, codes: Sequence[RuleCode], name: str) -> Iterator[str]:
-    tail = list(_check(plan, codes)) + list(_init(plan))
-    bodies = [code.text for code in codes]
+    groups = group_codes(plan)
+    tail = list(_check(plan, codes, groups)) + list(_init(plan))
+    bodies = [*(code.text for code in codes), *(group.text for group in groups)]
     yield f"/* Generated from a spec by trackmarshal; the spec is what is maintained. Fingerprint {plan.spec.fingerprint[:16]}. */"
     yield f'#include "{name}.h"'
     yield ""
@@ -57,7 +58,7 @@ def _source(plan: Layout, codes: Sequence[RuleCode], name: str) -> Iterator[str]
     yield from tail
 
 
-def _check(plan: Layout, codes: Sequence[RuleCode]) -> Iterator[str]:
+def _check(plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
     yield "/* Whether an input fits the capacities, and has the samples that every timeline has. */"
     yield "static tm_status tm_fits(const tm_input *in)"
     yield "{"
@@ -81,8 +82,17 @@ def _check(plan: Layout, codes: Sequence[RuleCode]) -> Iterator[str]:
     yield "    for (size_t i = 0u; i < TM_RULES; ++i) { tm_undefined(&out->rule[i]); }"
     yield "    return status;"
     yield "  }"
+    grouped = {rule.name for group in groups for rule in group.rules}
+    for group in groups:
+        names = {rule.name for rule in group.rules}
+        yield f"  if (!{group.c_name}(c, in, out)) {{"
+        for code in codes:
+            if code.rule.name in names:
+                yield f"    tm_rule_{code.c_name}(c, in, &out->rule[{_constant(code)}]); /* {comment(code.rule.name)} */"
+        yield "  }"
     for code in codes:
-        yield f"  tm_rule_{code.c_name}(c, in, &out->rule[{_constant(code)}]); /* {comment(code.rule.name)} */"
+        if code.rule.name not in grouped:
+            yield f"  tm_rule_{code.c_name}(c, in, &out->rule[{_constant(code)}]); /* {comment(code.rule.name)} */"
     yield "  return TM_OK;"
     yield "}"
     yield ""
@@ -113,8 +123,8 @@ def _init(plan: Layout) -> Iterator[str]:
     if not plan.params and not plan.tables and not plan.shapes:
         yield "  (void)c;"
     for name, c_name in plan.params.items():
-        info = spec.params[name]
-        yield f"  c->params.{c_name} = {literal(info.value)}; /* {comment(name)} {comment(str(info.span))} */"
+        param = spec.params[name]
+        yield f"  c->params.{c_name} = {literal(param.value)}; /* {comment(name)} {comment(str(param.span))} */"
     for table, c_name in plan.tables.items():
         count = len(spec.tables[table].knots)
         yield f"  if (!tm_set_table(&c->tables.{c_name}, tm_{c_name}_knots, tm_{c_name}_values, {count}u)) {{ status = TM_UNUSABLE; }}"

@@ -5,7 +5,7 @@ For data that has passed the input contract: what is here evaluates, it does not
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -120,21 +120,30 @@ class Stepper:
         self.verdicts[:] = 2
 
 
+def run_columns(
+    program: CProgram,
+    columns: Mapping[tuple[str, str], Floats],
+    numbers: Mapping[tuple[str, str], Floats] | None = None,
+    flags: Mapping[tuple[str, str], Any] | None = None,
+) -> tuple[NDArray[np.int8], Floats]:
+    """Many cases of one shape, once: see `prepared_columns`."""
+    return prepared_columns(program, columns, numbers, flags)()
+
+
 def _code(value: bool | None) -> int:
     return -1 if value is None else int(value)
 
 
-def run_columns(program: CProgram, columns: Mapping[tuple[str, str], Floats], numbers: Mapping[tuple[str, str], Floats] | None = None,
-                flags: Mapping[tuple[str, str], Any] | None = None) -> tuple[NDArray[np.int8], Floats]:  # fmt: skip
-    """Many cases of one shape: (cases, rules) verdict codes and margins.
+def prepared_columns(program: CProgram, columns: Mapping[tuple[str, str], Floats], numbers: Mapping[tuple[str, str], Floats] | None = None,
+                flags: Mapping[tuple[str, str], Any] | None = None) -> Callable[[], tuple[NDArray[np.int8], Floats]]:  # fmt: skip
+    """Many cases of one shape, to be run again and again: a function that gives (cases, rules) verdict codes and margins.
 
     columns: (signal, field) -> (cases, samples) float64, Booleans int8 with -1 for missing; numbers and flags:
     (signal, field) -> (cases,), events with field "". The program's own parameters and tables count.
     """
     order = program.order
     arrays = [
-        np.ascontiguousarray(columns[name, field], dtype=np.int8 if flag else np.float64)
-        for name, field, flag in order.columns
+        _rows(columns[name, field], np.int8 if flag else np.float64) for name, field, flag in order.columns
     ]
     scalars, booleans = numbers or {}, flags or {}
     cases = (
@@ -163,10 +172,24 @@ def run_columns(program: CProgram, columns: Mapping[tuple[str, str], Floats], nu
     )
     margins = np.full((cases, len(program.rules)), np.nan)
     verdicts = np.full((cases, len(program.rules)), 2, dtype=np.int8)
-    status = lib.dll.tmg_run(
+    kept = (arrays, pointers, counts, given, booleans_)
+    arguments = (
         lib.context, cases, counts.ctypes.data, pointers.ctypes.data, given.ctypes.data, booleans_.ctypes.data, margins.ctypes.data,
         verdicts.ctypes.data,
     )  # fmt: skip
-    if status != 0:
-        raise TrackmarshalError("E473", f"the program refuses the input (status {status})")
-    return verdicts, margins
+
+    def run() -> tuple[NDArray[np.int8], Floats]:
+        status = lib.dll.tmg_run(*arguments) if kept else 0
+        if status != 0:
+            raise TrackmarshalError("E473", f"the program refuses the input (status {status})")
+        return verdicts, margins
+
+    return run
+
+
+def _rows(given: Any, kind: type) -> NDArray[Any]:
+    """An array whose rows are contiguous; rows may be one and the same (`np.broadcast_to`)."""
+    array: NDArray[Any] = np.asarray(given, dtype=kind)
+    if array.ndim == 2 and array.strides[1] == array.itemsize and array.strides[0] >= 0:
+        return array
+    return np.ascontiguousarray(array)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,9 @@ Fields = Mapping[str, Sequence[str]]
 class Batch:
     """Cases that are evaluated together; arrays have `rank` axes, padded where lengths differ."""
 
-    def __init__(self, spec: Spec, cases: Sequence[Case], rank: int, fields: Fields, curves: Mapping[str, Curve]) -> None:
+    def __init__(
+        self, spec: Spec, cases: Sequence[Case], rank: int, fields: Fields, curves: Mapping[str, Curve]
+    ) -> None:
         self.spec = spec
         self.cases = cases
         self.size = len(cases)
@@ -30,12 +33,15 @@ class Batch:
         self._fields = fields
         self._curves = curves
         self._counts: dict[str, list[int]] = {}
+        self._sizes: dict[ir.Axis, int] = {}
         self._columns: dict[tuple[str, str], Floats] = {}
         self._masks: dict[ir.Axis, Bools | None] = {}
         #: Projections onto lines that were made already, with the arguments they belong to.
         self.projections: dict[tuple[Any, ...], Any] = {}
         #: Borders and lines prepared for this batch, each with the data that it was made from.
         self.prepared: dict[tuple[Any, ...], tuple[Any, Any]] = {}
+        #: The prepared object of every case, or one that all share, by the place that it is for.
+        self.owners: dict[ir.IR, list[Any]] = {}
         #: Whether any case overrides a parameter.
         self.overridden = any(case.params for case in cases)
 
@@ -62,7 +68,9 @@ class Batch:
         rows = []
         for case in self.cases:
             table = case.tables.get(name)
-            key = table if table is None or 0.0 not in (*table[0], *table[1]) else repr(table)  # tells -0.0 from 0.0
+            key = (
+                table if table is None or 0.0 not in (*table[0], *table[1]) else repr(table)
+            )  # tells -0.0 from 0.0
             if key not in made:
                 made[key] = Curve(*table)  # type: ignore[misc]
             rows.append(made[key])
@@ -99,18 +107,29 @@ class Batch:
         counts = self.counts(signal)
         longest = max(counts)
         if min(counts) < longest:
-            rows = [[[*column, *column[-1:] * (longest - len(column))] if column else [0.0] * longest for column in row] for row in rows]
+            rows = [
+                [[*column, *repeat(column[-1] if column else 0.0, longest - len(column))] for column in row]
+                for row in rows
+            ]
         return np.array(rows, dtype=np.float64).reshape(len(rows), self.size, longest)
 
     def column(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """A field of the variable of an axis, `offset` samples on, clamped at the start."""
-        return self.on_axis(shifted(self.table(axis.signal, field), offset, self.count(axis)), axis)
+        table = self.table(axis.signal, field)
+        if offset or axis.width > 1:
+            table = shifted(table, offset, self.count(axis))
+        return self.on_axis(table, axis)
 
     def flag(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """As `column`, a Boolean field as 1, 0 and NaN for a missing value."""
         key = (axis.signal, field)
         if key not in self._columns:
-            rows = [[[np.nan if v is None else float(v) for v in case.columns[axis.signal][field]] for case in self.cases]]
+            rows = [
+                [
+                    [np.nan if v is None else float(v) for v in case.columns[axis.signal][field]]
+                    for case in self.cases
+                ]
+            ]
             self._columns[key] = self._stack(rows, axis.signal)[0]  # type: ignore[arg-type]
         return self.on_axis(shifted(self._columns[key], offset, self.count(axis)), axis)
 
@@ -118,7 +137,10 @@ class Batch:
 
     def count(self, axis: ir.Axis) -> int:
         """The size of an axis: the longest case's number of values of its variable."""
-        return max(0, max(self.counts(axis.signal)) - axis.width + 1)
+        size = self._sizes.get(axis)
+        if size is None:
+            size = self._sizes[axis] = max(0, max(self.counts(axis.signal)) - axis.width + 1)
+        return size
 
     def mask(self, axis: ir.Axis) -> Bools | None:
         """Which entries of an axis are there, shaped for broadcasting; None when all are, and there is at least one."""

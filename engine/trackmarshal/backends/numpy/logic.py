@@ -77,9 +77,12 @@ def _differ(a: Value, b: Value) -> Value:
     surely = (a.worst.sat & ~b.best.sat) | (b.worst.sat & ~a.best.sat)
     surely_not = (a.worst.sat & b.worst.sat) | ~(a.best.sat | b.best.sat)
     apart = np.maximum(
-        np.maximum(0.0, _difference(a.worst.margin, b.best.margin)), _difference(b.worst.margin, a.best.margin)
+        np.maximum(0.0, _difference(a.worst.margin, b.best.margin)),
+        _difference(b.worst.margin, a.best.margin),
     )
-    at_most = np.maximum(_difference(a.best.margin, b.worst.margin), _difference(b.best.margin, a.worst.margin))
+    at_most = np.maximum(
+        _difference(a.best.margin, b.worst.margin), _difference(b.best.margin, a.worst.margin)
+    )
     worst = Side(surely, apart)
     if a.best is a.worst and b.best is b.worst:
         return Value(worst, worst)
@@ -109,7 +112,10 @@ def _every(side: Side, axis: int, inside: Array | None) -> Side:
         sat, margin = sat | ~inside, np.where(inside, margin, INF)
     elif sat.ndim == 0 or sat.shape[axis] == 1:
         return side  # nothing varies along the axis, and it is not empty
-    return Side(np.logical_and.reduce(sat, axis=axis, keepdims=True), np.minimum.reduce(margin, axis=axis, keepdims=True, initial=INF))
+    return Side(
+        np.logical_and.reduce(sat, axis=axis, keepdims=True),
+        np.minimum.reduce(margin, axis=axis, keepdims=True, initial=INF),
+    )
 
 
 def _some(side: Side, axis: int, inside: Array | None) -> Side:
@@ -118,4 +124,7 @@ def _some(side: Side, axis: int, inside: Array | None) -> Side:
         sat, margin = sat & inside, np.where(inside, margin, -INF)
     elif sat.ndim == 0 or sat.shape[axis] == 1:
         return side
-    return Side(np.logical_or.reduce(sat, axis=axis, keepdims=True), np.maximum.reduce(margin, axis=axis, keepdims=True, initial=-INF))
+    return Side(
+        np.logical_or.reduce(sat, axis=axis, keepdims=True),
+        np.maximum.reduce(margin, axis=axis, keepdims=True, initial=-INF),
+    )

@@ -23,21 +23,15 @@ _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
 def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> logic.Value:
     """A geometric predicate: its signed distance, holding where that is not negative."""
-    shape = np.broadcast_shapes(*(np.shape(arg) for arg in args))
+    shape = np.broadcast(*args).shape
     if 0 in shape:  # of no object
         return logic.defined(np.empty(shape, dtype=np.bool_), np.empty(shape))
     if node.what == "swept_clear":
-        margin = geometry.boxes_clear(*args)
+        margin = np.asarray(geometry.boxes_clear(*args))
     else:
         assert node.area is not None
-        area = node.area
-        if node.what == "in_area":
-            margin = _by_case(batch, args, lambda c: _polygon(batch, c, area).signed_distance)
-        elif area.kind == "zone":
-            margin = _by_case(batch, args, lambda c: _polygon(batch, c, area).margin_inside)
-        else:
-            margin = _by_case(batch, args, lambda c: _corridor(batch, c, area.name).margin_inside)
-    margin = np.asarray(margin)
+        ask = "signed_distance" if node.what == "in_area" else "margin_inside"
+        (margin,) = _ask(batch, node.area, ask, args, shape)
     known = ~np.isnan(margin)
     if known.all():
         return logic.defined(margin >= 0.0, margin)
@@ -46,53 +40,72 @@ def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> logic.Val
 
 def along(batch: Batch, node: ir.Along, args: Sequence[Any]) -> Any:
     """A number read off a line."""
-    shape = np.broadcast_shapes(*(np.shape(arg) for arg in args))
+    shape = np.broadcast(*args).shape
     if 0 in shape:
         return np.empty(shape)
     line = node.line
-    if line.kind == "path" and node.what == "distance":
-        return _to_paths(batch, line.name, args)
     if node.what == "station_gap":
-        return _by_case(batch, args, lambda c: _line(batch, c, line).gap)
+        return _ask(batch, line, "gap", args, shape)[0]
     if node.what == "distance":
-        return _by_case(batch, args, lambda c: _line(batch, c, line).distance)
+        return (
+            _to_paths(batch, line.name, args, shape)
+            if line.kind == "path"
+            else _ask(batch, line, "distance", args, shape)[0]
+        )
     part = ("station", "offset", "direction").index(node.what)
     # Station, offset and direction of one point are three nodes; the projection is made once.
     key = (line, *(id(arg) for arg in args))
     known = batch.projections.get(key)
     if known is None:
-        known = batch.projections[key] = (args, _by_case(batch, args, lambda c: _line(batch, c, line).project, parts=3))
+        known = batch.projections[key] = (args, _ask(batch, line, "project", args, shape))
     return known[1][part]
 
 
 def fault(batch: Batch, index: int, area: ir.Area) -> str | None:
     """What makes an area unusable in one case."""
-    prepared = _polygon(batch, index, area) if area.kind == "zone" else _corridor(batch, index, area.name)
-    text: str | None = prepared.fault
+    owners = _owners(batch, area)
+    text: str | None = owners[index if len(owners) > 1 else 0].fault
     return text
 
 
-def _by_case(batch: Batch, args: Sequence[Any], method: Callable[[int], Callable[..., Any]], parts: int = 1) -> Any:
-    """Call a prepared object's method on flattened arguments, case by case unless all cases share the object."""
-    arrays = list(np.broadcast_arrays(*args))
-    shape = arrays[0].shape
-    methods = [method(index) for index in range(batch.size)]
-    owners = {id(getattr(m, "__self__", m)) for m in methods}
+def _ask(
+    batch: Batch, place: ir.Area | ir.Line, method: str, args: Sequence[Any], shape: tuple[int, ...]
+) -> tuple[Any, ...]:
+    """What a prepared place answers about flattened arguments: once if all cases share it, else case by case."""
+    owners = _owners(batch, place)
     if len(owners) == 1:
-        return _shaped(methods[0](*(a.ravel() for a in arrays)), shape, parts)
-    if not shape or shape[0] == 1:
-        shape = (batch.size, *(shape[1:] if shape else (1,) * (batch.rank - 1)))
-        arrays = [np.broadcast_to(a, shape) for a in arrays]
-    rows = [_shaped(methods[i](*(a[i].ravel() for a in arrays)), shape[1:], parts) for i in range(batch.size)]
-    if parts == 1:
-        return np.stack(rows)
-    return tuple(np.stack([row[part] for row in rows]) for part in range(parts))
+        answer = getattr(owners[0], method)(*(_flat(arg, shape) for arg in args))
+        return tuple(np.reshape(part, shape) for part in _parts(answer))
+    shape = (batch.size, *(shape[1:] or (1,) * (batch.rank - 1)))
+    whole = [arg if np.ndim(arg) == 0 else np.broadcast_to(arg, shape) for arg in args]
+    rows = []
+    for index, owner in enumerate(owners):
+        answer = getattr(owner, method)(*(arg if np.ndim(arg) == 0 else arg[index].ravel() for arg in whole))
+        rows.append([np.reshape(part, shape[1:]) for part in _parts(answer)])
+    return tuple(np.stack(parts) for parts in zip(*rows))
 
 
-def _shaped(result: Any, shape: tuple[int, ...], parts: int) -> Any:
-    if parts == 1:
-        return np.asarray(result).reshape(shape)
-    return tuple(np.asarray(part).reshape(shape) for part in result)
+def _flat(arg: Any, shape: tuple[int, ...]) -> Any:
+    """An argument as a vector; a number stays one."""
+    if np.ndim(arg) == 0:
+        return arg
+    return (arg if arg.shape == shape else np.broadcast_to(arg, shape)).ravel()
+
+
+def _parts(answer: Any) -> tuple[Any, ...]:
+    return answer if isinstance(answer, tuple) else (answer,)
+
+
+def _owners(batch: Batch, place: ir.Area | ir.Line) -> list[Any]:
+    """The prepared object of every case, or a single one that all of them share."""
+    owners = batch.owners.get(place)
+    if owners is None:
+        prepare = _area if isinstance(place, ir.Area) else _line
+        owners = [prepare(batch, index, place) for index in range(batch.size)]  # type: ignore[arg-type]
+        if all(owner is owners[0] for owner in owners):
+            owners = owners[:1]
+        batch.owners[place] = owners
+    return owners
 
 
 def _keep(batch: Batch, key: tuple[Any, ...], owner: Any, make: Callable[[], Any]) -> Any:
@@ -114,13 +127,19 @@ def _corridor(batch: Batch, index: int, name: str) -> geometry.Corridor:
     case = batch.cases[index]
     left, right, closed = case.lines[name, "left"], case.lines[name, "right"], case.closed.get(name, False)
     key = ("corridor", id(left), id(right), closed)
-    corridor: geometry.Corridor = _keep(batch, key, (left, right), lambda: geometry.Corridor(_points(left), _points(right), closed))
+    corridor: geometry.Corridor = _keep(
+        batch, key, (left, right), lambda: geometry.Corridor(_points(left), _points(right), closed)
+    )
     return corridor
 
 
-def _polygon(batch: Batch, index: int, area: ir.Area) -> geometry.Polygon:
+def _area(batch: Batch, index: int, area: ir.Area) -> geometry.Polygon | geometry.Corridor:
+    if area.kind == "corridor":
+        return _corridor(batch, index, area.name)
     points = batch.cases[index].places.get(area.name, batch.spec.places[area.name].points)
-    polygon: geometry.Polygon = _keep(batch, ("polygon", id(points)), points, lambda: geometry.Polygon(_points(points)))
+    polygon: geometry.Polygon = _keep(
+        batch, ("polygon", id(points)), points, lambda: geometry.Polygon(_points(points))
+    )
     return polygon
 
 
@@ -134,14 +153,18 @@ def _line(batch: Batch, index: int, line: ir.Line) -> geometry.Polyline:
             points, closed = case.lines[line.name, line.field], case.closed.get(line.name, False)
         case "path":
             columns = case.columns[line.name]
-            points = np.stack([np.asarray(columns["x"], dtype=float), np.asarray(columns["y"], dtype=float)], axis=1)
+            points = np.stack(
+                [np.asarray(columns["x"], dtype=float), np.asarray(columns["y"], dtype=float)], axis=1
+            )
             return geometry.Polyline(points, False)
         case "centre":
             centre: geometry.Polyline = _corridor(batch, index, line.name).centre
             return centre
         case _:
             raise AssertionError(f"unknown line {line.kind}")
-    made: geometry.Polyline = _keep(batch, ("line", id(points), closed), points, lambda: geometry.Polyline(_points(points), closed))
+    made: geometry.Polyline = _keep(
+        batch, ("line", id(points), closed), points, lambda: geometry.Polyline(_points(points), closed)
+    )
     return made
 
 
@@ -149,15 +172,13 @@ def _points(points: Any) -> Floats:
     return np.asarray(points, dtype=np.float64).reshape(-1, 2)
 
 
-def _to_paths(batch: Batch, signal: str, args: Sequence[Any]) -> Any:
-    """Distances of points to the paths of trajectories, all cases at once: (cases, 1, ...) against (cases, segments)."""
-    x, y = np.broadcast_arrays(*args)
-    lengths = batch.lengths(signal)
-    px, py = batch.table(signal, "x"), batch.table(signal, "y")
-    flat_x = np.broadcast_to(x.reshape(x.shape[0] if x.ndim else 1, -1), (batch.size, max(1, x.size // (x.shape[0] if x.ndim else 1))))
-    flat_y = np.broadcast_to(y.reshape(y.shape[0] if y.ndim else 1, -1), flat_x.shape)
-    distance = geometry.distance_to_paths(flat_x, flat_y, px, py, lengths)
-    shape = (batch.size, *(x.shape[1:] if x.ndim else (1,) * (batch.rank - 1)))
+def _to_paths(batch: Batch, signal: str, args: Sequence[Any], shape: tuple[int, ...]) -> Any:
+    """Distances of points to the paths of trajectories, all cases at once: (cases, points) against (cases, segments)."""
+    shape = (batch.size, *(shape[1:] or (1,) * (batch.rank - 1)))
+    x, y = (np.broadcast_to(arg, shape).reshape(batch.size, -1) for arg in args)
+    distance = geometry.distance_to_paths(
+        x, y, batch.table(signal, "x"), batch.table(signal, "y"), batch.lengths(signal)
+    )
     return distance.reshape(shape)
 
 

@@ -40,7 +40,9 @@ class Program:
         self._fields = self._numeric_fields()
         self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
         everywhere = list(enumerate(self._steps))
-        self._fixed = self._compute([None] * len(self._steps), [e for e in everywhere if e[0] in self._fixed_steps], self._batch(()))
+        self._fixed = self._compute(
+            [None] * len(self._steps), [e for e in everywhere if e[0] in self._fixed_steps], self._batch(())
+        )
         self._everywhere = everywhere
         self._varying = [e for e in everywhere if e[0] not in self._fixed_steps]
 
@@ -110,13 +112,17 @@ class Run:
         if known is None:
             value: Value = self.of(node)
             worst = tuple(self._per_case(array).tolist() for array in value.worst)
-            best = worst if value.best is value.worst else tuple(self._per_case(array).tolist() for array in value.best)
+            best = (
+                worst
+                if value.best is value.worst
+                else tuple(self._per_case(array).tolist() for array in value.best)
+            )
             known = self._closed[node] = (*worst, *best)
         return known
 
     def _per_case(self, array: Any) -> Any:
         """(cases,) of a closed formula's array."""
-        flat = np.ravel(array)
+        flat = array.ravel()
         return flat if flat.size == self.batch.size else np.repeat(flat, self.batch.size)
 
     def verdicts(self, rule: RuleInfo) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
@@ -144,6 +150,8 @@ class Run:
             yield case_result(self.program.rules, case, CaseView(self, index), series)
 
 
-def evaluate(spec: Spec, rules: Sequence[RuleInfo], cases: Sequence[Case], series: bool = False) -> Iterator[CaseResult]:
+def evaluate(
+    spec: Spec, rules: Sequence[RuleInfo], cases: Sequence[Case], series: bool = False
+) -> Iterator[CaseResult]:
     """Evaluate rules on cases, all at once."""
     return Program(spec, rules).run(cases).results(series)

@@ -17,18 +17,24 @@ from trackmarshal.ir import nodes as ir
 #: A step: the value of its node, from the batch and the values of earlier steps.
 Step = Callable[[Batch, list[Any]], Any]
 
+
+def _pow(x: Any, y: Any) -> Any:
+    """A power; NaN in, NaN out, where IEEE 754 says that anything to the 0 is 1, and 1 to anything."""
+    power = np.power(x, y)
+    # For a single exponent of 0.5 numpy takes the root, which is another thing for -0.0 and for minus infinity.
+    power = np.where(y == 0.5, np.where(x == -np.inf, np.inf, power + 0.0), power)
+    return np.where(np.isnan(x) | np.isnan(y), np.nan, power)
+
+
 _ARITH: dict[str, Callable[[Any, Any], Any]] = {
     "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
 }  # fmt: skip
 _FUNC: dict[str, Callable[..., Any]] = {
-    "abs": np.abs, "sqrt": np.sqrt, "floor": np.floor,
-    # By name, so that whoever replaces one of numpy's functions replaces it here.
-    "sin": lambda x: np.sin(x), "cos": lambda x: np.cos(x), "tan": lambda x: np.tan(x), "exp": lambda x: np.exp(x),
-    "log": lambda x: np.log(x), "atan2": lambda y, x: np.arctan2(y, x),
+    "abs": np.abs, "sqrt": np.sqrt, "floor": np.floor, "sin": np.sin, "cos": np.cos, "tan": np.tan, "exp": np.exp,
+    "log": np.log, "atan2": np.arctan2,
     # Adding 0.0 turns -0.0 into 0.0: see `ir.arithmetic`.
     "min": lambda x, y: np.minimum(x, y) + 0.0, "max": lambda x, y: np.maximum(x, y) + 0.0,
-    # NaN in, NaN out, where IEEE 754 says that anything to the 0 is 1, and 1 to anything.
-    "pow": lambda x, y: np.where(np.isnan(x) | np.isnan(y), np.nan, np.power(x, y)),
+    "pow": _pow,
 }  # fmt: skip
 _COMPARE: dict[str, tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]] = {
     "<": (operator.lt, lambda x, y: y - x), "<=": (operator.le, lambda x, y: y - x),
@@ -37,7 +43,7 @@ _COMPARE: dict[str, tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]]
 }  # fmt: skip
 
 
-def step(node: ir.IR, at: tuple[int, ...]) -> Step:  # noqa: C901 - one case a node
+def step(node: ir.IR, at: tuple[int, ...]) -> Step:
     """The step of a node whose inputs are in the slots `at`."""
     match node:
         case ir.Const():
@@ -48,7 +54,9 @@ def step(node: ir.IR, at: tuple[int, ...]) -> Step:  # noqa: C901 - one case a n
         case ir.Column():
             return lambda b, v: b.column(node.axis, node.field, node.offset)
         case ir.Sample():
-            return lambda b, v: b.per_case([case.columns[node.signal][node.field][node.index] for case in b.cases])
+            return lambda b, v: b.per_case(
+                [case.columns[node.signal][node.field][node.index] for case in b.cases]
+            )
         case ir.Scalar():
             return lambda b, v: b.per_case([case.scalars[node.signal][node.field] for case in b.cases])
         case ir.Arith():
@@ -94,7 +102,21 @@ def step(node: ir.IR, at: tuple[int, ...]) -> Step:  # noqa: C901 - one case a n
 
 def independent(node: ir.IR) -> bool:
     """Whether a node has one value for all cases when its inputs do and no case overrides a parameter."""
-    return isinstance(node, (ir.Const, ir.Param, ir.Truth, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Compare, ir.Not, ir.Connective))
+    return isinstance(
+        node,
+        (
+            ir.Const,
+            ir.Param,
+            ir.Truth,
+            ir.Arith,
+            ir.Neg,
+            ir.Func,
+            ir.Choose,
+            ir.Compare,
+            ir.Not,
+            ir.Connective,
+        ),
+    )
 
 
 def _unary(function: Callable[[Any], Any], i: int) -> Step:
@@ -180,7 +202,10 @@ def _guarded(guard: Value, body: Value) -> Value:
     worst = logic.Side(body.worst.sat | ~guard.best.sat, np.where(guard.best.sat, body.worst.margin, np.inf))
     if guard.best is guard.worst and body.best is body.worst:
         return Value(worst, worst)
-    return Value(worst, logic.Side(body.best.sat | ~guard.worst.sat, np.where(guard.worst.sat, body.best.margin, np.inf)))
+    return Value(
+        worst,
+        logic.Side(body.best.sat | ~guard.worst.sat, np.where(guard.worst.sat, body.best.margin, np.inf)),
+    )
 
 
 def _first(axis: ir.Axis, body: Value) -> Value:

@@ -13,7 +13,9 @@ from trackmarshal.backends.numpy.logic import Side, Value
 from trackmarshal.ir import nodes as ir
 
 
-def operator(batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, operands: Sequence[Value]) -> Value:
+def operator(
+    batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, operands: Sequence[Value]
+) -> Value:
     """The value of a temporal formula at every sample of every case."""
     pairs = [(value.worst, value.best) for value in operands]
     single = all(worst is best for worst, best in pairs)
@@ -39,7 +41,12 @@ def _side(
     for index in range(batch.size):
         n = int(lengths[index])
         if blocked[index]:  # its times mean nothing: undefined
-            rows.append((np.full(inputs[0].sat[index].shape, best), np.full(inputs[0].margin[index].shape, np.inf if best else -np.inf)))
+            rows.append(
+                (
+                    np.full(inputs[0].sat[index].shape, best),
+                    np.full(inputs[0].margin[index].shape, np.inf if best else -np.inf),
+                )
+            )
             continue
         cut = [Side(s.sat[index, ..., :n], s.margin[index, ..., :n]) for s in inputs]
         cut_other = [Side(s.sat[index, ..., :n], s.margin[index, ..., :n]) for s in opposite]
@@ -56,7 +63,10 @@ def _side(
 
 def _last(side: Side, shape: tuple[int, ...], axis: int) -> Side:
     """A side in full shape with its time axis last."""
-    return Side(np.moveaxis(np.broadcast_to(side.sat, shape), axis, -1), np.moveaxis(np.broadcast_to(side.margin, shape), axis, -1))
+    return Side(
+        np.moveaxis(np.broadcast_to(side.sat, shape), axis, -1),
+        np.moveaxis(np.broadcast_to(side.margin, shape), axis, -1),
+    )
 
 
 def _kernel(
@@ -64,11 +74,15 @@ def _kernel(
 ) -> tuple[Any, Any]:  # fmt: skip
     match node:
         case ir.Temporal():
-            windows = temporal.windows(_times(batch, node, index, n), node.lower, node.upper, node.op in ("historically", "once"))
+            windows = temporal.windows(
+                _times(batch, node, index, n), node.lower, node.upper, node.op in ("historically", "once")
+            )
             kernel = temporal.always if node.op in ("always", "historically") else temporal.eventually
             return kernel(*sides[0], windows)
         case ir.Until():
-            windows = temporal.windows(_times(batch, node, index, n), node.lower, node.upper, node.op == "since")
+            windows = temporal.windows(
+                _times(batch, node, index, n), node.lower, node.upper, node.op == "since"
+            )
             held = temporal.until if node.op == "until" else temporal.since
             return held(*sides[0], *sides[1], windows)
         case ir.Shift():

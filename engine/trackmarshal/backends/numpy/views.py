@@ -32,7 +32,9 @@ class CaseView:
         return Truth(bound, bound if value.best is value.worst else self._bound(value.best, env))
 
     def _bound(self, side: Any, env: dict[int, int]) -> Bound:
-        return Bound(side.sat.item(*self._place(side.sat, env)), side.margin.item(*self._place(side.margin, env)))
+        return Bound(
+            side.sat.item(*self._place(side.sat, env)), side.margin.item(*self._place(side.margin, env))
+        )
 
     def _place(self, array: Any, env: dict[int, int]) -> list[Any]:
         """Where in an array the case has its value; empty for an array without axes, which has one value for all."""

@@ -97,7 +97,11 @@ class Reference:
                 raise AssertionError(f"unknown line {line.kind}")
 
     def corridor(self, name: str) -> tuple[Sequence[Point], Sequence[Point], bool]:
-        return self.case.lines[name, "left"], self.case.lines[name, "right"], self.case.closed.get(name, False)
+        return (
+            self.case.lines[name, "left"],
+            self.case.lines[name, "right"],
+            self.case.closed.get(name, False),
+        )
 
     # Formulas -------------------------------------------------------------------------------------------------
 
@@ -131,7 +135,9 @@ class Reference:
                 return self._quantify(node, env)
             case ir.Guarded():
                 guard, body = self.truth(node.guard, env), self.truth(node.body, env)
-                return Truth(body.worst if guard.best.sat else TRUE.worst, body.best if guard.worst.sat else TRUE.best)
+                return Truth(
+                    body.worst if guard.best.sat else TRUE.worst, body.best if guard.worst.sat else TRUE.best
+                )
             case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
                 return self.series(node, env)[env[node.axis.level]]
             case ir.First():
@@ -156,7 +162,9 @@ class Reference:
         pose0, pose1 = (args[0], args[1], args[2]), (args[3], args[4], args[5])
         length, width = args[6], args[7]
         if node.what == "swept_clear":
-            return geometry.clear_margin(pose0, pose1, length, width, (args[8], args[9], args[10]), args[11], args[12])
+            return geometry.clear_margin(
+                pose0, pose1, length, width, (args[8], args[9], args[10]), args[11], args[12]
+            )
         if node.what == "swept_inside":
             assert node.area is not None
             if node.area.kind == "zone":
@@ -214,10 +222,14 @@ class Reference:
                 left, right = self.along(node.left, axis, env), self.along(node.right, axis, env)
                 windows = temporal.windows(self.times(axis), node.lower, node.upper, node.op == "since")
                 held = temporal.until if node.op == "until" else temporal.since
-                return _both(lambda side: held(side(left)[0], side(left)[1], side(right)[0], side(right)[1], windows))
+                return _both(
+                    lambda side: held(side(left)[0], side(left)[1], side(right)[0], side(right)[1], windows)
+                )
             case ir.Shift():
                 operand = self.along(node.operand, axis, env)
-                return _both(lambda side: temporal.shift(side(operand)[0], side(operand)[1], node.step, node.weak))
+                return _both(
+                    lambda side: temporal.shift(side(operand)[0], side(operand)[1], node.step, node.weak)
+                )
             case ir.Edge():
                 operand = self.along(node.operand, axis, env)
                 edge = temporal.rising if node.op == "rising" else temporal.falling
@@ -244,13 +256,19 @@ class Reference:
         """What makes a corridor or zone that a formula reads unusable."""
         for node in ir.below(formula):
             if isinstance(node, ir.Area):
-                fault = geometry.zone_fault(self.zone(node)) if node.kind == "zone" else geometry.corridor_fault(*self.corridor(node.name))
+                fault = (
+                    geometry.zone_fault(self.zone(node))
+                    if node.kind == "zone"
+                    else geometry.corridor_fault(*self.corridor(node.name))
+                )
                 if fault is not None:
                     return fault
         return None
 
 
-def evaluate(spec: Spec, rules: Sequence[RuleInfo], cases: Iterable[Case], series: bool = False) -> Iterator[CaseResult]:
+def evaluate(
+    spec: Spec, rules: Sequence[RuleInfo], cases: Iterable[Case], series: bool = False
+) -> Iterator[CaseResult]:
     """Evaluate rules on cases, one after the other."""
     for case in cases:
         yield case_result(rules, case, Reference(spec, case), series)
@@ -262,8 +280,6 @@ def _worst(values: list[Truth]) -> tuple[list[bool], list[float]]:
 
 def _best(values: list[Truth]) -> tuple[list[bool], list[float]]:
     return [v.best.sat for v in values], [v.best.margin for v in values]
-
-
 
 
 Sides = tuple[list[bool], list[float]]

@@ -10,7 +10,8 @@ from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints
 from trackmarshal.runtime.geometry.border import Border
 
 #: Segments in a tile, the unit in which a cell's list is read.
-WIDTH = 8
+SHIFT = 3
+WIDTH = 1 << SHIFT
 #: The list of a cell is complete for shapes of up to this radius [m]; larger ones are searched for without the grid.
 REACH = 8.0
 #: Bounds on the grid, for borders that are long or far apart.

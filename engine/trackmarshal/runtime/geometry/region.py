@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from trackmarshal.runtime.geometry.approach import Approach
 from trackmarshal.runtime.geometry.arrays import LIMIT, SLACK, Bools, Floats, Ints, starts_of
 from trackmarshal.runtime.geometry.border import Border
-from trackmarshal.runtime.geometry.cells import WIDTH, Cells
+from trackmarshal.runtime.geometry.cells import SHIFT, WIDTH, Cells
 from trackmarshal.runtime.geometry.sweep import Sweeps
 from trackmarshal.runtime.geometry.violation import violation
 
@@ -20,7 +20,7 @@ Singles = NDArray[np.float32]
 #: Hulls that are worked on at once, so that all intermediate arrays stay in the processor's cache.
 AT_ONCE = 1536
 #: Pairs of a hull and a segment that are worked on at once, for the same reason.
-PAIRS_AT_ONCE = 4800
+PAIRS_AT_ONCE = 2500
 #: Where the place of a segment that is none lies.
 FAR = 1e15
 
@@ -120,7 +120,7 @@ class Region:
         rows, tiles, unknown = self.cells.tiles_around(points, np.zeros(points.shape[1]))
         k = self.cells.tiles.take(tiles, axis=1).T.ravel()
         real = (k < self.border.size).nonzero()[0]
-        rows, k = rows.take(real // WIDTH), k.take(real)
+        rows, k = rows.take(real >> SHIFT), k.take(real)
         if unknown is None:
             return rows, k
         return self._with_unknown(rows, k, unknown, points, np.zeros(points.shape[1]))[:2]
@@ -166,8 +166,8 @@ class Region:
             counts[-1] = rows.size - runs[-1]
             limit = limit.repeat(counts)
         kept = (best <= limit).T.ravel().nonzero()[0]
-        tile = kept // WIDTH
-        place = kept % WIDTH * rows.size + tile
+        tile = kept >> SHIFT
+        place = (kept & (WIDTH - 1)) * rows.size + tile
         return rows.take(tile), k.take(place), best.take(place) <= self._slack * self._slack
 
 

@@ -164,8 +164,8 @@ static size_t tm_hull_point(tm_hull *hull, size_t first, size_t count, double x,
 
 /** The convex hull of eight points, counter-clockwise, with its sides. */
 static void tm_convex_hull(const double *px, const double *py, tm_hull *hull) {
-  double x[8];
-  double y[8];
+  double x[8] = {0.0};
+  double y[8] = {0.0};
   size_t n = 0u;
   size_t count = 0u;
   for (size_t i = 0u; i < 8u; ++i) {

@@ -1,0 +1,144 @@
+"""Batches of the numpy evaluator: padding, sharing, overrides, and what is computed once for all."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.agreement import compiled, differences, read, results
+from trackmarshal.backends.numpy.program import Program
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.spec import Spec
+
+SPEC = """
+module made
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal objects : set of object { x: m, y: m, heading: rad, length: m, width: m }
+signal track : corridor { left: polyline, right: polyline }
+signal ego : state { x: m, y: m }
+param limit : m/s = 3 m/s
+param zero : 1 = 0
+table most(v: m/s) -> m/s = linear clamp | 0 m/s: 5 m/s | 10 m/s: 5 m/s |
+rule slow "limits"
+  for all p in plan
+  require p.v <= min(limit + 1 m/s, most(p.v))
+rule clear "boxes"
+  for all o in objects
+  for all p in plan
+  require swept_footprint(p, 2 m, 1 m) clear_of footprint(o)
+rule near "the centre"
+  require distance_to(ego, track) <= 1 m and abs(offset(ego, track)) <= 1 m
+rule inverse "of zeros"
+  require min(1 / zero, 5) < 4
+"""
+
+
+@pytest.fixture(scope="module")
+def spec() -> Spec:
+    return compiled(SPEC)
+
+
+def case(speeds: list[Any], objects: int = 0, track: Any = None, **overrides: Any) -> dict[str, Any]:
+    count = len(speeds)
+    columns = {
+        "t": [float(k) for k in range(count)],
+        "x": [3.0 * k for k in range(count)],
+        "y": [0.0] * count,
+    }
+    boxes = [{"x": 3.0, "y": 4.0 + k, "heading": 0.1, "length": 2.0, "width": 1.0} for k in range(objects)]
+    track = track or {"left": [[0, 2], [9, 2]], "right": [[0, -2], [9, -2]]}
+    plan = {**columns, "heading": [0.07 * k for k in range(count)], "v": speeds}
+    return {
+        "signals": {"plan": plan, "objects": boxes, "track": track, "ego": {"x": 4.0, "y": 0.5}}
+    } | overrides
+
+
+def agreed(spec: Spec, raw: list[dict[str, Any]]) -> list[dict[str, tuple[str, float]]]:
+    """Verdicts and margins of a batch, which the reference and each case by itself confirm."""
+    cases = read(spec, raw)
+    batch = results(spec, cases, "numpy")
+    for one, expected, alone in zip(batch, results(spec, cases, "reference"), cases, strict=True):
+        assert not differences(one, expected)
+        assert not differences(one, results(spec, [alone], "numpy")[0])
+    return [{name: (rule.verdict, rule.margin) for name, rule in one.rules.items()} for one in batch]
+
+
+def test_cases_of_all_lengths(spec: Spec) -> None:
+    found = agreed(
+        spec, [case([1.0, 2.0]), case([1.0, 4.5, 2.0, 3.0], 3), case([4.0, 0.0, 1.0], 1), case([1.0, 2.0], 2)]
+    )
+    assert [one["slow"] for one in found] == [
+        ("satisfied", 2.0),
+        ("violated", -0.5),
+        ("satisfied", 0.0),
+        ("satisfied", 2.0),
+    ]
+    assert [one["clear"][0] for one in found] == ["inactive", "satisfied", "satisfied", "satisfied"]
+
+
+def test_a_batch_without_any_object(spec: Spec) -> None:
+    assert [one["clear"][0] for one in agreed(spec, [case([1.0, 2.0]), case([1.0, 2.0, 3.0])])] == [
+        "inactive",
+        "inactive",
+    ]
+
+
+def test_overrides_of_some_cases_and_of_all(spec: Spec) -> None:
+    mixed = [
+        case([3.5, 3.5], params={"limit": 1.0}),
+        case([3.5, 3.5]),
+        case([3.5, 3.5], tables={"most": [[0, 2.0]]}),
+    ]
+    assert [one["slow"] for one in agreed(spec, mixed)] == [
+        ("violated", -1.5),
+        ("satisfied", 0.5),
+        ("violated", -1.5),
+    ]
+    same = [case([3.5, 3.5], params={"limit": 1.0}, tables={"most": [[0, 1.0], [5, 1.0]]}) for _ in range(3)]
+    assert [one["slow"] for one in agreed(spec, same)] == [("violated", -2.5)] * 3
+    assert [one["slow"] for one in agreed(spec, [case([3.5, 3.5])])] == [("satisfied", 0.5)], (
+        "nothing of them stays"
+    )
+
+
+def test_opposite_zeros_are_not_one_parameter(spec: Spec) -> None:
+    """1 / 0.0 and 1 / -0.0 lie at opposite ends."""
+    found = agreed(spec, [case([1.0, 1.0], params={"zero": 0.0}), case([1.0, 1.0], params={"zero": -0.0})])
+    assert [one["inverse"][0] for one in found] == ["violated", "undefined"]
+
+
+def test_a_closed_track_with_borders_of_unequally_many_points(spec: Spec) -> None:
+    def ring(radius: float, count: int) -> list[list[float]]:
+        angles = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
+        return [[radius * float(np.cos(a)) + 4.0 - 10.0, radius * float(np.sin(a))] for a in angles]
+
+    closed = {"left": ring(8.0, 40), "right": ring(12.0, 57), "closed": True}
+    found = agreed(spec, [case([1.0, 2.0], track=closed), case([1.0, 2.0])])
+    assert [one["near"][0] for one in found] == ["satisfied", "satisfied"]
+
+
+def test_what_no_case_changes_is_computed_before(spec: Spec) -> None:
+    program = Program(spec, spec.rules)
+    cases = read(spec, [case([1.0, 2.0])])
+    assert 0 < len(program._varying) < len(program._everywhere)
+    first = program.run(cases).verdicts(program.rules[0])
+    assert [list(part) for part in first] == [["satisfied"], [2.0]]
+
+
+def test_verdicts_of_a_run_are_those_of_its_results(spec: Spec) -> None:
+    evaluator = Evaluator(spec)
+    raw = [
+        case([1.0, 2.0]),
+        case([9.0, 2.0], 2),
+        case([1.0, None], 1),
+        case([1.0, 2.0], track={"left": None, "right": None}),
+    ]
+    cases = [evaluator.read(one) for one in raw]
+    run = evaluator.program.run(cases)
+    for rule in evaluator.rules:
+        verdicts, margins = run.verdicts(rule)
+        expected = [result.rules[rule.name] for result in evaluator.evaluate(cases)]
+        assert verdicts.tolist() == [one.verdict for one in expected]
+        np.testing.assert_array_equal(margins, [one.margin for one in expected])

@@ -1,0 +1,123 @@
+"""Which comparison decides, and where: by hand, for both evaluators."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from support.agreement import compiled, read, results
+from trackmarshal.runtime.verdict import RuleResult
+
+HEAD = """
+module made
+signal trace : series { t: s increasing, u: 1, w: 1 }
+signal objects : set of object { v: m/s, near: bool }
+"""
+both = pytest.mark.parametrize("backend", ["reference", "numpy"])
+
+
+def decided(rule: str, backend: str, u: Any = (), w: Any = (), objects: Any = ()) -> RuleResult:
+    """The result of a rule on a trace with one sample a second, and objects."""
+    spec = compiled(f'{HEAD}\nrule r "made up"\n{rule}\n')
+    trace = {"t": [float(k) for k in range(len(u))], "u": list(u), "w": list(w or u)}
+    made = [{"id": f"car{k}", "v": v, "near": near} for k, (v, near) in enumerate(objects)]
+    return results(spec, read(spec, [{"signals": {"trace": trace, "objects": made}}]), backend)[0].rules["r"]
+
+
+def at(result: RuleResult) -> tuple[str, dict[str, int | str], str]:
+    """The verdict, the binders of the witness, and the text of the deciding comparison."""
+    assert result.witness is not None
+    assert result.witness.span is not None
+    return result.verdict, result.witness.binders, result.witness.span.text
+
+
+@both
+def test_the_worst_element_decides_for_all_and_the_best_one_exists(backend: str) -> None:
+    objects = [(3.0, True), (1.0, True), (1.0, True), (2.0, True)]
+    result = decided("  for all o in objects\n  require o.v > 0 m/s", backend, [0.0], objects=objects)
+    assert at(result) == ("satisfied", {"o": "car1"}, "o.v > 0 m/s")
+    assert result.witness is not None
+    assert result.witness.margin == result.margin == 1.0
+    result = decided("  exists o in objects\n  require o.v > 2.5 m/s", backend, [0.0], objects=objects)
+    assert at(result) == ("satisfied", {"o": "car0"}, "o.v > 2.5 m/s")
+    result = decided("  exists o in objects\n  require o.v > 5 m/s", backend, [0.0], objects=objects)
+    assert at(result) == ("violated", {"o": "car0"}, "o.v > 5 m/s")
+
+
+@both
+def test_elements_out_of_range_do_not_decide(backend: str) -> None:
+    objects = [(-3.0, False), (4.0, True), (2.0, True)]
+    result = decided(
+        "  for all o in objects where o.near\n  require o.v > 0 m/s", backend, [0.0], objects=objects
+    )
+    assert at(result) == ("satisfied", {"o": "car2"}, "o.v > 0 m/s")
+
+
+@both
+def test_a_doubtful_range_is_named_where_the_demand_itself_is_decided(backend: str) -> None:
+    objects = [(3.0, True), (-1.0, None)]
+    result = decided(
+        "  for all o in objects where o.near\n  require o.v > 0 m/s", backend, [0.0], objects=objects
+    )
+    assert at(result) == ("undefined", {"o": "car1"}, "o.near")
+
+
+@both
+def test_an_undefined_element_decides_only_when_no_other_one_fails(backend: str) -> None:
+    rule = "  for all o in objects\n  require o.v > 0 m/s"
+    assert at(decided(rule, backend, [0.0], objects=[(1.0, True), (None, True)]))[:2] == (
+        "undefined",
+        {"o": "car1"},
+    )
+    assert at(decided(rule, backend, [0.0], objects=[(None, True), (-1.0, True)]))[:2] == (
+        "violated",
+        {"o": "car1"},
+    )
+
+
+@both
+def test_of_a_window_the_first_extreme_sample_decides(backend: str) -> None:
+    rule = "  along trace as s\n  require {}[1 s, 3 s] s.u > 0"
+    u = [-9.0, 5.0, 2.0, 2.0, -7.0]
+    assert at(decided(rule.format("always"), backend, u)) == ("satisfied", {"s": 2}, "s.u > 0")
+    assert at(decided(rule.format("eventually"), backend, u)) == ("satisfied", {"s": 1}, "s.u > 0")
+
+
+@both
+@pytest.mark.parametrize(
+    ("u", "w", "verdict", "sample", "text"),
+    [
+        ([3.0, 2.0, 9.0, 9.0], [-1.0, -1.0, 4.0, -1.0], "satisfied", 1, "s.u > 0"),  # held until w, but hardly
+        ([3.0, 2.0, 9.0, 9.0], [-1.0, -1.0, 1.0, -1.0], "satisfied", 2, "s.w > 0"),  # w itself is nearer to failing
+        ([3.0, -2.0, 9.0, 9.0], [-5.0, -5.0, 4.0, 4.0], "violated", 1, "s.u > 0"),  # not held
+        ([3.0, 2.0, 9.0, 9.0], [-4.0, -3.0, -1.0, -2.0], "violated", 2, "s.w > 0"),  # never w
+        ([3.0, None, 9.0, 9.0], [-5.0, -5.0, 4.0, -1.0], "undefined", 1, "s.u > 0"),
+        ([3.0, 2.0, 9.0, 9.0], [-5.0, None, -4.0, -1.0], "undefined", 1, "s.w > 0"),
+        ([3.0, 2.0, 9.0, 9.0], [7.0, 8.0, 8.0, 1.0], "satisfied", 0, "s.w > 0"),
+    ],
+)  # fmt: skip
+def test_until_is_decided_by_what_ends_it_or_by_what_has_to_hold(
+    backend: str, u: list[Any], w: list[Any], verdict: str, sample: int, text: str
+) -> None:
+    result = decided("  along trace as s\n  require s.u > 0 until s.w > 0", backend, u, w)
+    assert at(result) == (verdict, {"s": sample}, text)
+
+
+@both
+def test_since_looks_back_from_the_last_sample(backend: str) -> None:
+    rule = "  along trace as s\n  require eventually[3 s, 3 s] (s.u > 0 since s.w > 0)"
+    result = decided(rule, backend, [9.0, 9.0, 2.0, 3.0], [-1.0, 4.0, -1.0, -1.0])
+    assert at(result) == ("satisfied", {"s": 2}, "s.u > 0")
+    result = decided(rule, backend, [9.0, 9.0, -2.0, 3.0], [-5.0, 4.0, -5.0, -5.0])
+    assert at(result) == ("violated", {"s": 2}, "s.u > 0")
+    result = decided(rule, backend, [9.0, 9.0, 9.0, 9.0], [1.0, 5.0, 5.0, -1.0])
+    assert at(result) == ("satisfied", {"s": 1}, "s.w > 0")
+
+
+@both
+def test_an_empty_window_decides_nothing(backend: str) -> None:
+    result = decided("  along trace as s\n  require s.u > 0 until[9 s, 10 s] s.w > 0", backend, [1.0, 1.0])
+    assert (result.verdict, result.witness) == ("violated", None)
+    result = decided("  along trace as s\n  require always[9 s, 10 s] s.u > 0", backend, [1.0, 1.0])
+    assert (result.verdict, result.witness) == ("satisfied", None)
