@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from trackmarshal.diagnostics.base import Diagnostic
+from trackmarshal.diagnostics.excerpt import printable
 from trackmarshal.diagnostics.finding import Finding, findings
 from trackmarshal.errors import TrackmarshalError
 
@@ -40,7 +41,9 @@ def _line(found: Finding) -> str:
 
 
 def _data(text: str) -> str:
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    # Other line ends, which some readers of the log break lines at, are shown as the renderers for terminals show them.
+    escaped = text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+    return printable(escaped)
 
 
 def _property(text: str) -> str:

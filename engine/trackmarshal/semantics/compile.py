@@ -6,6 +6,7 @@ import hashlib
 import math
 from collections.abc import Iterable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
@@ -403,9 +404,8 @@ class _Compiler:
                     )
                 seen.setdefault(parameter.name, parameter.span)
             symbol = Symbol(item, module, f"{module}.{item.name}")
-            if not self.x.attempt(
-                lambda s=symbol, i=item: calls.check_definition(self.x, s, i, ctx), item.span.head
-            ):  # type: ignore[misc]
+            check = partial(calls.check_definition, self.x, symbol, item, ctx)
+            if not self.x.attempt(check, item.span.head):
                 self.x.failed.add(symbol.qualified)
         for state in self._own(module, ast.State):
             check_state(state, self.x, ctx)
