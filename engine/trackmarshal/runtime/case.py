@@ -256,7 +256,7 @@ class CaseReader:
         """Points of a line. The same object, and equal ones of late (a track that many cases share), give the same
         tuple, so that evaluators prepare it once."""
         recent = self._recent.get(id(raw))
-        if recent is not None and recent[0] is raw:
+        if recent is not None and recent[0] is raw and isinstance(raw, tuple):  # a list may have changed
             return recent[1]
         points = tuple(_points(raw, f"{signal}.{name}" if name else signal))
         for index, (x, y) in enumerate(points):
