@@ -99,7 +99,8 @@ def places_of(raw: Raw) -> list[tuple[Any, Any]]:
     return places
 
 
-#: What a verdict may become when one more value of the input is unknown.
+#: What a verdict may become when one more value of the input is unknown. What was out of range for sure may then be in it,
+#: and if it does there what is demanded, the rule holds either way.
 ALLOWED = {
     "satisfied": {"satisfied", "undefined"},
     "violated": {"violated", "undefined"},

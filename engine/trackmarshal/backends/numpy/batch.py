@@ -51,15 +51,18 @@ class Batch:
         """(cases,) shaped for broadcasting."""
         return np.array(values, dtype=dtype).reshape((self.size,) + (1,) * (self.rank - 1))
 
-    def param(self, name: str) -> Any:
-        """A parameter: one number where all cases have the same."""
-        own = self.spec.params[name].value
-        if not self.overridden:
-            return np.float64(own)
-        values = [case.params.get(name, own) for case in self.cases]
+    def numbers(self, values: list[float]) -> Any:
+        """A number of every case: one for all where they have the same, which is cheaper."""
         first = values[0]
         one = first != 0.0 and values.count(first) == len(values)  # 0.0 equals -0.0, but is not the same
         return np.float64(first) if one else self.per_case(values)
+
+    def param(self, name: str) -> Any:
+        """A parameter."""
+        own = self.spec.params[name].value
+        if not self.overridden:
+            return np.float64(own)
+        return self.numbers([case.params.get(name, own) for case in self.cases])
 
     def curve(self, name: str) -> Callable[[Any], Any]:
         """A table: one function where all cases have the same."""

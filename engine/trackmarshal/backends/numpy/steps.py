@@ -58,7 +58,7 @@ def step(node: ir.IR, at: tuple[int, ...]) -> Step:
                 [case.columns[node.signal][node.field][node.index] for case in b.cases]
             )
         case ir.Scalar():
-            return lambda b, v: b.per_case([case.scalars[node.signal][node.field] for case in b.cases])
+            return lambda b, v: b.numbers([case.scalars[node.signal][node.field] for case in b.cases])
         case ir.Arith():
             return _binary(_ARITH[node.op], *at)
         case ir.Neg():
