@@ -157,6 +157,7 @@ def json_lines(outcome: Replay) -> list[str]:
 
 def summary(outcome: Replay, evaluator: Evaluator) -> str:
     """Which rules fired when, what was driven, and how that compares with the ground truth."""
+    from trackmarshal.scenarios.recording import CANDIDATES
     from trackmarshal.scenarios.replay import DRIVE, NOTHING, PREVIOUS, intervals
 
     times = [cycle.t for cycle in outcome.cycles]
@@ -198,8 +199,12 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
         lines.append(
             table(rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"])
         )
-    else:
+    elif not outcome.fired:
         lines.append("every trajectory is safe")
+    missing = [c.t for c in outcome.cycles if len(c.results) < len(CANDIDATES)]
+    if missing:
+        spans = ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(missing, times))
+        lines.append(f"a candidate is missing at {spans} s")
     faults = sorted({f for c in outcome.cycles for r in c.results.values() for f in r.faults})
     lines += [f"input: {fault}" for fault in faults[:10]] + (
         [f"input: ... {len(faults) - 10} more"] if len(faults) > 10 else []

@@ -26,7 +26,8 @@ class CycleOutcome:
 
     @property
     def safe(self) -> bool:
-        return all(result.safe for result in self.results.values())
+        """Both candidates are there, and safe; one that is missing cannot be driven."""
+        return len(self.results) == len(CANDIDATES) and all(result.safe for result in self.results.values())
 
 
 @dataclass(frozen=True, slots=True)
