@@ -178,7 +178,7 @@ def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | Tab
             f"the spec declares no {kind} `{short}`",
             file=place,
             line=info.span.line,
-            help=close_matches(short, shorts) or None,
+            help=close_matches(short, shorts) or f"it declares {', '.join(shorts) or 'none'}",
         )
     for match in matches:
         old = target[match]
@@ -201,5 +201,6 @@ def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | Tab
         else:
             raise AssertionError(f"unknown setting {type(info).__name__}")
         if problem:
-            raise TrackmarshalError("E402", problem, file=place, line=info.span.line)
+            help_ = "a configuration changes values, within what the spec declares"
+            raise TrackmarshalError("E402", problem, file=place, line=info.span.line, help=help_)
         target[match] = new

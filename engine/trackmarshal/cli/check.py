@@ -60,9 +60,9 @@ def examine(compiled: Compiled, project: Path | None) -> list[Diagnostic | Track
     found = [*compiled.found, *prepare(compiled)[1], *unconstrained(compiled)]
     unreadable: list[TrackmarshalError] = []
     if project is not None:
-        unreadable = unreadable_requirements(project)
+        known, unreadable = demanded(project)
         if not unreadable:  # else it is not known what is demanded
-            found += unknown_requirements(compiled, project)
+            found += unknown_requirements(compiled, project, known)
     in_order = sorted(found, key=lambda d: (d.span.file.path, d.span.start, d.code))
     return [*compiled.failures, *unreadable, *in_order]
 
@@ -94,20 +94,23 @@ def unconstrained(compiled: Compiled) -> list[Diagnostic]:
             )
             found.append(
                 Unconstrained(
-                    constraint.span.head, shown, constraint.because or "change a value, or the constraint"
+                    constraint.span.head,
+                    shown or "a table breaks it",
+                    constraint.because or "change a value, or the constraint",
                 )
             )
     return found
 
 
-def unreadable_requirements(project: Path) -> list[TrackmarshalError]:
-    """Files of the project's requirements that cannot be read, so that it is not known what they demand."""
+def demanded(project: Path) -> tuple[set[str], list[TrackmarshalError]]:
+    """The ids of the project's requirements, and the files of which it is not known what they demand."""
     from trackmarshal.trace import requirements
     from trackmarshal.trace.findings import Finding
 
     found: list[Finding] = []
-    requirements.load(project, found)
-    return [
+    loaded = requirements.load(project, found)
+    known = {str(requirement.id) for requirement in loaded.requirements if requirement.demanded}
+    return known, [
         TrackmarshalError(
             f.code,
             f.message,
@@ -120,14 +123,15 @@ def unreadable_requirements(project: Path) -> list[TrackmarshalError]:
     ]
 
 
-def unknown_requirements(compiled: Compiled, project: Path) -> list[Diagnostic]:
-    """`satisfies` clauses that name no requirement of the project."""
+def unknown_requirements(
+    compiled: Compiled, project: Path, known: set[str] | None = None
+) -> list[Diagnostic]:
+    """`satisfies` clauses that name no requirement of the project; `known` are its ids, where they were read already."""
     from trackmarshal.diagnostics.base import close_matches
     from trackmarshal.semantics.errors import UnknownRequirement
     from trackmarshal.syntax import ast
-    from trackmarshal.trace import requirements
 
-    known = {str(name) for name in requirements.ids(project)}
+    known = demanded(project)[0] if known is None else known
     items = [item for name in compiled.order for item in compiled.library.modules[name].tree.items]
     return [
         UnknownRequirement(

@@ -28,6 +28,9 @@ CODES = {
 }  # fmt: skip
 
 
+_CODES_HELP = "E0xx to E4xx are about specs, D about data, T about traceability; docs/errors.md lists all"
+
+
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("what", metavar="CODE|RECORDING", help="an error code, or a recording")
     parser.add_argument("--rule", metavar="R")
@@ -53,7 +56,9 @@ def _code(code: str) -> int:
 
     known = catalogue()
     if code not in known:
-        raise TrackmarshalError("E441", f"there is no code {code}", help=close_matches(code, known) or None)
+        raise TrackmarshalError(
+            "E441", f"there is no code {code}", help=close_matches(code, known) or _CODES_HELP
+        )
     title, text = known[code]
     print(f"{code}: {title}\n")
     print(textwrap.fill(text, 88))
@@ -78,7 +83,7 @@ def _verdict(args: argparse.Namespace) -> int:
         "reference",
     )
     cycle = min(recording.cycles, key=lambda c: abs(c.t - args.at))
-    if abs(cycle.t - args.at) > 1e-6:
+    if not abs(cycle.t - args.at) <= 1e-6:  # NaN too
         raise TrackmarshalError(
             "E442", f"no cycle at t = {args.at:g} s", help=f"the nearest is at {cycle.t:g} s"
         )

@@ -33,7 +33,7 @@ from trackmarshal.semantics.rulebooks import check_rulebook, check_signal, check
 from trackmarshal.semantics.rules import RuleBuilder, describe
 from trackmarshal.semantics.scope import KINDS, Scope, Symbol
 from trackmarshal.semantics.values import Poison
-from trackmarshal.source import Span
+from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, Dimension, name, parse_unit, quantity, to_si
 
@@ -156,6 +156,8 @@ class _Compiler:
         for item in loaded.tree.items:
             if type(item) in KINDS:
                 scope.declare(item.__dict__["name"], item)
+            if isinstance(item, (ast.Define, ast.Table)) and item.name in calls.built_in_names():
+                self.found.append(Duplicate(item.span.head, NOWHERE, "function", item.name))
         scope.own_broken = loaded.broken
         scope.broken = set(loaded.broken)
         scope.incomplete = not loaded.complete
@@ -269,7 +271,7 @@ class _Compiler:
             )
         problem = literal_problem(expr.text, expr.unit or unit)
         if problem:
-            self.x.fail(BadValue(expr.span, problem))
+            self.x.fail(BadValue(expr.span, problem, None, "is an exponent or a unit wrong?"))
         return to_si(float(expr.text), expr.unit or unit)
 
     def _params(self, module: str) -> None:

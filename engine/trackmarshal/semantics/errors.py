@@ -321,7 +321,7 @@ class BadValue(Diagnostic):
 class Unconstrained(Diagnostic):
     code = "E307"
     title = "a constraint does not hold"
-    text = "the parameters break this constraint: {values}"
+    text = "this constraint does not hold: {values}"
     label = "does not hold"
     remedy = "{hint}"
     explanation = "`constrain` states what must hold between parameters for the rules to be sound; the values as set break it."

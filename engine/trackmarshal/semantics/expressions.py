@@ -143,7 +143,7 @@ class Expressions:
             case ast.Number():
                 problem = literal_problem(expr.text, expr.unit or "1")
                 if problem:
-                    self.fail(BadValue(span, problem))
+                    self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
                 value = to_si(float(expr.text), expr.unit or "1")
                 return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span)
             case ast.Boolean():
@@ -271,15 +271,12 @@ class Expressions:
         span = expr.span
         if isinstance(value, RecordValue):
             if expr.name not in value.shape:
-                self.fail(
-                    UnknownField(
-                        span,
-                        value.what,
-                        expr.name,
-                        ", ".join(value.shape),
-                        close_matches(expr.name, value.shape),
-                    )
-                )
+                hint = close_matches(expr.name, value.shape)
+                if not hint and value.signal is not None and value.signal.field(expr.name) is not None:
+                    hint = "the definition asks for a shape without it"
+                elif not hint:
+                    hint = "only what a signal's declaration lists can be read"
+                self.fail(UnknownField(span, value.what, expr.name, ", ".join(value.shape), hint))
             node = value.read(expr.name, ctx.site or span)
             dimension = value.shape[expr.name]
             if isinstance(node, ir.Formula):

@@ -95,7 +95,7 @@ class Library:
     def _shown(self, path: Path) -> str:
         if path.is_relative_to(_PRELUDE):
             return f"prelude/{path.name}"
-        resolved = path.resolve()
+        resolved = _real(path)
         return (
             str(resolved.relative_to(self._shown_from))
             if resolved.is_relative_to(self._shown_from)
@@ -107,10 +107,10 @@ class Library:
         used: list[tuple[ast.Use, Path]] = []
         while pending:
             current = pending.pop()
-            if current.resolve() in self._by_path:
+            if _real(current) in self._by_path:
                 continue
             module = self._read(current)
-            self._by_path[current.resolve()] = module
+            self._by_path[_real(current)] = module
             if module is None:
                 continue
             root = _root(module)
@@ -123,7 +123,7 @@ class Library:
                     self._missing(use, target, root)
         for use, target in used:
             self._misnamed(use, target)
-        return self._by_path[path.resolve()]
+        return self._by_path[_real(path)]
 
     def _read(self, path: Path) -> LoadedModule | None:
         try:
@@ -176,7 +176,7 @@ class Library:
 
     def _misnamed(self, use: ast.Use, target: Path) -> None:
         """Report a `use` that finds a file of another module."""
-        found = self._by_path.get(target.resolve())
+        found = self._by_path.get(_real(target))
         if found is not None and found.name != use.name:
             problem = f"{self._shown(target)} is module `{found.name}`, not `{use.name}`"
             self.found.append(
@@ -216,6 +216,11 @@ def _modules_below(root: Path, most: int = 2000) -> list[str]:
     return names
 
 
+def _real(path: Path) -> Path:
+    """The path without symbolic links; one that leads in a circle stays as it is."""
+    return Path(os.path.realpath(path))
+
+
 def spec_files(path: Path) -> list[Path]:
     """The `.spec` files that a path means: itself, or all below a folder, in the order of their names."""
     if path.is_dir():
@@ -226,7 +231,7 @@ def spec_files(path: Path) -> list[Path]:
 def _root(module: LoadedModule) -> Path:
     """The folder in which module names start: module a.b in X/a/b.spec starts in X; else the file's own folder."""
     parts = module.name.split(".")
-    path = module.path.resolve()
+    path = _real(module.path)
     if path.with_suffix("").parts[-len(parts) :] == tuple(parts):
         return path.parents[len(parts) - 1]
     return path.parent

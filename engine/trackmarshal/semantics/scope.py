@@ -79,7 +79,7 @@ class Scope:
         hint = close_matches(name, self.names() | extra)
         if self.incomplete and not hint:
             return None  # the module that could not be loaded may declare it
-        return UnknownName(span, what, name, hint)
+        return UnknownName(span, what, name, hint or "declare it, or `use` the module that declares it")
 
 
 def spoken(item: ast.Item) -> str:
