@@ -23,6 +23,7 @@ lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/trackmarshal fmt --check specs engine/trackmarshal/prelude
 	rm -rf build/map && mkdir -p build/map && cp -r engine/trackmarshal trace/trackmarshal build/map  # one tree of both roots
 	cd build/map && PYTHONPATH=$(CURDIR)/build/map $(CURDIR)/$(BIN)/lint-imports --config $(CURDIR)/pyproject.toml --no-cache
 
