@@ -32,7 +32,9 @@ class Mistake(NamedTuple):
 class Planner:
     """Driving and emergency trajectories along a motion, with mistakes; `step` is how far apart the cycles are, s."""
 
-    def __init__(self, motion: Motion, horizon: float, braking: Braking, mistakes: list[Mistake], step: float) -> None:
+    def __init__(
+        self, motion: Motion, horizon: float, braking: Braking, mistakes: list[Mistake], step: float
+    ) -> None:
         self._motion = motion
         self._horizon = horizon
         self._braking = braking

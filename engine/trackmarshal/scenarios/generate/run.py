@@ -47,14 +47,18 @@ def run(declared: Declaration, shown: str) -> Recording:
         mistake = planner.mistake(t)
         try:
             plans = planner.plans(t, declared.points, declared.braking.points)
-            whole = planner.plans(t, *(1 + FINER * (n - 1) for n in (declared.points, declared.braking.points)))
+            whole = planner.plans(
+                t, *(1 + FINER * (n - 1) for n in (declared.points, declared.braking.points))
+            )
             if mistake is None:
                 for name, plan in plans.items():
                     vehicle.check_plan(f"the {name} trajectory at t = {t:g} s", plan.columns)
         except TrackmarshalError as error:
             raise _placed(error, declared.ego.item if mistake is None else mistake.item) from error
         aside = linear(declared.pose_error, t)
-        static.append(worst([static_truth(plans.values(), whole.values(), scene), _misplaced(aside, vehicle)]))
+        static.append(
+            worst([static_truth(plans.values(), whole.values(), scene), _misplaced(aside, vehicle)])
+        )
         objects = [other.reported(i) for other in others]
         candidates = {name: _columns(plan.columns) for name, plan in plans.items()}
         cycles.append(Cycle(t, _rounded(_ego(state, aside)), objects, candidates))

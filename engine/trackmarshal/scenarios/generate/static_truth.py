@@ -29,9 +29,7 @@ class Zone(NamedTuple):
 
     def holds(self, s: float, d: float, grown: float) -> bool:
         """Does it hold at this place, the zone being `grown` m wider on every side?"""
-        return (
-            self.s[0] - grown <= s <= self.s[1] + grown and self.d[0] - grown <= d <= self.d[1] + grown
-        )
+        return self.s[0] - grown <= s <= self.s[1] + grown and self.d[0] - grown <= d <= self.d[1] + grown
 
 
 class Scene(NamedTuple):
