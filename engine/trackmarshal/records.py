@@ -143,12 +143,16 @@ class TestResult:
 
 @dataclass(frozen=True, slots=True)
 class RuleFacts:
-    """What one rule said in one run: per candidate how often each verdict, and when it was first violated (s)."""
+    """What one rule said in one run: per candidate how often each verdict, and when it was first violated (s).
+
+    `due` counts the cycles in which it was violated and the ground truth that judges it was unsafe.
+    """
 
     rule: str
     fingerprint: str
     counts: Mapping[str, Mapping[str, int]]
     first_violation: float | None = None
+    due: int = 0
 
     def number(self, *verdicts: str) -> int:
         """How many evaluations came to one of these verdicts, over all candidates."""
@@ -162,6 +166,7 @@ class RuleFacts:
             "fingerprint": self.fingerprint,
             "counts": counts,
             "first_violation": first,
+            "due": self.due,
         }
 
     @classmethod
@@ -171,7 +176,9 @@ class RuleFacts:
         for candidate, value in f.table("counts").items():
             inner = _Fields(value, f"rule facts: counts of `{candidate}`")
             counts[candidate] = {inner.verdict(verdict): inner.count(verdict) for verdict in inner.data}
-        return cls(f.text("rule"), f.text("fingerprint"), counts, f.time("first_violation"))
+        return cls(
+            f.text("rule"), f.text("fingerprint"), counts, f.time("first_violation"), f.count("due", 0)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,8 +330,8 @@ class _Fields:
     def flag(self, name: str, default: bool = _REQUIRED) -> bool:
         return self._get(name, default, bool, "true or false")
 
-    def count(self, name: str) -> int:
-        value: int = self._get(name, _REQUIRED, int, "a whole number")
+    def count(self, name: str, default: int = _REQUIRED) -> int:
+        value: int = self._get(name, default, int, "a whole number")
         if isinstance(value, bool) or value < 0:
             raise _refused(f"{self.what}: `{name}` must be a whole number from 0")
         return value

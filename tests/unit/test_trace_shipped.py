@@ -83,21 +83,20 @@ def test_every_interface_of_the_vehicle_is_analysed() -> None:
 def invented() -> tuple[list[SpecItem], list[SpecTest], list[TestResult]]:
     """Rules, assumptions, tests and results as the requirements wish for them; what the real specs say is tested elsewhere."""
     project, _ = trace.load(ROOT)
-    wishes = [
-        (kind, str(n), str(r.id))
-        for r in project.requirements
-        for kind, names in (("rule", r.metrics), ("assume", r.assumptions))
-        for n in names
-    ]
+    wishes: dict[tuple[str, str], list[str]] = {}
+    for r in project.requirements:
+        for kind, names in (("rule", r.metrics), ("assume", r.assumptions)):
+            for n in names:
+                wishes.setdefault((kind, str(n)), []).append(str(r.id))
     items, tests, results = [], [], []
-    for line, (kind, name, requirement) in enumerate(wishes, 1):
-        ref = (Ref(requirement, line, 1),)
+    for line, ((kind, name), requirements) in enumerate(wishes.items(), 1):
+        refs = tuple(Ref(requirement, line, 1) for requirement in requirements)
         items.append(
             SpecItem(
                 kind,
                 name,
                 name,
-                ref,
+                refs,
                 (),
                 "s.spec",
                 line,

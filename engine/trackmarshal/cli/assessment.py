@@ -103,9 +103,12 @@ def _evaluators(root: Path, project: Project) -> dict[str, tuple[Recording, Eval
         path = root / shown
         if path.is_file():
             recording = load(path, shown)
+            more = [root / str(spec) for spec in scenario.specs]
             result[shown] = (
                 recording,
-                evaluator_for(recording, root / project.default_spec, [], root, None, "numpy", path.parent),
+                evaluator_for(
+                    recording, root / project.default_spec, [], root, None, "numpy", path.parent, more
+                ),
             )
     return result
 

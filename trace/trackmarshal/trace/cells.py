@@ -78,7 +78,8 @@ def cell(ground: Ground, requirement: Requirement, stage: Stage, below: Mapping[
         for name in ground.children.get(requirement.id, ()):
             if name in below:
                 child = ground.project.by_id[name]
-                detail = next((i.detail for i in below[name].items if i.status != "covered" and i.detail), "")
+                lacking = (i.detail for i in below[name].items if i.status != "covered" and i.detail)
+                detail = "" if below[name].status == "covered" else next(lacking, "")
                 items.append(Item("requirement", name, child.title, below[name].status, detail, child.place))
                 statuses.append(below[name].status)
     status = combined(statuses)

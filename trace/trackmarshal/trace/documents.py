@@ -131,6 +131,7 @@ PROJECT = Record("project", "Settings of the project.", (
         optional("by", Many(NAME, 1), "For `fire`: the rules that must be violated."),
         optional("requirements", PATTERNS, "The requirements that it is evidence for; all if not given."),
         optional("title", TEXT, "What happens in it."),
+        optional("with", Many(PROJECT_PATH, 1), "Specs beside `default_spec` whose rules it is replayed with, such as variants of rules."),
     ))), "The scenarios that `assess` replays."),
 ))  # fmt: skip
 

@@ -109,6 +109,7 @@ class Scenario:
     by: tuple[Placed, ...]
     requirements: tuple[Placed, ...]
     title: str
+    specs: tuple[Placed, ...] = ()  #: beside the project's default one
 
 
 @dataclass(frozen=True, slots=True)

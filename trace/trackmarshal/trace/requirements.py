@@ -147,7 +147,7 @@ def _stage(t: Table) -> model.Stage:
 def _scenario(t: Table) -> model.Scenario:
     return model.Scenario(
         t.text("path"), t.text("stage"), t.text("expect"), t.text("origin"), t.texts("by"),
-        t.texts("requirements") or (Placed.at("*", t.place),), t.text("title"),
+        t.texts("requirements") or (Placed.at("*", t.place),), t.text("title"), t.texts("with"),
     )  # fmt: skip
 
 
