@@ -33,5 +33,5 @@ CODES = {
     "D243": ("the car left the stored emergency trajectory", "The pose of the car is further from it, or more turned, than the limits `apart` and `turned` allow. What starts elsewhere says nothing about what the car would drive. It is dropped for good."),
     "D244": ("the stored emergency trajectory cannot be confirmed", "No usable pose of the car came for as long as the limit `blind` allows, or the clock is wrong. It is dropped for good."),
     "E481": ("a limit that is none", "The limits of a Supervisor are capacities (whole numbers, at least 2), times, distances, angles and speeds (numbers, at least 0; inf takes a limit away)."),
-    "E482": ("a spec that cannot be supervised with", "The Supervisor needs a signal `plan`, a trajectory with t (increasing), x, y, heading and v in SI units, and a state `ego` with x, y and heading."),
+    "E482": ("a spec that cannot be supervised with", "The Supervisor itself reads `plan`, a trajectory with t, x, y, heading and v, and the state `ego` with x, y and heading, all in SI units. A spec may leave them out, or declare them so with ranges of its own."),
 }  # fmt: skip
