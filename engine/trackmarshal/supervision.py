@@ -85,7 +85,7 @@ class EvaluatorJudge:
         broken = evaluator.broken_constraints(read)
         if broken:
             raise TrackmarshalError("E403", broken[0], help="change the parameters")
-        if evaluator.backend == "numpy":
+        if evaluator.backend != "reference":
             _ = evaluator.program  # made now, not in the first cycle's time
         self._settings = Case(params=read.params, tables=read.tables, places=read.places)
         signals = evaluator.spec.signals
