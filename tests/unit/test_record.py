@@ -306,3 +306,34 @@ def test_the_clock_of_a_record_is_that_of_the_run(tmp_path: Path) -> None:
     assert [d.state for d in decisions] == ["drive", "previous_emergency", "drive"]
     assert again(path, steps)[1] == []
     assert isinstance(Clock()(), float)
+
+
+def test_foxglove_reads_an_export(tmp_path: Path) -> None:
+    from mcap.reader import make_reader
+
+    from trackmarshal.scenarios import foxglove
+
+    path = tmp_path / "run.arrows"
+    steps = plain(6)
+    steps[3] = (None, set(), steps[3][2][:1])
+    decisions = recorded(path, steps)
+    foxglove.write(read(path.read_bytes(), "run"), decisions, tmp_path / "run.mcap")
+    with (tmp_path / "run.mcap").open("rb") as file:
+        messages = [
+            (channel.topic, schema.name, message.log_time, json.loads(message.data))
+            for schema, channel, message in make_reader(file).iter_messages(log_time_order=False)
+            if schema is not None
+        ]
+    told = [data for topic, _, _, data in messages if topic == "/decision"]
+    assert [data["state"] for data in told] == [d.state for d in decisions]
+    assert [time for topic, _, time, _ in messages if topic == "/decision"] == [
+        round(one[2][0] * 1e9) for one in steps
+    ]
+    scenes = [
+        data for topic, name, _, data in messages if topic == "/scene" and name == "foxglove.SceneUpdate"
+    ]
+    assert len(scenes) == 4
+    by_name = {entity["id"]: entity for entity in scenes[0]["entities"]}
+    assert by_name.keys() == {"track", "driving", "emergency", "driven", "ego", "objects", "obstacles"}
+    assert len(by_name["objects"]["cubes"]) == 2
+    assert len(by_name["driven"]["lines"][0]["points"]) == 30

@@ -31,8 +31,10 @@ def is_record(path: str) -> bool:
         return False  # said by whoever reads it as a recording
 
 
-def replay_record(path: str, spec: Spec, backend: str | None, format_: str, quiet: bool) -> int:
-    """Print what became of it; 0 when every decision is the recorded one, else 1. Raises D120, D124, D161, D162."""
+def replay_record(
+    path: str, spec: Spec, backend: str | None, format_: str, quiet: bool, mcap: str | None = None
+) -> int:
+    """Print what became of it; 0 when every decision is the recorded one, else 1. Raises D120, D124, D161, D162, E484."""
     from trackmarshal.runtime.record import read
     from trackmarshal.scenarios import content
     from trackmarshal.supervision import judge_of, rerun
@@ -52,6 +54,10 @@ def replay_record(path: str, spec: Spec, backend: str | None, format_: str, quie
         decision, differing = next(steps)
         decisions.append(decision)
         found += differing
+    if mcap is not None:
+        from trackmarshal.scenarios import foxglove
+
+        foxglove.write(run, decisions, mcap)
     if format_ == "jsonl":
         places = {difference.place for difference in found}
         for place, decision in enumerate(decisions):

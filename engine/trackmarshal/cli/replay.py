@@ -44,6 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--backend", choices=("numpy", "reference"), help="default: numpy; for a record, its own"
     )
+    parser.add_argument("--mcap", metavar="FILE", help="export a record of a run for Foxglove")
     parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")
     parser.add_argument("--format", choices=("text", "jsonl"), default="text")
 
@@ -60,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
     for path in args.scenarios:
         if is_record(path):
             spec = load([spec_path], settings, project)
-            status = max(status, replay_record(path, spec, args.backend, args.format, args.quiet))
+            status = max(status, replay_record(path, spec, args.backend, args.format, args.quiet, args.mcap))
             if not args.out:
                 continue
         recording = load_recording(path)

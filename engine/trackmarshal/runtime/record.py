@@ -151,6 +151,11 @@ def decided(decision: Decision) -> list[Any]:
     ]  # fmt: skip
 
 
+def decided_by_name(decision: Decision) -> dict[str, Any]:
+    """A decision by the names of its columns."""
+    return {name: value for (name, _), value in zip(_DECISION, decided(decision))}
+
+
 def _letters(codes: bytes) -> str:
     return bytes(_LETTERS[code] for code in codes).decode()
 
