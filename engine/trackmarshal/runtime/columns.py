@@ -61,6 +61,9 @@ class Block:
         self._views: dict[int, View] = {}
         self.count = 0
         self.ids: tuple[str, ...] = ()
+        #: The last ids that were texts: most cycles have those of the cycle before.
+        self._names: list[str] = []
+        self._kept_ids: tuple[str, ...] = ()
 
     def fill(self, raw: object, faults: list[Fault]) -> None:
         """Take a signal in; whatever is wrong with it is added to the faults."""
@@ -146,9 +149,8 @@ class Block:
         view = self.view()
         np.greater_equal(view.matrix, self._lower, out=view.low)
         np.less_equal(view.matrix, self._upper, out=view.high)
-        np.logical_and(view.low, view.high, out=view.low)
-        if b"\0" in view.low.tobytes():
-            for kind, row, fine in zip(self._kinds, view.matrix, view.low):
+        if b"\0" in view.low.tobytes() or b"\0" in view.high.tobytes():
+            for kind, row, fine in zip(self._kinds, view.matrix, view.low & view.high):
                 if not fine.all():
                     faults += out_of_bounds(self.name, kind, row)
         for name, after, before in view.steps:
@@ -208,6 +210,10 @@ class Block:
         return None if any(_ABSENT in column for column in columns.values()) else columns
 
     def _take_ids(self, column: Any, lengths: dict[str, int], faults: list[Fault]) -> None:
+        if type(column) is list and column == self._names:
+            self.ids = self._kept_ids
+            lengths["id"] = len(column)
+            return
         if type(column) is np.ndarray:
             column = column.tolist()
         if column is _ABSENT or column is None:
@@ -227,6 +233,8 @@ class Block:
             seen.add(str(name))
         self.ids = tuple(map(str, column))
         lengths["id"] = len(self.ids)
+        if all(type(name) is str for name in column):  # what equals texts is texts
+            self._names, self._kept_ids = list(column), self.ids
 
     def _unequal(self, lengths: dict[str, int]) -> list[Fault]:
         """Columns whose length is not that of most."""
