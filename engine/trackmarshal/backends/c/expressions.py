@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
+from trackmarshal.backends.c.slots import mark
 from trackmarshal.backends.c.statements import Block
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -58,7 +59,8 @@ class Writer:
         self._count = 0
         self._free: dict[ir.IR, frozenset[ir.Axis]] = {}
         self._span: Span | None = rule.span
-        self.slots = Slots()
+        #: How many series of the context the function needs, once it is written.
+        self.series = 0
         #: Geometric predicates of which only margins below this one matter.
         self.bounds: dict[ir.IR, str] = {}
         #: libm functions that the function calls, and operations counted once for every statement.
@@ -485,22 +487,5 @@ class Writer:
         """The value at one sample of a series kept in the context."""
         texts = []
         for slot in slots:
-            texts += [f"c->series[{slot}].sat[{index}]", f"c->series[{slot}].margin[{index}]"]
+            texts += [f"c->series[{mark(slot)}].sat[{index}]", f"c->series[{mark(slot)}].margin[{index}]"]
         return self.value(at, *texts)
-
-
-class Slots:
-    """Series of the context that are in use while a rule is written."""
-
-    def __init__(self) -> None:
-        self._used: set[int] = set()
-        self.most = 0
-
-    def take(self) -> int:
-        slot = next(i for i in range(len(self._used) + 1) if i not in self._used)
-        self._used.add(slot)
-        self.most = max(self.most, slot + 1)
-        return slot
-
-    def release(self, slot: int) -> None:
-        self._used.discard(slot)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from trackmarshal.backends.c.expressions import Value, Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.slots import assign
 from trackmarshal.backends.c.statements import Block, prune, render
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -47,7 +48,7 @@ def rule_code(plan: Layout, rule: RuleInfo) -> RuleCode:
         *_entry(plan, rule, name),
     ]
     return RuleCode(
-        rule, name, "\n".join(body), max(quick.slots.most, full.slots.most), frozenset(quick.libm | full.libm),
+        rule, name, "\n".join(body), max(quick.series, full.series), frozenset(quick.libm | full.libm),
         tuple(_operations(quick.root, ())),
     )  # fmt: skip
 
@@ -100,6 +101,7 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> Writer:
             f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});",
         )
     prune(root)
+    writer.series = assign(root)
     return writer
 
 
