@@ -40,7 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="a configuration module (a vehicle, a track)",
     )
     parser.add_argument("--rule", action="append", metavar="R", help="evaluate only these rules (repeatable)")
-    parser.add_argument("--backend", choices=("numpy", "reference"), default="numpy")
+    parser.add_argument("--backend", choices=("numpy", "reference", "c"), default="numpy")
     parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")
     parser.add_argument("--format", choices=("text", "jsonl"), default="text")
 

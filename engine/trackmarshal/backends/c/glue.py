@@ -79,28 +79,35 @@ def _lines(source: Source) -> Iterator[str]:
     from trackmarshal.backends.c.places import glue as places
 
     yield from places(plan)
+    yield "static void tmg_input(tm_input *in, const size_t *counts, const void *const *columns, const double *numbers,"
+    yield "                      const signed char *flags) {"
+    yield "  (void)in; (void)counts; (void)columns; (void)numbers; (void)flags;"
+    for i, name in enumerate(order.counts):
+        yield f"  in->{plan.input(name).c_name}.count = counts[{i}];"
+    for i, (name, field, flag) in enumerate(order.columns):
+        kind = "tm_flag" if flag else "double"
+        yield f"  in->{plan.input(name).c_name}.{plan.field_name(name, field)} = (const {kind} *)columns[{i}];"
+    for i, (name, field) in enumerate(order.numbers):
+        yield f"  in->{plan.input(name).c_name}.{plan.field_name(name, field)} = numbers[{i}];"
+    for i, (name, field) in enumerate(order.flags):
+        place = f"in->{plan.input(name).c_name}" + (f".{plan.field_name(name, field)}" if field else "")
+        yield f"  {place} = flags[{i}];"
+    if not plan.inputs:
+        yield "  in->unused = 0;"
+    yield "}"
+    sizes = (len(order.counts), len(order.columns), len(order.numbers), len(order.flags))
+    given = ", ".join(
+        f"&{name}[k * {size}u]" for name, size in zip(("counts", "columns", "numbers", "flags"), sizes)
+    )
     yield "int tmg_run(void *context, size_t cases, const size_t *counts, const void *const *columns, const double *numbers,"
     yield "            const signed char *flags, double *margins, signed char *verdicts) {"
     yield "  tm_context *c = (tm_context *)context;"
     yield "  int worst = 0;"
-    yield "  (void)counts; (void)columns; (void)numbers; (void)flags;"
     yield "  for (size_t k = 0; k < cases; ++k) {"
     yield "    tm_input in;"
     yield "    tm_output out;"
     yield "    int status;"
-    for i, name in enumerate(order.counts):
-        yield f"    in.{plan.input(name).c_name}.count = counts[k * {len(order.counts)} + {i}];"
-    for i, (name, field, flag) in enumerate(order.columns):
-        kind = "tm_flag" if flag else "double"
-        place = f"in.{plan.input(name).c_name}.{plan.field_name(name, field)}"
-        yield f"    {place} = (const {kind} *)columns[k * {len(order.columns)} + {i}];"
-    for i, (name, field) in enumerate(order.numbers):
-        yield f"    in.{plan.input(name).c_name}.{plan.field_name(name, field)} = numbers[k * {len(order.numbers)} + {i}];"
-    for i, (name, field) in enumerate(order.flags):
-        place = f"in.{plan.input(name).c_name}" + (f".{plan.field_name(name, field)}" if field else "")
-        yield f"    {place} = flags[k * {len(order.flags)} + {i}];"
-    if not plan.inputs:
-        yield "    in.unused = 0;"
+    yield f"    tmg_input(&in, {given});"
     yield "    status = (int)tm_check(c, &in, &out);"
     yield "    if (status > worst) { worst = status; }"
     yield "    for (size_t r = 0; r < TM_RULES; ++r) {"
@@ -109,4 +116,26 @@ def _lines(source: Source) -> Iterator[str]:
     yield "    }"
     yield "  }"
     yield "  return worst;"
+    yield "}"
+    yield from _along(source)
+
+
+def _along(source: Source) -> Iterator[str]:
+    """The value of a rule at every sample of its timeline: `count` results; 0, or the status of an input that does not fit."""
+    yield from (code.along for code in source.rules if code.along)
+    yield "int tmg_along(void *context, size_t rule, const size_t *counts, const void *const *columns, const double *numbers,"
+    yield "              const signed char *flags, tm_result *out) {"
+    yield "  tm_context *c = (tm_context *)context;"
+    yield "  tm_input in;"
+    yield "  int status;"
+    yield "  tmg_input(&in, counts, columns, numbers, flags);"
+    yield "  status = (int)tm_fits(&in);"
+    yield "  if (status != 0) { return status; }"
+    yield "  (void)c; (void)out;"
+    yield "  switch (rule) {"
+    for index, code in enumerate(source.rules):
+        if code.along:
+            yield f"    case {index}u: tm_rule_{code.c_name}_along(c, &in, out); return 0;"
+    yield "    default: return -1;"
+    yield "  }"
     yield "}"
