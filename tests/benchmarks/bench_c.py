@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.backends.c.build import EXACT, FAST, SHARED, compiler
+from trackmarshal.backends.c.monitoring import Monitors
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.step import Stepper, prepared_columns, run_columns
 from trackmarshal.evaluation import load
@@ -34,6 +35,10 @@ LIMITS = {
     "C: generate and load the shipped spec, warm": 0.05,
     "C: always[0, 10 s] on 1,000,000 samples": 0.03,
     "C: until[0, 10 s] on 1,000,000 samples": 0.05,
+    "C: always[0, 1 s] online, a sample": 0.3e-6,
+    "C: always[0, 600 s] online, a sample": 0.3e-6,
+    "C: until[0, 1 s] online, a sample": 0.3e-6,
+    "C: until[0, 600 s] online, a sample": 0.3e-6,
 }
 
 
@@ -42,6 +47,7 @@ def measure() -> dict[str, float]:
     result = {"C: Supervisor step": _step(spec)}
     result |= _point_wise(spec)
     result |= _temporal()
+    result |= _online()
     result |= _building(spec)
     return result
 
@@ -218,7 +224,6 @@ def _by_hand(spec: Spec, driving: dict[str, Any]) -> float:
 
 
 def _temporal() -> dict[str, float]:
-    text = "module bench\nsignal log : series { t: s increasing, p: 1, q: 1 }\n"
     formulas = {
         "always[0, 10 s]": "always[0 s, 10 s] (p.p > 0)",
         "until[0, 10 s]": "(p.p > 0) until[0 s, 10 s] (p.q > 0)",
@@ -232,15 +237,36 @@ def _temporal() -> dict[str, float]:
     }
     result = {}
     for name, formula in formulas.items():
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "bench.spec"
-            path.write_text(
-                f'{text}rule r "bench"\n  along log as p\n  require {formula}\n', encoding="utf-8"
-            )
-            spec = load([path])
+        spec = _one_rule(formula)
         made = program(spec)
         result[f"C: {name} on 1,000,000 samples"] = median(lambda made=made: run_columns(made, columns), 7)
     return result
+
+
+def _online() -> dict[str, float]:
+    """A sample at a time, 100 a second: windows of 100 and of 60,000 samples."""
+    rng = np.random.default_rng(1)
+    samples = 200_000
+    log = {"t": np.arange(samples) * 0.01, "p": rng.normal(size=samples), "q": rng.normal(size=samples) - 3.0}
+    result = {}
+    for window in ("1 s", "600 s"):
+        for name, formula in (
+            ("always", f"always[0 s, {window}] (p.p > 0)"),
+            ("until", f"(p.p > -5) until[0 s, {window}] (p.q > 0)"),
+        ):
+            spec = _one_rule(formula)
+            monitors = Monitors(spec, spec.rules, 65_536)
+            taken = median(lambda monitors=monitors: monitors.run("r", log), 7)
+            result[f"C: {name}[0, {window}] online, a sample"] = taken / samples
+    return result
+
+
+def _one_rule(formula: str) -> Spec:
+    text = "module bench\nsignal log : series { t: s increasing, p: 1, q: 1 }\n"
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "bench.spec"
+        path.write_text(f'{text}rule r "bench"\n  along log as p\n  require {formula}\n', encoding="utf-8")
+        return load([path])
 
 
 def _building(spec: Spec) -> dict[str, float]:

@@ -46,7 +46,7 @@ def run(args: argparse.Namespace) -> int:
             help="letters, digits and _, no digit first; not `main`",
         )
     spec = load([Path(args.spec)], [Path(path) for path in args.settings], optional_project(args))
-    source = generate(spec, Evaluator(spec, args.rule, "reference").rules, args.name)
+    source = generate(spec, Evaluator(spec, args.rule, "reference").rules, args.name, online=True)
     texts = {
         f"{args.name}.h": source.header, f"{args.name}.c": source.source, "CMakeLists.txt": cmake(source),
         "main.c": main_c(source), "report.md": report(source),

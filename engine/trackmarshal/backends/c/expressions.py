@@ -158,7 +158,7 @@ class Writer:
             case ir.Param():
                 return f"c->params.{self.plan.params[node.name]}"
             case ir.Column():
-                return f"in->{self._column(node, at)}"
+                return self._column(node, at)
             case ir.Sample():
                 place = self.plan.input(node.signal).c_name
                 column = self.plan.field_name(node.signal, node.field)
@@ -208,7 +208,7 @@ class Writer:
         assert node.axis is not None
         index = self.index(node.axis, at)
         signal, name = (node.axis.signal, node.field)
-        place = f"{self.plan.input(signal).c_name}.{self.plan.field_name(signal, name or '')}"
+        place = f"in->{self.plan.input(signal).c_name}.{self.plan.field_name(signal, name or '')}"
         if node.offset > 0:
             return f"{place}[{index} + {node.offset}u]"
         if node.offset < 0:
@@ -312,7 +312,7 @@ class Writer:
 
     def _flag(self, node: ir.Flag, at: Block) -> Value:
         if node.axis is not None:
-            text = f"in->{self._column(node, at)}"
+            text = self._column(node, at)
         else:
             source = self.plan.input(node.signal)
             text = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from trackmarshal.backends.c.online import glue as online
 from trackmarshal.backends.c.source import Source
 
 
@@ -118,6 +119,7 @@ def _lines(source: Source) -> Iterator[str]:
     yield "  return worst;"
     yield "}"
     yield from _along(source)
+    yield from online(list(source.monitors))
 
 
 def _along(source: Source) -> Iterator[str]:

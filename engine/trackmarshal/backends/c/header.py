@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.online import TYPES, Monitor
 from trackmarshal.backends.c.rules import RuleCode
 from trackmarshal.ir.spec import FieldType
 from trackmarshal.units import parse_unit, show
@@ -20,9 +21,11 @@ CAPACITIES = {
 }
 
 
-def header(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> str:
+def header(
+    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor] = ()
+) -> str:
     """The text of the header file."""
-    return "\n".join(_lines(plan, codes, series, name))
+    return "\n".join(_lines(plan, codes, series, name, monitors))
 
 
 def capacities(plan: Layout) -> list[str]:
@@ -45,7 +48,9 @@ def capacities(plan: Layout) -> list[str]:
     return found
 
 
-def _lines(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> Iterator[str]:
+def _lines(
+    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor]
+) -> Iterator[str]:
     guard = f"TM_{name.upper()}_H"
     yield f"/* Generated from a spec by trackmarshal. Fingerprint {plan.spec.fingerprint[:16]}."
     yield "   All numbers are in SI units; a missing number is NaN. Nothing is allocated, nothing is global: what a check"
@@ -90,6 +95,13 @@ def _lines(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> I
 
     yield from prototypes(plan)
     yield ""
+    if monitors:
+        yield "/* Rules along a timeline, a sample at a time: start, push, ..., finish. */"
+        yield from TYPES
+        for monitor in monitors:
+            yield monitor.types
+            yield monitor.prototypes
+            yield ""
     yield "#endif"
     yield ""
 
@@ -137,7 +149,7 @@ def _inputs(plan: Layout) -> Iterator[str]:
         if item.kind == "columns":
             yield "  size_t count;"
         for info, c_name in item.fields:
-            yield f"  {_declaration(item, info, c_name)} /* {_unit(info)} */"
+            yield f"  {_declaration(item, info, c_name)} /* {unit(info)} */"
         if item.kind != "columns" and not item.fields:
             yield "  tm_flag unused;"
         yield f"}} tm_in_{item.c_name};"
@@ -159,7 +171,8 @@ def _declaration(item: Input, info: FieldType, c_name: str) -> str:
     return f"const {kind} *{c_name};" if item.kind == "columns" else f"{kind} {c_name};"
 
 
-def _unit(info: FieldType) -> str:
+def unit(info: FieldType) -> str:
+    """A field's unit and range, for a comment."""
     if info.kind == "bool":
         return "TM_TRUE, TM_FALSE, TM_MISSING"
     unit = comment(show(parse_unit(info.unit)[2]))

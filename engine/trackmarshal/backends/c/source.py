@@ -9,6 +9,7 @@ from trackmarshal.backends.c import parts
 from trackmarshal.backends.c.header import header
 from trackmarshal.backends.c.layout import Layout, layout
 from trackmarshal.backends.c.names import comment, literal
+from trackmarshal.backends.c.online import Monitor, monitors
 from trackmarshal.backends.c.rules import GroupCode, RuleCode, group_codes, rule_code
 from trackmarshal.ir.spec import RuleInfo, Spec
 
@@ -22,20 +23,25 @@ class Source:
     header: str
     source: str
     name: str
+    monitors: tuple[Monitor, ...]
 
     @property
     def series(self) -> int:
         return max((code.series for code in self.rules), default=0)
 
 
-def generate(spec: Spec, rules: Sequence[RuleInfo], name: str = "supervisor") -> Source:
-    """C for the chosen rules; raises TrackmarshalError E470 for a rule that has no C counterpart."""
+def generate(spec: Spec, rules: Sequence[RuleInfo], name: str = "supervisor", online: bool = False) -> Source:
+    """C for the chosen rules; raises TrackmarshalError E470 for a rule that has no C counterpart.
+
+    online: with a monitor, a sample at a time, of every rule along a timeline that can have one.
+    """
     plan = layout(spec, rules)
     codes = tuple(rule_code(plan, rule) for rule in plan.rules)
     series = max((code.series for code in codes), default=0)
+    found = tuple(monitors(plan)) if online else ()
     return Source(
-        plan, codes, header(plan, codes, series, name), "\n".join([*_source(plan, codes, name), ""]), name
-    )
+        plan, codes, header(plan, codes, series, name, found), "\n".join([*_source(plan, codes, name, found), ""]), name, found
+    )  # fmt: skip
 
 
 #: gcc 12.2 at -O2 takes a series that was written anew for the one before: what a function writes is lost from its summary
@@ -51,10 +57,12 @@ _COMPILER = (
 )
 
 
-def _source(plan: Layout, codes: Sequence[RuleCode], name: str) -> Iterator[str]:
+def _source(plan: Layout, codes: Sequence[RuleCode], name: str, found: Sequence[Monitor]) -> Iterator[str]:
     groups = group_codes(plan)
     tail = list(_check(plan, codes, groups)) + list(_init(plan))
-    bodies = [*(code.text for code in codes), *(group.text for group in groups)]
+    bodies = [
+        *(code.text for code in codes), *(group.text for group in groups), *(monitor.text for monitor in found)
+    ]  # fmt: skip
     yield f"/* Generated from a spec by trackmarshal; the spec is what is maintained. Fingerprint {plan.spec.fingerprint[:16]}. */"
     yield f'#include "{name}.h"'
     yield ""
