@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from trackmarshal.backends.c import door
 from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.online import TYPES, Monitor
@@ -22,10 +23,10 @@ CAPACITIES = {
 
 
 def header(
-    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor] = ()
+    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor], doored: bool
 ) -> str:
     """The text of the header file."""
-    return "\n".join(_lines(plan, codes, series, name, monitors))
+    return "\n".join(_lines(plan, codes, series, name, monitors, doored))
 
 
 def capacities(plan: Layout) -> list[str]:
@@ -49,7 +50,7 @@ def capacities(plan: Layout) -> list[str]:
 
 
 def _lines(
-    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor]
+    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor], doored: bool
 ) -> Iterator[str]:
     guard = f"TM_{name.upper()}_H"
     yield f"/* Generated from a spec by trackmarshal. Fingerprint {plan.spec.fingerprint[:16]}."
@@ -60,6 +61,8 @@ def _lines(
     yield ""
     yield "#include <stdbool.h>"
     yield "#include <stddef.h>"
+    if doored:
+        yield "#include <stdint.h>"
     yield ""
     for macro in capacities(plan):
         value, what = CAPACITIES[macro]
@@ -74,7 +77,9 @@ def _lines(
         yield ""
     yield from _CONSTANTS
     yield from _inputs(plan)
-    yield from _context(plan, series)
+    if doored:
+        yield from door.types(plan)
+    yield from _context(plan, series, doored)
     yield "/* The rules, in the order of their results. */"
     yield "enum {"
     for index, code in enumerate(codes):
@@ -95,6 +100,9 @@ def _lines(
 
     yield from prototypes(plan)
     yield ""
+    if doored:
+        yield from door.prototypes(plan)
+        yield ""
     if monitors:
         yield "/* Rules along a timeline, a sample at a time: start, push, ..., finish. */"
         yield from TYPES
@@ -126,7 +134,8 @@ _CONSTANTS = [
     "  TM_OVER_CAPACITY = 1,",
     "  TM_TOO_SHORT = 2,",
     "  TM_UNUSABLE = 3,",
-    "  TM_UNSUPPORTED = 4",
+    "  TM_UNSUPPORTED = 4,",
+    "  TM_REFUSED = 5 /* the cycle was not admitted */",
     "} tm_status;",
     "",
     "/* One rule's verdict, and its margin: positive inside, NaN when undefined. */",
@@ -181,7 +190,7 @@ def unit(info: FieldType) -> str:
     return f"{unit}{low}{high}{', increasing' if info.increasing else ''}"
 
 
-def _context(plan: Layout, series: int) -> Iterator[str]:
+def _context(plan: Layout, series: int, doored: bool) -> Iterator[str]:
     if plan.tables:
         yield "/* A table: linear between knots, clamped outside. Filled by tm_set_table. */"
         yield "typedef struct {"
@@ -211,7 +220,7 @@ def _context(plan: Layout, series: int) -> Iterator[str]:
         yield "} tm_params;"
         yield ""
     yield "typedef struct {"
-    members = []
+    members = ["  tm_door door;"] if doored else []
     if plan.params:
         members.append("  tm_params params;")
     if plan.tables:

@@ -42,6 +42,13 @@ class Library:
         }.items():
             getattr(self.dll, name).argtypes = kinds
             getattr(self.dll, name).restype = ctypes.c_int
+        if source.doored:
+            self.dll.tmg_step.argtypes = [pointer] * 10
+            self.dll.tmg_step.restype = ctypes.c_int
+            self.dll.tmg_admit_place.argtypes = [pointer, size, pointer, size, pointer, size, pointer]
+            self.dll.tmg_admit_place.restype = ctypes.c_int
+            self.dll.tmg_refuse.argtypes, self.dll.tmg_refuse.restype = [pointer] * 4, None
+            self.dll.tmg_limits.argtypes, self.dll.tmg_limits.restype = [pointer] * 2, None
         bytes_ = self.dll.tmg_size()
         self._memory = ctypes.create_string_buffer(bytes_ + 64)
         self.context = (ctypes.addressof(self._memory) + 63) & ~63
@@ -59,11 +66,14 @@ def _refused(case: Case, status: int) -> TrackmarshalError:
 
 
 class CProgram:
-    """The compiled rules; `run` evaluates them on cases. Raises TrackmarshalError E470 to E473."""
+    """The compiled rules; `run` evaluates them on cases. Raises TrackmarshalError E470 to E473.
 
-    def __init__(self, spec: Spec, rules: Sequence[RuleInfo]) -> None:
+    doored: for `step.Stepper`, whose cycles pass the input contract's door first; `run` is not for such programs.
+    """
+
+    def __init__(self, spec: Spec, rules: Sequence[RuleInfo], doored: bool = False) -> None:
         self.spec = spec
-        self.source = generate(spec, rules)
+        self.source = generate(spec, rules, doored=doored)
         self.rules = self.source.plan.rules
         self.order: Flat = flat(self.source)
         self._kinds = set(capacities(self.source.plan))
@@ -118,9 +128,9 @@ class CProgram:
         return self._library
 
     def new_library(self, samples: int, elements: int, border: int, settings: Case | None) -> Library:
-        """A library with a context of its own, configured by a case's overrides."""
-        wanted = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border}
-        made = Library(self.source, {name: self._size(name, wanted.get(name, 0)) for name in self._kinds})
+        """A library with just these capacities, and a context of its own, configured by a case's overrides."""
+        declared = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border}
+        made = Library(self.source, {name: declared.get(name) or self._size(name, 0) for name in self._kinds})
         if settings is not None:
             self._override(settings, made, {*settings.params, *settings.tables})
         return made
