@@ -57,6 +57,7 @@ class Writer:
         self.known = known
         self.root = Block("")
         self._count = 0
+        self._notes: dict[tuple[str, int], str] = {}
         self._free: dict[ir.IR, frozenset[ir.Axis]] = {}
         self._span: Span | None = rule.span
         #: How many series of the context the function needs, once it is written.
@@ -81,8 +82,12 @@ class Writer:
 
     def note(self) -> str:
         span = self._span or self.rule.span
-        wanted = " ".join(name for name, _ in self.rule.satisfies)
-        return comment(f"{self.rule.name}{' ' + wanted if wanted else ''} {span.file.path}:{span.line}")
+        known = self._notes.get((self.rule.name, id(span)))
+        if known is None:
+            wanted = " ".join(name for name, _ in self.rule.satisfies)
+            known = comment(f"{self.rule.name}{' ' + wanted if wanted else ''} {span.file.path}:{span.line}")
+            self._notes[self.rule.name, id(span)] = known
+        return known
 
     def add(self, block: Block, text: str, target: str | None = None) -> None:
         block.add(text, target, self.note())

@@ -21,6 +21,9 @@ def assign(root: Block) -> int:
 
     Done when the function is written, since what is computed once for all of a block stands before blocks that were begun earlier.
     """
+    marked = [statement for statement in root.statements() if "@" in statement.text]
+    if not marked:
+        return 0
     ranges = _ranges(root, [0])
     free: list[int] = []
     places: dict[int, int] = {}
@@ -37,7 +40,7 @@ def assign(root: Block) -> int:
             count += 1
         places[number] = place
         busy.append((last, place))
-    for statement in root.statements():
+    for statement in marked:
         statement.text = _MARK.sub(lambda match: str(places[int(match.group(1))]), statement.text)
     return count
 
