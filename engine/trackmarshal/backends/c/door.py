@@ -21,6 +21,7 @@ FAULTS = {
 }  # fmt: skip
 #: Limits of the door: name, default, what it is.
 LIMITS = (
+    ("shortest_gap", 0.001, "s, stamps that are nearer to each other are one"),
     ("longest_gap", 0.15, "s, the longest time from one stamp to the next"),
     ("oldest", 0.1, "s, the oldest stamp at arrival"),
     ("clock_tolerance", 0.01, "s, how far a stamp may lie ahead of the clock"),
@@ -222,7 +223,8 @@ def _columns(item: Input, place: str, signal: str) -> Iterator[str]:
         2 if item.signal.kind == "trajectory" and item.signal.sequence else 1 if item.signal.sequence else 0
     )
     most = "TM_MAX_SAMPLES" if item.signal.sequence else "TM_MAX_ELEMENTS"
-    yield f"  if (!tm_admit_count(fault, {signal}, {place}->count, {least}u, {most})) {{ return false; }}"
+    first = _text(item.fields[0][0].name if item.fields else "")
+    yield f"  if (!tm_admit_count(fault, {signal}, {first}, {place}->count, {least}u, {most})) {{ return false; }}"
     for info, c_name in item.fields:
         given = f"fault, {signal}, {_text(info.name)}, {place}->{c_name}, {place}->count"
         if info.kind == "bool":

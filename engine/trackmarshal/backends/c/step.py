@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -241,10 +242,14 @@ class _Block:
                 column = _floats(column, self.label, name)
             if column is not default:
                 if len(column) != n:
-                    n = self._length(n, len(column), name, column)
+                    if n >= 0 or column.ndim != 1:
+                        raise self._unequal(given)
+                    n = len(column)
+                    if n > self._capacity:
+                        raise Refused("over_capacity", self.label, name, self._capacity)
             columns.append(column)
         for name, row, _ in self._flags:
-            n = self._take_flags(given.get(name), n, name, row)
+            n = self._take_flags(given, n, name, row)
         n = max(n, 0)
         for k, (_, default) in enumerate(self._fields):
             if columns[k] is default:
@@ -263,23 +268,33 @@ class _Block:
                 self._pointers[side, self._columns] = base + 8 * n * np.arange(len(self._columns))
                 self._counts[side, self._number] = n
 
-    def _length(self, n: int, length: int, name: str, column: Any) -> int:
-        if column.ndim != 1:
-            raise Refused("wrong_type", self.label, name)
-        if length > self._capacity:
-            raise Refused("over_capacity", self.label, name, self._capacity)
-        if n >= 0:
-            raise Refused("wrong_length", self.label, name, min(n, length))
-        return length
+    def _unequal(self, given: Mapping[str, Any]) -> Refused:
+        """Which column has not the length that most have."""
+        lengths: dict[str, int] = {}
+        for name in (*(name for name, _ in self._fields), *(name for name, _, _ in self._flags)):
+            column = given.get(name)
+            if column is not None:
+                if getattr(column, "ndim", 1) != 1 or not hasattr(column, "__len__"):
+                    return Refused("wrong_type", self.label, name)
+                lengths[name] = len(column)
+        usual = Counter(lengths.values()).most_common(1)[0][0]
+        name = next(name for name, length in lengths.items() if length != usual)
+        if lengths[name] > self._capacity:
+            return Refused("over_capacity", self.label, name, self._capacity)
+        return Refused("wrong_length", self.label, name, min(lengths[name], usual))
 
-    def _take_flags(self, column: Any, n: int, name: str, row: NDArray[np.int8]) -> int:
+    def _take_flags(self, given: Mapping[str, Any], n: int, name: str, row: NDArray[np.int8]) -> int:
+        column = given.get(name)
         if column is None:
             raise Refused("missing", self.label, name)
         values = column.tolist() if type(column) is np.ndarray else column
         if not isinstance(values, list | tuple) or any(v is not None and type(v) is not bool for v in values):
             raise Refused("wrong_type", self.label, name)
-        if len(values) != n:
-            n = self._length(n, len(values), name, np.empty(len(values)))
+        if n >= 0 and len(values) != n:
+            raise self._unequal(given)
+        n = len(values)
+        if n > self._capacity:
+            raise Refused("over_capacity", self.label, name, self._capacity)
         row[:n] = [-1 if value is None else int(value) for value in values]
         return n
 

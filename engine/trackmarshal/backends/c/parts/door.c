@@ -63,11 +63,11 @@ static bool tm_admit_flag(tm_fault *fault, const char *signal, const char *field
 }
 
 /** Whether a signal has at least so many entries, and not more than there is room for. */
-static bool tm_admit_count(tm_fault *fault, const char *signal, size_t count, size_t least, size_t most) {
+static bool tm_admit_count(tm_fault *fault, const char *signal, const char *field, size_t count, size_t least, size_t most) {
   if (count > most) {
-    return tm_refuse(fault, TM_FAULT_OVER_CAPACITY, signal, "", most);
+    return tm_refuse(fault, TM_FAULT_OVER_CAPACITY, signal, field, most);
   }
-  return (count >= least) || tm_refuse(fault, TM_FAULT_TOO_SHORT, signal, "", TM_NOWHERE);
+  return (count >= least) || tm_refuse(fault, TM_FAULT_TOO_SHORT, signal, field, TM_NOWHERE);
 }
 
 /** Whether a border or line is one: two points or more, all finite, no more than there is room for. */
@@ -99,9 +99,9 @@ static bool tm_admit_stamp(tm_door *door, const tm_stamp *stamp, tm_fault *fault
   }
   if (!tm_finite(stamp->t)) {
     fine = tm_refuse(fault, TM_FAULT_NOT_FINITE, "cycle", "t", TM_NOWHERE);
-  } else if (!first && (stamp->t == door->t)) {
+  } else if (!first && (fabs(since) <= door->limits.shortest_gap)) {
     fine = tm_refuse(fault, TM_FAULT_REPEATED, "cycle", "t", TM_NOWHERE);
-  } else if (!first && (stamp->t < door->t)) {
+  } else if (!first && (since < 0.0)) {
     fine = tm_refuse(fault, TM_FAULT_OUT_OF_ORDER, "cycle", "t", TM_NOWHERE);
   } else if ((stamp->t - stamp->now) > door->limits.clock_tolerance) {
     fine = tm_refuse(fault, TM_FAULT_EARLY, "cycle", "t", TM_NOWHERE);
