@@ -13,7 +13,7 @@ test: $(STAMP) lint  ## everything that CI runs
 	$(BIN)/python -m pytest
 
 acceptance: $(STAMP) lint  ## every "Done when" point that can be a command; takes longer than CI
-	TRACKMARSHAL_GENERATED=10000 HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -m ""
+	TRACKMARSHAL_GENERATED=10000 TRACKMARSHAL_FUZZ=1000000 TRACKMARSHAL_CYCLES=100000 HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -m ""
 	$(BIN)/trackmarshal bench
 
 bench: $(STAMP)  ## CPU times, medians, as ratios where a yardstick is at hand

@@ -6,19 +6,24 @@ import copy
 import math
 import os
 import random
+import shutil
 import struct
+import subprocess
 from collections import Counter
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from support import door_fuzz
 from support.cycles import Cycle, breaches, cycle, mutate, ring
 from support.shared import SUPERVISOR
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.door import FAULTS
 from trackmarshal.backends.c.program import CProgram
+from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.step import Stepper
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
@@ -29,6 +34,7 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 #: TRACKMARSHAL_CYCLES=N mutates N cycles.
 CYCLES = int(os.environ.get("TRACKMARSHAL_CYCLES", "4000"))
+FUZZ = int(os.environ.get("TRACKMARSHAL_FUZZ", "20000"))
 NAMES = {code: name for name, code in FAULTS.items()} | {"D218": "duplicate"}
 
 
@@ -108,7 +114,11 @@ def test_mutated_cycles_are_refused_for_what_is_wrong_with_them() -> None:
             assert (made.verdicts == undefined).all()
             assert np.isnan(made.margins).all()
             refused[got[0]] += 1
-        if math.isfinite(given.t) and (last is None or given.t > last.t + 1e-3) and given.t - given.now <= 0.01:
+        if (
+            math.isfinite(given.t)
+            and (last is None or given.t > last.t + 1e-3)
+            and given.t - given.now <= 0.01
+        ):
             last = copy.copy(given)
     assert refused["admitted"] > CYCLES / 10
     assert set(refused) >= {"missing", "not_finite", "out_of_range", "not_increasing", "over_capacity", "wrong_length", "too_short",
@@ -190,3 +200,32 @@ def test_the_two_doors_agree() -> None:
         if math.isfinite(given.t) and given.t > t - 0.05 and given.t - given.now <= 0.01:
             number, t = given.number, given.t
         number, t = number + 1, t + 0.1
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_no_input_makes_the_door_read_or_compute_what_it_may_not(compiler: str, tmp_path: Path) -> None:
+    """Address and undefined-behaviour sanitizers; TRACKMARSHAL_FUZZ=N hands over N mutated cycles."""
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler} is not installed")
+    rules = [rule for rule in spec().rules if rule.formula is not None]
+    source = generate(spec(), rules, doored=True)
+    for name, text in (
+        ("supervisor.h", source.header),
+        ("supervisor.c", source.source),
+        ("fuzz.c", door_fuzz.driver(spec())),
+    ):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    flags = [
+        "-std=c99",
+        "-O1",
+        "-ffp-contract=off",
+        "-fsanitize=address,undefined",
+        "-fno-sanitize-recover=all",
+    ]
+    sizes = [f"-DTM_MAX_SAMPLES={door_fuzz.SAMPLES}u", f"-DTM_MAX_ELEMENTS={door_fuzz.ELEMENTS}u"]
+    command = [compiler, *flags, *sizes, "supervisor.c", "fuzz.c", "-o", "fuzz", "-lm"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    ran = subprocess.run([str(tmp_path / "fuzz"), str(FUZZ)], capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stderr) == (0, ""), ran.stdout + ran.stderr[:3000]
+    assert int(ran.stdout.split()[0]) > FUZZ / 10
