@@ -1,7 +1,8 @@
 """Run the rules over recordings: both candidates of every cycle, what is driven, and the ground truth.
 
 Recordings are `.tmrec.jsonl` (this tool's own format) or `.saa` (ScenarioArchitect). With --out, results are kept as
-evidence for the traceability matrix.
+evidence for the traceability matrix. A record of a run (`.arrows`) is run again at the recorded times: the exit status says
+whether every decision is the recorded one.
 """
 
 from __future__ import annotations
@@ -41,22 +42,31 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="a configuration module (a vehicle, a track)",
     )
     parser.add_argument("--rule", action="append", metavar="R", help="evaluate only these rules (repeatable)")
-    parser.add_argument("--backend", choices=("numpy", "reference"), default="numpy")
+    parser.add_argument(
+        "--backend", choices=("numpy", "reference", "c"), help="default: numpy; for a record, its own"
+    )
+    parser.add_argument("--mcap", metavar="FILE", help="export a record of a run for Foxglove")
     parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")
     parser.add_argument("--format", choices=("text", "jsonl"), default="text")
 
 
 def run(args: argparse.Namespace) -> int:
-    from trackmarshal.evaluation import setting_names
+    from trackmarshal.cli.record import is_record, replay_record
+    from trackmarshal.evaluation import load, setting_names
     from trackmarshal.scenarios import load as load_recording
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
     project = optional_project(args)
     status = 0
+    settings = [Path(p) for p in args.settings]
     for path in args.scenarios:
+        if is_record(path):
+            spec = load([spec_path], settings, project)
+            status = max(status, replay_record(path, spec, args.backend, args.format, args.quiet, args.mcap))
+            if not args.out:
+                continue
         recording = load_recording(path)
-        settings = [Path(p) for p in args.settings]
-        evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend)
+        evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend or "numpy")
         recording = _without(recording, setting_names(settings))
         outcome = run_one(recording, evaluator, args.quiet)
         lines = json_lines(outcome)
@@ -142,6 +152,8 @@ def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
 
 def json_lines(outcome: Replay) -> list[str]:
     """One line a cycle and candidate, as `cli.md` describes."""
+    from trackmarshal.cli.record import faults_json
+
     lines = []
     for cycle in outcome.cycles:
         for candidate, result in cycle.results.items():
@@ -152,6 +164,8 @@ def json_lines(outcome: Replay) -> list[str]:
             }  # fmt: skip
             if result.faults:
                 entry["faults"] = list(result.faults)
+            if cycle.faults:
+                entry["cycle_faults"] = faults_json(cycle.faults)
             lines.append(dump(entry))
     return lines
 
@@ -159,7 +173,7 @@ def json_lines(outcome: Replay) -> list[str]:
 def summary(outcome: Replay, evaluator: Evaluator) -> str:
     """Which rules fired when, what was driven, and how that compares with the ground truth."""
     from trackmarshal.scenarios.recording import CANDIDATES
-    from trackmarshal.scenarios.replay import DRIVE, NOTHING, PREVIOUS, intervals
+    from trackmarshal.scenarios.replay import ACTIONS, intervals
 
     times = [cycle.t for cycle in outcome.cycles]
     rows = []
@@ -191,7 +205,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
                     where,
                 ]
             )
-    count = {kind: sum(c.decision == kind for c in outcome.cycles) for kind in (DRIVE, PREVIOUS, NOTHING)}
+    count = {kind: sum(c.decision == kind for c in outcome.cycles) for kind in ACTIONS}
     lines = [
         f"{outcome.recording.name}: {len(times)} cycles, "
         + ", ".join(f"{n} {kind}" for kind, n in count.items() if n)
@@ -206,7 +220,8 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
     if missing:
         spans = ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(missing, times))
         lines.append(f"a candidate is missing at {spans} s")
-    faults = sorted({f for c in outcome.cycles for r in c.results.values() for f in r.faults})
+    told = {f for c in outcome.cycles for r in c.results.values() for f in r.faults}
+    faults = sorted(told | {str(f) for c in outcome.cycles for f in c.faults if not told})
     lines += [f"input: {fault}" for fault in faults[:10]] + (
         [f"input: ... {len(faults) - 10} more"] if len(faults) > 10 else []
     )
