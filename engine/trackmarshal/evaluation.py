@@ -72,6 +72,10 @@ class Evaluator:
         """A case from plain data; raises TrackmarshalError."""
         return self.reader.read(raw)
 
+    def read_all(self, raws: Iterable[object]) -> list[Case]:
+        """Cases of one moment in one go: the same as `read` of each, cheaper; raises TrackmarshalError."""
+        return self.reader.read_all(raws)
+
     def evaluate(self, cases: Sequence[Case], series: bool = False) -> Iterator[CaseResult]:
         """The results of cases, in order."""
         if self.backend == "reference":

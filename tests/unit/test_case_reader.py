@@ -262,7 +262,7 @@ def test_overrides_are_in_the_declared_units(reader: CaseReader) -> None:
     })  # fmt: skip
     assert case.params == {"door.v_max": 10.0, "door.mass": 1000.0}
     assert case.tables == {"door.ax_max": ((0.0, 10.0), (1.0, 2.0))}
-    assert case.places == {"door.pit": [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]}
+    assert case.places == {"door.pit": ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))}
     assert reader.read({**GOOD, "params": None, "tables": None, "places": None}).params == {}
 
 

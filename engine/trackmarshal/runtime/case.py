@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import marshal
 import math
+import sys
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -51,12 +53,12 @@ class Case:
     id: object = None
     params: dict[str, float] = field(default_factory=dict)
     tables: dict[str, tuple[Sequence[float], Sequence[float]]] = field(default_factory=dict)
-    places: dict[str, Sequence[Point]] = field(default_factory=dict)
+    places: dict[str, Line] = field(default_factory=dict)
     columns: dict[str, dict[str, Sequence[Any]]] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
     names: dict[str, Sequence[str]] = field(default_factory=dict)
     scalars: dict[str, dict[str, Any]] = field(default_factory=dict)
-    lines: dict[tuple[str, str], Sequence[Point]] = field(default_factory=dict)
+    lines: dict[tuple[str, str], Line] = field(default_factory=dict)
     closed: dict[str, bool] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
     unusable: set[tuple[str, str]] = field(default_factory=set)
@@ -86,8 +88,19 @@ class CaseReader:
         self._params = _by_short_name(spec.params)
         self._tables = _by_short_name(spec.tables)
         self._places = _by_short_name(spec.places)
-        self._recent: OrderedDict[int, tuple[object, Line]] = OrderedDict()
-        self._known: OrderedDict[Line, Line] = OrderedDict()
+        #: Lines of late by content: data that was read before may have changed since, and its identity says nothing.
+        self._known: OrderedDict[Any, Line] = OrderedDict()
+        #: Lines of the cases that are being read, by the identity of their data; None where it may change on the way.
+        self._held: dict[int, Line] | None = None
+
+    def read_all(self, raws: Iterable[object]) -> list[Case]:
+        """The cases one after another, as `read` does; a line that many of them hold is looked at once."""
+        if isinstance(raws, (list, tuple)) and all(map(self._is_still, raws)):
+            self._held = {}
+        try:
+            return [self.read(raw) for raw in raws]
+        finally:
+            self._held = None
 
     def read(self, raw: object) -> Case:
         """A case from plain data as `cli.md` describes it; raises TrackmarshalError D201 to D204."""
@@ -118,6 +131,20 @@ class CaseReader:
         if len(case.faults) > MOST_FAULTS:
             case.faults = _condensed(case.faults)
         return case
+
+    def _is_still(self, raw: object) -> bool:
+        """Whether reading a case asks plain containers only: a mapping of another kind may change data as it is read."""
+        signals = raw.get("signals") if type(raw) is dict else None
+        if type(signals) is not dict:
+            return False
+        for name in self._needed:
+            value = signals.get(name)
+            if type(value) not in (dict, list, tuple, bool, type(None)):
+                return False
+            info = self.spec.signals.get(name)
+            if info is not None and info.many and not {dict}.issuperset(map(type, value or ())):
+                return False
+        return True
 
     # Overrides ------------------------------------------------------------------------------------------------
 
@@ -248,29 +275,33 @@ class CaseReader:
         ):
             if data.get(name) is None:
                 case.fault("D211", signal.name, name, None, "the line is missing")
-                case.lines[signal.name, name] = []
+                case.lines[signal.name, name] = ()
             else:
                 case.lines[signal.name, name] = self._line(case, signal.name, name, data[name])
 
     def _line(self, case: Case, signal: str, name: str, raw: object) -> Line:
-        """Points of a line. The same object, and equal ones of late (a track that many cases share), give the same
-        tuple, so that evaluators prepare it once."""
-        recent = self._recent.get(id(raw))
-        if recent is not None and recent[0] is raw and isinstance(raw, tuple):  # a list may have changed
-            return recent[1]
-        points = tuple(_points(raw, f"{signal}.{name}" if name else signal))
-        for index, (x, y) in enumerate(points):
-            if not (math.isfinite(x) and math.isfinite(y)):
-                case.fault("D215", signal, name, index, "a point is not finite")
+        """Points of a line. Equal lines of late (a track that many cases share) give the same tuple, so that evaluators
+        prepare it once."""
+        held = None if self._held is None else self._held.get(id(raw))
+        if held is not None:
+            return held
+        content = _content(raw)
+        points = self._known.get(content) if content is not None else None
+        if points is None:
+            points = tuple(_points(raw, f"{signal}.{name}" if name else signal))
+            for index, (x, y) in enumerate(points):
+                if not (math.isfinite(x) and math.isfinite(y)):
+                    case.fault("D215", signal, name, index, "a point is not finite")
+                    return points
+            if len(points) < 2:
+                case.fault("D217", signal, name, None, f"{len(points)} points, at least 2 are needed")
                 return points
-        if len(points) < 2:
-            case.fault("D217", signal, name, None, f"{len(points)} points, at least 2 are needed")
-            return points
-        points = self._known.setdefault(points, points)
-        self._recent[id(raw)] = (raw, points)
-        for kept in (self._recent, self._known):
-            while len(kept) > KEPT_LINES:
-                kept.popitem(last=False)
+            if content is not None and _has_numbers_only(raw):
+                self._known[content] = points
+                while len(self._known) > KEPT_LINES:
+                    self._known.popitem(last=False)
+        if self._held is not None and content is not None:
+            self._held[id(raw)] = points
         return points
 
     def _column(self, case: Case, signal: SignalType, kind: FieldType, column: Sequence[Any]) -> list[Any]:
@@ -407,10 +438,10 @@ def check_table(info: TableInfo, rows: object) -> tuple[tuple[float, ...], tuple
 _ROWS = "rows are [x, y], finite, in the declared units, with x ascending"
 
 
-def check_place(info: PlaceInfo, points: object) -> list[Point]:
+def check_place(info: PlaceInfo, points: object) -> Line:
     """Points of a zone (three or more different ones) or a line (two or more), finite; raises D202 or D204."""
     short = info.name.rpartition(".")[2]
-    found = _points(points, f"places.{short}")
+    found = tuple(_points(points, f"places.{short}"))
     least = 3 if info.kind == "zone" else 2
     if len(set(found)) < least or not all(math.isfinite(x) and math.isfinite(y) for x, y in found):
         help_ = f"a {info.kind} is a list of at least {least} different points [x, y] in m"
@@ -436,8 +467,8 @@ def _poison(case: Case, signal: SignalType, needed: set[str]) -> None:
         }
     else:
         for kind in signal.fields_:
-            case.lines[signal.name, kind.name] = []
-        case.lines[signal.name, ""] = []
+            case.lines[signal.name, kind.name] = ()
+        case.lines[signal.name, ""] = ()
 
 
 Info = ParamInfo | TableInfo | PlaceInfo
@@ -517,6 +548,32 @@ def _place(*where: object) -> str:
     """Where a value stands: plan.v[3]."""
     text = ".".join(part for part in where if isinstance(part, str))
     return text + "".join(f"[{part}]" for part in where if isinstance(part, int))
+
+
+def _content(raw: object) -> object:
+    """A key for lists, tuples and arrays: lines with the same one are the same, types and bits, if they have only numbers.
+
+    `marshal` writes each type of plain data in a way of its own, so there is one way only to read it; but whatever has a
+    buffer becomes bytes, which says nothing of its type.
+    """
+    numpy = sys.modules.get("numpy")
+    if numpy is not None and type(raw) is numpy.ndarray:
+        return (raw.dtype.str, raw.shape, raw.tobytes()) if raw.dtype.kind in "fiu" else None
+    if type(raw) not in (list, tuple):
+        return None
+    try:
+        return marshal.dumps(
+            raw, 2
+        )  # later versions write references: slower, and equal data in several ways
+    except ValueError:
+        return None
+
+
+def _has_numbers_only(raw: Any) -> bool:
+    """Whether a line is an array, or plain pairs of plain numbers."""
+    if type(raw) not in (list, tuple):
+        return True
+    return all(type(row) in (list, tuple) and {float, int}.issuperset(map(type, row)) for row in raw)
 
 
 def _points(raw: object, what: str) -> list[Point]:
