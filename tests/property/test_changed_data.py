@@ -57,7 +57,7 @@ HOLDERS: dict[str, Callable[[list[list[float]]], Any]] = {
     "an array of lists": array_of_lists,
     "a masked array": np.ma.array,
 }
-BACKENDS = pytest.mark.parametrize("backend", ("reference", "numpy"))
+BACKENDS = pytest.mark.parametrize("backend", ["reference", "numpy"])
 LEFT = ((-9.0, 2.0), (3.0, 2.0), (20.0, 2.0))
 
 

@@ -91,7 +91,7 @@ class CaseReader:
         #: Lines of late by content: data that was read before may have changed since, and its identity says nothing.
         self._known: OrderedDict[Any, Line] = OrderedDict()
         #: Lines of the cases that are being read, by the identity of their data; None where it may change on the way.
-        self._held: dict[int, Line] | None = None
+        self._held: dict[int, tuple[object, Line]] | None = None
 
     def read_all(self, raws: Iterable[object]) -> list[Case]:
         """The cases one after another, as `read` does; a line that many of them hold is looked at once."""
@@ -284,7 +284,7 @@ class CaseReader:
         prepare it once."""
         held = None if self._held is None else self._held.get(id(raw))
         if held is not None:
-            return held
+            return held[1]
         content = _content(raw)
         points = self._known.get(content) if content is not None else None
         if points is None:
@@ -301,7 +301,7 @@ class CaseReader:
                 while len(self._known) > KEPT_LINES:
                     self._known.popitem(last=False)
         if self._held is not None and content is not None:
-            self._held[id(raw)] = points
+            self._held[id(raw)] = raw, points
         return points
 
     def _column(self, case: Case, signal: SignalType, kind: FieldType, column: Sequence[Any]) -> list[Any]:
@@ -550,7 +550,7 @@ def _place(*where: object) -> str:
     return text + "".join(f"[{part}]" for part in where if isinstance(part, int))
 
 
-def _content(raw: object) -> object:
+def _content(raw: Any) -> object:
     """A key for lists, tuples and arrays: lines with the same one are the same, types and bits, if they have only numbers.
 
     `marshal` writes each type of plain data in a way of its own, so there is one way only to read it; but whatever has a
@@ -562,9 +562,7 @@ def _content(raw: object) -> object:
     if type(raw) not in (list, tuple):
         return None
     try:
-        return marshal.dumps(
-            raw, 2
-        )  # later versions write references: slower, and equal data in several ways
+        return marshal.dumps(raw, 2)  # later versions write references: slower, and not in one way only
     except ValueError:
         return None
 
