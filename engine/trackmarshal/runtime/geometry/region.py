@@ -21,6 +21,8 @@ Singles = NDArray[np.float32]
 AT_ONCE = 1536
 #: Pairs of a hull and a segment that are worked on at once, for the same reason.
 PAIRS_AT_ONCE = 2500
+#: A border of at most so many segments has none that are not worth looking at.
+FEW = 16
 #: Where the place of a segment that is none lies.
 FAR = 1e15
 
@@ -49,12 +51,24 @@ class Region:
         x, y = np.where(fine, x, 0.0), np.where(fine, y, 0.0)
         if not x.size:
             return x
+        nearest = self._nearest_of_all if self.border.size <= FEW else self._nearest
+        k, best = nearest(x, y)
+        inside = self.border.left_of(x, y, k) | (best == 0.0)
+        return np.where(fine, np.where(inside, best, -best), np.nan)
+
+    def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
+        """The segment nearest to each point, and its distance."""
         rows, k = self._around(np.stack([x, y]))
         distance = self.border.distance(x[rows], y[rows], k)
         best = np.minimum.reduceat(distance, starts_of(rows))
         first = (distance == best.take(rows)).nonzero()[0]
-        inside = self.border.left_of(x, y, k[first[starts_of(rows[first])]]) | (best == 0.0)
-        return np.where(fine, np.where(inside, best, -best), np.nan)
+        return k[first[starts_of(rows[first])]], best
+
+    def _nearest_of_all(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
+        """The same, looking at every segment: cheaper for a border of a few, a zone's."""
+        distance = self.border.distance(x, y, np.arange(self.border.size)[:, None])
+        best = np.minimum.reduce(distance, axis=0)
+        return (distance == best).argmax(axis=0), best
 
     def margin_inside(self, poses: Floats, length: float | Floats, width: float | Floats) -> Floats:
         """The signed margin of hulls inside the region: `poses` (6, N), sizes numbers or (N,)."""
