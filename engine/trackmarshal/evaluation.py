@@ -10,7 +10,8 @@ from typing import Any
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
-from trackmarshal.runtime.case import Case, CaseReader
+from trackmarshal.runtime.case import Case
+from trackmarshal.runtime.cases import CasesReader
 from trackmarshal.runtime.verdict import CaseResult
 
 #: Evaluators by name, the default first.
@@ -63,7 +64,7 @@ class Evaluator:
                 "E404", "the spec has no rule to evaluate", help="without a rule, anything would be safe"
             )
         self.backend = backend
-        self.reader = CaseReader(spec, {pair for rule in self.rules for pair in rule.reads})
+        self.reader = CasesReader(spec, {pair for rule in self.rules for pair in rule.reads})
         self._program: Any = None
         if backend not in BACKENDS:
             raise AssertionError(f"unknown backend {backend}")
