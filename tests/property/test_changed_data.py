@@ -208,6 +208,22 @@ def test_a_case_cannot_be_changed_where_its_geometry_is_kept(spec: Spec, backend
         assert all(isinstance(point, tuple) for point in line)
 
 
+@pytest.mark.parametrize("held", [list, tuple, np.array])
+def test_a_case_that_was_read_does_not_change_any_more(
+    spec: Spec, held: Callable[[list[float]], Any]
+) -> None:
+    raw = case(points())
+    plan = raw["signals"]["plan"]
+    raw["signals"]["plan"] = {name: held(column) for name, column in plan.items()}
+    read = Evaluator(spec).read(raw)
+    before = repr(read)
+    for column in raw["signals"]["plan"].values():
+        if not isinstance(column, tuple):
+            column[1] = 7.0
+    raw["signals"]["track"]["left"][1][1] = 0.2
+    assert repr(read) == before
+
+
 # One call, many cases ---------------------------------------------------------------------------------------------
 
 

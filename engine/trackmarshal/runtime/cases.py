@@ -45,7 +45,7 @@ class CasesReader:
         return [self._one.read(raw) if case is None else case for raw, case in zip(raws, cases)]
 
     def _plain(self, raw: object, columns: _Columns) -> Case | None:
-        """A case of plain containers with nothing wrong but, maybe, in its columns; None for any other."""
+        """A case of plain containers with nothing wrong but, maybe, in its lines and columns; None for any other."""
         if type(raw) is not dict or not raw.keys() <= KEYS:
             return None
         signals = raw.get("signals")
@@ -61,7 +61,7 @@ class CasesReader:
                 door.read(case, name, signals.get(name), columns)
         except (_FlawedError, TrackmarshalError):
             return None  # what is wrong comes to light when it is read by itself
-        return None if case.faults else case
+        return case
 
 
 class _FlawedError(Exception):
