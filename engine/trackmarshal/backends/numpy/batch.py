@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import repeat
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
@@ -99,8 +99,10 @@ class Batch:
             names = self._fields.get(signal, ())
             if field not in names:
                 names = (field,)
-            rows = [[case.columns[signal][name] for case in self.cases] for name in names]
-            for name, stacked in zip(names, self._stack(rows, signal)):
+            signals = [case.columns[signal] for case in self.cases]
+            for name, stacked in zip(
+                names, self._stack([[columns[name] for columns in signals] for name in names], signal)
+            ):
                 self._columns[signal, name] = stacked
             table = self._columns[signal, field]
         return table
@@ -114,14 +116,20 @@ class Batch:
                 [[*column, *repeat(column[-1] if column else 0.0, longest - len(column))] for column in row]
                 for row in rows
             ]
-        return np.array(rows, dtype=np.float64).reshape(len(rows), self.size, longest)
+        numbers = chain.from_iterable(chain.from_iterable(rows))
+        count = len(rows) * self.size * longest
+        return np.fromiter(numbers, np.float64, count).reshape(len(rows), self.size, longest)
 
     def column(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """A field of the variable of an axis, `offset` samples on, clamped at the start."""
         table = self.table(axis.signal, field)
-        if offset or axis.width > 1:
-            table = shifted(table, offset, self.count(axis))
-        return self.on_axis(table, axis)
+        if offset < 0:
+            return self.on_axis(shifted(table, offset, self.count(axis)), axis)
+        # The same as for the other offsets, in one step.
+        behind = axis.width - 1 - offset
+        index = (slice(None), *(None,) * axis.level, slice(offset, -behind or None))
+        view: Floats = table[index + (None,) * (self.rank - 2 - axis.level)]
+        return view
 
     def flag(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """As `column`, a Boolean field as 1, 0 and NaN for a missing value."""

@@ -120,6 +120,9 @@ def _every(side: Side, axis: int, inside: Array | None) -> Side:
 
 def _some(side: Side, axis: int, inside: Array | None) -> Side:
     sat, margin = side
+    if inside is not None and sat.ndim == 0:  # of one formula for all there is one, if there is any
+        there = np.logical_or.reduce(inside, axis=axis, keepdims=True)
+        return Side(sat & there, np.where(there, margin, -INF))
     if inside is not None:
         sat, margin = sat & inside, np.where(inside, margin, -INF)
     elif sat.ndim == 0 or sat.shape[axis] == 1:

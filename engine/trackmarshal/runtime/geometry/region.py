@@ -20,7 +20,7 @@ Singles = NDArray[np.float32]
 #: Hulls that are worked on at once, so that all intermediate arrays stay in the processor's cache.
 AT_ONCE = 1536
 #: Pairs of a hull and a segment that are worked on at once, for the same reason.
-PAIRS_AT_ONCE = 2500
+PAIRS_AT_ONCE = 5000
 #: A border of at most so many segments has none that are not worth looking at.
 FEW = 16
 #: Where the place of a segment that is none lies.
