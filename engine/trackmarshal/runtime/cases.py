@@ -91,6 +91,7 @@ class _Columns:
         self.case = 0
         self.held: Held = {}
         self._columns: dict[_Field, list[list[Any]]] = {}
+        self._values: dict[_Field, list[Any]] = {}
         self._cases: dict[_Field, list[int]] = {}
 
     def add(self, field: _Field, column: list[Any]) -> list[Any]:
@@ -104,9 +105,28 @@ class _Columns:
             self._columns[field], self._cases[field] = [column], [self.case]
         return column
 
+    def add_value(self, field: _Field, value: Any) -> Any:
+        """A column of one value for each case, all in one list."""
+        if field.converted:
+            _need(type(value) is float)
+            value = to_si(value, field.kind.unit)
+        if field in self._values:
+            self._values[field].append(value)
+            self._cases[field].append(self.case)
+        else:
+            self._values[field], self._cases[field] = [value], [self.case]
+        return value
+
     def flawed(self) -> set[int]:
         """The numbers of the cases with a column that is not as it should be."""
         found: set[int] = set()
+        for field, values in self._values.items():
+            if not sound(field.kind, [values]):
+                found.update(
+                    case
+                    for case, value in zip(self._cases[field], values)
+                    if not sound(field.kind, [[value]])
+                )
         for field, columns in self._columns.items():
             kind, cases = field.kind, self._cases[field]
             if not sound(kind, columns):
@@ -153,7 +173,7 @@ class _State(_Door):
     def read(self, case: Case, name: str, raw: Any, columns: _Columns) -> None:
         data = self.fields(raw)
         case.scalars[name] = {
-            field.name: columns.add(field, [data.get(field.name, field.default)])[0]
+            field.name: columns.add_value(field, data.get(field.name, field.default))
             for field in self.read_fields
         }
 
@@ -167,6 +187,8 @@ class _Set(_Door):
         case.counts[name] = len(records)
         case.columns[name] = {
             field.name: columns.add(field, [record.get(field.name, field.default) for record in records])
+            if records
+            else ()
             for field in self.read_fields
         }
 

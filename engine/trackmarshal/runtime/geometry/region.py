@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.runtime.geometry.approach import Approach
-from trackmarshal.runtime.geometry.arrays import LIMIT, SLACK, Bools, Floats, Ints, starts_of
+from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, points_of, starts_of
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.cells import SHIFT, WIDTH, Cells
 from trackmarshal.runtime.geometry.sweep import Sweeps
@@ -47,14 +47,14 @@ class Region:
 
     def signed_distance(self, x: Floats, y: Floats) -> Floats:
         """The distance of points from the border, positive inside; NaN for a point that is none."""
-        fine = (np.abs(x) <= LIMIT) & (np.abs(y) <= LIMIT)
-        x, y = np.where(fine, x, 0.0), np.where(fine, y, 0.0)
+        x, y, fine = points_of(x, y)
         if not x.size:
             return x
         nearest = self._nearest_of_all if self.border.size <= FEW else self._nearest
         k, best = nearest(x, y)
         inside = self.border.left_of(x, y, k) | (best == 0.0)
-        return np.where(fine, np.where(inside, best, -best), np.nan)
+        margin = np.where(inside, best, -best)
+        return margin if fine is None else np.where(fine, margin, np.nan)
 
     def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
         """The segment nearest to each point, and its distance."""
