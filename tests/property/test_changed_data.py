@@ -18,6 +18,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.case import Case
+from trackmarshal.runtime.cases import AT_ONCE
 
 SPEC = """
 module changed
@@ -254,6 +255,11 @@ def test_cases_that_are_read_together_are_as_if_read_alone(spec: Spec) -> None:
     shared[0][1] = 0.25
     assert [lines(one) for one in evaluator.read_all(raw)] == [
         lines(Evaluator(spec).read(one)) for one in raw
+    ]
+    many = [case([[-9.0, float(k)], [20.0, 2.0]]) for k in range(2 * AT_ONCE)]
+    many[-1] = case([[-9.0, math.nan], [20.0, 2.0]])
+    assert [lines(one) for one in evaluator.read_all(many)] == [
+        lines(Evaluator(spec).read(one)) for one in many
     ]
     shared[0][1] = 0.125
     assert lines(evaluator.read(raw[1])) == lines(Evaluator(spec).read(raw[1]))

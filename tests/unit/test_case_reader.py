@@ -250,6 +250,9 @@ def test_only_what_the_rules_read_has_to_be_there(spec: Spec) -> None:
         # overrides
         ({**GOOD, "params": {"mas": 1000}}, "D203", "no parameter `mas`"),
         ({**GOOD, "params": [1]}, "D202", "`params` is an object"),
+        ({**GOOD, "params": []}, "D202", "`params` is an object"),
+        ({**GOOD, "tables": False}, "D202", "`tables` is an object"),
+        ({**GOOD, "places": ""}, "D202", "`places` is an object"),
         ({**GOOD, "params": {"mass": "1"}}, "D202", "params.mass is a number"),
         ({**GOOD, "params": {"mass": None}}, "D204", "`mass` is not finite"),
         ({**GOOD, "params": {"mass": NAN}}, "D204", "`mass` is not finite"),

@@ -13,6 +13,9 @@ from trackmarshal.ir.spec import FieldType, SignalType, Spec
 from trackmarshal.runtime.case import KEYS, SI, Case, CaseReader, Held, is_array, name_of, sound, wanted
 from trackmarshal.units import from_si, to_si
 
+#: Cases that are checked together, while their numbers are in the processor's cache.
+AT_ONCE = 64
+
 
 class CasesReader:
     """Reads cases for one spec, as `CaseReader` does, many at a time."""
@@ -36,12 +39,15 @@ class CasesReader:
         """
         if type(raws) not in (list, tuple):
             return [self.read(raw) for raw in raws]  # it may be made, or changed, as it is asked for
-        columns = _Columns()
+        raws = list(raws)
+        held: Held = {}
         cases: list[Case | None] = []
-        for columns.case, raw in enumerate(raws):
-            cases.append(self._plain(raw, columns))
-        for index in columns.flawed():
-            cases[index] = None
+        for first in range(0, len(raws), AT_ONCE):
+            columns = _Columns(held)
+            for columns.case, raw in enumerate(raws[first : first + AT_ONCE], start=first):
+                cases.append(self._plain(raw, columns))
+            for index in columns.flawed():
+                cases[index] = None
         return [self._one.read(raw) if case is None else case for raw, case in zip(raws, cases)]
 
     def _plain(self, raw: object, columns: _Columns) -> Case | None:
@@ -54,9 +60,10 @@ class CasesReader:
         case = Case(id=raw.get("id"))
         try:
             for key in ("params", "tables", "places"):
-                if raw.get(key):
-                    _need(type(raw[key]) is dict)
-                    self._one.overrides(case, {key: raw[key]})
+                given = raw.get(key)
+                if given is not None:
+                    _need(type(given) is dict)
+                    self._one.overrides(case, {key: given})
             for name, door in self._doors.items():
                 door.read(case, name, signals.get(name), columns)
         except (_FlawedError, TrackmarshalError):
@@ -87,9 +94,9 @@ class _Field:
 class _Columns:
     """Columns in SI whose values are not checked yet, by field, each with the number of its case."""
 
-    def __init__(self) -> None:
+    def __init__(self, held: Held) -> None:
         self.case = 0
-        self.held: Held = {}
+        self.held = held
         self._columns: dict[_Field, list[list[Any]]] = {}
         self._values: dict[_Field, list[Any]] = {}
         self._cases: dict[_Field, list[int]] = {}
