@@ -21,6 +21,8 @@ Singles = NDArray[np.float32]
 AT_ONCE = 1536
 #: Pairs of a hull and a segment that are worked on at once, for the same reason.
 PAIRS_AT_ONCE = 5000
+#: Points that are worked on at once, for the same reason.
+POINTS_AT_ONCE = 6000
 #: A border of at most so many segments has none that are not worth looking at.
 FEW = 16
 #: Where the place of a segment that is none lies.
@@ -50,11 +52,14 @@ class Region:
         x, y, fine = points_of(x, y)
         if not x.size:
             return x
+        parts = (slice(first, first + POINTS_AT_ONCE) for first in range(0, x.size, POINTS_AT_ONCE))
+        margin = np.concatenate([self._signed_distance(x[part], y[part]) for part in parts])
+        return margin if fine is None else np.where(fine, margin, np.nan)
+
+    def _signed_distance(self, x: Floats, y: Floats) -> Floats:
         nearest = self._nearest_of_all if self.border.size <= FEW else self._nearest
         k, best = nearest(x, y)
-        inside = self.border.left_of(x, y, k) | (best == 0.0)
-        margin = np.where(inside, best, -best)
-        return margin if fine is None else np.where(fine, margin, np.nan)
+        return np.where(self.border.left_of(x, y, k) | (best == 0.0), best, -best)
 
     def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
         """The segment nearest to each point, and its distance."""
