@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from itertools import chain, repeat
 from typing import Any
 
@@ -122,13 +123,12 @@ class Batch:
 
     def column(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """A field of the variable of an axis, `offset` samples on, clamped at the start."""
-        table = self.table(axis.signal, field)
+        table = self._columns.get((axis.signal, field))
+        if table is None:
+            table = self.table(axis.signal, field)
         if offset < 0:
             return self.on_axis(shifted(table, offset, self.count(axis)), axis)
-        # The same as for the other offsets, in one step.
-        behind = axis.width - 1 - offset
-        index = (slice(None), *(None,) * axis.level, slice(offset, -behind or None))
-        view: Floats = table[index + (None,) * (self.rank - 2 - axis.level)]
+        view: Floats = table[column_index(axis, offset, self.rank)]
         return view
 
     def flag(self, axis: ir.Axis, field: str, offset: int) -> Floats:
@@ -168,6 +168,14 @@ class Batch:
         """(cases, n) shaped so that n lies on the axis's place and the others are 1."""
         before = axis.level
         return table.reshape(self.size, *(1,) * before, table.shape[1], *(1,) * (self.rank - 2 - before))
+
+
+@lru_cache(maxsize=1024)
+def column_index(axis: ir.Axis, offset: int, rank: int) -> tuple[slice | None, ...]:
+    """What does the work of `shifted` and `on_axis` in one step, for an offset that is not negative."""
+    behind = axis.width - 1 - offset
+    own = slice(offset, -behind or None)
+    return (slice(None), *(None,) * axis.level, own, *(None,) * (rank - 2 - axis.level))
 
 
 def shifted(table: NDArray[Any], offset: int, count: int) -> NDArray[Any]:

@@ -42,9 +42,11 @@ class Program:
         self._fields = self._numeric_fields()
         self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
         everywhere = list(enumerate(self._steps))
-        self._fixed = self._compute(
+        fixed = self._compute(
             [None] * len(self._steps), [e for e in everywhere if e[0] in self._fixed_steps], self._batch(())
         )
+        # numpy takes arrays without axes faster than numbers.
+        self._fixed = [np.array(value) if isinstance(value, np.float64) else value for value in fixed]
         self._everywhere = everywhere
         self._varying = [e for e in everywhere if e[0] not in self._fixed_steps]
 
