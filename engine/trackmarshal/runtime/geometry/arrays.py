@@ -69,9 +69,6 @@ def points_of(x: Any, y: Any) -> tuple[Floats, Floats, Bools | None]:
     px, py = vector(x), vector(y)
     if px.size != py.size:
         px, py = np.broadcast_arrays(px, py)
-    # NaN is no number that is small enough.
-    if px.size and max(np.abs(px).max(), np.abs(py).max()) <= LIMIT:
-        return px, py, None
     fine: Bools = (np.abs(px) <= LIMIT) & (np.abs(py) <= LIMIT)
     return (px, py, None) if fine.all() else (np.where(fine, px, 0.0), np.where(fine, py, 0.0), fine)
 
