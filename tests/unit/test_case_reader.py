@@ -363,7 +363,7 @@ def outcome(read: Callable[[], list[Case]]) -> str:
 #: What is often right, or right somewhere else, so that flaws meet cases without any.
 likely = st.sampled_from([0.0, -0.0, 1, 1.5, -20.0, 60.0, 1e308, NAN, INF, True, None, "nan", "a", [], [0.0, 0.1, 0.2], [1.0, NAN, 2.0],
                           [1e308] * 3, (0.0, 0.1, 0.2), [True, False, None], [[0.0, 1.0], [2.0, 3.0]], {}, {"x": 1.0}, np.array([0.0, 0.1, 0.2]),
-                          np.array([[0.0, 0.1, 0.2]]), np.array([1, 2, 3])])  # fmt: skip
+                          np.array([[0.0, 0.1, 0.2]]), np.array([1, 2, 3]), np.array(1.0), np.array([]), np.array([0.0, 0.1, 0.2], dtype=object)])  # fmt: skip
 edits = st.lists(
     st.tuples(st.sampled_from([p for p in sorted(places(GOOD["signals"]), key=str) if len(p) > 1]), likely),
     max_size=2,
@@ -408,3 +408,12 @@ def test_what_is_left_out_of_a_set_or_a_state(spec: Spec) -> None:
             assert outcome(lambda: together.read_all([GOOD, raw])) == outcome(  # noqa: B023 - called here
                 lambda: [alone.read(GOOD), alone.read(raw)]  # noqa: B023
             )
+
+
+@pytest.mark.parametrize("array", [np.array(1.0), np.array([]), np.zeros((3, 1)), np.array([None, 0.1, 0.2])])
+@pytest.mark.parametrize("name", ["t", "v", "ready"])
+def test_arrays_that_are_no_columns(spec: Spec, name: str, array: Any) -> None:
+    together, alone = CasesReader(spec, READS), CaseReader(spec, READS)
+    raw = copy.deepcopy(GOOD)
+    raw["signals"]["plan"][name] = array
+    assert outcome(lambda: [together.read(raw)]) == outcome(lambda: [alone.read(raw)])

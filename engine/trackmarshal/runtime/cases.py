@@ -210,7 +210,7 @@ class _Timeline(_Door):
         data = self.fields(raw)
         given = {key: data[key] for key in self._every if key in data}
         for column in given.values():
-            _need(type(column) is list or is_array(column))
+            _need(type(column) is list or (is_array(column) and column.ndim == 1))
         lengths = set(map(len, given.values()))
         _need(len(lengths) == 1)
         (count,) = lengths
