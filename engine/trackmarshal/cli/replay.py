@@ -142,6 +142,8 @@ def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
 
 def json_lines(outcome: Replay) -> list[str]:
     """One line a cycle and candidate, as `cli.md` describes."""
+    from trackmarshal.runtime.faults import name_of
+
     lines = []
     for cycle in outcome.cycles:
         for candidate, result in cycle.results.items():
@@ -152,6 +154,8 @@ def json_lines(outcome: Replay) -> list[str]:
             }  # fmt: skip
             if result.faults:
                 entry["faults"] = list(result.faults)
+            if cycle.faults:
+                entry["cycle_faults"] = [f"{name_of(fault)} {fault}" for fault in cycle.faults]
             lines.append(dump(entry))
     return lines
 
@@ -159,7 +163,7 @@ def json_lines(outcome: Replay) -> list[str]:
 def summary(outcome: Replay, evaluator: Evaluator) -> str:
     """Which rules fired when, what was driven, and how that compares with the ground truth."""
     from trackmarshal.scenarios.recording import CANDIDATES
-    from trackmarshal.scenarios.replay import DRIVE, NOTHING, PREVIOUS, intervals
+    from trackmarshal.scenarios.replay import ACTIONS, intervals
 
     times = [cycle.t for cycle in outcome.cycles]
     rows = []
@@ -191,7 +195,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
                     where,
                 ]
             )
-    count = {kind: sum(c.decision == kind for c in outcome.cycles) for kind in (DRIVE, PREVIOUS, NOTHING)}
+    count = {kind: sum(c.decision == kind for c in outcome.cycles) for kind in ACTIONS}
     lines = [
         f"{outcome.recording.name}: {len(times)} cycles, "
         + ", ".join(f"{n} {kind}" for kind, n in count.items() if n)
@@ -206,7 +210,8 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
     if missing:
         spans = ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(missing, times))
         lines.append(f"a candidate is missing at {spans} s")
-    faults = sorted({f for c in outcome.cycles for r in c.results.values() for f in r.faults})
+    told = {f for c in outcome.cycles for r in c.results.values() for f in r.faults}
+    faults = sorted(told | {str(f) for c in outcome.cycles for f in c.faults if not told})
     lines += [f"input: {fault}" for fault in faults[:10]] + (
         [f"input: ... {len(faults) - 10} more"] if len(faults) > 10 else []
     )

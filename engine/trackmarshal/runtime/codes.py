@@ -1,4 +1,4 @@
-"""Codes of what can be wrong with a case: the data that rules are evaluated on."""
+"""Codes of what can be wrong with a case or a cycle, and with how a Supervisor is set up."""
 
 CODES = {
     "D201": ("the case is not an object", "A case is one JSON object on one line: {\"id\": .., \"signals\": {..}, \"params\": {..}, \"tables\": {..}}."),
@@ -13,4 +13,25 @@ CODES = {
     "D216": ("outside its range", "A value is outside the range that the input contract declares. The rules are evaluated, but the case is not safe."),
     "D218": ("an id that stands twice", "Elements of a set are told apart by their ids; with two of one id, reports could not say which one decided. The case is not safe."),
     "D217": ("unusable geometry", "A border has too few or non-finite points, or crosses itself or the other one. The rules that read it are undefined."),
+    "D219": ("over capacity", "More samples, elements or border points than the Supervisor was set up for. Its memory does not grow while it drives: the cycle is not safe. Give it larger limits at the start."),
+    "D221": ("no cycle came", "The caller says (`step(None)`) that a cycle was due and did not come. Nothing is known of the present, so the stored emergency trajectory is driven."),
+    "D222": ("a cycle came again", "Its number or its stamp is that of the cycle before: a message was sent twice, or the sender hangs. The cycle is not safe."),
+    "D223": ("a cycle out of order", "Its number or its stamp is smaller than that of the cycle before. The cycle is not safe."),
+    "D224": ("cycles were lost", "The number is more than one larger than that of the cycle before. The cycle is not safe; the next one may be."),
+    "D225": ("a cycle is late", "Its stamp is further from that of the cycle before than `longest_gap` allows. The cycle is not safe; the next one may be."),
+    "D226": ("a cycle is stale", "It arrived longer after its stamp than `oldest` allows: what it says was so some time ago. The cycle is not safe."),
+    "D227": ("a stamp in the future", "The stamp is ahead of the Supervisor's clock: the clocks differ, or the stamp is wrong. The cycle is not safe, and its stamp is not remembered."),
+    "D228": ("the emergency trajectory starts elsewhere", "Both candidates begin where the car is at the stamp of the cycle: in position, heading and speed. Where they do not, one of them starts where the car never will be. The cycle is not safe."),
+    "D229": ("the emergency trajectory does not end at rest", "Behind its end nothing is planned, so the car has to stand there. The cycle is not safe."),
+    "D231": ("the judge failed", "The evaluator of the rules raised an error. What it was asked about is unsafe."),
+    "D232": ("a verdict is missing", "The evaluator did not return one known verdict for every rule and both candidates. The cycle is unsafe."),
+    "D233": ("the verdict came too late", "From the arrival of the cycle to its verdict more time went by than `budget` allows. A late verdict is unsafe, whatever it says (S-1-B-2)."),
+    "D234": ("the clock is wrong", "The Supervisor's clock raised an error, was not a finite number, or went back. Nothing can be said in time; the cycle is unsafe."),
+    "D235": ("the Supervisor failed", "Its own code raised an error. The cycle is unsafe, and nothing that was stored is relied on where that is where it failed."),
+    "D241": ("nothing is stored", "No cycle was safe so far, or the emergency trajectory that was stored has been lost. Nothing can be driven that is known to be safe."),
+    "D242": ("the stored emergency trajectory is at its end", "Now is after its last sample: the car stands. It is not driven any more."),
+    "D243": ("the car left the stored emergency trajectory", "The pose of the car is further from it, or more turned, than the limits `apart` and `turned` allow. What starts elsewhere says nothing about what the car would drive. It is dropped for good."),
+    "D244": ("the stored emergency trajectory cannot be confirmed", "No usable pose of the car came for as long as the limit `blind` allows, or the clock is wrong. It is dropped for good."),
+    "E481": ("a limit that is none", "The limits of a Supervisor are capacities (whole numbers, at least 2), times, distances, angles and speeds (numbers, at least 0; inf takes a limit away)."),
+    "E482": ("a spec that cannot be supervised with", "The Supervisor itself reads `plan`, a trajectory with t, x, y, heading and v, and the state `ego` with x, y and heading, all in SI units. A spec may leave them out, or declare them so with ranges of its own."),
 }  # fmt: skip

@@ -8,26 +8,32 @@ from typing import Any
 
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.case import Fault
+from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY
 from trackmarshal.runtime.verdict import CaseResult
 from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording
+from trackmarshal.scenarios.supervised import decisions
 
 #: What is driven: the planned trajectory, the last safe emergency trajectory, or nothing safe is known.
-DRIVE, PREVIOUS, NOTHING = "drive", "previous_emergency", "no_safe_trajectory"
+ACTIONS = (DRIVE, PREVIOUS_EMERGENCY, NO_SAFE_TRAJECTORY)
 
 
 @dataclass(frozen=True, slots=True)
 class CycleOutcome:
-    """One cycle: the results of each candidate, the decision, and the time its trajectory is from."""
+    """One cycle: the results of each candidate, the decision, the time its trajectory is from, and the door's faults."""
 
     t: float
     results: Mapping[str, CaseResult]
     decision: str
     decision_from: float | None
+    faults: tuple[Fault, ...] = ()
 
     @property
     def safe(self) -> bool:
-        """Both candidates are there, and safe; one that is missing cannot be driven."""
-        return len(self.results) == len(CANDIDATES) and all(result.safe for result in self.results.values())
+        """Both candidates are there, and safe, and the Supervisor's door has nothing against them; one that is missing cannot
+        be driven."""
+        there = len(self.results) == len(CANDIDATES) and not self.faults
+        return there and all(result.safe for result in self.results.values())
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +95,18 @@ def replay(
     by_cycle: list[dict[str, CaseResult]] = [{} for _ in recording.cycles]
     for (number, candidate), result in zip(inputs, results):
         by_cycle[number][candidate] = result
-    cycles = tuple(_decisions(recording, by_cycle))
+    cycles = tuple(
+        CycleOutcome(
+            cycle.t,
+            found,
+            decision.action,
+            None if decision.driven is None else decision.driven.t,
+            decision.faults,
+        )
+        for cycle, found, decision in zip(
+            recording.cycles, by_cycle, decisions(recording, evaluator, by_cycle)
+        )
+    )
     return Replay(recording, cycles, tuple(_truths(recording, cycles, evaluator.rules, spec)), ignored)
 
 
@@ -102,21 +119,6 @@ def known_tables(recording: Recording, spec: Spec) -> tuple[dict[str, Any], tupl
     short = {name.rpartition(".")[2] for name in spec.tables}
     known = {name: rows for name, rows in recording.tables.items() if name in short}
     return known, tuple(sorted(set(recording.tables) - set(known)))
-
-
-def _decisions(recording: Recording, results: list[dict[str, CaseResult]]) -> Iterator[CycleOutcome]:
-    """What the paper's section V-B lets be driven.
-
-    A candidate that is missing is not safe. The emergency trajectory that is kept is that of the last cycle in which both
-    candidates were safe: an emergency trajectory of another cycle starts where the car never was going to be.
-    """
-    kept: float | None = None
-    for cycle, found in zip(recording.cycles, results):
-        if len(found) == len(CANDIDATES) and all(result.safe for result in found.values()):
-            kept = cycle.t
-            yield CycleOutcome(cycle.t, found, DRIVE, cycle.t)
-        else:
-            yield CycleOutcome(cycle.t, found, NOTHING if kept is None else PREVIOUS, kept)
 
 
 def kind_of(rule: RuleInfo, spec: Spec) -> str:

@@ -1,0 +1,73 @@
+"""A cycle as a caller hands it in, and the limits that the Supervisor holds cycles and itself to."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Any
+
+from trackmarshal.errors import TrackmarshalError
+
+#: The candidates, in the order in which they are judged.
+DRIVING, EMERGENCY = "driving", "emergency"
+
+
+@dataclass(frozen=True, slots=True)
+class Cycle:
+    """One cycle, unchecked: the door takes anything and says what is wrong with it.
+
+    number counts cycles; t is the stamp in s, on the Supervisor's clock. driving, emergency: columns by field of the
+    signal `plan`, in the declared units. signals: everything else that rules read, by signal.
+    """
+
+    number: Any
+    t: Any
+    driving: Any
+    emergency: Any
+    signals: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Capacities, times in s, distances in m, angles in rad, speeds in m/s. Raises E481 for what cannot be a limit."""
+
+    #: The most samples of a timeline, elements of a set, and points of a border.
+    samples: int = 64
+    elements: int = 32
+    border: int = 2048
+    #: Longest time from one stamp to the next; oldest stamp at arrival; how far a stamp may lie ahead of the clock.
+    longest_gap: float = 0.15
+    oldest: float = 0.1
+    clock_tolerance: float = 0.01
+    #: Time from the arrival of a cycle to its verdict.
+    budget: float = 0.05
+    #: How far the first samples of the two candidates may differ.
+    start_distance: float = 0.1
+    start_turn: float = 0.05
+    start_speed: float = 0.5
+    #: Speed at the end of an emergency trajectory.
+    rest_speed: float = 0.01
+    #: How far the car may be from the stored emergency trajectory, and how long its pose may stay unknown.
+    apart: float = 2.0
+    turned: float = 0.35
+    blind: float = 0.5
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            whole = field.name in ("samples", "elements", "border")
+            if type(value) not in ((int,) if whole else (int, float)) or not value >= (2 if whole else 0):
+                wanted = "a whole number, at least 2" if whole else "a number, at least 0"
+                raise TrackmarshalError(
+                    "E481",
+                    f"the limit `{field.name}` is {value!r:.40}",
+                    help=f"it is {wanted}; inf takes a limit away",
+                )
+
+    @classmethod
+    def open_loop(cls) -> Limits:
+        """For recordings of a car that did not follow the decisions: its pace and its pose say nothing about them."""
+        free = dict.fromkeys(
+            ("longest_gap", "oldest", "clock_tolerance", "budget", "apart", "turned", "blind"), math.inf
+        )
+        return cls(samples=10_000, elements=1_000, border=1_000_000, **free)

@@ -1,0 +1,51 @@
+"""Faults by their stable names: breaches of the input contract by a cycle, and of the Supervisor's own integrity.
+
+One entry a name: what docs/supervisor.md lists, what the generated C reports, what `explain` tells by code.
+"""
+
+from __future__ import annotations
+
+from trackmarshal.runtime.case import Fault
+
+#: Names of faults and of reasons for which a stored trajectory is lost -> code.
+FAULTS = {
+    "missing_cycle": "D221",
+    "repeated": "D222",
+    "out_of_order": "D223",
+    "skipped": "D224",
+    "late": "D225",
+    "stale": "D226",
+    "early": "D227",
+    "wrong_type": "D202",
+    "missing": "D211",
+    "wrong_length": "D212",
+    "too_short": "D213",
+    "not_increasing": "D214",
+    "not_finite": "D215",
+    "out_of_range": "D216",
+    "bad_border": "D217",
+    "duplicate": "D218",
+    "over_capacity": "D219",
+    "starts_elsewhere": "D228",
+    "not_at_rest": "D229",
+    "judge_failed": "D231",
+    "incomplete": "D232",
+    "overrun": "D233",
+    "bad_clock": "D234",
+    "internal": "D235",
+    "none_stored": "D241",
+    "expired": "D242",
+    "apart": "D243",
+    "unconfirmed": "D244",
+}
+NAMES = {code: name for name, code in FAULTS.items()}
+
+
+def fault(name: str, signal: str, field: str = "", index: int | None = None, message: str = "") -> Fault:
+    """A fault by its name; raises KeyError for a name that is none."""
+    return Fault(FAULTS[name], signal, field, index, message)
+
+
+def name_of(fault: Fault) -> str:
+    """The stable name of a fault."""
+    return NAMES[fault.code]
