@@ -35,7 +35,9 @@ class Limits:
     samples: int = 64
     elements: int = 32
     border: int = 2048
-    #: Longest time from one stamp to the next; oldest stamp at arrival; how far a stamp may lie ahead of the clock.
+    #: Shortest (more than this) and longest time from one stamp to the next; oldest stamp at arrival; how far a stamp may
+    #: lie ahead of the clock.
+    shortest_gap: float = 0.001
     longest_gap: float = 0.15
     oldest: float = 0.1
     clock_tolerance: float = 0.01
@@ -70,4 +72,4 @@ class Limits:
         free = dict.fromkeys(
             ("longest_gap", "oldest", "clock_tolerance", "budget", "apart", "turned", "blind"), math.inf
         )
-        return cls(samples=10_000, elements=1_000, border=1_000_000, **free)
+        return cls(samples=10_000, elements=1_000, border=1_000_000, shortest_gap=0.0, **free)

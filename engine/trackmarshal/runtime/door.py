@@ -139,8 +139,8 @@ class Door:
         if stamp is None or not math.isfinite(stamp):
             name = "wrong_type" if stamp is None else "missing" if cycle.t is None else "not_finite"
             faults.append(fault(name, "cycle", "t"))
-        elif stamp == self._stamp:
-            faults.append(fault("repeated", "cycle", "t", None, f"{stamp!r} again"))
+        elif abs(stamp - self._stamp) <= limits.shortest_gap:
+            faults.append(fault("repeated", "cycle", "t", None, f"{stamp!r} after {self._stamp!r}"))
         elif stamp < self._stamp:
             faults.append(fault("out_of_order", "cycle", "t", None, f"{stamp!r} after {self._stamp!r}"))
         elif stamp - now > limits.clock_tolerance:

@@ -1,0 +1,64 @@
+"""A Supervisor with a judge and a clock that tests control."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from trackmarshal.evaluation import load
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.door import Door
+from trackmarshal.runtime.judge import Judged
+from trackmarshal.runtime.supervisor import Recorder, Supervisor
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@cache
+def shipped() -> Spec:
+    return load([ROOT / "specs" / "supervisor"])
+
+
+class Clock:
+    """Shows what it is told to; `ticks`, where there are any, first."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        self.ticks: list[Any] = []
+
+    def __call__(self) -> float:
+        value = self.ticks.pop(0) if self.ticks else self.now
+        if isinstance(value, Exception):
+            raise value
+        return value  # type: ignore[no-any-return]
+
+
+class Oracle:
+    """A judge that says what it is told to: `unsafe` names (candidate, rule) pairs; `act` replaces it altogether."""
+
+    identity: Mapping[str, Any] = {"fingerprint": "oracle", "backend": "oracle"}
+
+    def __init__(self) -> None:
+        self.rules: Sequence[RuleInfo] = [rule for rule in shipped().rules if rule.formula is not None]
+        self.unsafe: set[tuple[str, str]] = set()
+        self.act: Callable[[Door], Any] | None = None
+        self.asked = 0
+
+    def judge(self, door: Door) -> tuple[Judged, Judged]:
+        self.asked += 1
+        if self.act is not None:
+            return self.act(door)  # type: ignore[no-any-return]
+        return self.say("driving"), self.say("emergency")
+
+    def say(self, candidate: str) -> Judged:
+        codes = [int((candidate, rule.name) in self.unsafe) for rule in self.rules]
+        return Judged(bytes(codes), [-1.0 if code else 1.0 for code in codes])
+
+
+def made(limits: Limits | None = None, recorder: Recorder | None = None) -> tuple[Supervisor, Oracle, Clock]:
+    """A Supervisor that starts, with its judge and its clock."""
+    oracle, clock = Oracle(), Clock()
+    return Supervisor(shipped(), oracle, limits, clock, recorder), oracle, clock

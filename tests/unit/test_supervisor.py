@@ -1,0 +1,475 @@
+"""The Supervisor, state by state and fault by fault: docs/supervisor.md, held against what it does."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.cycles import BRAKING, PERIOD, SPEED, cycle
+from support.supervised import Clock, Oracle, made, shipped
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import load
+from trackmarshal.runtime.codes import CODES
+from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.door import Door
+from trackmarshal.runtime.faults import FAULTS, name_of
+from trackmarshal.runtime.judge import Judged
+from trackmarshal.runtime.machine import NEXT, STATES
+from trackmarshal.runtime.supervisor import Supervisor
+
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "supervisor.md").read_text("utf-8")
+FRICTION = {("driving", "friction")}
+
+
+class Run:
+    """A Supervisor that gets one cycle after the other."""
+
+    def __init__(self, limits: Limits | None = None) -> None:
+        self.supervisor, self.oracle, self.clock = made(limits)
+        self.number = -1
+
+    def step(self, unsafe: set[tuple[str, str]] | None = None, change: Callable[[Cycle], Any] = lambda c: c, at: float | None = None) -> Decision:  # fmt: skip
+        """One cycle on; `change` hands in something else, `at` puts the car elsewhere."""
+        self.number += 1
+        self.clock.now = self.number * PERIOD
+        self.oracle.unsafe = unsafe or set()
+        return self.supervisor.step(change(cycle(self.number, at=at)))
+
+    def braked(self, since: int) -> float:
+        """Where the car is now if it has driven the emergency trajectory of a cycle."""
+        t = min((self.number + 1 - since) * PERIOD, SPEED / BRAKING)
+        return SPEED * since * PERIOD + SPEED * t - BRAKING * t**2 / 2
+
+
+def names(decision: Decision) -> list[str]:
+    return [name_of(fault) for fault in decision.faults]
+
+
+# States -------------------------------------------------------------------------------------------------------
+
+
+def test_a_safe_cycle_is_driven() -> None:
+    decision = Run().step()
+    assert (decision.state, decision.action, decision.safe, decision.reasons) == ("drive", "drive", True, ())
+    assert decision.driven is not None
+    assert (decision.driven.candidate, decision.driven.number, decision.driven.t) == ("driving", 0, 0.0)
+    assert decision.samples is not None
+    assert np.array_equal(decision.samples["x"], cycle(0).driving["x"])
+    assert decision.fallback is not None
+    assert decision.fallback.candidate == "emergency"
+    assert decision.valid_until == pytest.approx(0.15)
+
+
+def test_without_any_safe_cycle_nothing_is_driven_and_the_state_has_a_name() -> None:
+    run = Run()
+    for _ in range(3):
+        decision = run.step({("emergency", "friction")})
+        assert (decision.state, decision.action, decision.lost) == (
+            "no_emergency_yet",
+            "no_safe_trajectory",
+            "none_stored",
+        )
+        assert (decision.driven, decision.samples, decision.fallback) == (None, None, None)
+    assert run.step().state == "drive"
+
+
+@pytest.mark.parametrize("candidate", ["driving", "emergency"])
+def test_an_unsafe_candidate_gives_way_to_the_stored_emergency_trajectory(candidate: str) -> None:
+    run = Run()
+    run.step()
+    decision = run.step({(candidate, "friction")})
+    assert (decision.state, decision.safe, decision.lost) == ("previous_emergency", False, "")
+    assert decision.driven is not None
+    assert (decision.driven.candidate, decision.driven.number) == ("emergency", 0)
+    violation = decision.violations[0]
+    assert (violation.rule, violation.candidate, violation.requirements, violation.verdict, violation.margin, violation.unit) == (
+        "friction", candidate, ("S-1-A-4",), "violated", -1.0, "N",
+    )  # fmt: skip
+    assert decision.reasons == (f"{candidate}: friction violated, margin -1 N (S-1-A-4)",)
+
+
+def test_the_stored_trajectory_advances_with_time() -> None:
+    run = Run()
+    run.step()
+    stored = cycle(0).emergency
+    for _ in range(5):
+        decision = run.step(FRICTION, at=run.braked(0))
+        assert decision.samples is not None
+        samples = decision.samples
+        now = run.clock.now
+        assert samples["t"][0] <= now + 1e-9
+        assert samples["t"][1] > now
+        assert list(samples["x"]) == list(stored["x"])[-len(samples["x"]) :]
+
+
+def test_it_expires_at_its_end_and_is_dropped_for_good() -> None:
+    run = Run()
+    run.step()
+    decision = run.step(FRICTION, at=run.braked(0))
+    while decision.state == "previous_emergency":
+        decision = run.step(FRICTION, at=run.braked(0))
+    assert (decision.state, decision.lost, decision.driven) == ("no_safe_trajectory", "expired", None)
+    assert run.number == pytest.approx(SPEED / BRAKING / PERIOD, abs=1)
+    assert run.step(FRICTION, at=run.braked(0)).lost == "none_stored"
+    decision = run.step(at=run.braked(0))
+    assert (decision.state, decision.lost) == ("drive", "")
+
+
+@pytest.mark.parametrize(
+    ("away", "turned"), [(2.1, 0.0), (-2.1, 0.0), (0.0, 0.36), (0.0, -0.36), (0.0, math.pi)]
+)
+def test_a_car_that_left_it_does_not_take_it_up_again(away: float, turned: float) -> None:
+    run = Run()
+    run.step()
+
+    def elsewhere(given: Cycle) -> Cycle:
+        ego = given.signals["ego"]
+        moved = {**ego, "y": away, "heading": turned}
+        return replace(given, signals={**given.signals, "ego": moved})
+
+    decision = run.step(FRICTION, elsewhere, run.braked(0))
+    assert (decision.state, decision.lost) == ("no_safe_trajectory", "apart")
+    assert run.step(FRICTION, at=run.braked(0)).state == "no_safe_trajectory"
+
+
+def test_whole_turns_of_the_heading_make_no_difference() -> None:
+    run = Run()
+    run.step()
+
+    def turned(given: Cycle) -> Cycle:
+        ego = given.signals["ego"]
+        return replace(given, signals={**given.signals, "ego": {**ego, "heading": 4 * math.pi}})
+
+    assert run.step(FRICTION, turned, run.braked(0)).state == "previous_emergency"
+
+
+def test_the_pose_is_held_against_the_time_it_was_taken_at() -> None:
+    """A pose half a second old, of a car that stands 5 m further on by now."""
+    limits = Limits(apart=0.5)
+    run = Run(limits)
+    for _ in range(1):
+        run.step()
+    for _ in range(5):
+        run.step(FRICTION, at=run.braked(0))
+
+    def old(given: Cycle) -> Cycle:
+        return replace(given, signals={**given.signals, "ego": {**given.signals["ego"], "age": 0.4}})
+
+    then = SPEED * 0.2 - BRAKING * 0.2**2 / 2
+    assert run.step(FRICTION, old, then).state == "previous_emergency"
+    assert run.step(FRICTION, at=then).lost == "apart"
+
+
+def test_without_a_pose_it_is_driven_for_a_while_only() -> None:
+    run = Run()
+    run.step()
+    states = [run.step(change=lambda c: None).state for _ in range(7)]
+    assert states == ["previous_emergency"] * 5 + ["no_safe_trajectory"] * 2
+    run = Run()
+    run.step()
+    decisions = [run.step(change=lambda c: None) for _ in range(7)]
+    assert [d.lost for d in decisions] == [""] * 5 + ["unconfirmed", "none_stored"]
+
+
+def test_a_safe_cycle_replaces_what_is_stored() -> None:
+    run = Run()
+    for _ in range(4):
+        run.step()
+    decision = run.step(FRICTION)
+    assert decision.driven is not None
+    assert decision.driven.number == 3
+
+
+def test_what_is_stored_does_not_change_with_the_callers_arrays() -> None:
+    run = Run()
+    mine = cycle(0)
+    decision = run.step(change=lambda c: mine)
+    before = mine.emergency["x"].copy()
+    for column in (*mine.emergency.values(), *mine.driving.values()):
+        column += 1000.0
+    assert decision.fallback is not None
+    assert np.array_equal(decision.fallback.samples(0.0)["x"], before)
+    with pytest.raises(ValueError, match="read-only"):
+        decision.fallback.matrix[0, 0] = 1.0
+
+
+# Time ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_missing_cycle_is_answered_with_the_stored_trajectory() -> None:
+    run = Run()
+    run.step()
+    decision = run.step(change=lambda c: None)
+    assert (decision.state, names(decision), decision.number) == (
+        "previous_emergency",
+        ["missing_cycle"],
+        None,
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "fault", "field"),
+    [
+        (lambda c: replace(c, number=c.number - 1), "repeated", "number"),
+        (lambda c: replace(c, t=c.t - PERIOD), "repeated", "t"),
+        (lambda c: replace(c, number=c.number - 2), "out_of_order", "number"),
+        (lambda c: replace(c, t=c.t - 2 * PERIOD), "out_of_order", "t"),
+        (lambda c: replace(c, number=c.number + 1), "skipped", "number"),
+        (lambda c: replace(c, t=c.t + 0.02), "early", "t"),
+    ],
+)
+def test_order(change: Callable[[Cycle], Cycle], fault: str, field: str) -> None:
+    run = Run()
+    for _ in range(3):
+        run.step()
+    decision = run.step(change=change)
+    assert (decision.state, decision.safe) == ("previous_emergency", False)
+    assert [(name_of(f), f.signal, f.field) for f in decision.faults] == [(fault, "cycle", field)]
+    run.step()  # a wrong number costs one more
+    assert run.step().state == "drive"
+
+
+def test_a_gap_is_late_and_skipped_once() -> None:
+    run = Run()
+    run.step()
+    run.number += 1
+    assert names(run.step()) == ["skipped", "late"]
+    assert run.step().state == "drive"
+
+
+def test_an_old_cycle_is_stale() -> None:
+    run = Run()
+    run.step()
+    run.number += 1
+    run.clock.ticks = [PERIOD + 0.11]
+    decision = run.supervisor.step(cycle(1))
+    assert names(decision) == ["stale"]
+
+
+def test_a_late_verdict_is_unsafe() -> None:
+    run = Run()
+    run.step()
+    run.clock.ticks = [PERIOD, PERIOD + 0.051]
+    decision = run.supervisor.step(cycle(1))
+    assert (decision.state, names(decision), decision.finished) == (
+        "previous_emergency",
+        ["overrun"],
+        PERIOD + 0.051,
+    )
+    run = Run()
+    run.step()
+    run.clock.ticks = [PERIOD, PERIOD + 0.05 - 1e-9]
+    assert run.supervisor.step(cycle(1)).state == "drive"
+
+
+@pytest.mark.parametrize(
+    "ticks", [[math.nan], [RuntimeError("stopped")], [-1.0], [math.inf], [None], [0.1, 0.05], [0.1, math.nan]]
+)
+def test_a_wrong_clock_is_unsafe(ticks: list[Any]) -> None:
+    run = Run()
+    run.step()
+    run.clock.now = 0.1
+    run.clock.ticks = ticks
+    decision = run.supervisor.step(cycle(1))
+    assert "bad_clock" in names(decision)
+    assert decision.safe is False
+    assert decision.state in ("previous_emergency", "no_safe_trajectory")
+    if len(ticks) == 1:
+        assert decision.lost == "unconfirmed"
+
+
+# Integrity ----------------------------------------------------------------------------------------------------
+
+
+def _raise(error: BaseException) -> Any:
+    raise error
+
+
+def _odd(verdicts: Any, margins: Any = None) -> Callable[[Door], Any]:
+    def act(door: Door) -> Any:
+        count = len(verdicts) if margins is None and isinstance(verdicts, bytes) else 0
+        one = Judged(verdicts, [1.0] * count if margins is None else margins)
+        return one, one
+
+    return act
+
+
+RULES = len(Oracle().rules)
+
+
+@pytest.mark.parametrize(
+    ("act", "fault"),
+    [
+        (lambda door: _raise(ValueError("broken")), "judge_failed"),
+        (lambda door: _raise(MemoryError()), "judge_failed"),
+        (lambda door: _raise(RecursionError()), "judge_failed"),
+        (lambda door: None, "judge_failed"),
+        (lambda door: (None, None), "incomplete"),
+        (lambda door: (True, True), "incomplete"),
+        (_odd(bytes(RULES - 1)), "incomplete"),
+        (_odd(bytes(RULES + 1)), "incomplete"),
+        (_odd(b""), "incomplete"),
+        (_odd(bytes([5] * RULES)), "incomplete"),
+        (_odd([0] * RULES, [1.0] * RULES), "incomplete"),
+        (_odd(bytes(RULES), [1.0]), "incomplete"),
+        (_odd(bytes(RULES), 7), "internal"),
+    ],
+)
+def test_a_judge_that_fails_is_unsafe(act: Callable[[Door], Any], fault: str) -> None:
+    run = Run()
+    run.step()
+    run.oracle.act = act
+    decision = run.step()
+    assert (decision.state, names(decision)) == ("previous_emergency", [fault])
+    run.oracle.act = None
+    assert run.step().state == "drive"
+
+
+@pytest.mark.parametrize("code", [1, 2, 4])
+def test_violated_undefined_and_open_are_unsafe(code: int) -> None:
+    for place in range(RULES):
+        run = Run()
+        run.step()
+        verdicts = bytes(code if i == place else 0 for i in range(RULES))
+        run.oracle.act = lambda door, v=verdicts: (
+            Judged(v, [1.0] * RULES),
+            Judged(bytes(RULES), [1.0] * RULES),
+        )
+        decision = run.step()
+        assert (decision.state, [v.rule for v in decision.violations]) == (
+            "previous_emergency",
+            [run.oracle.rules[place].name],
+        )
+
+
+def test_inactive_is_safe() -> None:
+    run = Run()
+    run.oracle.act = _odd(bytes([3] * RULES))
+    assert run.step().state == "drive"
+
+
+def test_a_failure_of_its_own_is_unsafe(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = Run()
+    run.step()
+    with monkeypatch.context() as patch:
+        patch.setattr(run.supervisor.door, "check", lambda *a: _raise(KeyError("x")))
+        decision = run.step()
+    assert (decision.state, names(decision)) == ("previous_emergency", ["internal"])
+    with monkeypatch.context() as patch:
+        patch.setattr("trackmarshal.runtime.supervisor.advance", lambda *a: _raise(KeyError("x")))
+        decision = run.step()
+    assert (decision.state, decision.driven, names(decision)) == (
+        "no_safe_trajectory",
+        None,
+        ["skipped", "late", "internal"],
+    )
+    assert run.step().state == "drive"
+
+
+@pytest.mark.parametrize(
+    "given",
+    [7, "cycle", {}, [], object(), Cycle, Cycle.__new__(Cycle), Cycle(None, None, None, None, None), np.zeros(3),
+     type("T", (float,), {"__float__": lambda self: 1 / 0})(1.0)],
+)  # fmt: skip
+def test_anything_at_all_is_a_decision(given: Any) -> None:
+    run = Run()
+    run.step()
+    decision = run.step(change=lambda c: given)
+    assert decision.state == "previous_emergency"
+    assert decision.faults
+
+
+def test_hostile_values_inside_a_cycle() -> None:
+    class Hostile(dict):  # type: ignore[type-arg]
+        def get(self, *args: Any) -> Any:
+            raise SystemError
+
+    class Number(float):
+        def __float__(self) -> float:
+            raise ZeroDivisionError
+
+    run = Run()
+    run.step()
+    for change in (
+        lambda c: replace(c, driving=Hostile(c.driving)),
+        lambda c: replace(c, t=Number(c.t)),
+        lambda c: replace(c, signals={**c.signals, "ego": {**c.signals["ego"], "x": Number(1.0)}}),
+    ):
+        decision = run.step(change=change, at=run.braked(0))
+        assert decision.safe is False
+        assert decision.faults
+
+
+def test_the_judge_is_not_asked_about_a_cycle_that_breaks_the_contract() -> None:
+    run = Run()
+    run.step(change=lambda c: replace(c, driving=None))
+    assert run.oracle.asked == 0
+
+
+# Setting up ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("budget", -1.0), ("apart", math.nan), ("samples", 1), ("samples", 5.0), ("blind", "1")],
+)
+def test_limits_that_are_none(name: str, value: Any) -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        Limits(**{name: value})
+    assert caught.value.code == "E481"
+    assert f"`{name}`" in caught.value.message
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "signal plan : state { v: m/s }\nrule r\n  require plan.v > 0 m/s\n",
+        "signal plan : trajectory { t: s increasing, v: km/h }\nrule r\n  for all p in plan\n  require p.v > 0 m/s\n",
+        "signal ego : series { t: s increasing, x: m }\nrule r\n  for all p in ego\n  require p.x > 0 m\n",
+    ],
+)
+def test_a_spec_that_declares_the_signals_otherwise(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "other.spec"
+    path.write_text("module other\n" + text, encoding="utf-8")
+    spec = load([path])
+    oracle = Oracle()
+    oracle.rules = spec.rules
+    with pytest.raises(TrackmarshalError) as caught:
+        Supervisor(spec, oracle, clock=Clock())
+    assert caught.value.code == "E482"
+
+
+# The page ----------------------------------------------------------------------------------------------------
+
+
+def test_the_page_lists_every_fault_with_its_code() -> None:
+    listed = dict(re.findall(r"^\| `(\w+)` \| (D\d+) \|", PAGE, re.MULTILINE))
+    assert {**listed, "none_stored": "D241"} == FAULTS
+    assert set(FAULTS.values()) <= set(CODES)
+
+
+def test_the_page_shows_the_table_of_states() -> None:
+    rows = re.findall(r"^\| `(\w+)` \| (.+?) \| (.+?) \| (.+?) \| (.+?) \|$", PAGE, re.MULTILINE)
+    table = {
+        (row[0], what): cell.strip("`")
+        for row in rows
+        for what, cell in zip(("safe", "holds", "lost", "none"), row[1:])
+        if cell != "-"
+    }
+    assert table == NEXT
+    assert tuple(row[0] for row in rows) == STATES
+
+
+def test_the_shipped_contract_reads_what_it_should() -> None:
+    door = Door(made()[0].door.contract, Limits())
+    assert [signal.name for signal in door.contract.shared] == ["ego", "objects", "obstacles", "track"]
+    assert door.contract.tells_emergency
+    assert shipped().signals["plan"].name == "plan"
