@@ -19,8 +19,9 @@ Hashes = Mapping[str, str | None]
 
 
 def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
-    """The hashes of all files that evidence, scenarios and assumptions name."""
+    """The hashes of all files that evidence, scenarios, campaigns and assumptions name."""
     paths = {str(e.path) for e in project.evidence} | {str(s.path) for s in project.scenarios}
+    paths |= set(map(str, project.campaigns))
     paths |= {item.evidence for item in items if item.evidence}
     return {path: _hash(root, path) for path in sorted(paths)}
 

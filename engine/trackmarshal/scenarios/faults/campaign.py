@@ -46,6 +46,16 @@ class Outcome:
     wrong: str
 
 
+def fingerprint(
+    campaign: Campaign, fault: Fault, source_hash: str, spec: str, limits: Limits | None = None
+) -> str:
+    """sha256 of all that an outcome depends on: the fault as declared, the recording, rules and values, the limits."""
+    limits = Limits() if limits is None else limits
+    held = [(field.name, value) for field, value in zip(fields(limits), astuple(limits))]
+    made_of = [fault.digest, campaign.lead, source_hash, spec, held]
+    return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
+
+
 class Bench:
     """A recording and its rules, ready for faults."""
 
@@ -55,12 +65,6 @@ class Bench:
         self._spec = evaluator.spec
         self._limits = Limits() if limits is None else limits
         self._cycles = list(cycles(recording))
-
-    def fingerprint(self, fault: Fault, source_hash: str) -> str:
-        """sha256 of all that an outcome depends on: the fault as declared, the recording, rules and values, the limits."""
-        limits = [(field.name, value) for field, value in zip(fields(self._limits), astuple(self._limits))]
-        made_of = [fault.digest, source_hash, self._spec.fingerprint, limits]
-        return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
         """Put one fault in and see what comes of it; the run is made twice, and has to come out the same."""
