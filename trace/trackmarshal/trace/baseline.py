@@ -55,7 +55,7 @@ def snapshot(
             for name, item in sorted(spec.by_name.items())
         },
         "scenarios": sorted(str(s.path) for s in project.scenarios),
-        "faults": _faults(faults),
+        **({"faults": _faults(faults)} if faults else {}),
     }
 
 
@@ -123,8 +123,8 @@ def _checked(data: object) -> Baseline:
         and _fits(data.get("requirements"), ("derived_from", "refines"), ("statement",))
         and _fits(data.get("interfaces"), ("leads_to",), ())
         and _fits(data.get("items"), ("satisfies", "tests"), ("kind",))
-        and isinstance(data.setdefault("faults", {}), dict)
-        and all(isinstance(requirement, str) for requirement in data["faults"].values())
+        and isinstance(faults := data.get("faults", {}), dict)
+        and all(isinstance(requirement, str) for requirement in faults.values())
     )
     if not fits:
         raise ValueError("it is not what `--accept-baseline` writes")
@@ -182,7 +182,7 @@ def check(baseline: Baseline | None, project: Project, spec: Spec) -> Iterator[F
     for path in sorted(set(baseline["scenarios"]) - {str(s.path) for s in project.scenarios}):
         yield error("T228", f"the scenario `{path}` is gone since the baseline", place, _ACCEPT, path)
     faults = _faults(spec.faults)
-    for name, requirement in baseline["faults"].items():
+    for name, requirement in baseline.get("faults", {}).items():
         if faults.get(name) not in (requirement, requirement.removeprefix("open ")):
             message = f"the fault `{name}` of `{requirement}` is gone since the baseline, or put in no longer"
             yield error("T265", message, place, _ACCEPT, name)
@@ -218,7 +218,7 @@ def _additions(baseline: Baseline, project: Project, spec: Spec, place: Place) -
             item.kind == "assume" and name not in baseline["items"] for name, item in spec.by_name.items()
         ),
         "test": sum(tests.values()),
-        "fault": len(set(_faults(spec.faults)) - set(baseline["faults"])),
+        "fault": len(set(_faults(spec.faults)) - set(baseline.get("faults", {}))),
     }
     said = [f"{number} {what}{'' if number == 1 else 's'}" for what, number in added.items() if number]
     if said:

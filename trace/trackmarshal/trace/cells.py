@@ -264,10 +264,9 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
 
 def _fault(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     items = []
-    for case in ground.spec.faults:
-        if case.requirement == requirement.id:
-            status, detail = faults.verdict(case, ground.spec)
-            items.append(Item("fault", case.id, case.title, status, detail, Place(case.campaign, case.line)))
+    for case in ground.spec.faults_of.get(requirement.id, ()):
+        status, detail = faults.verdict(case, ground.spec)
+        items.append(Item("fault", case.id, case.title, status, detail, Place(case.campaign, case.line)))
     return _together(items)
 
 

@@ -112,17 +112,17 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
             stale.append(case)
         elif status == "missing" and not case.open:
             not_run.append(case)
-    for cases, code, what in (
-        (stale, "T261", "of which the results are stale"),
-        (not_run, "T262", "that were not put in"),
+    for found, code, one, more in (
+        (stale, "T261", "the result of 1 fault is stale", "the results of {} faults are stale"),
+        (not_run, "T262", "1 fault was not put in", "{} faults were not put in"),
     ):
-        if cases:
-            count = "1 fault" if len(cases) == 1 else f"{len(cases)} faults"
-            place = Place(cases[0].campaign, cases[0].line)
+        if found:
+            message = one if len(found) == 1 else more.format(len(found))
+            place = Place(found[0].campaign, found[0].line)
             yield warning(
                 code,
-                f"{count} {what}, which counts as not covered",
+                f"{message}, which counts as not covered",
                 place,
                 "run `trackmarshal assess`",
-                cases[0].id,
+                found[0].id,
             )

@@ -60,6 +60,9 @@ class Spec:
         for run in sorted(runs, key=lambda r: (r.created, json.dumps(r.to_json(), sort_keys=True))):
             self.runs[run.scenario] = run
         self.faults = sorted(fault_cases, key=lambda case: (case.campaign, case.line))
+        self.faults_of: dict[str, list[FaultCase]] = defaultdict(list)
+        for case in self.faults:
+            self.faults_of[case.requirement].append(case)
         #: The worst of several results of one fault.
         self.fault_results: dict[tuple[str, str], FaultResult] = {}
         for found in sorted(
