@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields, replace
 
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.cycle import Limits
@@ -67,7 +69,10 @@ class Bench:
         self._cycles = list(cycles(recording))
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
-        """Put one fault in and see what comes of it; the run is made twice, and has to come out the same."""
+        """Put one fault in and see what comes of it; the run is made twice, and has to come out the same.
+
+        Raises D153 for a fault that cannot be put into this recording.
+        """
         said = [self._decisions(campaign, fault) for _ in range(2)]
         outcome = _outcome(fault, said[0])
         if [_summary(d) for _, d in said[0]] != [_summary(d) for _, d in said[1]]:
@@ -82,14 +87,26 @@ class Bench:
         judge, clock = _Saboteur(self._judge), _Clock()
         supervisor = Supervisor(self._spec, judge, self._limits, clock.read)
         said: list[tuple[float, Decision]] = []
-        free = 0.0  # when the Supervisor is done with the cycle before
+        touched = False
+        free = -math.inf  # when the Supervisor is done with the cycle before
         for cycle in self._cycles:
             if not begin <= cycle.t <= end:
                 continue
             moment = Moment.of(cycle)
             if fault.begin - _SLACK <= cycle.t <= fault.end + _SLACK:
-                for each in fault.changes:
-                    each(moment)
+                touched = True
+                try:
+                    for each in fault.changes:
+                        each(moment)
+                except (KeyError, IndexError, TypeError, ZeroDivisionError) as error:
+                    message = f"the fault `{fault.id}` changes what is not there at {cycle.t:g} s ({error})"
+                    raise TrackmarshalError(
+                        "D153",
+                        message,
+                        file=campaign.source,
+                        line=fault.line,
+                        help="name what the recording has",
+                    ) from error
             if moment.lost:
                 continue
             arrival = max(moment.arrival, free)
@@ -97,6 +114,11 @@ class Bench:
             clock.readings = [arrival + moment.clock, free + moment.clock]
             judge.sabotage = moment.judge
             said.append((cycle.t, supervisor.step(None if moment.silent else moment.cycle)))
+        if not touched:
+            message = f"the recording has no cycle in the time of the fault `{fault.id}`"
+            raise TrackmarshalError(
+                "D153", message, file=campaign.source, line=fault.line, help="choose a time that it has"
+            )
         return said
 
 

@@ -157,6 +157,9 @@ def _signal(item: Item) -> Change:
     fields = item.fields(("signal",), ("left", "remove"))
     name = fields["signal"].choice(("ego", "objects", "obstacles", "track"))
     if "left" in fields:
+        if name != "ego":
+            raise fields["left"].wrong("`left` is the car's", "`signal: ego`, or `remove: true`")
+        item.fields(("signal", "left"))
         left = fields["left"].number()
 
         def aside(moment: Moment) -> None:

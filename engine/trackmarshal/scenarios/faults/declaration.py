@@ -59,6 +59,7 @@ class Campaign:
     recording: str
     lead: float
     faults: tuple[Fault, ...]
+    source: str = ""  #: the file, as reports print it
 
 
 def load(path: Path, shown: str) -> Campaign:
@@ -74,7 +75,7 @@ def load(path: Path, shown: str) -> Campaign:
         if ids.count(fault.id) > 1:
             raise each.wrong(f"the id `{fault.id}` stands twice", "ids are unique")
     return Campaign(
-        fields["name"].text(), fields["recording"].text(), fields["lead"].number(0.0, 100.0), faults
+        fields["name"].text(), fields["recording"].text(), fields["lead"].number(0.0, 100.0), faults, shown
     )
 
 
