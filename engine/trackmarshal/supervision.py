@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
@@ -13,9 +14,11 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.case import Case
 from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
+from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door import Door
 from trackmarshal.runtime.judge import Judge, Judged
-from trackmarshal.runtime.supervisor import Recorder, Supervisor
+from trackmarshal.runtime.record import Difference, Record, Run, differences
+from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.runtime.verdict import VERDICTS, CaseResult
 
 _CODES = {name: code for code, name in enumerate(VERDICTS)}
@@ -27,19 +30,37 @@ def supervisor(
     backend: str = "numpy",
     limits: Limits | None = None,
     clock: Callable[[], float] = time.monotonic,
-    recorder: Callable[[Judge, Limits], Recorder] | None = None,
+    record: str | Path | None = None,
     params: Mapping[str, float] | None = None,
     tables: Mapping[str, Any] | None = None,
 ) -> Supervisor:
     """A Supervisor for a spec, or for some of its rules.
 
-    params and tables override the spec's, in declared units; clock gives s on the clock of the cycles' stamps; recorder makes what keeps
-    the run (`record_to`). Raises TrackmarshalError D203, D204, E401, E403, E404, E481 or E482.
+    params and tables override the spec's, in declared units; clock gives s on the clock of the cycles' stamps; record is a new file that
+    keeps the run. Raises TrackmarshalError D203, D204, E401, E403, E404, E481, E482 or E483.
     """
     judge = EvaluatorJudge(Evaluator(spec, rules, backend), params, tables)
-    limits = Limits() if limits is None else limits
-    kept = None if recorder is None else recorder(judge, limits)
-    return Supervisor(spec, judge, limits, clock, kept)
+    made = Supervisor(spec, judge, limits, clock)
+    if record is not None:
+        made.recorder = Record(record, made.door, judge.identity)
+    return made
+
+
+def rerun(run: Run, spec: Spec, judge: Judge) -> Iterator[tuple[Decision, list[Difference]]]:
+    """The cycles of a record again, at the recorded times: each decision, and where it is not the recorded one."""
+    ticks: list[float] = []
+    again = Supervisor(spec, judge, run.limits, lambda: ticks.pop(0))
+    for place, recorded in enumerate(run.cycles):
+        ticks[:] = recorded.readings
+        decision = again.step(recorded.cycle)
+        yield decision, differences(place, recorded, decision)
+
+
+def judge_of(run: Run, spec: Spec, backend: str | None = None) -> EvaluatorJudge:
+    """A judge as the one of a record, with another backend where one is given. Raises E401 and others for another spec."""
+    identity = run.identity
+    evaluator = Evaluator(spec, identity.get("rules"), backend or str(identity.get("backend")))
+    return EvaluatorJudge(evaluator, identity.get("params"), identity.get("tables"))
 
 
 class EvaluatorJudge:
@@ -64,7 +85,7 @@ class EvaluatorJudge:
         broken = evaluator.broken_constraints(read)
         if broken:
             raise TrackmarshalError("E403", broken[0], help="change the parameters")
-        if evaluator.backend == "numpy":
+        if evaluator.backend != "reference":
             _ = evaluator.program  # made now, not in the first cycle's time
         self._settings = Case(params=read.params, tables=read.tables, places=read.places)
         signals = evaluator.spec.signals

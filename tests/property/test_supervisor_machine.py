@@ -17,6 +17,7 @@ from support.cycles import BRAKING, PERIOD, SPEED, cycle, mutate
 from support.supervised import made
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.machine import (
     DRIVE,
     NEXT,
@@ -155,8 +156,11 @@ class Driving(RuleBasedStateMachine):
 
     @staticmethod
     def _pose_known(decision: Decision) -> bool:
+        """A stamp that is late or stale is in order all the same."""
         return not any(
-            f.signal in ("ego", "signals") or (f.signal, f.field) == ("cycle", "t") for f in decision.faults
+            f.signal in ("ego", "signals")
+            or ((f.signal, f.field) == ("cycle", "t") and name_of(f) not in ("late", "stale"))
+            for f in decision.faults
         )
 
     @invariant()

@@ -12,7 +12,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.door import Door
 from trackmarshal.runtime.judge import Judged
-from trackmarshal.runtime.supervisor import Recorder, Supervisor
+from trackmarshal.runtime.supervisor import Supervisor
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -41,8 +41,10 @@ class Oracle:
 
     identity: Mapping[str, Any] = {"fingerprint": "oracle", "backend": "oracle"}
 
-    def __init__(self) -> None:
-        self.rules: Sequence[RuleInfo] = [rule for rule in shipped().rules if rule.formula is not None]
+    def __init__(self, rules: Sequence[str] | None = None) -> None:
+        self.rules: Sequence[RuleInfo] = [
+            r for r in shipped().rules if r.formula is not None and (rules is None or r.name in rules)
+        ]
         self.unsafe: set[tuple[str, str]] = set()
         self.act: Callable[[Door], Any] | None = None
         self.asked = 0
@@ -58,7 +60,9 @@ class Oracle:
         return Judged(bytes(codes), [-1.0 if code else 1.0 for code in codes])
 
 
-def made(limits: Limits | None = None, recorder: Recorder | None = None) -> tuple[Supervisor, Oracle, Clock]:
+def made(
+    limits: Limits | None = None, rules: Sequence[str] | None = None
+) -> tuple[Supervisor, Oracle, Clock]:
     """A Supervisor that starts, with its judge and its clock."""
-    oracle, clock = Oracle(), Clock()
-    return Supervisor(shipped(), oracle, limits, clock, recorder), oracle, clock
+    oracle, clock = Oracle(rules), Clock()
+    return Supervisor(shipped(), oracle, limits, clock), oracle, clock

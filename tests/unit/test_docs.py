@@ -19,8 +19,28 @@ EXAMPLES = [
 ]
 
 
+PROGRAMS = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "supervisor.md").read_text("utf-8"), re.DOTALL)
+
+
 def test_there_are_examples() -> None:
     assert len(EXAMPLES) >= 2
+    assert len(PROGRAMS) >= 2
+
+
+def test_programs_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The programs of docs/supervisor.md, one after the other, where the project's specs are."""
+    (tmp_path / "specs").symlink_to(ROOT / "specs")
+    monkeypatch.chdir(tmp_path)
+    for program in PROGRAMS:
+        if "import pyarrow" in program:
+            pytest.importorskip("pyarrow", reason="shows how another tool reads a record")
+        exec(compile(program, "docs/supervisor.md", "exec"), {})
+    said = capsys.readouterr().out
+    assert "previous_emergency" in said
+    assert "safe_gap violated" in said
+    assert "emergency of" in said
 
 
 @pytest.mark.parametrize("text", EXAMPLES)

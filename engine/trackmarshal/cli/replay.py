@@ -1,7 +1,8 @@
 """Run the rules over recordings: both candidates of every cycle, what is driven, and the ground truth.
 
 Recordings are `.tmrec.jsonl` (this tool's own format) or `.saa` (ScenarioArchitect). With --out, results are kept as
-evidence for the traceability matrix.
+evidence for the traceability matrix. A record of a run (`.arrows`) is run again at the recorded times: the exit status says
+whether every decision is the recorded one.
 """
 
 from __future__ import annotations
@@ -41,22 +42,31 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="a configuration module (a vehicle, a track)",
     )
     parser.add_argument("--rule", action="append", metavar="R", help="evaluate only these rules (repeatable)")
-    parser.add_argument("--backend", choices=("numpy", "reference"), default="numpy")
+    parser.add_argument(
+        "--backend", choices=("numpy", "reference"), help="default: numpy; for a record, its own"
+    )
+    parser.add_argument("--mcap", metavar="FILE", help="export a record of a run for Foxglove")
     parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")
     parser.add_argument("--format", choices=("text", "jsonl"), default="text")
 
 
 def run(args: argparse.Namespace) -> int:
-    from trackmarshal.evaluation import setting_names
+    from trackmarshal.cli.record import is_record, replay_record
+    from trackmarshal.evaluation import load, setting_names
     from trackmarshal.scenarios import load as load_recording
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
     project = optional_project(args)
     status = 0
+    settings = [Path(p) for p in args.settings]
     for path in args.scenarios:
+        if is_record(path):
+            spec = load([spec_path], settings, project)
+            status = max(status, replay_record(path, spec, args.backend, args.format, args.quiet, args.mcap))
+            if not args.out:
+                continue
         recording = load_recording(path)
-        settings = [Path(p) for p in args.settings]
-        evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend)
+        evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend or "numpy")
         recording = _without(recording, setting_names(settings))
         outcome = run_one(recording, evaluator, args.quiet)
         lines = json_lines(outcome)
@@ -142,7 +152,7 @@ def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
 
 def json_lines(outcome: Replay) -> list[str]:
     """One line a cycle and candidate, as `cli.md` describes."""
-    from trackmarshal.runtime.faults import name_of
+    from trackmarshal.cli.record import faults_json
 
     lines = []
     for cycle in outcome.cycles:
@@ -155,7 +165,7 @@ def json_lines(outcome: Replay) -> list[str]:
             if result.faults:
                 entry["faults"] = list(result.faults)
             if cycle.faults:
-                entry["cycle_faults"] = [f"{name_of(fault)} {fault}" for fault in cycle.faults]
+                entry["cycle_faults"] = faults_json(cycle.faults)
             lines.append(dump(entry))
     return lines
 

@@ -67,7 +67,7 @@ class Border:
             return None
         if type(raw) is np.ndarray:
             raw = raw.tolist()
-        if not isinstance(raw, list | tuple):
+        if type(raw) not in (list, tuple):
             faults.append(fault("wrong_type", *self._place, None, "not a list of points"))
             return None
         if len(raw) > self._capacity:
@@ -77,7 +77,7 @@ class Border:
         rows = np.zeros((len(raw), 2))
         for index, point in enumerate(raw):
             pair = point.tolist() if type(point) is np.ndarray else point
-            if not isinstance(pair, list | tuple) or len(pair) != 2:
+            if type(pair) not in (list, tuple) or len(pair) != 2:
                 faults.append(fault("wrong_type", *self._place, index, "not a point [x, y]"))
                 return None
             for axis, value in enumerate(pair):

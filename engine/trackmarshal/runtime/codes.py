@@ -34,4 +34,8 @@ CODES = {
     "D244": ("the stored emergency trajectory cannot be confirmed", "No usable pose of the car came for as long as the limit `blind` allows, or the clock is wrong. It is dropped for good."),
     "E481": ("a limit that is none", "The limits of a Supervisor are capacities (whole numbers, at least 2), times, distances, angles and speeds (numbers, at least 0; inf takes a limit away)."),
     "E482": ("a spec that cannot be supervised with", "The Supervisor itself reads `plan`, a trajectory with t, x, y, heading and v, and the state `ego` with x, y and heading, all in SI units. A spec may leave them out, or declare them so with ranges of its own."),
+    "E483": ("the record of a run cannot be made", "A record is a new file: one that is there already is never overwritten or added to."),
+    "E484": ("a package is missing", "Exporting a record as MCAP needs the package `mcap`: pip install trackmarshal[mcap]."),
+    "D161": ("a record without a whole head", "The file begins like a record of a run, but its first block is damaged or cut off. Cycles are only readable with it."),
+    "D162": ("a record of another version", "The head of the record names another format or version, or lacks what this one says."),
 }  # fmt: skip

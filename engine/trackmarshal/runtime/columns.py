@@ -61,6 +61,9 @@ class Block:
         self._views: dict[int, View] = {}
         self.count = 0
         self.ids: tuple[str, ...] = ()
+        #: The last ids that were texts: most cycles have those of the cycle before.
+        self._names: list[str] = []
+        self._kept_ids: tuple[str, ...] = ()
 
     def fill(self, raw: object, faults: list[Fault]) -> None:
         """Take a signal in; whatever is wrong with it is added to the faults."""
@@ -68,12 +71,7 @@ class Block:
         data = self._records(raw, faults) if self.many and type(raw) in (list, tuple) else raw
         if type(data) is not dict:
             if len(faults) == before:
-                absent = raw is None
-                faults.append(
-                    fault(
-                        "missing" if absent else "wrong_type", self.name, message="" if absent else _kind(raw)
-                    )
-                )
+                faults.append(fault("missing" if raw is None else "wrong_type", self.name))
             return
         lengths: dict[str, int] = {}
         n = -1
@@ -151,9 +149,8 @@ class Block:
         view = self.view()
         np.greater_equal(view.matrix, self._lower, out=view.low)
         np.less_equal(view.matrix, self._upper, out=view.high)
-        np.logical_and(view.low, view.high, out=view.low)
-        if b"\0" in view.low.tobytes():
-            for kind, row, fine in zip(self._kinds, view.matrix, view.low):
+        if b"\0" in view.low.tobytes() or b"\0" in view.high.tobytes():
+            for kind, row, fine in zip(self._kinds, view.matrix, view.low & view.high):
                 if not fine.all():
                     faults += out_of_bounds(self.name, kind, row)
         for name, after, before in view.steps:
@@ -176,12 +173,12 @@ class Block:
             return None
         return result
 
-    def _booleans(self, name: str, column: object, faults: list[Fault]) -> list[bool] | None:
+    def _booleans(self, name: str, column: Any, faults: list[Fault]) -> list[bool] | None:
         if column is _ABSENT or column is None:
             faults.append(fault("missing", self.name, name))
             return None
         values = column.tolist() if type(column) is np.ndarray else column
-        if not isinstance(values, list | tuple):
+        if type(values) not in (list, tuple):
             faults.append(fault("wrong_type", self.name, name, None, "not a column of true and false"))
             return None
         for index, value in enumerate(values):
@@ -198,7 +195,7 @@ class Block:
             return None
         for index, record in enumerate(raw):
             if type(record) is not dict:
-                faults.append(fault("wrong_type", self.name, "", index, _kind(record)))
+                faults.append(fault("wrong_type", self.name, "", index, "not a record"))
                 return None
         columns = {}
         for kind in (*self.names, *self._flags):
@@ -212,13 +209,17 @@ class Block:
         columns["id"] = [str(i) if r.get("id") is None else r["id"] for i, r in enumerate(raw)]
         return None if any(_ABSENT in column for column in columns.values()) else columns
 
-    def _take_ids(self, column: object, lengths: dict[str, int], faults: list[Fault]) -> None:
+    def _take_ids(self, column: Any, lengths: dict[str, int], faults: list[Fault]) -> None:
+        if type(column) is list and column == self._names:
+            self.ids = self._kept_ids
+            lengths["id"] = len(column)
+            return
         if type(column) is np.ndarray:
             column = column.tolist()
         if column is _ABSENT or column is None:
             self.ids = tuple(map(str, range(max(lengths.values(), default=0))))
             return
-        if not isinstance(column, list | tuple):
+        if type(column) not in (list, tuple):
             faults.append(fault("wrong_type", self.name, "id", None, "not a list of ids"))
             return
         seen = set()
@@ -232,6 +233,8 @@ class Block:
             seen.add(str(name))
         self.ids = tuple(map(str, column))
         lengths["id"] = len(self.ids)
+        if all(type(name) is str for name in column):  # what equals texts is texts
+            self._names, self._kept_ids = list(column), self.ids
 
     def _unequal(self, lengths: dict[str, int]) -> list[Fault]:
         """Columns whose length is not that of most."""
@@ -248,7 +251,7 @@ class Block:
         return fault("over_capacity", self.name, field, self.capacity, f"{n}, the most is {self.capacity}")
 
 
-def numbers(column: object) -> Floats | int:
+def numbers(column: Any) -> Floats | int:
     """A one-dimensional array of floats; else the index of what is no number, -1 where it is the whole.
 
     None is NaN. Numbers beyond the range of floats are infinite.
@@ -258,14 +261,15 @@ def numbers(column: object) -> Floats | int:
             return -1
         if column.dtype.kind in "iuf":
             with np.errstate(all="ignore"):
-                return column.astype(np.float64)
+                floats: Floats = column.astype(np.float64)
+            return floats
         column = column.tolist()
-    if not isinstance(column, list | tuple):
+    if type(column) not in (list, tuple):
         return -1
     if not set(map(type, column)) <= _NUMBERS:
         column = [number(value) for value in column]
         if None in column:
-            return column.index(None)
+            return int(column.index(None))
     try:
         return np.array(column, dtype=np.float64)
     except OverflowError:
@@ -278,7 +282,7 @@ def number(value: object) -> float | None:
         return value
     if value is None:
         return math.nan
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+    if type(value) is not int and not isinstance(value, np.integer | np.floating):
         return None
     try:
         return float(value)
@@ -325,7 +329,3 @@ def out_of_bounds(signal: str, kind: FieldType, values: Floats) -> list[Fault]:
 
 def _also(message: str, count: int) -> str:
     return message if count == 1 else f"{message}, and {count - 1} more"
-
-
-def _kind(raw: object) -> str:
-    return f"a {type(raw).__name__[:40]}"

@@ -64,7 +64,6 @@ class Door:
                 self.closed[signal.name] = False
         rows = [self.driving.names.index(name) for name in ("x", "y", "heading", "v")]
         self._x, self._y, self._heading, self._v = rows
-        self._shared: dict[str, Any] = {}
 
     def check(self, cycle: Cycle, now: float) -> tuple[list[Fault], Pose | None]:
         """The faults of a cycle that arrived now, and the car's pose where it and the stamp are in order."""

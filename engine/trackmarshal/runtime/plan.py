@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Plan:
     """One candidate of one cycle, for good: nobody else has its memory.
 
@@ -25,13 +26,16 @@ class Plan:
     t: float
     names: tuple[str, ...]
     matrix: Floats
-    #: When each sample is due on the Supervisor's clock, in s.
-    due: list[float] = field(init=False)
 
     def __post_init__(self) -> None:
-        times = self.matrix[self.names.index("t")]
-        object.__setattr__(self, "due", (times - (times[0] - self.t)).tolist())
         self.matrix.flags.writeable = False
+
+    @cached_property
+    def due(self) -> list[float]:
+        """When each sample is due on the Supervisor's clock, in s."""
+        times = self.matrix[self.names.index("t")]
+        due: list[float] = (times - (times[0] - self.t)).tolist()
+        return due
 
     @property
     def end(self) -> float:

@@ -26,6 +26,8 @@ class Recorder(Protocol):
 
     def append(self, cycle: object, decision: Decision, readings: tuple[float, float]) -> None: ...
 
+    def close(self) -> None: ...
+
 
 class Supervisor:
     """Decides in every cycle what is driven. One instance serves one run, from one thread.
@@ -40,17 +42,17 @@ class Supervisor:
         judge: Judge,
         limits: Limits | None = None,
         clock: Callable[[], float] = time.monotonic,
-        recorder: Recorder | None = None,
     ) -> None:
         self.limits = Limits() if limits is None else limits
         self.judge = judge
         self.memory = Memory()
         self.door = Door(contract_of(spec, judge.rules), self.limits)
+        #: Keeps the run, where there is one.
+        self.recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
         self._clock = clock
         self._last = -math.inf
-        self._recorder = recorder
         self._rules = [
             (rule.name, tuple(dict.fromkeys(name for name, _ in rule.satisfies)), rule.unit)
             for rule in judge.rules
@@ -69,7 +71,7 @@ class Supervisor:
             if cycle is None:
                 faults.append(fault("missing_cycle", "cycle"))
             elif type(cycle) is not Cycle:
-                faults.append(fault("wrong_type", "cycle", "", None, f"a {type(cycle).__name__[:40]}"))
+                faults.append(fault("wrong_type", "cycle", "", None, "not a Cycle"))
             else:
                 found, pose = self.door.check(cycle, now)
                 faults += found
@@ -87,12 +89,17 @@ class Supervisor:
             plans, pose = None, None
             faults.append(_internal(error))
         decision = self._decide(cycle, plans, now, readings[1], pose, faults, violations, judged)
-        if self._recorder is not None:
+        if self.recorder is not None:
             try:
-                self._recorder.append(cycle, decision, (readings[0], readings[1]))
+                self.recorder.append(cycle, decision, (readings[0], readings[1]))
             except Exception as error:
                 self.record_error = f"{type(error).__name__}: {error}"
         return decision
+
+    def close(self) -> None:
+        """End the record, where there is one."""
+        if self.recorder is not None:
+            self.recorder.close()
 
     def _read(self, readings: list[float], which: int, faults: list[Fault]) -> float:
         """The clock; NaN with a fault where it is wrong."""

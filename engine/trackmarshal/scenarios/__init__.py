@@ -29,6 +29,10 @@ def load(path: str | Path, shown: str | None = None) -> Recording:
         from trackmarshal.scenarios import saa
 
         return saa.read(data, shown)
+    if data.startswith(b"\xff\xff\xff\xff"):
+        from trackmarshal.scenarios.supervised import recording_of
+
+        return recording_of(data, path.stem, shown)
     if data.startswith(b"\x1f\x8b"):
         from trackmarshal.scenarios import recording_io
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door import Door
 from trackmarshal.runtime.judge import Judged
+from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.runtime.verdict import CaseResult
+from trackmarshal.scenarios.recording import Cycle as RecordedCycle
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.supervision import judged
 
@@ -47,6 +50,59 @@ def decisions(
     for cycle, found in zip(cycles(recording), results):
         clock.now, judge.results = cycle.t, found
         yield supervisor.step(cycle)
+
+
+def recording_of(data: bytes, name: str, shown: str) -> Recording:
+    """The cycles of a run's record that passed the door, as a recording; raises D161, D162, or D130 where there are none.
+
+    A recording has one track: cycles after a change of it are left out. What is left out, the notes say.
+    """
+    run = read(data, shown)
+    kept: list[RecordedCycle] = []
+    track: dict[str, Any] = {}
+    stopped = ""
+    for one in run.cycles:
+        cycle = one.cycle
+        if type(cycle) is not Cycle or one.value("faults") != "[]":
+            continue
+        given = {line: _list(value) for line, value in cycle.signals.get("track", {}).items()}
+        if track and given != track:
+            stopped = f"the track changes at {cycle.t:g} s; what follows is left out"
+            break
+        track = given
+        kept.append(
+            RecordedCycle(
+                cycle.t,
+                dict(cycle.signals["ego"]),
+                _records(cycle.signals.get("objects", {})),
+                {DRIVING: _columns(cycle.driving), EMERGENCY: _columns(cycle.emergency)},
+            )
+        )
+    if not kept:
+        raise TrackmarshalError(
+            "D130", "the record has no cycle that passed the door", file=shown, help="replay it as it is"
+        )
+    first = next(one.cycle for one in run.cycles if one.value("faults") == "[]")
+    left_out = len(run.cycles) - len(kept)
+    notes = [stopped] if stopped else []
+    if left_out:
+        notes.append(f"{left_out} of {len(run.cycles)} cycles of the record are left out")
+    obstacles = _records(first.signals.get("obstacles", {}))
+    params, tables = run.identity.get("params", {}), run.identity.get("tables", {})
+    return Recording(name, shown, tuple(kept), track, params, tables, obstacles=obstacles, notes=tuple(notes))
+
+
+def _list(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _columns(columns: Mapping[str, Any]) -> dict[str, list[float]]:
+    return {name: _list(column) for name, column in columns.items()}
+
+
+def _records(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
+    listed = {name: _list(column) for name, column in columns.items()}
+    return [dict(zip(listed, values)) for values in zip(*listed.values())]
 
 
 class _Clock:

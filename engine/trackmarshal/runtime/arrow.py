@@ -1,0 +1,288 @@
+"""Arrow's IPC stream format, as far as a record needs it: one schema, then batches of one row, appended one by one.
+
+Written and read here with `struct` alone; pyarrow, pandas, polars and DuckDB read it too. Only what was written here is
+read back: the schema is made again from its own metadata and compared byte by byte, so there is nothing to interpret.
+
+Source: the format's definition, arrow.apache.org/docs/format/Columnar.html, with Schema.fbs and Message.fbs.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+#: Kinds of columns: int64, float64, utf8, list<float64>, list<utf8>.
+INT, FLOAT, TEXT, FLOATS, TEXTS = "int", "float", "text", "floats", "texts"
+#: A column: its name and its kind.
+Column = tuple[str, str]
+
+_CONTINUES = b"\xff\xff\xff\xff"
+END = _CONTINUES + bytes(4)
+_V5 = 4
+_SCHEMA, _BATCH = 1, 3
+#: Column of every batch that holds the CRC-32 of the batch, its own eight bytes taken as zero. It comes first.
+CHECKSUM = "crc32"
+KEY = "trackmarshal"
+_MARK = b'{"format":'
+
+Ref = Callable[[bytearray], int]
+_SIZES = {"B": 1, "h": 2, "i": 4, "q": 8, "ref": 4}
+
+
+# Flatbuffers ------------------------------------------------------------------------------------------------------
+
+
+def _table(out: bytearray, fields: Sequence[tuple[str, Any] | None]) -> int:
+    """Append a table: its layout, its fields, and behind them what they refer to. Returns where it begins."""
+    places, size = [], 4
+    for field in fields:
+        if field is None:
+            places.append(0)
+            continue
+        width = _SIZES[field[0]]
+        size = -(-size // width) * width
+        places.append(size)
+        size += width
+    layout = struct.pack(f"<HH{len(places)}H", 4 + 2 * len(places), size, *places)
+    out += bytes(-(len(out) + len(layout)) % 8) + layout
+    begin = len(out)
+    out += struct.pack("<i", len(layout)) + bytes(size - 4)
+    for field, place in zip(fields, places):
+        if field is None:
+            continue
+        kind, value = field
+        if kind == "ref":
+            struct.pack_into("<I", out, begin + place, value(out) - (begin + place))
+        else:
+            struct.pack_into(f"<{kind}", out, begin + place, value)
+    return begin
+
+
+def _text(text: str) -> tuple[str, Ref]:
+    def put(out: bytearray) -> int:
+        data = text.encode()
+        out += bytes(-len(out) % 4)
+        begin = len(out)
+        out += struct.pack("<I", len(data)) + data + b"\0"
+        return begin
+
+    return "ref", put
+
+
+def _of(*fields: tuple[str, Any] | None) -> tuple[str, Ref]:
+    return "ref", lambda out: _table(out, fields)
+
+
+def _list(items: Sequence[tuple[str, Ref]]) -> tuple[str, Ref]:
+    def put(out: bytearray) -> int:
+        out += bytes(-len(out) % 4)
+        begin = len(out)
+        out += struct.pack("<I", len(items)) + bytes(4 * len(items))
+        for i, (_, item) in enumerate(items):
+            place = begin + 4 + 4 * i
+            struct.pack_into("<I", out, place, item(out) - place)
+        return begin
+
+    return "ref", put
+
+
+def _pairs(count: int, remember: Callable[[int], None]) -> tuple[str, Ref]:
+    """A vector of `count` structs of two int64, zero for now; its place is remembered."""
+
+    def put(out: bytearray) -> int:
+        out += bytes((4 - len(out)) % 8)
+        begin = len(out)
+        out += struct.pack("<I", count) + bytes(16 * count)
+        remember(begin + 4)
+        return begin
+
+    return "ref", put
+
+
+def _message(kind: int, header: tuple[str, Ref], body: int = 0) -> bytearray:
+    """A whole encapsulated message without its body."""
+    out = bytearray(4)
+    root = _table(out, [("h", _V5), ("B", kind), header, ("q", body)])
+    struct.pack_into("<I", out, 0, root)
+    out += bytes(-len(out) % 8)
+    return bytearray(_CONTINUES + struct.pack("<i", len(out))) + out
+
+
+def _field(name: str, kind: str) -> tuple[str, Ref]:
+    types: dict[str, tuple[int, tuple[str, Ref]]] = {
+        INT: (2, _of(("i", 64), ("B", 1))),
+        FLOAT: (3, _of(("h", 2))),
+        TEXT: (5, _of()),
+        FLOATS: (12, _of()),
+        TEXTS: (12, _of()),
+    }
+    number, made = types[kind]
+    children = {FLOATS: [("item", FLOAT)], TEXTS: [("item", TEXT)]}.get(kind, [])
+    return _of(
+        _text(name), ("B", 0), ("B", number), made, None, _list([_field(*child) for child in children])
+    )
+
+
+# Messages ---------------------------------------------------------------------------------------------------------
+
+
+class Layout:
+    """The schema of a stream and how its batches look. columns without the checksum; head is strict JSON data."""
+
+    def __init__(self, columns: Sequence[Column], head: dict[str, Any]) -> None:
+        self.columns = tuple(columns)
+        every: list[Column] = [(CHECKSUM, INT), *columns]
+        text = json.dumps({**head, "columns": [list(c) for c in columns]}, allow_nan=False)
+        fields = _list([_field(*column) for column in every])
+        metadata = _list([_of(_text(KEY), _text(text))])
+        #: The bytes that the stream begins with.
+        self.schema = bytes(_message(_SCHEMA, _of(("h", 0), fields, metadata)))
+        nodes = sum(2 if kind in (FLOATS, TEXTS) else 1 for _, kind in every)
+        buffers = sum({INT: 2, FLOAT: 2, TEXT: 3, FLOATS: 4, TEXTS: 5}[kind] for _, kind in every)
+        places: list[int] = []
+        batch = _of(("q", 1), _pairs(nodes, places.append), _pairs(buffers, places.append))
+        marked = _message(_BATCH, batch, 0x5A5A5A5A5A5A5A5A)
+        self._length_at = marked.index(b"\x5a" * 8)
+        struct.pack_into("<q", marked, self._length_at, 0)
+        self._template = bytes(marked)
+        self._nodes_at, self._buffers_at = (place + 8 for place in places)
+        self._nodes = struct.Struct(f"<{2 * nodes}q")
+        self._buffers = struct.Struct(f"<{2 * buffers}q")
+        self._kinds = [kind for _, kind in every]
+
+    def batch(self, values: Sequence[Any]) -> bytes:
+        """One row: int, float, str, float arrays (n,) or lists of str, one value a column."""
+        body = bytearray(8)
+        nodes = [1, 0]
+        buffers = [0, 0, 0, 8]
+        for kind, value in zip(self._kinds[1:], values, strict=True):
+            nodes += (1, 0)
+            at = len(body)
+            if kind in (INT, FLOAT):
+                body += _INT.pack(value) if kind == INT else _FLOAT.pack(value)
+                buffers += (at, 0, at, 8)
+            elif kind == FLOATS:
+                data = np.ascontiguousarray(value, dtype="<f8").tobytes()
+                body += _SPAN.pack(0, len(data) // 8) + data
+                nodes += (len(data) // 8, 0)
+                buffers += (at, 0, at, 8, at + 8, 0, at + 8, len(data))
+            else:
+                texts = [value] if kind == TEXT else value
+                coded = [text.encode() for text in texts]
+                if kind == TEXTS:
+                    body += _SPAN.pack(0, len(coded))
+                    nodes += (len(coded), 0)
+                    buffers += (at, 0, at, 8)
+                    at += 8
+                ends = [0]
+                for data in coded:
+                    ends.append(ends[-1] + len(data))
+                body += struct.pack(f"<{len(ends)}i", *ends)
+                buffers += (at, 0, at, 4 * len(ends))
+                _pad(body)
+                buffers += (len(body), ends[-1])
+                body += b"".join(coded)
+                _pad(body)
+        message = bytearray(self._template)
+        _INT.pack_into(message, self._length_at, len(body))
+        self._nodes.pack_into(message, self._nodes_at, *nodes)
+        self._buffers.pack_into(message, self._buffers_at, *buffers)
+        _INT.pack_into(body, 0, zlib.crc32(body, zlib.crc32(message)))
+        return bytes(message + body)
+
+    def rows(self, data: bytes) -> Iterator[Row]:
+        """The whole batches of a stream, in order; ends before the first that is not whole. The data begins with the schema."""
+        at = len(self.schema)
+        view = memoryview(data)
+        size = len(self._template)
+        while at + size <= len(data):
+            head = bytearray(view[at : at + size])
+            (length,) = _INT.unpack_from(head, self._length_at)
+            numbers = self._buffers.unpack_from(head, self._buffers_at)
+            for place, count in (
+                (self._length_at, 8),
+                (self._nodes_at, self._nodes.size),
+                (self._buffers_at, self._buffers.size),
+            ):
+                head[place : place + count] = bytes(count)
+            end = at + size + length
+            if head != self._template or not length >= 8 or end > len(data):
+                return
+            body = bytes(view[at + size : end])
+            if zlib.crc32(bytes(8) + body[8:], zlib.crc32(view[at : at + size])) != _INT.unpack_from(body)[0]:
+                return
+            values = self._values(body, numbers)
+            if values is None:
+                return
+            yield Row(values, end)
+            at = end
+
+    def _values(self, body: bytes, numbers: Sequence[int]) -> list[Any] | None:
+        """The values of a row; None where the places of its columns make no sense, checksum or not."""
+        spans = iter(list(zip(numbers[::2], numbers[1::2])))
+
+        def span() -> bytes:
+            at, size = next(spans)
+            if not 0 <= at <= at + size <= len(body):
+                raise ValueError
+            return body[at : at + size]
+
+        values: list[Any] = []
+        try:
+            for kind in self._kinds:
+                span()
+                if kind in (INT, FLOAT):
+                    values += (_INT if kind == INT else _FLOAT).unpack(span())
+                    continue
+                if kind in (FLOATS, TEXTS):
+                    span()
+                    span()
+                if kind == FLOATS:
+                    values.append(np.frombuffer(span(), dtype="<f8"))
+                    continue
+                ends = np.frombuffer(span(), dtype="<i4").tolist()
+                data = span()
+                texts = [data[a:b].decode() for a, b in zip(ends, ends[1:])]
+                values.append(texts if kind == TEXTS else texts[0])
+        except (ValueError, IndexError, struct.error):
+            return None
+        return values[1:]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One value a column, and where the next batch begins."""
+
+    values: list[Any]
+    end: int
+
+
+_INT, _FLOAT, _SPAN = struct.Struct("<q"), struct.Struct("<d"), struct.Struct("<ii")
+
+
+def _pad(body: bytearray) -> None:
+    body += bytes(-len(body) % 8)
+
+
+def layout_of(data: bytes) -> tuple[Layout, dict[str, Any]] | None:
+    """The layout that a stream begins with, and its head; None where the data does not begin with one of these."""
+    if not data.startswith(_CONTINUES) or len(data) < 8:
+        return None
+    (size,) = struct.unpack_from("<i", data, 4)
+    schema = data[: 8 + size]
+    begin = schema.find(_MARK)
+    if size <= 0 or begin < 0:
+        return None
+    try:
+        head, _ = json.JSONDecoder().raw_decode(schema[begin:].decode("ascii", "replace"))
+        columns = [(str(name), str(kind)) for name, kind in head["columns"]]
+        layout = Layout(columns, {name: value for name, value in head.items() if name != "columns"})
+    except (ValueError, KeyError, TypeError, RecursionError, struct.error):
+        return None
+    return (layout, head) if layout.schema == schema else None

@@ -1,0 +1,420 @@
+"""The record of a run: every cycle as it came in, and what was decided about it, appended before the decision is returned.
+
+An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
+
+- `number`, `t`: the cycle's, where they are numbers; `arrived`, `finished`: the clock's readings, NaN where there was none;
+- `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
+  the row before that has any;
+- `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
+- the decision: `state`, `safe`, `driven`, `driven_number`, `driven_t`, `lost`, `faults` and `violations` (JSON), `verdicts.CANDIDATE` (a letter a
+  rule: s, v, u, i, o) and `margins.CANDIDATE`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.spec import SignalType
+from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Column, Layout, layout_of
+from trackmarshal.runtime.contract import PLAN, Contract
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.door import Door
+from trackmarshal.runtime.faults import name_of
+from trackmarshal.units import parse_unit
+
+FORMAT = "trackmarshal-record"
+VERSION = 1
+_LETTERS = b"svuio"
+_TIMES: tuple[Column, ...] = (("number", INT), ("t", FLOAT), ("arrived", FLOAT), ("finished", FLOAT))
+_DECISION: tuple[Column, ...] = (
+    ("state", TEXT), ("safe", INT), ("driven", TEXT), ("driven_number", INT), ("driven_t", FLOAT), ("lost", TEXT), ("faults", TEXT),
+    ("violations", TEXT), ("verdicts.driving", TEXT), ("verdicts.emergency", TEXT), ("margins.driving", FLOATS), ("margins.emergency", FLOATS),
+)  # fmt: skip
+
+
+class Record:
+    """A record that is being written; satisfies `Recorder`. Close it, or let the process die: what was appended stays.
+
+    identity: the judge's. sync waits in every cycle until the disk has the data (against a power failure; a process that is killed loses
+    nothing either way). Raises E483 where the file cannot be made or is there already.
+    """
+
+    def __init__(self, path: str | Path, door: Door, identity: Mapping[str, Any], sync: bool = False) -> None:
+        self._door = door
+        self._sync = sync
+        self._inputs = _inputs(door.contract)
+        #: Numbers come in as they are kept: then what passed the door is what came in.
+        self._plain = _all_si(door.contract)
+        self._kept: dict[tuple[str, str], Any] = {}
+        head = {
+            "format": FORMAT,
+            "version": VERSION,
+            "identity": dict(identity),
+            "limits": {name: _spelt(value) for name, value in asdict(door.limits).items()},
+        }
+        head["inputs"] = [list(one) for one in self._inputs]
+        self._layout = Layout(_columns(self._inputs), head)
+        try:
+            self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o644)
+            self._write(self._layout.schema)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            message = f"the record cannot be made: {reason}"
+            raise TrackmarshalError(
+                "E483", message, file=str(path), help="records are never overwritten; name a new file"
+            ) from error
+
+    def append(self, cycle: object, decision: Decision, readings: tuple[float, float]) -> None:
+        """One more row. Raises OSError where the disk refuses it."""
+        number = -1 if decision.number is None else decision.number
+        times = [number, decision.t, *readings]
+        outcome = decided(decision)
+        row = b""
+        if type(cycle) is Cycle and self._plain and not decision.faults:
+            try:
+                row = self._layout.batch([*times, "", *self._passed(), *outcome])
+            except UnicodeEncodeError:  # an id that is no text; JSON can spell it
+                row = b""
+            else:
+                self._kept = {place: border.points for place, border in self._door.lines().items()}
+        if not row:
+            row = self._layout.batch([*times, json.dumps(_plain(cycle)), *_empty(self._inputs), *outcome])
+        self._write(row)
+
+    def close(self) -> None:
+        """End the stream; nothing can be appended any more."""
+        if self._file >= 0:
+            self._write(END)
+            os.close(self._file)
+            self._file = -1
+
+    def _write(self, data: bytes) -> None:
+        view = memoryview(data)
+        while view:
+            view = view[os.write(self._file, view) :]
+        if self._sync:
+            os.fsync(self._file)
+
+    def _passed(self) -> Iterator[Any]:
+        """The columns of what the door holds."""
+        driving, emergency = self._door.signals()
+        ids = self._door.ids()
+        borders = self._door.lines()
+        for part, signal, field, _ in self._inputs:
+            if part == "plan":
+                yield (driving if signal == DRIVING else emergency)[PLAN][field]
+            elif part == "ids":
+                yield ids[signal]
+            elif part in ("x", "y"):
+                points = borders[signal, field].points
+                same = points is self._kept.get((signal, field))
+                yield _NOTHING if same else points[:, 0 if part == "x" else 1]
+            elif part == "closed":
+                yield int(self._door.closed[signal])
+            elif part == "event":
+                yield int(driving[signal])
+            else:
+                yield driving[signal][field]
+
+
+_NOTHING = np.zeros(0)
+
+
+def decided(decision: Decision) -> list[Any]:
+    """A decision as the values of its columns: two decisions are the same when these are, to the bit."""
+    driven = decision.driven
+    judged = decision.judged
+    faults = [[name_of(f), f.code, f.signal, f.field, f.index, f.message] for f in decision.faults]
+    violations = [
+        {
+            "rule": v.rule, "requirements": list(v.requirements), "candidate": v.candidate, "verdict": v.verdict,
+            "margin": _spelt(v.margin), "unit": v.unit, "reason": v.reason,
+            "witness": None if v.witness is None else v.witness.binders,
+        }
+        for v in decision.violations
+    ]  # fmt: skip
+    verdicts = [_letters(one.verdicts) for one in judged] if judged else ["", ""]
+    margins = [one.margins for one in judged] if judged else [_NOTHING, _NOTHING]
+    return [
+        decision.state, int(decision.safe), "" if driven is None else driven.candidate, -1 if driven is None else driven.number,
+        math.nan if driven is None else driven.t, decision.lost, json.dumps(faults), json.dumps(violations), *verdicts, *margins,
+    ]  # fmt: skip
+
+
+def decided_by_name(decision: Decision) -> dict[str, Any]:
+    """A decision by the names of its columns."""
+    return {name: value for (name, _), value in zip(_DECISION, decided(decision))}
+
+
+def _letters(codes: bytes) -> str:
+    return bytes(_LETTERS[code] for code in codes).decode()
+
+
+# Reading ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """One cycle of a record: what came in (None: nothing did), the clock's readings, and the decision as `decided` gives it."""
+
+    cycle: Any
+    readings: tuple[float, float]
+    decision: list[Any]
+
+    def value(self, column: str) -> Any:
+        """A value of the decision by its column."""
+        return self.decision[next(i for i, (name, _) in enumerate(_DECISION) if name == column)]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle."""
+
+    identity: dict[str, Any]
+    limits: Limits
+    cycles: tuple[Recorded, ...]
+    ended: bool
+    rest: int
+
+
+def is_record(data: bytes) -> bool:
+    """Whether these may be the first bytes of a record."""
+    return data.startswith(b"\xff\xff\xff\xff")
+
+
+def read(data: bytes, shown: str) -> Run:
+    """All whole cycles of a record; raises D161 where not even its head is whole, D162 for another version."""
+    found = layout_of(data)
+    if found is None:
+        raise TrackmarshalError(
+            "D161",
+            "the head of the record is damaged or cut off",
+            file=shown,
+            help="nothing can be read from it",
+        )
+    layout, head = found
+    if head.get("format") != FORMAT or head.get("version") != VERSION:
+        message = f"{head.get('format')!r:.40}, version {head.get('version')!r:.40}"
+        raise TrackmarshalError("D162", message, file=shown, help=f"known is {FORMAT}, version {VERSION}")
+    try:
+        given: dict[str, Any] = {n: float(v) if isinstance(v, str) else v for n, v in head["limits"].items()}
+        limits = Limits(**given)
+        identity = dict(head["identity"])
+        inputs = [
+            (str(part), str(signal), str(field), str(kind)) for part, signal, field, kind in head["inputs"]
+        ]
+        if layout.columns != tuple(_columns(inputs)):
+            raise ValueError("its columns are not those of its inputs")
+    except (KeyError, TypeError, ValueError, TrackmarshalError) as error:
+        raise TrackmarshalError(
+            "D162", "the head of the record lacks what it should say", file=shown, help=str(error)
+        ) from error
+    cycles = []
+    end = len(layout.schema)
+    kept: dict[tuple[str, str], Any] = {}
+    for row in layout.rows(data):
+        try:
+            cycles.append(_recorded(row.values, inputs, kept))
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            message = f"cycle {len(cycles)} of the record cannot be read: {error}"
+            raise TrackmarshalError("D162", message, file=shown, help="it was not written here") from error
+        end = row.end
+    rest = data[end:]
+    return Run(identity, limits, tuple(cycles), rest == END, 0 if rest == END else len(rest))
+
+
+def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str], Any]) -> Recorded:
+    times, raw = values[: len(_TIMES)], values[len(_TIMES)]
+    columns = values[len(_TIMES) + 1 : len(_TIMES) + 1 + len(inputs)]
+    if raw:
+        cycle = _unplain(json.loads(raw))
+    else:
+        plans: dict[str, dict[str, Any]] = {DRIVING: {}, EMERGENCY: {}}
+        signals: dict[str, Any] = {}
+        for (part, signal, field, _), value in zip(inputs, columns):
+            if part == "plan":
+                plans[signal][field] = value
+            elif part == "event":
+                signals[signal] = bool(value)
+            elif part in ("x", "y"):
+                if len(value):
+                    kept[signal, f"{field}.{part}"] = value
+                if part == "y":
+                    points = np.column_stack([kept[signal, f"{field}.x"], kept[signal, f"{field}.y"]])
+                    if field:
+                        signals.setdefault(signal, {})[field] = points
+                    else:
+                        signals[signal] = points
+            elif part == "closed":
+                signals.setdefault(signal, {})["closed"] = bool(value)
+            else:
+                signals.setdefault(signal, {})["id" if part == "ids" else field] = value
+        cycle = Cycle(times[0], times[1], plans[DRIVING], plans[EMERGENCY], signals)
+    return Recorded(cycle, (times[2], times[3]), values[-len(_DECISION) :])
+
+
+# Columns ----------------------------------------------------------------------------------------------------------
+
+#: What an input column is: plan, column, number, ids, x, y, closed or event; its signal (or candidate), field, and kind.
+_Input = tuple[str, str, str, str]
+
+
+def _inputs(contract: Contract) -> list[_Input]:
+    found: list[_Input] = []
+    for candidate in (DRIVING, EMERGENCY):
+        found += [("plan", candidate, name, FLOATS) for name in _numbers(contract.plan)]
+    for signal in contract.shared:
+        if signal.many or signal.sequence:
+            found += [("ids", signal.name, "id", TEXTS)] if signal.many else []
+            found += [("column", signal.name, name, FLOATS) for name in _numbers(signal)]
+        elif signal.kind == "state":
+            found += [("number", signal.name, name, FLOAT) for name in _numbers(signal)]
+        else:
+            lines = [k.name for k in signal.fields_ if k.kind == "polyline"]
+            lines = [""] if signal.kind == "polyline" else list(dict.fromkeys((*lines, "left", "right")))
+            found += [(axis, signal.name, line, FLOATS) for line in lines for axis in ("x", "y")]
+            found += [] if signal.kind == "polyline" else [("closed", signal.name, "closed", INT)]
+    return found + [("event", name, "", INT) for name in contract.events]
+
+
+def _numbers(signal: SignalType) -> list[str]:
+    return [kind.name for kind in signal.fields_ if kind.kind == "number"]
+
+
+def _all_si(contract: Contract) -> bool:
+    """Whether all fields are numbers in SI units, or borders; anything else is kept as it came in, in `raw`."""
+    kinds = [kind for signal in (contract.plan, *contract.shared) for kind in signal.fields_]
+    return all(
+        kind.kind == "polyline" or (kind.kind == "number" and parse_unit(kind.unit)[:2] == (1.0, 1.0))
+        for kind in kinds
+    )
+
+
+def _columns(inputs: list[_Input]) -> list[Column]:
+    return [*_TIMES, ("raw", TEXT), *((_name(one), one[3]) for one in inputs), *_DECISION]
+
+
+def _name(one: _Input) -> str:
+    part, signal, field, _ = one
+    return ".".join(filter(None, (signal, field, part if part in ("x", "y") else "")))
+
+
+def _empty(inputs: list[_Input]) -> list[Any]:
+    empty: dict[str, Any] = {FLOATS: _NOTHING, TEXTS: (), FLOAT: math.nan, INT: -1}
+    return [empty[kind] for *_, kind in inputs]
+
+
+# What did not pass the door -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Opaque:
+    """Stands for something that JSON has no word for."""
+
+    kind: str
+
+
+def _spelt(value: Any) -> Any:
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _plain(value: Any, depth: int = 0) -> Any:
+    """Anything as strict JSON data: what JSON does not have is {"$": kind, ...}."""
+    kind = type(value)
+    if value is None or kind in (bool, str):
+        return value
+    if kind is int:
+        return value if abs(value) < 2**63 else {"$": "int", "of": hex(value)}
+    if kind is float or isinstance(value, np.floating):
+        number = float(value)
+        return number if math.isfinite(number) else {"$": str(number)}
+    if isinstance(value, np.bool_ | np.integer):
+        return {"$": "scalar", "type": value.dtype.str, "of": value.item()}
+    if depth < 8:
+        if kind is Cycle:
+            given = [getattr(value, name, None) for name in _CYCLE]
+            return {"$": "cycle", "of": [_plain(item, depth + 1) for item in given]}
+        if kind is dict:
+            pairs = [(key, _plain(item, depth + 1)) for key, item in value.items()]
+            if all(type(key) is str for key in value) and "$" not in value:
+                return dict(pairs)
+            return {"$": "dict", "of": [(_plain(key, depth + 1), item) for key, item in pairs]}
+        if kind is list:
+            return [_plain(item, depth + 1) for item in value]
+        if kind is tuple:
+            return {"$": "tuple", "of": [_plain(item, depth + 1) for item in value]}
+        if kind is np.ndarray and value.dtype.kind in "iufb":
+            array = value if value.dtype.itemsize <= 8 else value.astype(np.float64)
+            values = _plain(array.ravel().tolist(), depth + 1)
+            return {"$": "array", "type": array.dtype.str, "shape": array.shape, "of": values}
+    return {"$": "opaque", "kind": kind.__name__}
+
+
+_CYCLE = ("number", "t", "driving", "emergency", "signals")
+
+
+def _unplain(value: Any) -> Any:
+    if type(value) is list:
+        return [_unplain(item) for item in value]
+    if type(value) is not dict:
+        return value
+    kind = value.get("$")
+    of: Any = value.get("of")
+    match kind:
+        case None:
+            return {key: _unplain(item) for key, item in value.items()}
+        case "nan" | "inf" | "-inf":
+            return float(kind)
+        case "int":
+            return int(of, 16)
+        case "cycle":
+            return Cycle(*(_unplain(item) for item in of))
+        case "dict":
+            return {_unplain(key): _unplain(item) for key, item in of}
+        case "tuple":
+            return tuple(_unplain(item) for item in of)
+        case "array":
+            return np.array(_unplain(of), dtype=value["type"]).reshape(value["shape"])
+        case "scalar":
+            return np.dtype(value["type"]).type(of)
+        case "opaque":
+            return Opaque(value["kind"])
+        case _:
+            raise ValueError(f"unknown kind {kind!r:.40}")
+
+
+# Running it again -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """A cycle (its place in the record) whose decision is another one now: which column, what was and what is."""
+
+    place: int
+    t: float
+    column: str
+    recorded: Any
+    now: Any
+
+
+def differences(place: int, recorded: Recorded, decision: Decision) -> list[Difference]:
+    """Where a decision is not bit for bit the recorded one."""
+    return [
+        Difference(place, decision.t, name, old, new)
+        for (name, kind), old, new in zip(_DECISION, recorded.decision, decided(decision))
+        if _bits(kind, old) != _bits(kind, new)
+    ]
+
+
+def _bits(kind: str, value: Any) -> Any:
+    return np.asarray(value, dtype="<f8").tobytes() if kind in (FLOAT, FLOATS) else value

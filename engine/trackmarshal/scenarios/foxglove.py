@@ -1,0 +1,151 @@
+"""A run's record as an MCAP file, so that Foxglove shows it: decisions and cycles as JSON, and the scene in its own terms.
+
+Topics: `/decision` and `/cycle` (everything that the record has, by column), `/scene` (foxglove.SceneUpdate: borders, both candidates, what is driven,
+the car and the objects). Needs the package `mcap`, which is imported when this is called.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.record import Recorded, Run, decided_by_name
+
+FRAME = "map"
+_GREY, _GREEN, _ORANGE, _RED, _BLUE = (
+    (0.6, 0.6, 0.6), (0.1, 0.7, 0.2), (1.0, 0.6, 0.0), (0.9, 0.1, 0.1), (0.2, 0.4, 0.9),
+)  # fmt: skip
+#: Size of the car where its parameters do not say, m.
+_LENGTH, _WIDTH = 4.7, 2.0
+_OBJECT = {"type": "object"}
+
+
+def write(run: Run, decisions: Iterable[Decision], path: str | Path) -> None:
+    """Write a record with the decisions of its cycles. Raises E484 without the package, D120 where the file cannot be written."""
+    try:
+        from mcap.writer import Writer
+    except ImportError as error:
+        message = "MCAP needs the package `mcap`"
+        raise TrackmarshalError("E484", message, help="pip install trackmarshal[mcap]") from error
+    try:
+        with Path(path).open("wb") as file:
+            writer: Any = Writer(file)
+            writer.start(library="trackmarshal")
+            writer.add_metadata("trackmarshal", {"identity": json.dumps(run.identity)})
+            channels = {topic: _channel(writer, topic, name) for topic, name in _TOPICS.items()}
+            for number, (recorded, decision) in enumerate(zip(run.cycles, decisions)):
+                at = _nanoseconds(recorded.readings[0])
+                for topic, message in _messages(run, recorded, decision).items():
+                    data = json.dumps(message, allow_nan=False).encode()
+                    writer.add_message(channels[topic], at, data, at, number)
+            writer.finish()
+    except OSError as error:
+        raise TrackmarshalError(
+            "D120", f"cannot be written: {error.strerror}", file=str(path), help="check the path"
+        ) from error
+
+
+_TOPICS = {
+    "/decision": "trackmarshal.Decision",
+    "/cycle": "trackmarshal.Cycle",
+    "/scene": "foxglove.SceneUpdate",
+}
+
+
+def _channel(writer: Any, topic: str, name: str) -> int:
+    schema = writer.register_schema(name, "jsonschema", json.dumps({"title": name, **_OBJECT}).encode())
+    channel: int = writer.register_channel(topic, "json", schema)
+    return channel
+
+
+def _messages(run: Run, recorded: Recorded, decision: Decision) -> dict[str, Any]:
+    stamp = _stamp(recorded.readings[0])
+    messages = {
+        "/decision": {"timestamp": stamp, "t": _spelt(decision.t), **_spelt(decided_by_name(decision))}
+    }
+    cycle = recorded.cycle
+    if type(cycle) is Cycle and not decision.faults:
+        messages["/cycle"] = _spelt({
+            "timestamp": stamp, "number": cycle.number, DRIVING: cycle.driving, EMERGENCY: cycle.emergency, **cycle.signals
+        })  # fmt: skip
+        messages["/scene"] = {"deletions": [], "entities": list(_entities(run, cycle, decision, stamp))}
+    return messages
+
+
+def _entities(
+    run: Run, cycle: Cycle, decision: Decision, stamp: Mapping[str, int]
+) -> Iterable[dict[str, Any]]:
+    track = cycle.signals.get("track", {})
+    borders = [_line(side.tolist(), _GREY, 0.15) for name, side in track.items() if name in ("left", "right")]
+    yield _entity("track", stamp, lines=borders)
+    for name, columns, colour in ((DRIVING, cycle.driving, _BLUE), (EMERGENCY, cycle.emergency, _ORANGE)):
+        yield _entity(name, stamp, lines=[_line(zip(columns["x"], columns["y"]), colour, 0.2)])
+    samples = decision.samples
+    if samples is not None:
+        colour = _GREEN if decision.safe else _RED
+        yield _entity("driven", stamp, lines=[_line(zip(samples["x"], samples["y"]), colour, 0.5)])
+    ego = cycle.signals["ego"]
+    length, width = (
+        run.identity.get("params", {}).get(n, d) for n, d in (("length", _LENGTH), ("width", _WIDTH))
+    )
+    yield _entity("ego", stamp, cubes=[_box(ego, length, width, _BLUE)])
+    for signal, colour in (("objects", _RED), ("obstacles", _GREY)):
+        sets = cycle.signals.get(signal, {})
+        records = [dict(zip(sets, values)) for values in zip(*sets.values())]
+        yield _entity(signal, stamp, cubes=[_box(r, r["length"], r["width"], colour) for r in records])
+
+
+def _entity(name: str, stamp: Mapping[str, int], **parts: Any) -> dict[str, Any]:
+    return {
+        "timestamp": stamp, "frame_id": FRAME, "id": name, "lifetime": {"sec": 0, "nsec": 0}, "frame_locked": True, "metadata": [],
+        **{kind: parts.get(kind, []) for kind in ("arrows", "cubes", "spheres", "cylinders", "lines", "triangles", "texts", "models")},
+    }  # fmt: skip
+
+
+def _line(points: Iterable[Any], colour: tuple[float, ...], thickness: float) -> dict[str, Any]:
+    return {
+        "type": 0, "pose": _pose(0.0, 0.0, 0.0), "thickness": thickness, "scale_invariant": False,
+        "points": [{"x": float(x), "y": float(y), "z": 0.0} for x, y in points], "color": _colour(colour), "colors": [], "indices": [],
+    }  # fmt: skip
+
+
+def _box(record: Mapping[str, Any], length: float, width: float, colour: tuple[float, ...]) -> dict[str, Any]:
+    return {
+        "pose": _pose(float(record["x"]), float(record["y"]), float(record["heading"])),
+        "size": {"x": float(length), "y": float(width), "z": 1.2}, "color": _colour(colour),
+    }  # fmt: skip
+
+
+def _pose(x: float, y: float, heading: float) -> dict[str, Any]:
+    turn = {"x": 0.0, "y": 0.0, "z": math.sin(heading / 2), "w": math.cos(heading / 2)}
+    return {"position": {"x": x, "y": y, "z": 0.0}, "orientation": turn}
+
+
+def _colour(colour: tuple[float, ...]) -> dict[str, float]:
+    return dict(zip("rgba", (*colour, 1.0)))
+
+
+def _nanoseconds(reading: float) -> int:
+    return max(0, round(reading * 1e9)) if math.isfinite(reading) else 0
+
+
+def _stamp(reading: float) -> dict[str, int]:
+    seconds, rest = divmod(_nanoseconds(reading), 10**9)
+    return {"sec": seconds, "nsec": rest}
+
+
+def _spelt(value: Any) -> Any:
+    """Strict JSON: arrays as lists, numbers that are not finite as words."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {name: _spelt(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_spelt(item) for item in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value

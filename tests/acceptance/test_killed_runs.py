@@ -1,0 +1,43 @@
+"""A run that is killed leaves a record: every completed cycle is in it, and it runs again the same, bit for bit."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from support import killed_runs
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.record import read
+from trackmarshal.supervision import judge_of, rerun
+
+#: Runs that `make test` kills; `make acceptance` kills 200.
+KILLS = int(os.environ.get("TRACKMARSHAL_KILLS", "10"))
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")
+def test_killed_at_random_moments(tmp_path: Path) -> None:
+    script = [sys.executable, str(Path(killed_runs.__file__)), str(tmp_path), str(KILLS), "20261121"]
+    done = subprocess.run(script, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    outcomes = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(outcomes) == KILLS
+    spec = killed_runs.spec()
+    lengths = set()
+    for outcome in outcomes:
+        path, completed = tmp_path / outcome["file"], outcome["completed"]
+        try:
+            run = read(path.read_bytes(), str(path))
+        except (TrackmarshalError, OSError):
+            assert completed == 0  # killed before the head was written
+            continue
+        assert completed <= len(run.cycles) <= completed + 1
+        assert not run.ended
+        found = [d for _, differing in rerun(run, spec, judge_of(run, spec)) for d in differing]
+        assert found == []
+        lengths.add(completed)
+    assert len(lengths) > KILLS // 3, "the moments were not random"

@@ -1,0 +1,139 @@
+"""The Supervisor's own part of a step, and whole steps: the door, the state machine and the record, then with the numpy evaluator.
+
+Medians of CPU seconds. A cycle has two trajectories of 50 points, 3 objects and borders of 2 x 1500 points, as numpy arrays; all rules.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import statistics
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from trackmarshal.evaluation import load
+from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.runtime.door import Door
+from trackmarshal.runtime.judge import Judged
+from trackmarshal.runtime.record import Record
+from trackmarshal.runtime.supervisor import Supervisor
+from trackmarshal.supervision import EvaluatorJudge
+
+ROOT = Path(__file__).resolve().parents[2]
+PERIOD, RADIUS = 0.1, 600.0
+LIMITS = {"Supervisor: the door": 60e-6}
+
+
+def measure() -> dict[str, float]:
+    """CPU seconds by name."""
+    from trackmarshal.evaluation import Evaluator
+
+    spec = load([ROOT / "specs" / "supervisor"])
+    judge = EvaluatorJudge(Evaluator(spec))
+    result = {"Supervisor: the door": _door(Supervisor(spec, judge).door)}
+    result["Supervisor: step without the judge"] = _steps(
+        lambda clock: Supervisor(spec, _Safe(judge), clock=clock)
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        numbers = itertools.count()
+
+        def recorded(clock: Callable[[], float]) -> Supervisor:
+            made = Supervisor(spec, _Safe(judge), clock=clock)
+            made.recorder = Record(Path(folder) / f"{next(numbers)}.arrows", made.door, judge.identity)
+            return made
+
+        result["Supervisor: step without the judge, recorded"] = _steps(recorded)
+    result["Supervisor: step with numpy"] = _steps(
+        lambda clock: Supervisor(spec, judge, Limits(budget=math.inf), clock), steps=20
+    )
+    return result
+
+
+class _Safe:
+    """Says at once that all is well."""
+
+    def __init__(self, judge: EvaluatorJudge) -> None:
+        self.rules, self.identity = judge.rules, judge.identity
+        self._said = Judged(bytes(len(judge.rules)), np.ones(len(judge.rules)))
+
+    def judge(self, door: Door) -> tuple[Judged, Judged]:
+        door.signals()
+        return self._said, self._said
+
+
+def plan(braking: float) -> dict[str, Any]:
+    """50 samples on a circle, at 40 m/s; one that brakes ends at rest."""
+    n = 50
+    t = np.linspace(0.0, 40.0 / braking if braking else 4.9, n)
+    s = 40.0 * t - braking * t**2 / 2
+    v = 40.0 - braking * t
+    v[-1] = 0.0 if braking else 40.0
+    angle = 1 / 6 + s / RADIUS
+    return {
+        "t": t, "s": s, "x": RADIUS * np.cos(angle), "y": RADIUS * np.sin(angle), "heading": angle + math.pi / 2,
+        "kappa": np.full(n, 1 / RADIUS), "v": v, "a": np.full(n, -braking), "grip": np.ones(n),
+    }  # fmt: skip
+
+
+def cycles() -> Iterator[Cycle]:
+    """The same situation again and again, in order."""
+    driving, emergency = plan(0.0), plan(9.0)
+    ahead = 1 / 6 + np.array([400.0, 500.0, 600.0]) / RADIUS
+    ring = np.linspace(0.0, 2 * math.pi, 1500, endpoint=False)
+    circle = np.column_stack([np.cos(ring), np.sin(ring)])
+    signals = {
+        "ego": {"x": driving["x"][0], "y": driving["y"][0], "heading": driving["heading"][0], "v": 40.0, "age": 0.0},
+        "objects": {
+            "id": ["a", "b", "c"], "x": RADIUS * np.cos(ahead), "y": RADIUS * np.sin(ahead), "heading": ahead + math.pi / 2,
+            "v": np.full(3, 45.0), "length": np.full(3, 4.7), "width": np.full(3, 2.0), "age": np.zeros(3),
+        },
+        "obstacles": {name: np.zeros(0) for name in ("x", "y", "heading", "length", "width")},
+        "track": {"left": 593.0 * circle, "right": 607.0 * circle, "closed": True},
+    }  # fmt: skip
+    for number in itertools.count():
+        yield Cycle(number, number * PERIOD, driving, emergency, signals)
+
+
+def _door(door: Door, count: int = 500) -> float:
+    given = cycles()
+
+    def many() -> None:
+        for cycle in itertools.islice(given, count):
+            assert not door.check(cycle, cycle.t)[0]
+
+    return median(many) / count
+
+
+def _steps(make: Callable[[Callable[[], float]], Supervisor], steps: int = 500) -> float:
+    now = [0.0]
+    supervisor = make(lambda: now[0])
+    given = cycles()
+
+    def many() -> None:
+        for cycle in itertools.islice(given, steps):
+            now[0] = cycle.t
+            decision = supervisor.step(cycle)
+            assert decision.safe, decision.reasons
+
+    return median(many) / steps
+
+
+def median(run: Callable[[], object], repeats: int = 9) -> float:
+    """Median CPU seconds."""
+    run()
+    spent = []
+    for _ in range(repeats):
+        before = time.process_time()
+        run()
+        spent.append(time.process_time() - before)
+    return statistics.median(spent)
+
+
+if __name__ == "__main__":
+    for name, value in measure().items():
+        print(f"{value * 1e6:12.1f} us  {name}")

@@ -1,0 +1,339 @@
+"""The record of a run: what was appended is read again, to the bit, wherever the file was cut off."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.cycles import PERIOD, cycle, mutate
+from support.supervised import Clock, Oracle, made, shipped
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Layout, layout_of
+from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.record import Difference, Record, Run, is_record, read
+from trackmarshal.supervision import rerun
+
+
+def recorded(
+    path: Path, steps: list[tuple[Any, set[tuple[str, str]], list[Any]]], limits: Limits | None = None, close: bool = True
+) -> list[Decision]:  # fmt: skip
+    """A run of (cycle, unsafe rules, clock's readings) into a file."""
+    supervisor, oracle, clock = made(limits)
+    supervisor.recorder = Record(path, supervisor.door, oracle.identity)
+    decisions = []
+    for given, oracle.unsafe, ticks in steps:
+        clock.ticks = list(ticks)
+        decisions.append(supervisor.step(given))
+        assert supervisor.record_error == ""
+    if close:
+        supervisor.close()
+    return decisions
+
+
+def again(path: Path, steps: list[Any]) -> tuple[Run, list[Difference]]:
+    """The record run again with a judge that says the same."""
+    run = read(path.read_bytes(), str(path))
+
+    class Same(Oracle):
+        def judge(self, door: Any) -> Any:
+            self.unsafe = unsafe.pop(0)
+            return super().judge(door)
+
+    # The judge is asked about cycles without faults only.
+    unsafe = [one[1] for one, kept in zip(steps, run.cycles) if kept.value("verdicts.driving")]
+    found = [d for _, differing in rerun(run, shipped(), Same()) for d in differing]
+    return run, found
+
+
+def plain(count: int) -> list[tuple[Any, set[tuple[str, str]], list[Any]]]:
+    """Cycles in time, every third one unsafe."""
+    return [
+        (cycle(i), {("driving", "friction")} if i % 3 == 2 else set(), [i * PERIOD, i * PERIOD + 0.001])
+        for i in range(count)
+    ]
+
+
+def test_cycles_and_decisions_come_back(tmp_path: Path) -> None:
+    path = tmp_path / "run.arrows"
+    steps = plain(7)
+    decisions = recorded(path, steps)
+    run, found = again(path, steps)
+    assert found == []
+    assert (run.ended, run.rest, run.identity, run.limits) == (True, 0, Oracle.identity, Limits())
+    for (given, _, ticks), kept, decision in zip(steps, run.cycles, decisions, strict=True):
+        assert kept.readings == tuple(ticks)
+        assert (kept.cycle.number, kept.cycle.t) == (given.number, given.t)
+        for name, column in given.emergency.items():
+            assert kept.cycle.emergency[name].tobytes() == column.tobytes()
+        assert kept.cycle.signals["ego"] == given.signals["ego"]
+        assert kept.cycle.signals["objects"]["id"] == given.signals["objects"]["id"]
+        for side, points in given.signals["track"].items():
+            assert np.array_equal(kept.cycle.signals["track"][side], points)
+        assert (kept.value("state"), kept.value("lost")) == (decision.state, decision.lost)
+        if decision.violations:
+            assert json.loads(kept.value("violations"))[0]["rule"] == "friction"
+
+
+def test_broken_cycles_of_every_kind_run_again_the_same(tmp_path: Path) -> None:
+    rng = random.Random(5)
+    steps = plain(400)
+    for i in range(1, len(steps), 2):
+        given, unsafe, ticks = steps[i]
+        steps[i] = (mutate(rng, given)[0], unsafe, ticks)
+    odd: list[Any] = [
+        None,
+        7,
+        object(),
+        [],
+        {1: 2, "$": 3},
+        Cycle(1, math.nan, {1: 2}, (1, [2]), {"$": "nan"}),
+    ]
+    steps += [(thing, set(), [41.0 + i]) for i, thing in enumerate(odd)]
+    steps += [(cycle(600), set(), [60.0, value]) for value in (60.04, 61.0, math.nan, -1.0)]
+    path = tmp_path / "run.arrows"
+    recorded(path, steps)
+    run, found = again(path, steps)
+    assert len(run.cycles) == len(steps)
+    assert found == []
+
+
+def test_an_id_that_is_no_text(tmp_path: Path) -> None:
+    steps = plain(3)
+    given = steps[1][0]
+    objects = {**given.signals["objects"], "id": ["\ud800", "o"]}
+    steps[1] = (replace(given, signals={**given.signals, "objects": objects}), set(), steps[1][2])
+    path = tmp_path / "run.arrows"
+    decisions = recorded(path, steps)
+    assert decisions[1].state == "drive"
+    run, found = again(path, steps)
+    assert found == []
+    assert run.cycles[1].cycle.signals["objects"]["id"] == ["\ud800", "o"]
+
+
+def test_a_border_that_changes_is_kept_when_it_changes(tmp_path: Path) -> None:
+    steps = plain(6)
+    for i in (3, 4, 5):
+        given = steps[i][0]
+        track = {**given.signals["track"], "left": given.signals["track"]["left"] + [0.0, 1.0]}
+        steps[i] = (replace(given, signals={**given.signals, "track": track}), *steps[i][1:])
+    broken = replace(steps[4][0], driving=None)
+    steps[4] = (broken, set(), steps[4][2])
+    path = tmp_path / "run.arrows"
+    recorded(path, steps)
+    run, found = again(path, steps)
+    assert found == []
+    assert [float(kept.cycle.signals["track"]["left"][0][1]) for kept in run.cycles] == [6.0] * 3 + [7.0] * 3
+
+
+def small(path: Path, count: int) -> bytes:
+    """The bytes of a record of few columns: one rule, two samples a trajectory, one step on a straight."""
+    supervisor, oracle, clock = made(rules=["speed_limit"])
+    supervisor.recorder = Record(path, supervisor.door, oracle.identity)
+    for number in range(count):
+        clock.now = number * PERIOD
+        given = cycle(number)
+        ends = {
+            name: {n: c[[0, -1]] for n, c in getattr(given, name).items()}
+            for name in ("driving", "emergency")
+        }
+        assert supervisor.step(replace(given, **ends)).state == "drive"
+    return path.read_bytes()
+
+
+def test_cut_off_at_every_byte(tmp_path: Path) -> None:
+    whole = small(tmp_path / "run.arrows", 3)
+    found = layout_of(whole)
+    assert found is not None
+    ends = [len(found[0].schema), *(row.end for row in found[0].rows(whole))]
+    assert len(ends) == 4
+    assert ends[-1] == len(whole)
+    for cut in range(len(whole)):
+        if cut < ends[0]:
+            with pytest.raises(TrackmarshalError) as caught:
+                read(whole[:cut], "cut")
+            assert caught.value.code == "D161"
+            continue
+        run = read(whole[:cut], "cut")
+        complete = sum(end <= cut for end in ends[1:])
+        assert len(run.cycles) == complete
+        assert run.rest == cut - ends[complete]
+        assert not run.ended
+
+
+def test_any_changed_byte_of_a_cycle_is_noticed(tmp_path: Path) -> None:
+    whole = bytearray(small(tmp_path / "run.arrows", 2))
+    found = layout_of(bytes(whole))
+    assert found is not None
+    begin = len(found[0].schema)
+    rng = random.Random(3)
+    for at in range(begin, len(whole), 3):
+        bit = 1 << rng.randrange(8)
+        whole[at] ^= bit
+        run = read(bytes(whole), "changed")
+        assert len(run.cycles) < 2
+        whole[at] ^= bit
+
+
+def test_any_changed_byte_of_the_head_is_an_error(tmp_path: Path) -> None:
+    whole = bytearray(small(tmp_path / "run.arrows", 1))
+    found = layout_of(bytes(whole))
+    assert found is not None
+    for at in range(0, len(found[0].schema), 3):
+        whole[at] ^= 0x20
+        try:
+            run = read(bytes(whole), "changed")
+        except TrackmarshalError as error:
+            assert error.code in ("D161", "D162")
+        else:  # another number or name in the head, and the same file otherwise
+            assert len(run.cycles) <= 1
+        whole[at] ^= 0x20
+
+
+def test_no_record_at_all() -> None:
+    for data in (
+        b"",
+        b"\xff\xff\xff\xff",
+        b"\xff\xff\xff\xff\x10\x00\x00\x00" + bytes(16),
+        END,
+        b"PK\x03\x04",
+    ):
+        assert is_record(data) == data.startswith(b"\xff\xff\xff\xff")
+        with pytest.raises(TrackmarshalError) as caught:
+            read(data, "x")
+        assert caught.value.code == "D161"
+    with pytest.raises(TrackmarshalError) as caught:
+        read(Layout([("n", INT)], {"format": "other", "version": 1}).schema, "x")
+    assert caught.value.code == "D162"
+
+
+def test_a_file_that_is_there_is_not_touched(tmp_path: Path) -> None:
+    path = tmp_path / "run.arrows"
+    path.write_bytes(b"mine")
+    supervisor, oracle, _ = made()
+    for place in (path, tmp_path / "none" / "run.arrows", tmp_path):
+        with pytest.raises(TrackmarshalError) as caught:
+            Record(place, supervisor.door, oracle.identity)
+        assert caught.value.code == "E483"
+    assert path.read_bytes() == b"mine"
+
+
+def test_a_record_that_fails_leaves_the_decision(tmp_path: Path) -> None:
+    class Full:
+        def append(self, *args: object) -> None:
+            raise OSError(28, "No space left on device")
+
+        def close(self) -> None: ...
+
+    supervisor, _, clock = made()
+    supervisor.recorder = Full()
+    clock.now = 0.0
+    assert supervisor.step(cycle(0)).state == "drive"
+    assert supervisor.record_error == "OSError: [Errno 28] No space left on device"
+
+
+def test_a_difference_is_found(tmp_path: Path) -> None:
+    path = tmp_path / "run.arrows"
+    steps = plain(6)
+    recorded(path, steps)
+    run = read(path.read_bytes(), "x")
+    kind = Oracle()
+    found = [d for _, differing in rerun(run, shipped(), kind) for d in differing]
+    assert {(d.place, d.column) for d in found} >= {
+        (2, "state"),
+        (2, "safe"),
+        (5, "verdicts.driving"),
+        (5, "margins.driving"),
+    }
+    assert all(d.place in (2, 5) for d in found)
+
+
+def test_other_tools_read_the_format() -> None:
+    pyarrow = pytest.importorskip(
+        "pyarrow", reason="an independent reader of the format; `pip install pyarrow`"
+    )
+    columns = [("n", INT), ("f", FLOAT), ("s", TEXT), ("l", FLOATS), ("ids", TEXTS)]
+    layout = Layout(columns, {"format": "x", "odd": "\u00e4\u20ac"})
+    rows: list[tuple[Any, ...]] = [
+        (1, 2.5, "h\u00e4\u00df\U0001f600", np.array([1.0, math.inf, -0.0]), ["a", "bc", ""]),
+        (-(2**63), -math.inf, "", np.zeros(0), []),
+        (3, 5e-324, "x" * 9, np.arange(50.0), ["\u00fc"]),
+    ]
+    data = layout.schema + b"".join(layout.batch(row) for row in rows)
+    for end in (b"", END):
+        with pyarrow.ipc.open_stream(data + end) as reader:
+            table = reader.read_all()
+        table.validate(full=True)
+        assert table.schema.names == ["crc32", *(name for name, _ in columns)]
+        for row, read_row in zip(rows, table.to_pylist(), strict=True):
+            assert [read_row[name] for name, _ in columns] == [
+                value.tolist() if isinstance(value, np.ndarray) else value for value in row
+            ]
+        assert json.loads(table.schema.metadata[b"trackmarshal"])["odd"] == "\u00e4\u20ac"
+
+
+def test_other_tools_read_a_record(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip(
+        "pyarrow", reason="an independent reader of the format; `pip install pyarrow`"
+    )
+    path = tmp_path / "run.arrows"
+    steps = plain(4)
+    recorded(path, steps)
+    with pyarrow.ipc.open_stream(path.read_bytes()) as reader:
+        table = reader.read_all()
+    table.validate(full=True)
+    assert table["state"].to_pylist() == ["drive", "drive", "previous_emergency", "drive"]
+    assert table["driving.v"][1].as_py() == steps[1][0].driving["v"].tolist()
+    assert table["objects.id"][0].as_py() == ["o0", "o1"]
+
+
+def test_the_clock_of_a_record_is_that_of_the_run(tmp_path: Path) -> None:
+    """Time that the run itself took counts again: a verdict that was late stays late."""
+    path = tmp_path / "run.arrows"
+    steps: list[Any] = [
+        (cycle(0), set(), [0.0, 0.01]),
+        (cycle(1), set(), [0.1, 0.16]),
+        (cycle(2), set(), [0.2, 0.24]),
+    ]
+    decisions = recorded(path, steps)
+    assert [d.state for d in decisions] == ["drive", "previous_emergency", "drive"]
+    assert again(path, steps)[1] == []
+    assert isinstance(Clock()(), float)
+
+
+def test_foxglove_reads_an_export(tmp_path: Path) -> None:
+    from mcap.reader import make_reader
+
+    from trackmarshal.scenarios import foxglove
+
+    path = tmp_path / "run.arrows"
+    steps = plain(6)
+    steps[3] = (None, set(), steps[3][2][:1])
+    decisions = recorded(path, steps)
+    foxglove.write(read(path.read_bytes(), "run"), decisions, tmp_path / "run.mcap")
+    with (tmp_path / "run.mcap").open("rb") as file:
+        messages = [
+            (channel.topic, schema.name, message.log_time, json.loads(message.data))
+            for schema, channel, message in make_reader(file).iter_messages(log_time_order=False)
+            if schema is not None
+        ]
+    told = [data for topic, _, _, data in messages if topic == "/decision"]
+    assert [data["state"] for data in told] == [d.state for d in decisions]
+    assert [time for topic, _, time, _ in messages if topic == "/decision"] == [
+        round(one[2][0] * 1e9) for one in steps
+    ]
+    scenes = [
+        data for topic, name, _, data in messages if topic == "/scene" and name == "foxglove.SceneUpdate"
+    ]
+    assert len(scenes) == 4
+    by_name = {entity["id"]: entity for entity in scenes[0]["entities"]}
+    assert by_name.keys() == {"track", "driving", "emergency", "driven", "ego", "objects", "obstacles"}
+    assert len(by_name["objects"]["cubes"]) == 2
+    assert len(by_name["driven"]["lines"][0]["points"]) == 30

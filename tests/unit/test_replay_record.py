@@ -1,0 +1,117 @@
+"""`trackmarshal replay` of a run's record: the same decisions, or which ones are not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import trackmarshal as tm
+from support.cycles import PERIOD, SPEED, cycle
+from support.supervised import ROOT
+from trackmarshal.cli.main import main
+from trackmarshal.errors import TrackmarshalError
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Path:
+    """Five cycles on a straight: the third is missing, in the fifth the driving trajectory is too fast."""
+    path = tmp_path / "run.arrows"
+    now = 0.0
+    supervisor = tm.supervisor(
+        tm.load([ROOT / "specs" / "supervisor"]),
+        ["speed_limit", "ends_at_rest"],
+        clock=lambda: now,
+        record=path,
+        params={"v_max": 30.0},
+    )
+    for number in range(5):
+        now = number * PERIOD
+        given = cycle(number) if number != 2 else None
+        if given is not None and number == 4:
+            given.driving["v"][9] = 3 * SPEED
+        supervisor.step(given)
+    supervisor.close()
+    assert supervisor.record_error == ""
+    return path
+
+
+def replay(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    status = main(["replay", *arguments, "--project", str(ROOT)])
+    said = capsys.readouterr()
+    return status, said.out, said.err
+
+
+def test_same_decisions(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, err = replay(capsys, str(record))
+    assert (status, err) == (0, "")
+    assert out == f"{record}: 5 cycles, 2 drive, 3 previous_emergency\nsame decisions, bit for bit\n"
+
+
+def test_another_backend_decides_the_same(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert replay(capsys, str(record), "--backend", "reference")[0] == 0
+
+
+def test_lines(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, _ = replay(capsys, str(record), "--format", "jsonl")
+    lines = [json.loads(line) for line in out.splitlines()]
+    assert status == 0
+    assert [(line["candidate"], line["decision"], line["decision_from"], line["same"]) for line in lines[:6]] == [
+        ("driving", "drive", 0.0, True), ("emergency", "drive", 0.0, True), ("driving", "drive", 0.1, True), ("emergency", "drive", 0.1, True),
+        ("driving", "previous_emergency", 0.1, True), ("emergency", "previous_emergency", 0.1, True),
+    ]  # fmt: skip
+    assert lines[4]["cycle_faults"] == ["missing_cycle D221 cycle: "]
+    assert lines[4]["rules"] == {}
+    assert set(lines[0]["rules"]) == {"speed_limit", "ends_at_rest"}
+
+
+def test_cut_off_in_the_last_cycle(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record.write_bytes(record.read_bytes()[:-100])
+    status, out, _ = replay(capsys, str(record))
+    assert status == 0
+    assert "4 cycles" in out
+    assert "not closed" in out
+
+
+def test_cut_off_in_the_head(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    record.write_bytes(record.read_bytes()[:300])
+    status, _, err = replay(capsys, str(record))
+    assert status == 2
+    assert "D161" in err
+
+
+def test_another_spec_is_noted_and_its_differences_shown(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "specs" / "supervisor" / "conduct.spec").read_text("utf-8")
+    folder = tmp_path / "supervisor"
+    folder.mkdir()
+    for path in (ROOT / "specs" / "supervisor").glob("*.spec"):
+        (folder / path.name).write_bytes(path.read_bytes())
+    (folder / "conduct.spec").write_text(
+        text.replace("require   p.v <= v_max", "require   p.v <= 2 * v_max"), "utf-8"
+    )
+    for name in ("tracks", "vehicles"):
+        (tmp_path / name).symlink_to(ROOT / "specs" / name)
+    status, out, err = replay(capsys, str(record), "--spec", str(folder))
+    assert status == 1
+    assert "another spec was in force" in err
+    assert "margins.driving" in out
+
+
+def test_a_record_is_a_recording_of_what_passed_the_door(record: Path) -> None:
+    recording = tm.load_recording(record)
+    assert [c.t for c in recording.cycles] == [0.0, 0.1, 0.4]
+    assert recording.notes == ("2 of 5 cycles of the record are left out",)
+    assert recording.cycles[1].candidates["driving"]["x"] == cycle(1).driving["x"].tolist()
+    assert recording.params == {"v_max": 30.0}
+
+
+def test_a_record_without_a_cycle_that_passed(tmp_path: Path) -> None:
+    path = tmp_path / "run.arrows"
+    supervisor = tm.supervisor(tm.load([ROOT / "specs" / "supervisor"]), ["speed_limit"], record=path)
+    supervisor.step(None)
+    with pytest.raises(TrackmarshalError) as caught:
+        tm.load_recording(path)
+    assert caught.value.code == "D130"
