@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -149,7 +150,15 @@ def fault_context(faults: Sequence[Mapping[str, str]]) -> dict[str, Any]:
         "stale": ("bad", "stale"),
         "missing": ("soft", "not put in"),
     }
-    rows = [{**row, "look": looks[row["status"]][0], "word": looks[row["status"]][1]} for row in faults]
+    rows = [
+        {
+            **row,
+            "driven": re.sub(r"(?<=\d) (?=s\b)", "\N{NO-BREAK SPACE}", row["driven"]),
+            "look": looks[row["status"]][0],
+            "word": looks[row["status"]][1],
+        }
+        for row in faults
+    ]
     number = {status: sum(row["status"] == status for row in rows) for status in looks}
     done = number["covered"] + number["failed"]
     said = f"{number['covered']} of {count(done, 'fault')} were found as expected"
