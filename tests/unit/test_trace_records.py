@@ -12,6 +12,8 @@ from golden.trace.cases import PROJECT, Small
 from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import (
+    FaultCase,
+    FaultResult,
     Record,
     Ref,
     ResultsFile,
@@ -45,8 +47,19 @@ RUN = RunSummary(
 )  # fmt: skip
 
 
+CASE = FaultCase("specs/scenarios/faults.yaml", "F-1", "too fast", "RR-1", 12, "ef" * 32, "no target")
+FOUND = FaultResult(
+    "specs/scenarios/faults.yaml", "F-1", "failed", "ef" * 32, ("speed_limit", "friction"), "D211", 2.0, 2.2,
+    "previous_emergency", 1.9, "apart", 2.1, "found too late",
+)  # fmt: skip
+
+
 @pytest.mark.parametrize(
-    ("holds", "record"), [("spec_items", ITEM), ("spec_tests", TEST), ("test_results", RESULT), ("runs", RUN)]
+    ("holds", "record"),
+    [
+        *(("spec_items", ITEM), ("spec_tests", TEST), ("test_results", RESULT), ("runs", RUN)),
+        *(("fault_cases", CASE), ("fault_results", FOUND)),
+    ],
 )
 def test_round_trip(holds: str, record: Record, tmp_path: Path) -> None:
     path = tmp_path / "results" / "file.json"

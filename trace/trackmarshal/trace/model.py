@@ -163,6 +163,7 @@ class Project:
     requirements: tuple[Requirement, ...] = ()
     stages: tuple[Stage, ...] = ()
     scenarios: tuple[Scenario, ...] = ()
+    campaigns: tuple[Placed, ...] = ()
     evidence: tuple[Evidence, ...] = ()
     gate: tuple[Demand, ...] = ()
     waivers: tuple[Waiver, ...] = ()

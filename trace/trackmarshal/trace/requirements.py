@@ -123,6 +123,7 @@ def _settings(t: Table) -> model.Project:
         scenarios=tuple(
             _scenario(s) for s in settings.tables("scenarios") if s.text("path") and s.text("stage")
         ),
+        campaigns=settings.texts("campaigns"),
         evidence=tuple(_evidence(e) for e in t.tables("evidence") if e.text("path") and e.text("stage")),
         gate=tuple(
             model.Demand(d.text("stage"), d.texts("requirements"), d.text("at_least") or "covered")
