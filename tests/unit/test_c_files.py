@@ -244,6 +244,7 @@ def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
     raw = [{"id": i, "signals": {"plan": plan, "track": track}} for i in range(CHUNK + 1)]
     expected = [result.rules for result in by_numpy.evaluate([by_numpy.read(case) for case in raw])]
     assert [result.rules for result in by_c.evaluate([by_c.read(case) for case in raw])] == expected
+    assert by_c.backend == "numpy"  # what records of runs say
     said_lines = capsys.readouterr().err.splitlines()
     assert len(said_lines) == 1
     assert said_lines[0].startswith("note: numpy evaluates instead of generated C: ")
