@@ -164,7 +164,8 @@ def _point_wise(spec: Spec) -> dict[str, float]:
     result = {
         "C: batch, six rules, a trajectory": median(lambda: run_columns(made, columns, numbers), 15) / cases
     }
-    by_hand = _by_hand(spec, driving)
+    runs = 10_000
+    by_hand = median(ByHand(spec).prepared(driving, FRONT, runs), 15) / runs
     seven = _with_rss(driving)
     return result | {
         "C: six rules and RSS generated, a trajectory": seven,
@@ -173,8 +174,8 @@ def _point_wise(spec: Spec) -> dict[str, float]:
     }
 
 
-def _with_rss(driving: dict[str, Any]) -> float:
-    """CPU seconds of what the hand-written kernel computes, on one trajectory again and again, as there."""
+def with_rss() -> CProgram:
+    """What the hand-written kernel computes, generated: six rules, and eq. (1) with the gap given."""
     text = (
         "module bench_rss\nuse prelude.rss\n"
         "signal front : state { gap: m, v: m/s, ego: m/s }\n"
@@ -185,12 +186,21 @@ def _with_rss(driving: dict[str, Any]) -> float:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bench_rss.spec"
         path.write_text(text, encoding="utf-8")
-        made = program(load([ROOT / "specs" / "supervisor", path]), [*SIX, "eq1"])
+        return program(load([ROOT / "specs" / "supervisor", path]), [*SIX, "eq1"])
+
+
+#: Gap to the vehicle in front, its speed, and the car's own.
+FRONT = {"gap": 55.3, "v": 45.0, "ego": 40.0}
+
+
+def _with_rss(driving: dict[str, Any]) -> float:
+    """CPU seconds of what the hand-written kernel computes, on one trajectory again and again, as there."""
+    made = with_rss()
     cases = 10_000
     columns = {
         (n, f): np.broadcast_to(driving[n][f], (cases, len(driving[n][f]))) for n, f, _ in made.order.columns
     }
-    values = {**driving, "front": {"gap": 55.3, "v": 45.0, "ego": 40.0}}
+    values = {**driving, "front": FRONT}
     numbers = {(n, f): np.full(cases, values[n][f]) for n, f in made.order.numbers}
     return median(prepared_columns(made, columns, numbers), 15) / cases
 
@@ -203,56 +213,43 @@ class _Limits(ctypes.Structure):
     ]  # fmt: skip
 
 
-def _by_hand(spec: Spec, driving: dict[str, Any]) -> float:
-    """CPU seconds of the hand-written kernel on one trajectory, built with the same flags."""
-    command = compiler()
-    assert command is not None, "no C compiler"
-    with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "kernel.so"
-        subprocess.run(
-            [
-                *command,
-                *EXACT,
-                *FAST,
-                *SHARED,
-                "-o",
-                str(target),
-                str(Path(__file__).with_name("kernel.c")),
-                "-lm",
-            ],
-            check=True,
-        )
-        dll = ctypes.CDLL(str(target))
-    short = {name.rpartition(".")[2]: info.value for name, info in spec.params.items()}
-    table = next(info for name, info in spec.tables.items() if name.endswith("ax_max"))
-    knots, values = np.array(table.knots), np.array(table.values)
-    names = {"r_min": "R_min"}
-    limits = _Limits(
-        *(short[names.get(name, name)] for name, _ in _Limits._fields_[:13]),
-        len(knots),
-        knots.ctypes.data,
-        values.ctypes.data,
-    )
-    margins = np.zeros(7)
-    points = [
-        ctypes.c_void_p(driving["plan"][name].ctypes.data) for name in ("x", "y", "kappa", "v", "a", "grip")
-    ]
-    numbers = [
-        ctypes.c_double(value) for value in (driving["ego"]["x"], driving["ego"]["y"], 40.0, 55.3, 45.0)
-    ]
-    runs = 10_000
+class ByHand:
+    """The hand-written kernel, built with the same flags as generated code."""
 
-    def many() -> None:
-        dll.kernel_many(
-            ctypes.c_size_t(runs),
-            ctypes.byref(limits),
-            ctypes.c_size_t(50),
-            *points,
-            *numbers,
-            ctypes.c_void_p(margins.ctypes.data),
+    def __init__(self, spec: Spec) -> None:
+        command = compiler()
+        assert command is not None, "no C compiler"
+        with tempfile.TemporaryDirectory() as folder:
+            target = Path(folder) / "kernel.so"
+            source = Path(__file__).with_name("kernel.c")
+            made = [*command, *EXACT, *FAST, *SHARED, "-o", str(target), str(source), "-lm"]
+            subprocess.run(made, check=True)
+            self._dll = ctypes.CDLL(str(target))
+        short = {name.rpartition(".")[2]: info.value for name, info in spec.params.items()}
+        table = next(info for name, info in spec.tables.items() if name.endswith("ax_max"))
+        self._table = np.array(table.knots), np.array(table.values)
+        self._limits = _Limits(
+            *(short[{"r_min": "R_min"}.get(name, name)] for name, _ in _Limits._fields_[:13]),
+            len(self._table[0]),
+            *(column.ctypes.data for column in self._table),
         )
 
-    return median(many, 15) / runs
+    def prepared(self, driving: dict[str, Any], front: dict[str, float], runs: int) -> Callable[[], Any]:
+        """A function that runs it so many times on one trajectory, and gives its seven margins."""
+        margins = np.zeros(7)
+        columns = [driving["plan"][name] for name in ("x", "y", "kappa", "v", "a", "grip")]
+        ego = driving["ego"]
+        arguments = (
+            ctypes.c_size_t(runs), ctypes.byref(self._limits), ctypes.c_size_t(len(columns[0])),
+            *(ctypes.c_void_p(column.ctypes.data) for column in columns),
+            *map(ctypes.c_double, (ego["x"], ego["y"], front["ego"], front["gap"], front["v"])), ctypes.c_void_p(margins.ctypes.data),
+        )  # fmt: skip
+
+        def run() -> Any:
+            self._dll.kernel_many(*arguments)
+            return margins
+
+        return run
 
 
 def _temporal() -> dict[str, float]:

@@ -216,7 +216,7 @@ int main(int argc, char **argv) {
       last_t = stamp.t;
       last_number = stamp.number;
     }
-    if (last_t > 1e6 || last_number == INT64_MAX) { /* a stamp far ahead, or the last number: start anew */
+    if (fabs(last_t) > 1e6 || last_number == INT64_MAX) { /* a stamp far away, or the last number: start anew */
       begun = false;
       last_t = 0.0;
       (void)tm_init(&context);

@@ -5,7 +5,8 @@ from __future__ import annotations
 import ctypes
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from trackmarshal.runtime.case import Case, Fault
 Floats = NDArray[np.float64]
 Points = Sequence[tuple[float, float]]
 _DOUBLE = np.dtype(np.float64)
+_DOUBLES = {_DOUBLE}
 _NAMES = tuple(FAULTS)
 
 
@@ -80,7 +82,10 @@ class Stepper:
                     inputs[name], label, capacity, places, self._pointers, self._counts, number, own
                 )
                 (self._candidates if name == PLAN else self._shared).append(block)
-        self._records = [(inputs[name], name) for name in dict.fromkeys(n for n, _ in order.numbers)]
+        self._records = [
+            (inputs[name], name, _picker([f for n, f in order.numbers if n == name]))
+            for name in dict.fromkeys(n for n, _ in order.numbers)
+        ]
         self._defaults = {
             (name, info.name): info.default
             for name, item in inputs.items()
@@ -157,9 +162,17 @@ class Stepper:
         return self._said() if self._found.name else None
 
     def _fill_records(self, signals: Mapping[str, Any]) -> None:
-        values = []
-        for item, name in self._records:
+        values: list[Any] = []
+        for item, name, pick in self._records:
             given = signals.get(name)
+            if type(given) is dict:
+                try:
+                    numbers = pick(given)
+                    if set(map(type, numbers)) == _FLOATS:
+                        values += numbers
+                        continue
+                except KeyError:
+                    pass
             if not isinstance(given, Mapping):
                 raise Refused("missing" if given is None else "wrong_type", name)
             for info, _ in item.fields:
@@ -225,9 +238,36 @@ class _Block:
             for side in own:
                 pointers[side, place] = row.ctypes.data
         self._count = -1
+        #: Whether the signal is more than one column of numbers and nothing else.
+        self._simple = len(numbers) > 1 and not self._flags
+        self._pick = itemgetter(*[info.name for info in numbers] or [""])
 
     def fill(self, given: Any) -> None:
         """Take a signal's columns. Raises Refused for what is no set of equally long columns of numbers."""
+        if not self._simple or type(given) is not dict or "id" in given:
+            self._fill(given)
+            return
+        try:  # almost always, it is arrays of float64 of one length, which a few calls tell
+            columns = self._pick(given)
+            (n,) = set(map(len, columns))
+            if n <= self._capacity and {column.dtype for column in columns} == _DOUBLES:
+                np.concatenate(columns, out=self._memory[: n * len(columns)])
+                if n != self._count:
+                    self._point(n)
+                return
+        except (KeyError, ValueError, TypeError, AttributeError):
+            pass
+        self._fill(given)
+
+    def _point(self, n: int) -> None:
+        """Let the inputs point at columns of this length."""
+        self._count = n
+        base = self._memory.ctypes.data
+        for side in self._own:
+            self._pointers[side, self._columns] = base + 8 * n * np.arange(len(self._columns))
+            self._counts[side, self._number] = n
+
+    def _fill(self, given: Any) -> None:
         if type(given) is not dict and not isinstance(given, Mapping):
             raise Refused("missing" if given is None else "wrong_type", self.label)
         columns: list[Any] = []
@@ -262,11 +302,7 @@ class _Block:
         if "id" in given and given["id"] is not None:
             self._check_ids(given["id"], n)
         if n != self._count:
-            self._count = n
-            base = self._memory.ctypes.data
-            for side in self._own:
-                self._pointers[side, self._columns] = base + 8 * n * np.arange(len(self._columns))
-                self._counts[side, self._number] = n
+            self._point(n)
 
     def _unequal(self, given: Mapping[str, Any]) -> Refused:
         """Which column has not the length that most have."""
@@ -311,6 +347,15 @@ class _Block:
 #: A closed track that may be a figure of eight; the index that says that there is none.
 _UNSUPPORTED = 4
 _NOWHERE = ctypes.c_size_t(-1).value
+
+
+_FLOATS = {float}
+
+
+def _picker(names: Sequence[str]) -> Callable[[Mapping[str, Any]], tuple[Any, ...]]:
+    """A function that takes these entries of a mapping, in order; it raises KeyError where one is missing."""
+    pick = itemgetter(*names)
+    return pick if len(names) > 1 else lambda given: (pick(given),)
 
 
 def _fault(name: str, signal: str, field: str, index: int | None) -> Fault:
