@@ -131,6 +131,16 @@ class Stepper:
             )
         return None
 
+    def refuse(self, number: int, t: float) -> None:
+        """Let the door know of a cycle, with a stamp in order, that is refused for what it cannot be shown."""
+        self._number[0] = number
+        self._times[:] = t
+        self._dll.tmg_refuse(self._context, *self._arguments[1:3], self._arguments[-1])
+
+    def candidate(self, side: int) -> tuple[tuple[str, ...], Floats]:
+        """Names and a copy of the columns (fields, samples) of a candidate as the last step took it in: 0 driving, 1 emergency."""
+        return self._candidates[side].columns()
+
     def step(
         self, number: int, t: float, now: float, driving: Mapping[str, Any], emergency: Mapping[str, Any], signals: Mapping[str, Any]
     ) -> Fault | None:  # fmt: skip
@@ -258,6 +268,11 @@ class _Block:
         except (KeyError, ValueError, TypeError, AttributeError):
             pass
         self._fill(given)
+
+    def columns(self) -> tuple[tuple[str, ...], Floats]:
+        """Names and a copy of the columns of numbers, (fields, samples)."""
+        names, n = tuple(name for name, _ in self._fields), self._count
+        return names, self._memory[: len(names) * n].reshape(len(names), n).copy()
 
     def _point(self, n: int) -> None:
         """Let the inputs point at columns of this length."""
