@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 import statistics
 import tempfile
 import time
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.evaluation import load
+from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door import Door
 from trackmarshal.runtime.judge import Judged
@@ -26,7 +28,7 @@ from trackmarshal.supervision import EvaluatorJudge
 
 ROOT = Path(__file__).resolve().parents[2]
 PERIOD, RADIUS = 0.1, 600.0
-LIMITS = {"Supervisor: the door": 60e-6}
+LIMITS = {"Supervisor: the door": 60e-6, "Supervisor: step with C": 80e-6}
 
 
 def measure() -> dict[str, float]:
@@ -48,10 +50,54 @@ def measure() -> dict[str, float]:
             return made
 
         result["Supervisor: step without the judge, recorded"] = _steps(recorded)
+    result |= _with_c(spec)
     result["Supervisor: step with numpy"] = _steps(
         lambda clock: Supervisor(spec, judge, Limits(budget=math.inf), clock), steps=20
     )
     return result
+
+
+def _with_c(spec: Spec) -> dict[str, float]:
+    """Whole steps with generated door and rules; nothing where there is no compiler."""
+    from trackmarshal.backends.c.judge import SteppedDoor
+    from trackmarshal.supervision import supervisor
+
+    def made(clock: Callable[[], float]) -> Supervisor:
+        return supervisor(spec, backend="c", clock=clock)
+
+    if not isinstance(made(time.monotonic).door, SteppedDoor):
+        return {}
+    now = [0.0]
+    running = made(lambda: now[0])
+    count = int(os.environ.get("TRACKMARSHAL_STEPS", "20000"))
+    spent = np.zeros(count)
+    given = cycles()
+    grown = 0
+    for number in range(-500, count):
+        if number == 0:
+            grown = _memory()
+        cycle = next(given)
+        now[0] = cycle.t
+        begin = time.process_time_ns()
+        decision = running.step(cycle)
+        took = time.process_time_ns() - begin
+        assert decision.safe, decision.reasons
+        if number >= 0:
+            spent[number] = took
+    middle, late = np.quantile(spent, [0.5, 0.999]) / 1e9
+    return {
+        "Supervisor: step with C": float(middle),
+        f"Supervisor: step with C, slowest thousandth of {count}, to its median (ratio)": float(
+            late / middle
+        ),
+        f"Supervisor: step with C, growth over {count} steps, memory": float(_memory() - grown),
+    }
+
+
+def _memory() -> int:
+    """Bytes of this process that are in memory."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 class _Safe:
