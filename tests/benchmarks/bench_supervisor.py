@@ -129,17 +129,23 @@ def plan(braking: float) -> dict[str, Any]:
 def cycles() -> Iterator[Cycle]:
     """The same situation again and again, in order."""
     driving, emergency = plan(0.0), plan(9.0)
-    ahead = 1 / 6 + np.array([400.0, 500.0, 600.0]) / RADIUS
-    ring = np.linspace(0.0, 2 * math.pi, 1500, endpoint=False)
-    circle = np.column_stack([np.cos(ring), np.sin(ring)])
+    ahead = 1 / 6 + np.array([60.0, 90.0, -40.0]) / RADIUS
+
+    def border(radius: float, phase: float) -> Any:
+        """A winding ring. (A circle would be a border of its own kind: everything on the track is equally far from it.)"""
+        ring = np.linspace(0.0, 2 * math.pi, 1500, endpoint=False)
+        return (radius + 3 * np.sin(60 * ring + phase))[:, None] * np.column_stack(
+            [np.cos(ring), np.sin(ring)]
+        )
+
     signals = {
         "ego": {"x": driving["x"][0], "y": driving["y"][0], "heading": driving["heading"][0], "v": 40.0, "age": 0.0},
         "objects": {
-            "id": ["a", "b", "c"], "x": RADIUS * np.cos(ahead), "y": RADIUS * np.sin(ahead), "heading": ahead + math.pi / 2,
+            "id": ["a", "b", "c"], "x": 602.0 * np.cos(ahead), "y": 602.0 * np.sin(ahead), "heading": ahead + math.pi / 2,
             "v": np.full(3, 45.0), "length": np.full(3, 4.7), "width": np.full(3, 2.0), "age": np.zeros(3),
         },
         "obstacles": {name: np.zeros(0) for name in ("x", "y", "heading", "length", "width")},
-        "track": {"left": 593.0 * circle, "right": 607.0 * circle, "closed": True},
+        "track": {"left": border(593.0, 0.0), "right": border(607.0, 1.0), "closed": True},
     }  # fmt: skip
     for number in itertools.count():
         yield Cycle(number, number * PERIOD, driving, emergency, signals)
