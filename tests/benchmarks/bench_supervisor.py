@@ -70,10 +70,10 @@ def _with_c(spec: Spec) -> dict[str, float]:
     now = [0.0]
     running = made(lambda: now[0])
     count = int(os.environ.get("TRACKMARSHAL_STEPS", "20000"))
-    spent = np.zeros(count)
+    spent = np.ones(count)  # in memory before the first step
     given = cycles()
     grown = 0
-    for number in range(-500, count):
+    for number in range(-2000, count):
         if number == 0:
             grown = _memory()
         cycle = next(given)

@@ -337,3 +337,18 @@ def test_foxglove_reads_an_export(tmp_path: Path) -> None:
     assert by_name.keys() == {"track", "driving", "emergency", "driven", "ego", "objects", "obstacles"}
     assert len(by_name["objects"]["cubes"]) == 2
     assert len(by_name["driven"]["lines"][0]["points"]) == 30
+
+
+def test_without_the_package_an_export_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import sys
+
+    from trackmarshal.scenarios import foxglove
+
+    monkeypatch.setitem(sys.modules, "mcap.writer", None)
+    path = tmp_path / "run.arrows"
+    with pytest.raises(TrackmarshalError) as caught:
+        foxglove.write(read(small(path, 1), "run"), [], tmp_path / "run.mcap")
+    assert caught.value.code == "E484"
+    assert not (tmp_path / "run.mcap").exists()
