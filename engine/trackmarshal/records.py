@@ -143,12 +143,16 @@ class TestResult:
 
 @dataclass(frozen=True, slots=True)
 class RuleFacts:
-    """What one rule said in one run: per candidate how often each verdict, and when it was first violated (s)."""
+    """What one rule said in one run: per candidate how often each verdict, and when it was first violated (s).
+
+    `due` counts the cycles in which it was violated and the ground truth that judges it was unsafe.
+    """
 
     rule: str
     fingerprint: str
     counts: Mapping[str, Mapping[str, int]]
     first_violation: float | None = None
+    due: int = 0
 
     def number(self, *verdicts: str) -> int:
         """How many evaluations came to one of these verdicts, over all candidates."""
@@ -162,6 +166,7 @@ class RuleFacts:
             "fingerprint": self.fingerprint,
             "counts": counts,
             "first_violation": first,
+            "due": self.due,
         }
 
     @classmethod
@@ -171,7 +176,9 @@ class RuleFacts:
         for candidate, value in f.table("counts").items():
             inner = _Fields(value, f"rule facts: counts of `{candidate}`")
             counts[candidate] = {inner.verdict(verdict): inner.count(verdict) for verdict in inner.data}
-        return cls(f.text("rule"), f.text("fingerprint"), counts, f.time("first_violation"))
+        return cls(
+            f.text("rule"), f.text("fingerprint"), counts, f.time("first_violation"), f.count("due", 0)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,13 +232,77 @@ class RunSummary:
         )  # fmt: skip
 
 
-Record = SpecItem | SpecTest | TestResult | RunSummary
+@dataclass(frozen=True, slots=True)
+class FaultCase:
+    """A fault that a campaign declares, put in or not."""
+
+    campaign: str  #: path relative to the project
+    id: str
+    title: str
+    requirement: str
+    line: int
+    fingerprint: str  #: sha256 of all that its outcome depends on; empty when that is not known
+    open: str = ""  #: why it cannot be put in
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "campaign": self.campaign, "id": self.id, "title": self.title, "requirement": self.requirement, "line": self.line,
+            "fingerprint": self.fingerprint, "open": self.open,
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: object) -> FaultCase:
+        f = _Fields(data, "fault")
+        return cls(
+            f.text("campaign"), f.text("id"), f.text("title"), f.text("requirement"), f.count("line"), f.text("fingerprint"),
+            f.text("open", ""),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class FaultResult:
+    """What the Supervisor did about a fault: what found it, in which cycle (s) first, and what was driven then."""
+
+    campaign: str
+    id: str
+    outcome: str  #: "passed": as expected, or "failed"
+    fingerprint: str
+    by: tuple[str, ...] = ()  #: rules and faults of the first unsafe cycle, the expected one first
+    code: str = ""  #: the code of the first, if it is a fault
+    first: float | None = None
+    last: float | None = None
+    driven: str = ""
+    since: float | None = None  #: of which cycle the trajectory is that was driven instead
+    lost: str = ""  #: why nothing stored was driven from `lost_at` on
+    lost_at: float | None = None
+    message: str = ""  #: how it differs from what was expected
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "campaign": self.campaign, "id": self.id, "outcome": self.outcome, "fingerprint": self.fingerprint, "by": list(self.by),
+            "code": self.code, "first": self.first, "last": self.last, "driven": self.driven, "since": self.since, "lost": self.lost,
+            "lost_at": self.lost_at, "message": self.message,
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: object) -> FaultResult:
+        f = _Fields(data, "fault result")
+        return cls(
+            f.text("campaign"), f.text("id"), f.word("outcome", OUTCOMES), f.text("fingerprint"), f.texts("by"), f.text("code", ""),
+            f.time("first"), f.time("last"), f.text("driven", ""), f.time("since"), f.text("lost", ""), f.time("lost_at"),
+            f.text("message", ""),
+        )  # fmt: skip
+
+
+Record = SpecItem | SpecTest | TestResult | RunSummary | FaultCase | FaultResult
 
 _READERS: dict[str, Callable[[object], Record]] = {
     "spec_items": SpecItem.from_json,
     "spec_tests": SpecTest.from_json,
     "test_results": TestResult.from_json,
     "runs": RunSummary.from_json,
+    "fault_cases": FaultCase.from_json,
+    "fault_results": FaultResult.from_json,
 }
 
 
@@ -239,7 +310,7 @@ _READERS: dict[str, Callable[[object], Record]] = {
 class ResultsFile:
     """The envelope of a results file: `items` are all of the one kind that `holds` names."""
 
-    holds: str  #: "spec_items", "spec_tests", "test_results" or "runs"
+    holds: str  #: "spec_items", "spec_tests", "test_results", "runs", "fault_cases" or "fault_results"
     items: tuple[Record, ...]
     tool_version: str
     created: str
@@ -323,8 +394,8 @@ class _Fields:
     def flag(self, name: str, default: bool = _REQUIRED) -> bool:
         return self._get(name, default, bool, "true or false")
 
-    def count(self, name: str) -> int:
-        value: int = self._get(name, _REQUIRED, int, "a whole number")
+    def count(self, name: str, default: int = _REQUIRED) -> int:
+        value: int = self._get(name, default, int, "a whole number")
         if isinstance(value, bool) or value < 0:
             raise _refused(f"{self.what}: `{name}` must be a whole number from 0")
         return value

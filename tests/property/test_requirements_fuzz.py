@@ -216,7 +216,7 @@ def rules(
     ]
     results = [TestResult(t.rule, t.title, "passed", "f", "", "a.spec", t.line) for t in tests]
     facts = tuple(
-        RuleFacts(item.name, "f", {"driving": {"satisfied": 9, "violated": 1}}, 1.0) for item in items
+        RuleFacts(item.name, "f", {"driving": {"satisfied": 9, "violated": 1}}, 1.0, 1) for item in items
     )
     run = RunSummary(
         "run.jsonl", run_hash, "s", 10, facts, {"all": TruthFacts(True)}, True, "2026-01-01T00:00:00+00:00"

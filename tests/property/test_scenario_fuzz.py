@@ -18,6 +18,7 @@ from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import recording_io, saa
 from trackmarshal.scenarios.codes import CODES
+from trackmarshal.scenarios.faults import declaration as faults
 from trackmarshal.scenarios.generate import document, generate
 from trackmarshal.scenarios.recording import CANDIDATES, COLUMNS, TRUTHS, Cycle, Recording
 
@@ -238,7 +239,46 @@ DECLARATION = (SPECS / "scenarios" / "free_lap.yaml").read_bytes().replace(b"dur
 TRACK = (SPECS / "tracks" / "northfield.yaml").read_bytes()
 
 
-@given(scene=mutants([DECLARATION]), track=mutants([TRACK]), which=st.booleans())
+#: Everything that a declaration can say, in few cycles.
+CROWDED = (
+    DECLARATION.replace(b"d: 0, v: 30}", b"d: -5, v: 20}").replace(b"  moves:", b"  #")
+    + b"""
+widenings: [{side: right, begin: 500, end: 800, by: 8, taper: 20}]
+obstacles: [{id: cone, s: 640, d: 3, length: 1, width: 1}]
+limits: {speed: 25, zones: [{s: [600, 700], d: [-9, -4], speed: 15}]}
+mistakes: [{begin: 0, end: 0.1, moves: [{begin: 0, end: 2, to: 1}]}, {begin: 0.2, end: 0.3, acceleration: [[0, -3]]}]
+pose_error: [[0, 0], [0.3, 4]]
+others: [{id: ghost, oncoming: true, start: {s: 700, d: 2, v: 20}, silent: [[0, 0.2]]}]
+params: {a_other: 2}
+notes: [a note]
+"""
+)
+CROWDED = b"".join(line for line in CROWDED.splitlines(keepends=True) if b"- {begin: " not in line)
+FAULTS = (SPECS / "scenarios" / "faults.yaml").read_bytes()
+STARTS = [FAULTS[: FAULTS.index(b"  - id:")], *(b"  - id:" + each for each in FAULTS.split(b"  - id:")[1:])]
+
+
+def test_the_crowded_declaration_is_sound(tmp_path: Path) -> None:
+    (tmp_path / "scenarios").mkdir()
+    (tmp_path / "tracks").mkdir()
+    (tmp_path / "tracks" / "northfield.yaml").write_bytes(TRACK)
+    (tmp_path / "scenarios" / "x.yaml").write_bytes(CROWDED)
+    recording = generate(tmp_path / "scenarios" / "x.yaml")
+    assert False in recording.ground_truth["static"]
+    assert recording.obstacles
+    assert recording.cycles[0].objects
+
+
+@given(which=st.sampled_from(STARTS[1:]), data=st.data())
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_changed_campaigns(tmp_path: Path, which: bytes, data: st.DataObject) -> None:
+    text = STARTS[0] + data.draw(mutants([which]))
+    (tmp_path / "f.yaml").write_bytes(text)
+    found = outcome(faults.load, tmp_path / "f.yaml", "f.yaml")
+    assert not isinstance(found, TrackmarshalError) or found.code in CODES
+
+
+@given(scene=mutants([DECLARATION, CROWDED]), track=mutants([TRACK]), which=st.booleans())
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_changed_declarations(tmp_path: Path, scene: bytes, track: bytes, which: bool) -> None:
     (tmp_path / "scenarios").mkdir(exist_ok=True)

@@ -13,7 +13,9 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from support.report_runs import cycle, large, other, overtaking, record, recording
+from trackmarshal import trace
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.records import FaultCase, FaultResult
 from trackmarshal.trace.report import write_report
 from trackmarshal.trace.report.codes import CODES
 from trackmarshal.trace.report.pages import page_names
@@ -407,3 +409,42 @@ def test_surrogates_in_paths_do_not_stop_the_report(tmp_path: Path) -> None:
     made = record(tmp_path, overtaking(count=2))
     made["source"] = "odd\udcff.saa"
     written(tmp_path, [made])
+
+
+def test_injected_faults_are_a_table(tmp_path: Path) -> None:
+    cases = [
+        FaultCase("f.yaml", "F-1", "no <objects>", "S-1-A-1", 3, "a"),
+        FaultCase("f.yaml", "F-2", "too fast", "RR-1", 9, "b"),
+        FaultCase("f.yaml", "F-3", "nothing", "RR-4", 12, "c"),
+        FaultCase("f.yaml", "F-4", "bits flip", "S-1-B-4", 15, "", "no computer yet"),
+        FaultCase("f.yaml", "F-5", "out of date", "RR-1", 18, "e"),
+    ]
+    results = [
+        FaultResult("f.yaml", "F-1", "passed", "a", ("missing", "late"), "D211", 2.0, 2.2, "previous_emergency", 1.9, "apart", 2.1),
+        FaultResult("f.yaml", "F-2", "failed", "b", ("friction",), "", 2.0, 2.0, "no_safe_trajectory", None, "none_stored", 2.0,
+                    "found by friction, expected speed_limit"),
+        FaultResult("f.yaml", "F-3", "passed", "c", driven="drive"),
+        FaultResult("f.yaml", "F-5", "passed", "old", ("speed_limit",), "", 2.0, 2.2, "previous_emergency", 1.9),
+    ]  # fmt: skip
+    index = write_report(
+        tmp_path, [], None, SUMMARY, [], CHECKS, META, faults=trace.fault_rows(cases, results)
+    )
+    checked(index)
+    page = index.read_text("utf-8")
+    table = page[page.index("Injected faults") : page.index("Checks and tests")].replace(
+        "\N{NO-BREAK SPACE}", " "
+    )
+    assert "2 of 3 faults were found as expected; 1 with stale results; 1 not put in." in table
+    rows = [re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", row)).strip() for row in table.split("<tr>")[2:]]
+    assert [row.removesuffix(" Checks and tests") for row in rows] == [
+        "F-1 no &lt;objects&gt; S-1-A-1 missing (D211) and late 2 s emergency trajectory of 1.9 s; nothing from 2.1 s (apart) ✓ yes",
+        "F-2 too fast found by friction, expected speed_limit RR-1 friction 2 s nothing (none_stored) ✕ no",
+        "F-3 nothing RR-4 nothing – planned trajectory ✓ yes",
+        "F-4 bits flip not put in: no computer yet S-1-B-4 – – – not put in",
+        "F-5 out of date the specs, the recording or the fault have changed since RR-1 – – – stale",
+    ]
+
+
+def test_without_faults_there_is_no_table(tmp_path: Path) -> None:
+    index = write_report(tmp_path, [], None, SUMMARY, [], CHECKS, META)
+    assert "Injected faults" not in index.read_text("utf-8")

@@ -11,7 +11,7 @@ import pytest
 from trackmarshal.scenarios.ground_truth import (
     Envelope,
     LaneState,
-    envelope,
+    encounter,
     may_fire,
     must_fire,
     same_lane,
@@ -70,14 +70,29 @@ def car(s: float, d: float = 0.0, v: float = 0.0, sideways: float = 0.0) -> Lane
 def test_an_encounter_agrees_with_the_closed_form(u: float) -> None:
     gap, v, b, step = 120.0, 25.0, 8.0, 0.001
     times = [i * step for i in range(10_000)]
-    egos = [car(v * t, v=v) for t in times]
-    others = [car(gap + 4.7 + u * t, v=u) for t in times]
-    closed, found = same_lane(gap, v, u, b), envelope(times, egos, others, b)
-    for expected, actual in ((closed.earliest, found.earliest), (closed.latest, found.latest)):
+    truths = [encounter(car(v * t, v=v), car(gap + 4.7 + u * t, v=u), b) for t in times]
+    latest = next((t for t, truth in zip(times, truths) if truth is False), None)
+    earliest = next((t for t, truth in zip(times, truths) if truth is not True), None)
+    closed = same_lane(gap, v, u, b)
+    pairs = [(closed.latest, latest), (closed.earliest, earliest)]
+    for expected, actual in pairs[: 2 if u >= 0.0 else 1]:
         if expected is None or expected > times[-1]:
             assert actual is None
         else:
             assert actual == pytest.approx(max(expected, 0.0), abs=1.1 * step)
+
+
+def test_an_oncoming_car_may_be_fired_on_before_it_must_be() -> None:
+    # 30 against 30 m/s, 13 m/s^2: braking distance 34.6 m, and 69.2 m for the other until then; at half of it, 207.7 m
+    ego = car(0.0, v=30.0)
+    assert encounter(ego, car(4.7 + 103.7, v=-30.0), 13.0) is False
+    assert encounter(ego, car(4.7 + 103.9, v=-30.0), 13.0) is None
+    assert encounter(ego, car(4.7 + 207.6, v=-30.0), 13.0) is None
+    assert encounter(ego, car(4.7 + 207.8, v=-30.0), 13.0) is True
+    assert encounter(ego, car(80.0, 2.01, v=-30.0), 13.0) is None
+    assert encounter(ego, car(80.0, 2.99, v=-30.0), 13.0) is None
+    assert encounter(ego, car(80.0, 3.01, v=-30.0), 13.0) is True
+    assert encounter(ego, car(-6.0, v=-30.0), 13.0) is True
 
 
 def test_the_other_lane_is_no_concern() -> None:

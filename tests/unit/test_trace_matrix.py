@@ -140,7 +140,8 @@ CUT_IN = "scenarios/cut_in.jsonl"
 
 
 def facts(rule: str, fingerprint: str, **counts: int) -> RuleFacts:
-    return RuleFacts(rule, fingerprint, {"driving": counts}, 1.0 if counts.get("violated") else None)
+    violated = counts.get("violated", 0)
+    return RuleFacts(rule, fingerprint, {"driving": counts}, 1.0 if violated else None, due=violated)
 
 
 @pytest.mark.parametrize(
@@ -158,6 +159,13 @@ def test_a_scenario_has_to_be_critical_for_the_rule(counts: dict[str, int], expe
     small = Small()
     matrix = build(small, runs=run(small, CUT_IN, rules=(facts("gap", "g" * 8, **counts),)))
     assert status(matrix, "S-1-A-2", "S-4-A") == expected
+
+
+def test_a_violation_that_the_ground_truth_leaves_free_is_no_evidence() -> None:
+    small = Small()
+    loud = facts("gap", "g" * 8, satisfied=90, violated=10)
+    matrix = build(small, runs=run(small, CUT_IN, rules=(replace(loud, due=0),)))
+    assert status(matrix, "S-1-A-2", "S-4-A") == "partial"
 
 
 def test_ground_truth_that_judges_other_rules_does_not_cover() -> None:

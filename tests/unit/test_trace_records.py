@@ -12,6 +12,8 @@ from golden.trace.cases import PROJECT, Small
 from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import (
+    FaultCase,
+    FaultResult,
     Record,
     Ref,
     ResultsFile,
@@ -40,13 +42,24 @@ RESULT = TestResult(
 )
 RUN = RunSummary(
     "specs/scenarios/cut_in.tmrec.jsonl", "01" * 32, "cd" * 32, 122,
-    (RuleFacts("friction", "ab" * 32, {"driving": {"satisfied": 120, "violated": 2}, "emergency": {"satisfied": 122}}, 4.5),),
+    (RuleFacts("friction", "ab" * 32, {"driving": {"satisfied": 120, "violated": 2}, "emergency": {"satisfied": 122}}, 4.5, 2),),
     {"dynamic": TruthFacts(False, ("rated safe at 5.2 s",), ("safe_gap",)), "static": TruthFacts(True)}, True, "2026-06-01T12:00:00+00:00",
 )  # fmt: skip
 
 
+CASE = FaultCase("specs/scenarios/faults.yaml", "F-1", "too fast", "RR-1", 12, "ef" * 32, "no target")
+FOUND = FaultResult(
+    "specs/scenarios/faults.yaml", "F-1", "failed", "ef" * 32, ("speed_limit", "friction"), "D211", 2.0, 2.2,
+    "previous_emergency", 1.9, "apart", 2.1, "found too late",
+)  # fmt: skip
+
+
 @pytest.mark.parametrize(
-    ("holds", "record"), [("spec_items", ITEM), ("spec_tests", TEST), ("test_results", RESULT), ("runs", RUN)]
+    ("holds", "record"),
+    [
+        *(("spec_items", ITEM), ("spec_tests", TEST), ("test_results", RESULT), ("runs", RUN)),
+        *(("fault_cases", CASE), ("fault_results", FOUND)),
+    ],
 )
 def test_round_trip(holds: str, record: Record, tmp_path: Path) -> None:
     path = tmp_path / "results" / "file.json"

@@ -59,12 +59,15 @@ def run(args: argparse.Namespace) -> int:
                 "uncovered": uncovered},
         meta={"project": made.project.name or root.name, "created": now(), "tool": f"trackmarshal {__version__}",
               "python": platform.python_version(), "spec_fingerprint": made.compiled.spec.fingerprint, "command": "trackmarshal assess"},
+        faults=trace.fault_rows(made.fault_cases, made.fault_results),
     )  # fmt: skip
+    faults = [result for result in made.fault_results if result.outcome != "passed"]
     outside = [truth for run_ in made.runs for truth in run_.ground_truth.values() if not truth.inside]
     if not args.quiet:
         print(
-            f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {len(made.runs)} scenarios run, {len(gaps)} gaps"
+            f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {len(made.runs)} scenarios run, "
+            f"{len(made.fault_results) - len(faults)} of {len(made.fault_results)} faults found as expected, {len(gaps)} gaps"
         )
         print(page)
     errors = any(d.level == "error" for d in found)
-    return 1 if failed or gaps or outside or errors else 0
+    return 1 if failed or gaps or outside or faults or errors else 0

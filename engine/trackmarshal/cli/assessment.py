@@ -7,8 +7,8 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.cli import evidence
-from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.cli import campaigns, evidence
+from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecTest, TestResult
 
 if TYPE_CHECKING:
     from trackmarshal.diagnostics.base import Diagnostic
@@ -36,6 +36,8 @@ class Assessment:
     found: list[Diagnostic]
     #: By scenario, the fingerprint of what it is replayed with now.
     run_fingerprints: dict[str, str]
+    fault_cases: list[FaultCase]
+    fault_results: list[FaultResult]
 
     def matrix(self) -> Matrix:
         """The traceability matrix of all this; errors of specs are findings of it."""
@@ -47,6 +49,7 @@ class Assessment:
             self.root, self.items, self.tests, self.results, self.runs, date.today(),
             spec_fingerprint=self.compiled.spec.fingerprint, run_fingerprints=self.run_fingerprints,
             findings=[_finding(item) for item in wrong if item.level == "error"],
+            fault_cases=self.fault_cases, fault_results=self.fault_results,
         )  # fmt: skip
 
 
@@ -68,9 +71,9 @@ def read_specs(root: Path) -> tuple[Project, Compiled, list[PreparedTest], list[
 
 
 def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = True) -> Assessment:
-    """Read a project and its results; with `run`, first run the tests, and the scenarios whose results are missing or stale.
+    """Read a project and its results; with `run`, first run the tests, and the scenarios and faults whose results are missing or stale.
 
-    `everything` runs all scenarios again. Results are kept in the project's results folder.
+    `everything` runs all of them again. Results are kept in the project's results folder.
     """
     project, compiled, prepared, found = read_specs(root)
     folder = root / project.results
@@ -80,6 +83,8 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
     runs = evidence.kept(folder / evidence.RUNS, "runs")
     broken = any(item.level == "error" for item in found)
     evaluators = {} if broken else _evaluators(root, project)
+    prepared_faults = campaigns.prepare(root, project, broken)
+    fault_results = evidence.kept(folder / campaigns.FAULTS, "fault_results")
     if run:
         from trackmarshal.testing.run import run_tests
 
@@ -88,8 +93,13 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
         # Specs with errors are not replayed: what would run is not what the project demands.
         runs, replays = ([], []) if broken else _run_scenarios(root, runs, evaluators, everything, quiet)
         evidence.keep(folder / evidence.RUNS, "runs", runs)
+        fault_results = campaigns.run(prepared_faults, fault_results, everything, quiet)
+        evidence.keep(folder / campaigns.FAULTS, "fault_results", fault_results)
     prints = {shown: evaluator.spec.fingerprint for shown, (_, evaluator) in evaluators.items()}
-    return Assessment(root, project, compiled, items, tests, results, runs, replays, prepared, found, prints)
+    return Assessment(
+        root, project, compiled, items, tests, results, runs, replays, prepared, found, prints,
+        campaigns.cases(prepared_faults), fault_results,
+    )  # fmt: skip
 
 
 def _evaluators(root: Path, project: Project) -> dict[str, tuple[Recording, Evaluator]]:
@@ -103,9 +113,12 @@ def _evaluators(root: Path, project: Project) -> dict[str, tuple[Recording, Eval
         path = root / shown
         if path.is_file():
             recording = load(path, shown)
+            more = [root / str(spec) for spec in scenario.specs]
             result[shown] = (
                 recording,
-                evaluator_for(recording, root / project.default_spec, [], root, None, "numpy", path.parent),
+                evaluator_for(
+                    recording, root / project.default_spec, [], root, None, "numpy", path.parent, more
+                ),
             )
     return result
 

@@ -86,22 +86,28 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
     from trackmarshal.scenarios.replay import kind_of
 
     facts = []
+    truth_of = outcome.recording.ground_truth
     for rule in evaluator.rules:
+        truth = truth_of.get(kind_of(rule, evaluator.spec), ())
+        due = 0
         counts: dict[str, Counter[str]] = {}
         first = None
-        for cycle in outcome.cycles:
+        for number, cycle in enumerate(outcome.cycles):
+            found = {result.rules[rule.name].verdict for result in cycle.results.values()}
+            due += "violated" in found and bool(truth) and truth[number] is False
             for candidate, result in cycle.results.items():
                 verdict = result.rules[rule.name].verdict
                 counts.setdefault(candidate, Counter())[verdict] += 1
                 if verdict == "violated" and first is None:
                     first = cycle.t
-        facts.append(RuleFacts(rule.name, rule.fingerprint, {c: dict(n) for c, n in counts.items()}, first))
+        by_candidate = {candidate: dict(number) for candidate, number in counts.items()}
+        facts.append(RuleFacts(rule.name, rule.fingerprint, by_candidate, first, due))
     truths = {}
-    for truth in outcome.truths:
-        said = [f"rated safe at {t:g} s, the ground truth is unsafe" for t in truth.missed]
-        said += [f"rated unsafe at {t:g} s, the ground truth is safe" for t in truth.false_alarms]
-        names = tuple(rule.name for rule in evaluator.rules if kind_of(rule, evaluator.spec) == truth.kind)
-        truths[truth.kind] = TruthFacts(truth.inside, tuple(said), names)
+    for judged in outcome.truths:
+        said = [f"rated safe at {t:g} s, the ground truth is unsafe" for t in judged.missed]
+        said += [f"rated unsafe at {t:g} s, the ground truth is safe" for t in judged.false_alarms]
+        names = tuple(rule.name for rule in evaluator.rules if kind_of(rule, evaluator.spec) == judged.kind)
+        truths[judged.kind] = TruthFacts(judged.inside, tuple(said), names)
     return RunSummary(
         shown,
         source_hash,

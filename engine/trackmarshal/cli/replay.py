@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -99,18 +100,18 @@ def default_spec(project: Path) -> Path:
 
 def evaluator_for(
     recording: Recording, spec_path: Path, settings: list[Path], project: Path | None, rules: list[str] | None, backend: str,
-    folder: Path | None = None,
+    folder: Path | None = None, more: Sequence[Path] = (),
 ) -> Evaluator:  # fmt: skip
     """The chosen rules with the vehicle and track that the recording and the command line name.
 
-    `folder` is where the recording lies, when its `source` is no path from here.
+    `folder` is where the recording lies, when its `source` is no path from here; `more` are specs beside the one.
     """
     from trackmarshal.evaluation import Evaluator, load
     from trackmarshal.scenarios.replay import known_tables
 
     near = folder or Path(recording.source).parent
     used = [_setting(name, recording, near, project) for name in recording.use]
-    spec: Spec = load([spec_path], [*used, *settings], project)
+    spec: Spec = load([spec_path, *more], [*used, *settings], project)
     evaluator = Evaluator(spec, rules, backend)
     tables, _ = known_tables(recording, spec)
     try:

@@ -1,6 +1,6 @@
 """The traceability matrix: which requirement is covered at which stage of the V-model, by which rule, test and run.
 
-Tests are run, and scenarios whose results are missing or stale, before the matrix is made; `--as-is` reads the results
+Tests are run, and scenarios and faults whose results are missing or stale, before the matrix is made; `--as-is` reads the results
 that are there. With --gate, the exit status is 1 when something that v-model.yaml demands is not covered.
 """
 
@@ -30,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
     root = find_project(args)
     made = assess(root, run=not args.as_is, quiet=args.quiet)
     if args.accept_baseline:
-        target = trace.accept_baseline(root, made.items, made.tests)
+        target = trace.accept_baseline(root, made.items, made.tests, made.fault_cases)
         print(f"wrote {target}", file=sys.stderr)
     matrix = made.matrix()
     print(trace.render(matrix, args.format), end="")

@@ -100,6 +100,11 @@ CODES: dict[str, tuple[str, str]] = {
         "The pieces of a closed track have to meet, cars have to stay on it, and every motion has to respect friction, "
         "turn radius, drive and brakes of the declared vehicle. Otherwise the scenario would test the wrong thing.",
     ),
+    "D153": (
+        "a fault that cannot be put in",
+        "The fault changes a column, a field or an object that the recording does not have, or none of its cycles lies in the fault's time. "
+        "It would be evidence for nothing.",
+    ),
 }  # fmt: skip
 
 

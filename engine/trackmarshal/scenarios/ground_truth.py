@@ -5,13 +5,19 @@ test. Latest: contact results although the car under test brakes at its maximum 
 Before the earliest time the verdict has to be safe, from the latest on unsafe, between them it is free. Where the
 latest lies before the earliest (an oncoming car), the paper leaves no answer: safety comes first, and the verdict
 has to be unsafe from the latest on. A car that is not ahead is no concern here: the rear vehicle is responsible.
+
+`same_lane` gives both times in closed form; `encounter` judges each cycle of a recorded encounter, so that a danger
+that is over is over.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+#: An oncoming car that will pass with less than this between the sides may be fired on, m.
+ROOM = 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,14 +106,21 @@ def _window(offset: float, rate: float, width: float, end: float) -> tuple[float
     return max(0.0, crossings[0]), min(end, crossings[1])
 
 
-def envelope(
-    times: Sequence[float], egos: Sequence[LaneState], others: Sequence[LaneState], b: float
-) -> Envelope:
-    """The envelope of a recorded encounter: the first times, s, at which a supervisor may and must fire."""
-    pairs = list(zip(times, egos, others, strict=True))
-    earliest = next((t for t, ego, other in pairs if may_fire(ego, other, b)), None)
-    latest = next((t for t, ego, other in pairs if must_fire(ego, other, b)), None)
-    return Envelope(earliest, latest)
+def encounter(ego: LaneState, other: LaneState, b: float) -> bool | None:
+    """What the verdict has to be now: True safe, False unsafe, None free.
+
+    An oncoming vehicle is inside the braking distance only after contact is due, so for it the earliest time is another
+    one: contact would result although the car under test brakes, at half of what it can, with less than a metre sideways,
+    and be it that the other does not go on moving aside.
+    """
+    if must_fire(ego, other, b):
+        return False
+    if other.s_rate < 0.0:
+        near = replace(other, side=other.side + ROOM)
+        free = any(must_fire(ego, at, 0.5 * b) for at in (near, replace(near, d_rate=0.0)))
+    else:
+        free = may_fire(ego, other, b)
+    return None if free else True
 
 
 def worst(truths: Sequence[bool | None]) -> bool | None:

@@ -23,7 +23,7 @@ from datetime import date
 from pathlib import Path
 
 from trackmarshal import records, trace
-from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records import FaultCase, RunSummary, SpecItem, SpecTest, TestResult
 
 HERE = Path(__file__).parent
 PROJECT = HERE / "project"
@@ -53,17 +53,19 @@ class Small:
 
     def matrix(self) -> trace.Matrix:
         """The matrix, from the records in `records/`, read as a results folder is."""
-        held: dict[str, list[records.Record]] = {"spec_items": [], "spec_tests": []}
-        for path in sorted((self.root / "records").glob("spec_*.json")):
-            file = records.load(path)
-            held[file.holds] += file.items
-        items = [item for item in held["spec_items"] if isinstance(item, SpecItem)]
-        tests = [item for item in held["spec_tests"] if isinstance(item, SpecTest)]
+        held: list[records.Record] = []
+        for pattern in ("spec_*.json", "fault_cases.json"):
+            for path in sorted((self.root / "records").glob(pattern)):
+                held += records.load(path).items
+        items = [item for item in held if isinstance(item, SpecItem)]
+        tests = [item for item in held if isinstance(item, SpecTest)]
+        cases = [item for item in held if isinstance(item, FaultCase)]
         results = trace.load_results(self.root, "records")
         fingerprints = {run.scenario: "s1" for run in results.runs}
         return trace.build(
             self.root, items, tests, results.test_results, results.runs, self.today,
             spec_fingerprint="s1", run_fingerprints=fingerprints, findings=results.findings,
+            fault_cases=cases, fault_results=results.fault_results,
         )  # fmt: skip
 
     def parts(self) -> tuple[list[SpecItem], list[SpecTest], list[TestResult], list[RunSummary]]:

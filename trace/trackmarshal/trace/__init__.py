@@ -13,11 +13,12 @@ from datetime import date
 from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecTest, TestResult
 from trackmarshal.trace import baseline as _baseline
 from trackmarshal.trace import files as _files
 from trackmarshal.trace import requirements as _requirements
 from trackmarshal.trace.codes import CODES
+from trackmarshal.trace.faults import rows as fault_rows
 from trackmarshal.trace.files import Results, load_results
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.matrix import Matrix, assemble
@@ -38,18 +39,22 @@ def build(
     spec_fingerprint: str = "",
     run_fingerprints: Mapping[str, str] | None = None,
     findings: Iterable[Finding] = (),
+    fault_cases: Iterable[FaultCase] = (),
+    fault_results: Iterable[FaultResult] = (),
 ) -> Matrix:
     """The matrix of a project.
 
     Results and runs that are not given count as not run. `today` (default: the clock's day) decides which waivers
     hold. With `spec_fingerprint`, that of all rules, parameters and tables, test results made from others are stale;
-    with `run_fingerprints`, by scenario that of what it is replayed with, so are runs. `findings` are those of reading the results (`load_results`). What is wrong
+    with `run_fingerprints`, by scenario that of what it is replayed with, so are runs. Faults carry their own. `findings` are those of reading the results (`load_results`). What is wrong
     with the project becomes findings of the matrix; nothing is raised for it.
     """
     found = list(findings)
     with _no_collection():
         project = _requirements.load(project_root, found)
-        spec = Spec(spec_items, spec_tests, test_results, runs, spec_fingerprint, run_fingerprints)
+        spec = Spec(
+            spec_items, spec_tests, test_results, runs, spec_fingerprint, run_fingerprints, fault_cases, fault_results
+        )  # fmt: skip
         hashes = _files.hashes(project_root, project, spec.items)
         baseline = _baseline.load(project_root, project, found)
         return assemble(project, spec, hashes, baseline, today=today or date.today(), found=found)
@@ -84,7 +89,10 @@ def requirement_ids(project_root: Path) -> tuple[Placed, ...]:
 
 
 def accept_baseline(
-    project_root: Path, spec_items: Sequence[SpecItem], spec_tests: Sequence[SpecTest]
+    project_root: Path,
+    spec_items: Sequence[SpecItem],
+    spec_tests: Sequence[SpecTest],
+    fault_cases: Sequence[FaultCase] = (),
 ) -> Path:
     """Write down what there is now as accepted; returns the baseline's path. Raises what reading found wrong."""
     project, found = load(project_root)
@@ -93,7 +101,7 @@ def accept_baseline(
         raise TrackmarshalError(
             finding.code, finding.message, file=file, line=line, help="mend this before accepting a baseline"
         )
-    return _baseline.accept(project_root, project, spec_items, spec_tests)
+    return _baseline.accept(project_root, project, spec_items, spec_tests, fault_cases)
 
 
 __all__ = [
@@ -106,6 +114,7 @@ __all__ = [
     "Results",
     "accept_baseline",
     "build",
+    "fault_rows",
     "gate",
     "load",
     "load_results",

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from trackmarshal.records import SpecItem, SpecTest
+from trackmarshal.records import FaultCase, SpecItem, SpecTest
 from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Requirement
 from trackmarshal.trace.spec import Spec, item_place
@@ -26,7 +26,9 @@ _ACCEPT = "restore it, or accept the change with `trackmarshal trace --accept-ba
 Baseline = dict[str, Any]
 
 
-def snapshot(project: Project, items: Sequence[SpecItem], tests: Sequence[SpecTest]) -> Baseline:
+def snapshot(
+    project: Project, items: Sequence[SpecItem], tests: Sequence[SpecTest], faults: Sequence[FaultCase] = ()
+) -> Baseline:
     """What there is now, as a baseline holds it."""
     spec = Spec(items, tests, (), ())
     return {
@@ -53,13 +55,28 @@ def snapshot(project: Project, items: Sequence[SpecItem], tests: Sequence[SpecTe
             for name, item in sorted(spec.by_name.items())
         },
         "scenarios": sorted(str(s.path) for s in project.scenarios),
+        **({"faults": _faults(faults)} if faults else {}),
     }
 
 
-def accept(root: Path, project: Project, items: Sequence[SpecItem], tests: Sequence[SpecTest]) -> Path:
+def _faults(cases: Sequence[FaultCase]) -> dict[str, str]:
+    """By campaign and id, the requirement that a fault is evidence for; apart, where it is not put in."""
+    return {
+        f"{case.campaign} {case.id}": f"open {case.requirement}" if case.open else case.requirement
+        for case in sorted(cases, key=lambda case: (case.campaign, case.id))
+    }
+
+
+def accept(
+    root: Path,
+    project: Project,
+    items: Sequence[SpecItem],
+    tests: Sequence[SpecTest],
+    faults: Sequence[FaultCase] = (),
+) -> Path:
     """Write the baseline of a project anew, whole or not at all; returns its path."""
     path = root / (project.baseline or "requirements/baseline.json")
-    text = json.dumps(snapshot(project, items, tests), indent=1, ensure_ascii=False) + "\n"
+    text = json.dumps(snapshot(project, items, tests, faults), indent=1, ensure_ascii=False) + "\n"
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     draft.write_text(text, encoding="utf-8")
     draft.replace(path)
@@ -106,6 +123,8 @@ def _checked(data: object) -> Baseline:
         and _fits(data.get("requirements"), ("derived_from", "refines"), ("statement",))
         and _fits(data.get("interfaces"), ("leads_to",), ())
         and _fits(data.get("items"), ("satisfies", "tests"), ("kind",))
+        and isinstance(faults := data.get("faults", {}), dict)
+        and all(isinstance(requirement, str) for requirement in faults.values())
     )
     if not fits:
         raise ValueError("it is not what `--accept-baseline` writes")
@@ -125,7 +144,7 @@ def _fits(table: object, lists: Sequence[str], texts: Sequence[str]) -> bool:
 
 
 def check(baseline: Baseline | None, project: Project, spec: Spec) -> Iterator[Finding]:
-    """What is gone, or reads differently, since the baseline was accepted (T221 to T228)."""
+    """What is gone, or reads differently, since the baseline was accepted (T221 to T228, T265)."""
     if baseline is None:
         return
     place = Place(str(project.baseline))
@@ -162,6 +181,11 @@ def check(baseline: Baseline | None, project: Project, spec: Spec) -> Iterator[F
     yield from _items(baseline, spec, place)
     for path in sorted(set(baseline["scenarios"]) - {str(s.path) for s in project.scenarios}):
         yield error("T228", f"the scenario `{path}` is gone since the baseline", place, _ACCEPT, path)
+    faults = _faults(spec.faults)
+    for name, requirement in baseline.get("faults", {}).items():
+        if faults.get(name) not in (requirement, requirement.removeprefix("open ")):
+            message = f"the fault `{name}` of `{requirement}` is gone since the baseline, or put in no longer"
+            yield error("T265", message, place, _ACCEPT, name)
     yield from _additions(baseline, project, spec, place)
 
 
@@ -194,6 +218,7 @@ def _additions(baseline: Baseline, project: Project, spec: Spec, place: Place) -
             item.kind == "assume" and name not in baseline["items"] for name, item in spec.by_name.items()
         ),
         "test": sum(tests.values()),
+        "fault": len(set(_faults(spec.faults)) - set(baseline.get("faults", {}))),
     }
     said = [f"{number} {what}{'' if number == 1 else 's'}" for what, number in added.items() if number]
     if said:

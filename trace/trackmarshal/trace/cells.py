@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.records import SpecItem
+from trackmarshal.trace import faults
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.model import Interface, Project, Requirement, Stage, matches
@@ -15,14 +16,14 @@ from trackmarshal.trace.spec import Spec, item_place
 #: From worst to best; `waived` stands where a gap is answered for.
 STATUSES = ("failed", "stale", "missing", "partial", "waived", "covered")
 #: Kinds of items that come up from the requirements below.
-FROM_BELOW = frozenset({"rule", "monitor", "assumption", "test", "run"})
+FROM_BELOW = frozenset({"rule", "monitor", "assumption", "test", "run", "fault"})
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
     """One thing that counts in a cell, or ought to."""
 
-    kind: str  #: interface, requirement, adoption, document, rule, monitor, assumption, test, run or waiver
+    kind: str  #: interface, requirement, adoption, document, rule, monitor, assumption, test, run, fault or waiver
     name: str
     title: str
     status: str
@@ -78,7 +79,8 @@ def cell(ground: Ground, requirement: Requirement, stage: Stage, below: Mapping[
         for name in ground.children.get(requirement.id, ()):
             if name in below:
                 child = ground.project.by_id[name]
-                detail = next((i.detail for i in below[name].items if i.status != "covered" and i.detail), "")
+                lacking = (i.detail for i in below[name].items if i.status != "covered" and i.detail)
+                detail = "" if below[name].status == "covered" else next(lacking, "")
                 items.append(Item("requirement", name, child.title, below[name].status, detail, child.place))
                 statuses.append(below[name].status)
     status = combined(statuses)
@@ -260,6 +262,14 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     return _over_runs(seen, {rule.name for rule in rules}, evaluated), items
 
 
+def _fault(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    items = []
+    for case in ground.spec.faults_of.get(requirement.id, ()):
+        status, detail = faults.verdict(case, ground.spec)
+        items.append(Item("fault", case.id, case.title, status, detail, Place(case.campaign, case.line)))
+    return _together(items)
+
+
 def _over_runs(seen: Sequence[Showing], rules: set[str], evaluated: set[str]) -> str:
     """Runs add to each other: every rule has to be evaluated in one of them, and one of them has to be conclusive."""
     for status in ("failed", "stale"):
@@ -280,4 +290,5 @@ _KINDS: dict[str, Callable[[Ground, Requirement, Stage], Proof]] = {
     "assumption": _assumption,
     "test": _test,
     "run": _run,
+    "fault": _fault,
 }

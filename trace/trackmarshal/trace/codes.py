@@ -90,5 +90,11 @@ CODES: dict[str, tuple[str, str]] = {
     "T250": ("evidence is not there", "A document that counts as evidence does not exist."),
     "T251": ("evidence has changed", "The document differs from the version that was reviewed, by its hash."),
     "T252": ("an assumption's evidence is not there", "The record that backs the assumption does not exist. Paths in specs are relative to the project."),
+    "T260": ("a fault was not found as expected", "A fault that was put into a recording was not found, was found by something else or in another cycle, or something else was driven than its campaign expects."),
+    "T261": ("stale results of faults", "The specs, the recording, or the faults as declared have changed since the faults were put in. The results say nothing about what stands there now."),
+    "T262": ("faults that were not put in", "A fault that was not put in covers nothing."),
+    "T263": ("a fault of an unknown requirement", "The fault names a requirement that does not exist, or is demanded no longer, so that it is evidence for nothing."),
+    "T264": ("a campaign is not there", "v-model.yaml declares a file of faults that does not exist."),
+    "T265": ("a fault is gone", "The accepted baseline has a fault that no campaign declares any longer for this requirement, or that is no longer put in. Removing it on purpose is accepted by a person, with `trackmarshal trace --accept-baseline`."),
     **records.CODES,
 }  # fmt: skip

@@ -104,6 +104,7 @@ COUNTS = Word({
     "assumption": "assumptions that satisfy it, with owner, monitor and evidence",
     "test": "tests of its rules and monitors, with their results",
     "run": "replayed scenarios in which its rules were evaluated",
+    "fault": "faults of campaigns that name it, each found as expected",
 })  # fmt: skip
 DEGREE = Word({"covered": "nothing less than covered", "partial": "covered or partial"})
 
@@ -131,7 +132,9 @@ PROJECT = Record("project", "Settings of the project.", (
         optional("by", Many(NAME, 1), "For `fire`: the rules that must be violated."),
         optional("requirements", PATTERNS, "The requirements that it is evidence for; all if not given."),
         optional("title", TEXT, "What happens in it."),
+        optional("with", Many(PROJECT_PATH, 1), "Specs beside `default_spec` whose rules it is replayed with, such as variants of rules."),
     ))), "The scenarios that `assess` replays."),
+    optional("campaigns", Many(PROJECT_PATH, 1), "Files of faults that `assess` puts into recordings."),
 ))  # fmt: skip
 
 V_MODEL = Record("v-model", "What each stage of the development must show, and what the gate demands.", (

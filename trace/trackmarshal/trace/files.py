@@ -9,7 +9,7 @@ from pathlib import Path
 
 from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import RunSummary, SpecItem, TestResult
+from trackmarshal.records import FaultResult, RunSummary, SpecItem, TestResult
 from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec, item_place
@@ -19,8 +19,9 @@ Hashes = Mapping[str, str | None]
 
 
 def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
-    """The hashes of all files that evidence, scenarios and assumptions name."""
+    """The hashes of all files that evidence, scenarios, campaigns and assumptions name."""
     paths = {str(e.path) for e in project.evidence} | {str(s.path) for s in project.scenarios}
+    paths |= set(map(str, project.campaigns))
     paths |= {item.evidence for item in items if item.evidence}
     return {path: _hash(root, path) for path in sorted(paths)}
 
@@ -62,17 +63,19 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
 
 @dataclass(frozen=True, slots=True)
 class Results:
-    """What a results folder holds: the newest result of every test, the newest run of every scenario."""
+    """What a results folder holds: the newest result of every test, the newest run of every scenario, of every fault."""
 
     test_results: tuple[TestResult, ...] = ()
     runs: tuple[RunSummary, ...] = ()
     findings: tuple[Finding, ...] = ()
+    fault_results: tuple[FaultResult, ...] = ()
 
 
 def load_results(root: Path, folder: str = "out/results") -> Results:
     """Read `folder/*.json` of a project; files that cannot be read are findings (T290) and count for nothing."""
     tests: dict[tuple[str, str], TestResult] = {}
     runs: dict[str, RunSummary] = {}
+    faults: dict[tuple[str, str], FaultResult] = {}
     found: list[Finding] = []
     read: list[tuple[str, str, records.ResultsFile]] = []
     for path in sorted((root / folder).glob("*.json")):
@@ -90,4 +93,6 @@ def load_results(root: Path, folder: str = "out/results") -> Results:
                 tests[item.rule, item.title] = item
             elif isinstance(item, RunSummary):
                 runs[item.scenario] = item
-    return Results(tuple(tests.values()), tuple(runs.values()), tuple(found))
+            elif isinstance(item, FaultResult):
+                faults[item.campaign, item.id] = item
+    return Results(tuple(tests.values()), tuple(runs.values()), tuple(found), tuple(faults.values()))

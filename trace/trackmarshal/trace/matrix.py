@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import date
 
 from trackmarshal.trace import baseline as baselines
-from trackmarshal.trace import consistency, cycles, files, gates, links, runs, tests
+from trackmarshal.trace import consistency, cycles, faults, files, gates, links, runs, tests
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
@@ -82,6 +82,7 @@ def assemble(
         *tests.check(project, spec),
         *baselines.check(baseline, project, spec),
         *runs.check(project, spec, hashes),
+        *faults.check(project, spec, hashes),
         *files.check(project, spec, hashes),
     ]
     judged = [waivers.finding(finding) for finding in loose]
@@ -94,6 +95,7 @@ def assemble(
         "tests": len(spec.tests),
         "test_results": len(spec.results),
         "runs": len(spec.runs),
+        "faults": sum(not case.open for case in spec.faults),
     }
     return Matrix(
         project.name,

@@ -109,6 +109,7 @@ class Scenario:
     by: tuple[Placed, ...]
     requirements: tuple[Placed, ...]
     title: str
+    specs: tuple[Placed, ...] = ()  #: beside the project's default one
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +163,7 @@ class Project:
     requirements: tuple[Requirement, ...] = ()
     stages: tuple[Stage, ...] = ()
     scenarios: tuple[Scenario, ...] = ()
+    campaigns: tuple[Placed, ...] = ()
     evidence: tuple[Evidence, ...] = ()
     gate: tuple[Demand, ...] = ()
     waivers: tuple[Waiver, ...] = ()

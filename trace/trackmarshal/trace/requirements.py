@@ -123,6 +123,7 @@ def _settings(t: Table) -> model.Project:
         scenarios=tuple(
             _scenario(s) for s in settings.tables("scenarios") if s.text("path") and s.text("stage")
         ),
+        campaigns=settings.texts("campaigns"),
         evidence=tuple(_evidence(e) for e in t.tables("evidence") if e.text("path") and e.text("stage")),
         gate=tuple(
             model.Demand(d.text("stage"), d.texts("requirements"), d.text("at_least") or "covered")
@@ -147,7 +148,7 @@ def _stage(t: Table) -> model.Stage:
 def _scenario(t: Table) -> model.Scenario:
     return model.Scenario(
         t.text("path"), t.text("stage"), t.text("expect"), t.text("origin"), t.texts("by"),
-        t.texts("requirements") or (Placed.at("*", t.place),), t.text("title"),
+        t.texts("requirements") or (Placed.at("*", t.place),), t.text("title"), t.texts("with"),
     )  # fmt: skip
 
 

@@ -39,7 +39,8 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
     fired = tuple(entry.rule for entry in facts if entry.number("violated"))
     match scenario.expect:
         case "ground_truth":
-            return _against_truth(run, names, evaluated, fired)
+            due = tuple(entry.rule for entry in facts if entry.due)
+            return _against_truth(run, names, evaluated, fired, due)
         case "no_fire":
             if run.fired:
                 return Showing("failed", _fired(run), evaluated, fired)
@@ -62,7 +63,7 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
 
 
 def _against_truth(
-    run: RunSummary, names: set[str], evaluated: tuple[str, ...], fired: tuple[str, ...]
+    run: RunSummary, names: set[str], evaluated: tuple[str, ...], fired: tuple[str, ...], due: tuple[str, ...]
 ) -> Showing:
     truths = {
         kind: truth
@@ -92,7 +93,11 @@ def _against_truth(
         return Showing(
             "partial", f"{within}, none was violated: no critical situation for this requirement", evaluated
         )
-    return Showing("covered", f"{within}, {', '.join(fired)} fired", evaluated, fired)
+    if not due:
+        return Showing(
+            "partial", f"{within}, which leaves free whether {', '.join(fired)} had to fire", evaluated, fired
+        )
+    return Showing("covered", f"{within}, {', '.join(due)} fired where it had to", evaluated, fired)
 
 
 def _count(rules: Sequence[str]) -> str:

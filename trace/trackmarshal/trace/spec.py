@@ -6,7 +6,7 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 
-from trackmarshal.records import RuleFacts, RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records import FaultCase, FaultResult, RuleFacts, RunSummary, SpecItem, SpecTest, TestResult
 from trackmarshal.trace.findings import Place
 
 _WORST_FIRST = ("failed", "error", "passed")
@@ -31,6 +31,8 @@ class Spec:
         runs: Iterable[RunSummary],
         fingerprint: str = "",
         run_fingerprints: Mapping[str, str] | None = None,
+        fault_cases: Iterable[FaultCase] = (),
+        fault_results: Iterable[FaultResult] = (),
     ) -> None:
         self.items = sorted(items, key=_where)
         self.tests = sorted(tests, key=_where)
@@ -57,6 +59,17 @@ class Spec:
         self.runs: dict[str, RunSummary] = {}
         for run in sorted(runs, key=lambda r: (r.created, json.dumps(r.to_json(), sort_keys=True))):
             self.runs[run.scenario] = run
+        self.faults = sorted(fault_cases, key=lambda case: (case.campaign, case.line))
+        self.faults_of: dict[str, list[FaultCase]] = defaultdict(list)
+        for case in self.faults:
+            self.faults_of[case.requirement].append(case)
+        #: The worst of several results of one fault.
+        self.fault_results: dict[tuple[str, str], FaultResult] = {}
+        for found in sorted(
+            fault_results,
+            key=lambda r: (_WORST_FIRST.index(r.outcome), json.dumps(r.to_json(), sort_keys=True)),
+        ):
+            self.fault_results.setdefault((found.campaign, found.id), found)
         self._facts: dict[str, dict[str, RuleFacts]] = {}
         self._stale: dict[tuple[str, str | None], str] = {}
 

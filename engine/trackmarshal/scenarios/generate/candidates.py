@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios.generate.knots import linear
-from trackmarshal.scenarios.generate.motion import Motion
+from trackmarshal.scenarios.generate.motion import Motion, Profile, State
 from trackmarshal.scenarios.recording import Columns
 
 #: Step in which the braking is integrated, s.
@@ -24,20 +24,37 @@ class Braking(NamedTuple):
     grip: float
 
 
-def driving(motion: Motion, t: float, points: int, horizon: float) -> Columns:
-    """The next `horizon` s of the declared motion, samples equally long apart."""
-    times = [t + horizon * i / (points - 1) for i in range(points)]
-    _, _, begin = motion.profile.at(t)
-    speeds = [motion.profile.at(time) for time in times]
-    columns = _on_path(motion, times)
-    columns["t"] = [time - t for time in times]
-    columns["s"] = [way - begin for _, _, way in speeds]
-    columns["v"] = [v for _, v, _ in speeds]
-    columns["a"] = [a for a, _, _ in speeds]
-    return columns
+class Plan(NamedTuple):
+    """A trajectory, and where on the road each of its samples lies (of these states, the places alone count)."""
+
+    columns: Columns
+    places: list[State]
 
 
-def emergency(motion: Motion, t: float, braking: Braking, kappa: Callable[[float], float]) -> Columns:
+def driving(motion: Motion, t: float, points: int, horizon: float, own: Profile | None = None) -> Plan:
+    """The next `horizon` s on the path of a motion, samples equally long apart.
+
+    The speeds are those of the motion, or of a profile of its `own` that begins at t. Raises D152 where that leads beyond
+    either end of the path.
+    """
+    after = [horizon * i / (points - 1) for i in range(points)]
+    begin = motion.profile.at(t)[2]
+    if own is None:
+        speeds = [motion.profile.at(t + time) for time in after]
+        plan = _on_path(motion, [t + time for time in after])
+        ways = [way - begin for _, _, way in speeds]
+    else:
+        speeds = [own.at(time) for time in after]
+        ways = [way for _, _, way in speeds]
+        if begin + min(ways) < 0.0 or begin + max(ways) > motion.reach:
+            message = f"the plan at t = {t:.2f} s goes beyond the path that is driven"
+            raise TrackmarshalError("D152", message, help="declare a longer run, or plan slower")
+        plan = _on_path(motion, [motion.profile.time_at(begin + way, 0.0, motion.end) for way in ways])
+    plan.columns.update(t=after, s=ways, v=[v for _, v, _ in speeds], a=[a for a, _, _ in speeds])
+    return plan
+
+
+def emergency(motion: Motion, t: float, braking: Braking, kappa: Callable[[float], float]) -> Plan:
     """Braking from time t to rest on the path of the declared motion; samples equally long apart, the last at rest.
 
     `kappa` gives the path's curvature by distance driven. Raises D152 where the bend leaves no grip to brake with, or
@@ -58,20 +75,17 @@ def emergency(motion: Motion, t: float, braking: Braking, kappa: Callable[[float
         h = min(STEP, -v / a)
         v = v + a * h if h == STEP else 0.0
         steps.append((time + h, way + h * (steps[-1][2] + v) / 2.0, v, a))
-    _, _, most = motion.profile.at(motion.end)
-    if begin + steps[-1][1] > most:
+    if begin + steps[-1][1] > motion.reach:
         message = f"the braking from t = {t:.2f} s is longer than the driving trajectory"
         raise TrackmarshalError("D152", message, help="lengthen the plan's horizon")
     stop, last = steps[-1][0], braking.points - 1
     times = [stop * i / last for i in range(last)]
     samples = [_between(steps, time) for time in times] + [(steps[-1][1], 0.0, steps[-1][3])]
     ends = [motion.profile.time_at(begin + way, t, motion.end) for way, _, _ in samples]
-    columns = _on_path(motion, ends)
-    columns["t"] = [*times, stop]
-    columns["s"] = [way for way, _, _ in samples]
-    columns["v"] = [speed for _, speed, _ in samples]
-    columns["a"] = [a for _, _, a in samples]
-    return columns
+    plan = _on_path(motion, ends)
+    ways, speeds, accelerations = (list(column) for column in zip(*samples))
+    plan.columns.update(t=[*times, stop], s=ways, v=speeds, a=accelerations)
+    return plan
 
 
 def _between(steps: list[tuple[float, float, float, float]], time: float) -> tuple[float, float, float]:
@@ -81,17 +95,11 @@ def _between(steps: list[tuple[float, float, float, float]], time: float) -> tup
     return way + h * (v + a * h / 2.0), v + a * h, a
 
 
-def _on_path(motion: Motion, times: list[float]) -> Columns:
-    """The geometry of the path at these times of the declared motion; headings go on without a jump."""
+def _on_path(motion: Motion, times: list[float]) -> Plan:
+    """The geometry of the path at these times of the motion; headings go on without a jump."""
     states = [motion.at(time) for time in times]
-    return {
-        "t": [],
-        "s": [],
-        "x": [state.x for state in states],
-        "y": [state.y for state in states],
-        "heading": [state.heading for state in states],
-        "kappa": [state.kappa for state in states],
-    }
+    columns = {name: [getattr(state, name) for state in states] for name in ("x", "y", "heading", "kappa")}
+    return Plan(columns, states)
 
 
 def path_curvature(motion: Motion) -> Callable[[float], float]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.generate import document, road
@@ -11,14 +13,19 @@ from trackmarshal.scenarios.generate.candidates import Braking
 from trackmarshal.scenarios.generate.document import Item
 from trackmarshal.scenarios.generate.limits import Vehicle
 from trackmarshal.scenarios.generate.motion import Move
-from trackmarshal.scenarios.generate.road import Road
+from trackmarshal.scenarios.generate.planner import Mistake
+from trackmarshal.scenarios.generate.road import Road, Widening
+from trackmarshal.scenarios.generate.static_truth import Zone
 
 MAX_CYCLES = 20_000
 
 
 @dataclass(frozen=True, slots=True)
 class Driver:
-    """A car's declared motion; it is generated from `item`, which errors point at."""
+    """A car's declared motion; it is generated from `item`, which errors point at.
+
+    An `oncoming` car comes the other way. Nothing new is heard of it from begin to end, s, of each of `silent`.
+    """
 
     id: str
     vehicle: Vehicle
@@ -26,7 +33,19 @@ class Driver:
     v: float
     acceleration: list[list[float]]
     moves: list[Move]
+    oncoming: bool
+    silent: list[list[float]]
     item: Item
+
+
+class Obstacle(NamedTuple):
+    """What stands on the road: its centre's place s and d, and its size, m; it is turned as the road is."""
+
+    id: str
+    s: float
+    d: float
+    length: float
+    width: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +60,12 @@ class Declaration:
     points: int
     horizon: float
     braking: Braking
+    mistakes: list[Mistake]
+    pose_error: list[list[float]]
+    obstacles: list[Obstacle]
+    zones: list[Zone]
+    speed: float | None
+    step: float
     age: float
     params: dict[str, float]
     tables: dict[str, list[list[float]]]
@@ -53,7 +78,10 @@ def load(path: Path, shown: str) -> Declaration:
     item = document.read(content.read(path, shown), shown)
     fields = item.fields(
         ("format", "version", "name", "track", "duration", "step", "vehicle", "ego", "plan", "emergency"),
-        ("notes", "others", "object_age", "params", "tables", "use"),
+        (
+            *("notes", "others", "object_age", "params", "tables", "use"),
+            *("widenings", "obstacles", "limits", "mistakes", "pose_error"),
+        ),
     )
     road.expect(fields, "trackmarshal-scenario")
     track = fields["track"].text()
@@ -65,28 +93,42 @@ def load(path: Path, shown: str) -> Declaration:
             f"{count} cycles", f"at most {MAX_CYCLES}; shorten it or widen the step"
         )
     plan = fields["plan"].fields(("points", "horizon"))
-    others = [_driver(other, vehicle) for other in (fields["others"].items() if "others" in fields else ())]
+    others = [_driver(other, vehicle) for other in _list(fields, "others")]
     ids = [other.id for other in others]
     for other in others:
         if ids.count(other.id) > 1:
             raise other.item.wrong(f"the id `{other.id}` stands twice", "ids are unique")
+    limits = fields["limits"].fields((), ("speed", "zones")) if "limits" in fields else {}
+    widenings = tuple(_widening(item) for item in _list(fields, "widenings"))
     params = fields["params"].any_fields() if "params" in fields else {}
     tables = fields["tables"].any_fields() if "tables" in fields else {}
     return Declaration(
         name=fields["name"].text(),
-        road=road.load(path.parent / track, str(Path(shown).parent / track)),
+        road=road.load(path.parent / track, str(Path(shown).parent / track), widenings),
         times=[round(i * step, 9) for i in range(count)],
         ego=_driver(fields["ego"], vehicle),
         others=others,
         points=plan["points"].count(2, 1000),
         horizon=plan["horizon"].number(0.1, 60.0),
         braking=_braking(fields["emergency"], vehicle),
+        mistakes=[_mistake(item) for item in _list(fields, "mistakes")],
+        pose_error=fields["pose_error"].rows() if "pose_error" in fields else [[0.0, 0.0]],
+        obstacles=[_obstacle(item) for item in _list(fields, "obstacles")],
+        zones=[_zone(item) for item in _list(limits, "zones")],
+        speed=limits["speed"].number(0.5, 200.0) if "speed" in limits else None,
+        step=step,
         age=fields["object_age"].number(0.0, 10.0) if "object_age" in fields else 0.0,
         params={name: value.number() for name, value in params.items()},
         tables={name: value.rows() for name, value in tables.items()},
-        use=tuple(value.text() for value in (fields["use"].items() if "use" in fields else ())),
-        notes=tuple(value.text() for value in (fields["notes"].items() if "notes" in fields else ())),
+        use=tuple(value.text() for value in _list(fields, "use")),
+        notes=tuple(value.text() for value in _list(fields, "notes")),
     )
+
+
+def _list(fields: dict[str, Item], name: str) -> Iterator[Item]:
+    """The items of an optional list."""
+    if name in fields:
+        yield from fields[name].items()
 
 
 def _vehicle(item: Item) -> Vehicle:
@@ -102,25 +144,81 @@ def _vehicle(item: Item) -> Vehicle:
 
 
 def _driver(item: Item, vehicle: Vehicle) -> Driver:
-    fields = item.fields(("start",), ("id", "acceleration", "moves"))
+    fields = item.fields(("start",), ("id", "acceleration", "moves", "oncoming", "silent"))
     start = fields["start"].fields(("s", "d", "v"))
-    moves: list[Move] = []
-    for move in fields["moves"].items() if "moves" in fields else ():
-        found = move.fields(("begin", "end", "to"))
-        begin, end = found["begin"].number(0.0), found["end"].number(0.0)
-        if end <= begin or (moves and begin < moves[-1].end):
-            message = f"a move from {begin:g} s to {end:g} s does not fit in"
-            raise move.wrong(message, "moves follow each other and take time")
-        moves.append(Move(begin, end, found["to"].number(-100.0, 100.0)))
     return Driver(
         id=fields["id"].text() if "id" in fields else "ego",
         vehicle=vehicle,
         start=(start["s"].number(), start["d"].number(-100.0, 100.0)),
         v=start["v"].number(0.5, 200.0),
         acceleration=fields["acceleration"].rows() if "acceleration" in fields else [[0.0, 0.0]],
-        moves=moves,
+        moves=_moves(_list(fields, "moves")),
+        oncoming=fields["oncoming"].flag() if "oncoming" in fields else False,
+        silent=[list(_stretch(stretch)) for stretch in _list(fields, "silent")],
         item=item,
     )
+
+
+def _moves(items: Iterator[Item]) -> list[Move]:
+    moves: list[Move] = []
+    for item in items:
+        found = item.fields(("begin", "end", "to"))
+        begin, end = found["begin"].number(0.0), found["end"].number(0.0)
+        if end <= begin or (moves and begin < moves[-1].end):
+            message = f"a move from {begin:g} s to {end:g} s does not fit in"
+            raise item.wrong(message, "moves follow each other and take time")
+        moves.append(Move(begin, end, found["to"].number(-100.0, 100.0)))
+    return moves
+
+
+def _mistake(item: Item) -> Mistake:
+    fields = item.fields(("begin", "end"), ("acceleration", "moves"))
+    if len(fields) == 2:
+        raise item.wrong("nothing is planned otherwise", "give acceleration, moves or both")
+    begin, end = fields["begin"].number(0.0), fields["end"].number(0.0)
+    if end < begin:
+        raise item.wrong(f"it ends at {end:g} s, before it begins", "begin is the first cycle, end the last")
+    return Mistake(
+        begin,
+        end,
+        fields["acceleration"].rows() if "acceleration" in fields else None,
+        _moves(fields["moves"].items()) if "moves" in fields else None,
+        item,
+    )
+
+
+def _stretch(item: Item) -> tuple[float, float]:
+    """Two numbers, from and to."""
+    numbers = [number.number() for number in item.items()]
+    if len(numbers) != 2 or numbers[0] >= numbers[1]:
+        raise item.wrong("this is no stretch", "two numbers are expected, from and to: [4, 6]")
+    return numbers[0], numbers[1]
+
+
+def _obstacle(item: Item) -> Obstacle:
+    fields = item.fields(("id", "s", "d", "length", "width"))
+    return Obstacle(
+        fields["id"].text(),
+        fields["s"].number(),
+        fields["d"].number(-100.0, 100.0),
+        fields["length"].number(0.01, 100.0),
+        fields["width"].number(0.01, 100.0),
+    )
+
+
+def _zone(item: Item) -> Zone:
+    fields = item.fields(("s", "d", "speed"))
+    return Zone(_stretch(fields["s"]), _stretch(fields["d"]), fields["speed"].number(0.5, 200.0))
+
+
+def _widening(item: Item) -> Widening:
+    fields = item.fields(("side", "begin", "end", "by", "taper"))
+    side, begin, end = fields["side"].text(), fields["begin"].number(0.0), fields["end"].number(0.0)
+    if side not in ("left", "right"):
+        raise fields["side"].wrong(f"`{side}` is no side", "left or right")
+    if end <= begin:
+        raise item.wrong(f"from {begin:g} m to {end:g} m", "it ends behind its begin, on the same lap")
+    return Widening(side, begin, end, fields["by"].number(0.1, 100.0), fields["taper"].number(1.0, 1000.0))
 
 
 def _braking(item: Item, vehicle: Vehicle) -> Braking:

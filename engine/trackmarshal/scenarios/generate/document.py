@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
@@ -119,6 +119,22 @@ class Item:
         if self._node.id != "scalar" or not self._node.value:
             raise self.wrong(f"{self._kind()} stands where a text is expected", "see docs/scenarios.md")
         return str(self._node.value)
+
+    def choice(self, known: Sequence[str]) -> str:
+        """One of these words."""
+        if (word := self.text()) not in known:
+            raise self.wrong(f"`{word}` is not known", f"one of {', '.join(known)}")
+        return word
+
+    def plain(self) -> Any:
+        """The value as maps, lists and texts."""
+        match self._node.id:
+            case "mapping":
+                return {name: item.plain() for name, item in self.any_fields().items()}
+            case "sequence":
+                return [item.plain() for item in self.items()]
+            case _:
+                return self._node.value
 
     def number(self, low: float = -1e6, high: float = 1e6) -> float:
         """A decimal number in [low, high]."""

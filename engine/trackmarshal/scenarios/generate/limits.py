@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios.generate.knots import linear
 from trackmarshal.scenarios.generate.motion import State
+from trackmarshal.scenarios.generate.road import Road
 from trackmarshal.scenarios.recording import Columns
 
 #: Roundings of the generated numbers are no violations.
@@ -56,15 +57,18 @@ class Vehicle:
         cos, sin = abs(math.cos(tilt)), abs(math.sin(tilt))
         return (self.length * cos + self.width * sin) / 2.0, (self.length * sin + self.width * cos) / 2.0
 
-    def check(self, who: str, v: float, a: float, kappa: float) -> None:
-        """Friction, turn radius, drive and brakes at one sample; raises D152."""
-        total = math.hypot(a, v * v * kappa)
-        for what, value, limit in (
-            ("total acceleration", total, self.grip),
+    def demands(self, v: float, a: float, kappa: float) -> tuple[tuple[str, float, float], ...]:
+        """What one sample asks of the vehicle, and what the vehicle can do: friction, turn radius, drive and brakes."""
+        return (
+            ("total acceleration", math.hypot(a, v * v * kappa), self.grip),
             ("curvature", abs(kappa), 1.0 / self.turn_radius),
             ("acceleration", a, linear(self.drive, v)),
             ("deceleration", -a, self.brake),
-        ):
+        )
+
+    def check(self, who: str, v: float, a: float, kappa: float) -> None:
+        """Raises D152 where one sample asks for more than the vehicle can do."""
+        for what, value, limit in self.demands(v, a, kappa):
             if value > limit + TOLERANCE:
                 message = f"{who}: {what} {value:.3f} beyond the vehicle's {limit:.3f} at {v:.1f} m/s"
                 raise TrackmarshalError("D152", message, help="drive slower or smoother")
@@ -74,10 +78,11 @@ class Vehicle:
         for v, a, kappa in zip(plan["v"], plan["a"], plan["kappa"]):
             self.check(who, v, a, kappa)
 
-    def check_state(self, who: str, state: State, road_width: float) -> None:
+    def check_state(self, who: str, state: State, road: Road) -> None:
         """One state of a motion, and that the whole vehicle is on the road; raises D152."""
         self.check(who, state.v, state.a, state.kappa)
         _, side = self.extents(state.tilt)
-        if abs(state.d) + side > road_width / 2.0:
+        right, left = road.edges(state.s)
+        if state.d - side < right or state.d + side > left:
             message = f"{who}: leaves the road at s = {state.s:.1f} m, d = {state.d:.2f} m"
             raise TrackmarshalError("D152", message, help="keep |d| smaller, or widen the road")

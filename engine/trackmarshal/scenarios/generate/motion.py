@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios.generate.knots import linear
-from trackmarshal.scenarios.generate.road import Road
+from trackmarshal.scenarios.generate.road import Line
 
 #: Step of the integration along the road, s.
 STEP = 0.02
@@ -48,6 +48,10 @@ class Profile:
         v = self._speeds[i] + h * (a0 + jerk * h / 2.0)
         way = self._ways[i] + h * (self._speeds[i] + h * (a0 / 2.0 + jerk * h / 6.0))
         return a, v, way
+
+    def after(self, t: float) -> Profile:
+        """What is left of the profile from time t on, as one that begins there."""
+        return Profile(self.at(t)[1], [[time - t, a] for time, a in self._knots])
 
     def time_at(self, way: float, after: float, before: float) -> float:
         """The time in [after, before] at which the distance is reached: Newton, held in by bisection."""
@@ -95,7 +99,7 @@ class Motion:
     """A vehicle's motion on a road from t = 0 to `end`. Raises D152 where it is none (standing, off the reference)."""
 
     def __init__(
-        self, road: Road, profile: Profile, moves: list[Move], start: tuple[float, float], end: float
+        self, road: Line, profile: Profile, moves: list[Move], start: tuple[float, float], end: float
     ) -> None:
         self.road = road
         self.profile = profile
@@ -105,6 +109,11 @@ class Motion:
         self._s = [start[0]]
         for i in range(math.ceil(end / STEP) + 1):
             self._s.append(self._advance(i * STEP, self._s[-1], STEP))
+
+    @property
+    def reach(self) -> float:
+        """Distance driven until `end`, m."""
+        return self.profile.at(self.end)[2]
 
     def _lateral(self, t: float) -> tuple[float, float, float]:
         """Offset d and its first two derivatives: a quintic from rest to rest for each move."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import content
@@ -36,14 +36,48 @@ class Piece(NamedTuple):
         return self.kappa + self.sharpness * (s - self.begin)
 
 
-class Road:
-    """A road of constant width along a reference line, its middle; s in m along it, d in m to its left."""
+class Widening(NamedTuple):
+    """Ground beside the road that may be driven on, such as a pit lane: `by` m on one side ("left", "right").
 
-    def __init__(self, pieces: list[Piece], width: float, closed: bool, spacing: float) -> None:
+    It begins at `begin` and ends at `end`, m along the road; `taper` is the length over which it opens and closes.
+    """
+
+    side: str
+    begin: float
+    end: float
+    by: float
+    taper: float
+
+    def at(self, s: float) -> float:
+        """How much wider the side is at s, m."""
+        inside = min(s - self.begin, self.end - s)
+        return self.by * min(1.0, max(0.0, inside / self.taper))
+
+
+class Line(Protocol):
+    """What a vehicle follows: a line with poses and curvatures by arc length."""
+
+    def pose(self, s: float) -> Pose: ...
+
+    def curvature(self, s: float) -> float: ...
+
+
+class Road:
+    """A road along a reference line, its middle, as wide everywhere but for widenings; s in m along it, d in m to its left."""
+
+    def __init__(
+        self,
+        pieces: list[Piece],
+        width: float,
+        closed: bool,
+        spacing: float,
+        widenings: tuple[Widening, ...] = (),
+    ) -> None:
         self.pieces = pieces
         self.width = width
         self.closed = closed
         self.spacing = spacing
+        self.widenings = widenings
         self._begins = [piece.begin for piece in pieces]
         self.length = pieces[-1].begin + pieces[-1].length
 
@@ -67,6 +101,14 @@ class Road:
         piece, s = self.piece(s)
         return piece.curvature(s)
 
+    def edges(self, s: float) -> tuple[float, float]:
+        """The offsets of the right and the left border at s, m."""
+        s = self.piece(s)[1]
+        wider = {"left": 0.0, "right": 0.0}
+        for widening in self.widenings:
+            wider[widening.side] += widening.at(s)
+        return -0.5 * self.width - wider["right"], 0.5 * self.width + wider["left"]
+
     def borders(self) -> Track:
         """Both borders as polygons with a corner about every `spacing` m, corners exactly on the borders.
 
@@ -78,12 +120,27 @@ class Road:
         sides: Track = {"left": [], "right": []}
         for s in stations:
             x, y, heading = self.pose(s)
-            for side, d in (("left", 0.5 * self.width), ("right", -0.5 * self.width)):
+            right, left = self.edges(s)
+            for side, d in (("left", left), ("right", right)):
                 sides[side].append([round(x - d * math.sin(heading), 6), round(y + d * math.cos(heading), 6)])
         return {**sides, "closed": self.closed}
 
 
-def load(path: Path, shown: str) -> Road:
+class Backwards:
+    """The reference line of a road, followed the other way; its arc length is `length - s`."""
+
+    def __init__(self, road: Road) -> None:
+        self._road = road
+
+    def pose(self, s: float) -> Pose:
+        x, y, heading = self._road.pose(self._road.length - s)
+        return x, y, heading + math.pi
+
+    def curvature(self, s: float) -> float:
+        return -self._road.curvature(self._road.length - s)
+
+
+def load(path: Path, shown: str, widenings: tuple[Widening, ...] = ()) -> Road:
     """The road of a track declaration (format trackmarshal-track). Raises D120, D124, D126, D150 to D152."""
     item = document.read(content.read(path, shown), shown)
     fields = item.fields(
@@ -106,7 +163,7 @@ def load(path: Path, shown: str) -> Road:
             turn = wrap(end[2] - start[2])
             message = f"the line ends {apart:.6g} m and {turn:.6g} rad from its start"
             raise fields["pieces"].wrong(message, "two equal halves of half a turn each always meet", "D152")
-    return Road(pieces, width, closed, spacing)
+    return Road(pieces, width, closed, spacing, widenings)
 
 
 def expect(fields: dict[str, Item], format_: str) -> None:

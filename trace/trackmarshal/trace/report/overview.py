@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -139,6 +140,32 @@ def _cards(
             f"to be mended; {count(levels['warning'], 'warning')}, {count(levels['note'], 'note')}",
         ),
     ]
+
+
+def fault_context(faults: Sequence[Mapping[str, str]]) -> dict[str, Any]:
+    """The table of injected faults, with its state in one sentence."""
+    looks = {
+        "covered": ("good", "✓ yes"),
+        "failed": ("bad", "✕ no"),
+        "stale": ("bad", "stale"),
+        "missing": ("soft", "not put in"),
+    }
+    rows = [
+        {
+            **row,
+            "driven": re.sub(r"(?<=\d) (?=s\b)", "\N{NO-BREAK SPACE}", row["driven"]),
+            "look": looks[row["status"]][0],
+            "word": looks[row["status"]][1],
+        }
+        for row in faults
+    ]
+    number = {status: sum(row["status"] == status for row in rows) for status in looks}
+    done = number["covered"] + number["failed"]
+    said = f"{number['covered']} of {count(done, 'fault')} were found as expected"
+    for status, words in (("stale", "with stale results"), ("missing", "not put in")):
+        if number[status]:
+            said += f"; {number[status]} {words}"
+    return {"faults": rows, "faults_said": f"{said}." if rows else ""}
 
 
 def _total(matrix_summary: Mapping[str, Any], what: str) -> int:

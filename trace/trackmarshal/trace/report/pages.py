@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.trace.report.overview import index_context
+from trackmarshal.trace.report.overview import fault_context, index_context
 from trackmarshal.trace.report.reading import read_run
 from trackmarshal.trace.report.run_view import run_context
 
@@ -34,6 +34,7 @@ def write_report(
     missing: Sequence[Mapping[str, Any]],
     checks: Mapping[str, Any],
     meta: Mapping[str, Any],
+    faults: Sequence[Mapping[str, str]] = (),
 ) -> Path:
     """Write index.html and runs/NAME.html and return the path of the index; raises T291 or T292.
 
@@ -43,7 +44,7 @@ def write_report(
     "file" and "line"), "help"}. checks: {"modules", "rules", "errors", "warnings", "tests", "failed": numbers, "failures":
     [{"rule", "title", "message", "place"}], "uncovered": [rules whose boundary lacks a test]}; what is left out is said
     not to have been done. meta: {"project", "created", "tool", "python", "spec_fingerprint", "command", "versions": {name:
-    version}, "notes": [text]}; only what is given is shown. Equal input makes equal pages.
+    version}, "notes": [text]}; only what is given is shown. faults: rows of `trackmarshal.trace.fault_rows`. Equal input makes equal pages.
     """
     meta, checks = {**_NO_META, **meta}, {**_NO_CHECKS, **checks}
     read = [read_run(record) for record in runs]
@@ -60,7 +61,11 @@ def write_report(
         )
     linked = [(run, f"runs/{name}.html") for run, name in zip(read, names)]
     pages["index.html"] = _page(
-        "index.html.j2", index_context(linked, matrix_summary, missing, checks, meta, matrix_html)
+        "index.html.j2",
+        {
+            **index_context(linked, matrix_summary, missing, checks, meta, matrix_html),
+            **fault_context(faults),
+        },
     )
     _write(folder, pages)
     return folder / "index.html"

@@ -1,0 +1,248 @@
+"""A campaign run: each fault put into the recording, the Supervisor run over it, and held against what was expected."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass, fields, replace
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.door import Door
+from trackmarshal.runtime.faults import name_of
+from trackmarshal.runtime.judge import Judge, Judged
+from trackmarshal.runtime.machine import DRIVE
+from trackmarshal.runtime.supervisor import Supervisor
+from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
+from trackmarshal.scenarios.faults.moment import Moment
+from trackmarshal.scenarios.recording import Recording
+from trackmarshal.scenarios.replay import known_tables
+from trackmarshal.scenarios.supervised import cycles
+from trackmarshal.supervision import EvaluatorJudge
+
+#: Stamps are sums of steps; this is far less than a step, s.
+_SLACK = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What came of a fault: which rules and faults made a cycle unsafe in which cycles, s, and what was driven then.
+
+    by: in the first unsafe cycle; driven, since: in it as well; lost: why nothing stored was driven, and from when on.
+    wrong: how that differs from what was expected; empty where it does not.
+    """
+
+    fault: Fault
+    by: tuple[str, ...]
+    first: float | None
+    last: float | None
+    driven: str
+    since: float | None
+    lost: str
+    lost_at: float | None
+    wrong: str
+
+
+def fingerprint(
+    campaign: Campaign, fault: Fault, source_hash: str, spec: str, limits: Limits | None = None
+) -> str:
+    """sha256 of all that an outcome depends on: the fault as declared, the recording, rules and values, the limits."""
+    limits = Limits() if limits is None else limits
+    held = [(field.name, value) for field, value in zip(fields(limits), astuple(limits))]
+    made_of = [fault.digest, campaign.lead, source_hash, spec, held]
+    return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
+
+
+class Bench:
+    """A recording and its rules, ready for faults."""
+
+    def __init__(self, recording: Recording, evaluator: Evaluator, limits: Limits | None = None) -> None:
+        tables, _ = known_tables(recording, evaluator.spec)
+        self._judge = EvaluatorJudge(evaluator, recording.params, tables)
+        self._spec = evaluator.spec
+        self._limits = Limits() if limits is None else limits
+        self._cycles = list(cycles(recording))
+
+    def run(self, campaign: Campaign, fault: Fault) -> Outcome:
+        """Put one fault in and see what comes of it; the run is made twice, and has to come out the same.
+
+        Raises D153 for a fault that cannot be put into this recording.
+        """
+        said = [self._decisions(campaign, fault) for _ in range(2)]
+        outcome = _outcome(fault, said[0])
+        if [_summary(d) for _, d in said[0]] != [_summary(d) for _, d in said[1]]:
+            wrong = f"{outcome.wrong}; " if outcome.wrong else ""
+            return replace(outcome, wrong=f"{wrong}the same cycles led to other decisions the second time")
+        return outcome
+
+    def _decisions(self, campaign: Campaign, fault: Fault) -> list[tuple[float, Decision]]:
+        """The decisions of a new Supervisor around the fault, each with the time that its cycle is due, s."""
+        last = fault.end if fault.expected is None else max(fault.end, fault.expected.last)
+        begin, end = fault.begin - campaign.lead - _SLACK, last + campaign.lead + _SLACK
+        judge, clock = _Saboteur(self._judge), _Clock()
+        supervisor = Supervisor(self._spec, judge, self._limits, clock.read)
+        said: list[tuple[float, Decision]] = []
+        touched = False
+        free = -math.inf  # when the Supervisor is done with the cycle before
+        for cycle in self._cycles:
+            if not begin <= cycle.t <= end:
+                continue
+            moment = Moment.of(cycle)
+            if fault.begin - _SLACK <= cycle.t <= fault.end + _SLACK:
+                touched = True
+                try:
+                    for each in fault.changes:
+                        each(moment)
+                except (KeyError, IndexError, TypeError, ZeroDivisionError) as error:
+                    message = f"the fault `{fault.id}` changes what is not there at {cycle.t:g} s ({error})"
+                    raise TrackmarshalError(
+                        "D153",
+                        message,
+                        file=campaign.source,
+                        line=fault.line,
+                        help="name what the recording has",
+                    ) from error
+            if moment.lost:
+                continue
+            arrival = max(moment.arrival, free)
+            free = arrival + moment.delay
+            clock.readings = [arrival + moment.clock, free + moment.clock]
+            judge.sabotage = moment.judge
+            said.append((cycle.t, supervisor.step(None if moment.silent else moment.cycle)))
+        if not touched:
+            message = f"the recording has no cycle in the time of the fault `{fault.id}`"
+            raise TrackmarshalError(
+                "D153", message, file=campaign.source, line=fault.line, help="choose a time that it has"
+            )
+        return said
+
+
+class _Clock:
+    """Reads what it is told to; a reading that nobody asked for in the cycle before is dropped."""
+
+    def __init__(self) -> None:
+        self.readings: list[float] = []
+
+    def read(self) -> float:
+        return self.readings.pop(0)
+
+
+class _Saboteur:
+    """A judge that fails as it is told to."""
+
+    def __init__(self, judge: Judge) -> None:
+        self._judge = judge
+        self.rules: Sequence[RuleInfo] = judge.rules
+        self.identity = judge.identity
+        self.sabotage = ""
+
+    def judge(self, door: Door) -> tuple[Judged, Judged]:
+        if self.sabotage == "raises":
+            raise ArithmeticError("put in on purpose")
+        driving, emergency = self._judge.judge(door)
+        match self.sabotage:
+            case "":
+                return driving, emergency
+            case "short":
+                return replace(driving, verdicts=driving.verdicts[:-1]), emergency
+            case "unknown":
+                return replace(driving, verdicts=b"\xff" + driving.verdicts[1:]), emergency
+            case other:
+                raise AssertionError(other)
+
+
+def _outcome(fault: Fault, said: list[tuple[float, Decision]]) -> Outcome:
+    unsafe = [(t, decision) for t, decision in said if not decision.safe]
+    lost = next(((decision.lost, t) for t, decision in said if decision.lost), ("", None))
+    if unsafe:
+        first, decision = unsafe[0]
+        since = None if decision.driven is None else decision.driven.t
+        found = Outcome(
+            fault, _by(decision), first, unsafe[-1][0], decision.action, since, lost[0], lost[1], ""
+        )
+    else:
+        found = Outcome(fault, (), None, None, DRIVE, None, lost[0], lost[1], "")
+    return replace(found, wrong="; ".join(_differences(fault, found, said)))
+
+
+def _by(decision: Decision) -> tuple[str, ...]:
+    """The rules that are violated or undefined, and the faults, each once."""
+    names = [violation.rule for violation in decision.violations] + [name_of(f) for f in decision.faults]
+    return tuple(dict.fromkeys(names))
+
+
+def _differences(fault: Fault, found: Outcome, said: list[tuple[float, Decision]]) -> list[str]:
+    """How the outcome differs from what is expected."""
+    expected = fault.expected
+    if expected is None:
+        return (
+            []
+            if found.first is None
+            else [f"unsafe at {found.first:g} s by {', '.join(found.by)}, not at all expected"]
+        )
+    if found.first is None:
+        return [f"nothing was found; expected {expected.by} at {expected.first:g} s"]
+    wrong = []
+    decision = next(decision for _, decision in said if not decision.safe)
+    if expected.by not in found.by:
+        wrong.append(f"found by {', '.join(found.by)}, expected {expected.by}")
+    asked = [set(v.requirements) for v in decision.violations if v.rule == expected.by]
+    if asked and fault.requirement not in asked[0]:
+        wrong.append(f"{expected.by} satisfies {', '.join(sorted(asked[0]))}, expected {fault.requirement}")
+    wrong += _stretch(expected, said)
+    same = found.since is None if expected.since is None else _equal(found.since, expected.since)
+    if found.driven != expected.driven or not same:
+        wrong.append(
+            f"driven is {_driven(found.driven, found.since)}, expected {_driven(expected.driven, expected.since)}"
+        )
+    if (found.lost, found.lost_at is None) != (expected.lost, expected.lost_at is None) or not (
+        expected.lost_at is None or _equal(found.lost_at, expected.lost_at)
+    ):
+        wrong.append(
+            f"the stored trajectory is {_lost(found.lost, found.lost_at)}, expected {_lost(expected.lost, expected.lost_at)}"
+        )
+    return wrong
+
+
+def _stretch(expected: Expected, said: list[tuple[float, Decision]]) -> list[str]:
+    """Exactly the cycles from first to last have to be unsafe, and in all others the planned trajectory is driven."""
+    wrong = []
+    for t, decision in said:
+        inside = expected.first - _SLACK <= t <= expected.last + _SLACK
+        if decision.safe == inside:
+            wrong.append(f"{'safe' if decision.safe else 'unsafe'} at {t:g} s")
+    if len(wrong) > 3:
+        wrong[3:] = [f"and {len(wrong) - 3} more cycles"]
+    return (
+        [f"{', '.join(wrong)}; expected unsafe from {expected.first:g} to {expected.last:g} s"]
+        if wrong
+        else []
+    )
+
+
+def _equal(one: float | None, other: float) -> bool:
+    return one is not None and abs(one - other) <= _SLACK
+
+
+def _driven(what: str, since: float | None) -> str:
+    return what if since is None else f"{what} from {since:g} s"
+
+
+def _lost(what: str, at: float | None) -> str:
+    return "kept" if at is None else f"{what} at {at:g} s"
+
+
+def _summary(decision: Decision) -> tuple[object, ...]:
+    """Everything of a decision that has to be the same again."""
+    judged = (
+        None
+        if decision.judged is None
+        else [(j.verdicts, list(map(repr, j.margins))) for j in decision.judged]
+    )
+    driven = None if decision.driven is None else (decision.driven.number, decision.driven.matrix.tobytes())
+    return decision.state, decision.safe, decision.lost, decision.reasons, judged, driven

@@ -1,0 +1,120 @@
+"""Declarations of faults: which are put into which recording, and what the Supervisor is expected to do about each."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from trackmarshal.runtime.faults import FAULTS
+from trackmarshal.scenarios import content
+from trackmarshal.scenarios.faults.changes import Change, change
+from trackmarshal.scenarios.generate import document
+from trackmarshal.scenarios.generate.document import Item
+from trackmarshal.scenarios.replay import ACTIONS
+
+#: Why nothing stored is driven, by name.
+LOSSES = tuple(name for name, code in FAULTS.items() if code.startswith("D24"))
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """What the Supervisor does: `by`, a rule or a fault of the door or the Supervisor, makes the cycles from first to last unsafe, s.
+
+    In the first one, `driven` is driven, from the cycle at `since` (None: nothing is). From `lost_at` on nothing stored is
+    driven any more, because of `lost`.
+    """
+
+    by: str
+    first: float
+    last: float
+    driven: str
+    since: float | None
+    lost: str
+    lost_at: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A fault in the cycles from begin to end, s; `expected` None: nothing may happen. `open`: why it is not injected."""
+
+    id: str
+    title: str
+    requirement: str
+    begin: float
+    end: float
+    changes: tuple[Change, ...]
+    expected: Expected | None
+    open: str
+    line: int
+    digest: str  #: sha256 of what is declared
+
+
+@dataclass(frozen=True, slots=True)
+class Campaign:
+    """The faults of one file. lead: how long the run goes on before and after each fault, s."""
+
+    name: str
+    recording: str
+    lead: float
+    faults: tuple[Fault, ...]
+    source: str = ""  #: the file, as reports print it
+
+
+def load(path: Path, shown: str) -> Campaign:
+    """Read a campaign; raises D120, D124, D126, D150 or D151."""
+    item = document.read(content.read(path, shown), shown)
+    fields = item.fields(("format", "version", "name", "recording", "lead", "faults"))
+    if fields["format"].text() != "trackmarshal-faults":
+        raise fields["format"].wrong("this is no campaign of faults", "`format: trackmarshal-faults`")
+    fields["version"].count(1, 1)
+    faults = tuple(_fault(each) for each in fields["faults"].items())
+    ids = [fault.id for fault in faults]
+    for fault, each in zip(faults, fields["faults"].items()):
+        if ids.count(fault.id) > 1:
+            raise each.wrong(f"the id `{fault.id}` stands twice", "ids are unique")
+    return Campaign(
+        fields["name"].text(), fields["recording"].text(), fields["lead"].number(0.0, 100.0), faults, shown
+    )
+
+
+def _fault(item: Item) -> Fault:
+    named = ("id", "title", "requirement")
+    fields = item.fields(named, ("open", "begin", "end", "change", "expect"))
+    if "open" in fields:
+        item.fields((*named, "open"))
+        begin, end, expected = 0.0, 0.0, None
+        changes: tuple[Change, ...] = ()
+    else:
+        fields = item.fields((*named, "begin", "end", "change", "expect"))
+        begin, end = fields["begin"].number(0.0), fields["end"].number(0.0)
+        if end < begin:
+            raise item.wrong(
+                f"it ends at {end:g} s, before it begins", "begin is the first cycle, end the last"
+            )
+        changes = tuple(change(each) for each in fields["change"].items())
+        expected = _expected(fields["expect"])
+    texts = [fields[name].text() for name in named]
+    digest = hashlib.sha256(json.dumps(item.plain()).encode()).hexdigest()
+    text = fields["open"].text() if "open" in fields else ""
+    return Fault(texts[0], texts[1], texts[2], begin, end, changes, expected, text, item.line, digest)
+
+
+def _expected(item: Item) -> Expected | None:
+    fields = item.fields((), ("by", "first", "last", "driven", "from", "lost", "lost_at"))
+    if not fields:
+        return None
+    fields = item.fields(("by", "first", "last", "driven"), ("from", "lost", "lost_at"))
+    driven = fields["driven"].choice(ACTIONS[1:])
+    since = fields["from"].number() if "from" in fields else None
+    lost_at = fields["lost_at"].number() if "lost_at" in fields else None
+    if (since is None) != (driven == ACTIONS[2]):
+        raise item.wrong(
+            "`from` says which cycle's trajectory is driven", f"give it, but not with {ACTIONS[2]}"
+        )
+    if (lost_at is None) != ("lost" not in fields):
+        raise item.wrong("`lost` and `lost_at` belong together", "give both or none")
+    lost = fields["lost"].choice(LOSSES) if "lost" in fields else ""
+    first, last = fields["first"].number(), fields["last"].number()
+    return Expected(fields["by"].text(), first, last, driven, since, lost, lost_at)

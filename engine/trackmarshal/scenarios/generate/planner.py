@@ -1,0 +1,82 @@
+"""What the planner offers in a cycle: mostly what is driven next, and something else where a mistake is declared."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.scenarios.generate.candidates import Braking, Plan, driving, emergency, path_curvature
+from trackmarshal.scenarios.generate.document import Item
+from trackmarshal.scenarios.generate.motion import Motion, Move, Profile
+from trackmarshal.scenarios.recording import CANDIDATES
+
+#: A car that moves sideways faster than this, m/s, cannot begin another move.
+STEADY = 1e-9
+
+
+class Mistake(NamedTuple):
+    """In the cycles from begin to end, s, the planner plans otherwise than is driven; times count from the cycle.
+
+    With moves, it leaves the path that is driven: they begin at the car's place. Without, it keeps the path. With an
+    acceleration (rows of s, m/s^2), it drives its own speeds; without, those that are driven.
+    """
+
+    begin: float
+    end: float
+    acceleration: list[list[float]] | None
+    moves: list[Move] | None
+    item: Item
+
+
+class Planner:
+    """Driving and emergency trajectories along a motion, with mistakes; `step` is how far apart the cycles are, s."""
+
+    def __init__(
+        self, motion: Motion, horizon: float, braking: Braking, mistakes: list[Mistake], step: float
+    ) -> None:
+        self._motion = motion
+        self._horizon = horizon
+        self._braking = braking
+        self._mistakes = mistakes
+        self._slack = 1e-6 * step
+        self._kappa = path_curvature(motion)
+
+    def mistake(self, t: float) -> Mistake | None:
+        """The mistake that the planner makes in the cycle at t."""
+        slack = self._slack
+        return next((m for m in self._mistakes if m.begin - slack <= t <= m.end + slack), None)
+
+    def plans(self, t: float, points: int, emergency_points: int) -> dict[str, Plan]:
+        """Both candidates of the cycle at t; raises D152 for what cannot be laid out at all."""
+        braking = self._braking._replace(points=emergency_points)
+        mistake = self.mistake(t)
+        if mistake is None:
+            own, motion, begin, kappa = None, self._motion, t, self._kappa
+        elif mistake.moves is None:
+            own, motion, begin, kappa = self._profile(mistake, t), self._motion, t, self._kappa
+        else:
+            motion, begin, own = self._astray(mistake, mistake.moves, t), 0.0, None
+            kappa = path_curvature(motion)
+        plans = (
+            driving(motion, begin, points, self._horizon, own),
+            emergency(motion, begin, braking, kappa),
+        )
+        return dict(zip(CANDIDATES, plans))
+
+    def _profile(self, mistake: Mistake, t: float) -> Profile:
+        """The speeds that are planned at t."""
+        v = self._motion.profile.at(t)[1]
+        if mistake.acceleration is not None:
+            return Profile(v, mistake.acceleration)
+        return self._motion.profile.after(t)
+
+    def _astray(self, mistake: Mistake, moves: list[Move], t: float) -> Motion:
+        """The motion that is planned at t on a path of its own, long enough to brake on."""
+        state = self._motion.at(t)
+        if abs(state.d_rate) > STEADY:
+            message = f"the planner cannot leave the path at t = {t:.2f} s, in the middle of a move"
+            raise TrackmarshalError("D152", message, help="begin the mistake before the move or after it")
+        stopping = 2.0 * state.v / self._braking.deceleration
+        end = max(self._horizon, math.ceil(stopping))
+        return Motion(self._motion.road, self._profile(mistake, t), moves, (state.s, state.d), end)

@@ -1,0 +1,107 @@
+"""Every declared fault of the shipped scenario is found as its campaign says, and is not without the rule that finds it."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from support.project import command, copy_project
+from support.shared import REPOSITORY
+from trackmarshal import scenarios
+from trackmarshal.cli.replay import evaluator_for
+from trackmarshal.runtime.faults import FAULTS
+from trackmarshal.scenarios.faults.campaign import Bench
+from trackmarshal.scenarios.faults.declaration import Fault, load
+
+FILE = REPOSITORY / "specs" / "scenarios" / "faults.yaml"
+CAMPAIGN = load(FILE, "specs/scenarios/faults.yaml")
+PUT_IN = [fault for fault in CAMPAIGN.faults if not fault.open]
+BY_RULES = [fault for fault in PUT_IN if fault.expected and fault.expected.by not in FAULTS]
+
+
+def name(fault: Fault) -> str:
+    return fault.id
+
+
+@cache
+def bench(without: str = "") -> Bench:
+    recording = scenarios.load(FILE.parent / CAMPAIGN.recording)
+    spec = REPOSITORY / "specs" / "supervisor"
+    evaluator = evaluator_for(recording, spec, [], REPOSITORY, None, "numpy", FILE.parent)
+    if without:
+        kept = [rule.name for rule in evaluator.rules if rule.name != without]
+        assert len(kept) == len(evaluator.rules) - 1
+        evaluator = evaluator_for(recording, spec, [], REPOSITORY, kept, "numpy", FILE.parent)
+    return Bench(recording, evaluator)
+
+
+def test_there_are_enough_of_all_kinds() -> None:
+    assert len(PUT_IN) >= 60
+    rules = {fault.expected.by for fault in BY_RULES if fault.expected}
+    others = {fault.expected.by for fault in PUT_IN if fault.expected} - rules
+    every = {rule.name for rule in bench()._judge.rules}
+    # rss_eq1 never fires without safe_gap, ends_at_rest never before the door; the other two monitors have no fault here
+    assert every - rules == {"rss_eq1", "ends_at_rest", "A-LOCALISATION", "A-FRICTION"}
+    doors = {fault for fault, code in FAULTS.items() if code < "D24"}
+    assert doors - others == {"wrong_type", "internal"}
+
+
+@pytest.mark.parametrize("fault", PUT_IN, ids=name)
+def test_found_as_expected(fault: Fault) -> None:
+    assert bench().run(CAMPAIGN, fault).wrong == "", fault.title
+
+
+@pytest.mark.parametrize("fault", BY_RULES, ids=name)
+def test_not_without_its_rule(fault: Fault) -> None:
+    assert fault.expected is not None
+    outcome = bench(fault.expected.by).run(CAMPAIGN, fault)
+    assert "expected" in outcome.wrong, fault.title
+    assert fault.expected.by not in outcome.by
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = copy_project(tmp_path_factory.mktemp("faults") / "project")
+    status, out, err = command(root, "trace", "--gate")
+    assert status == 0, out + err
+    return root
+
+
+def test_evidence_goes_stale_and_turns_red(project: Path) -> None:
+    """Friction that finds nothing any more: stale as it is, failed when the faults are put in again, and well again after."""
+    path = project / "specs" / "supervisor" / "trajectory.spec"
+    before = path.read_text("utf-8")
+    results = project / "out" / "results"
+    kept = {file: file.read_bytes() for file in results.iterdir()}
+    rule = "require   mass * sqrt(p.a^2 + (p.v^2 * p.kappa)^2) <= mu * p.grip * mass * g"
+    assert rule in before
+    path.write_text(before.replace(rule, rule.replace("<= mu", "<= 100 * mu")), encoding="utf-8")
+    status, out, _ = command(project, "trace", "--gate", "--as-is")
+    assert status == 1
+    assert "T261" in out
+    status, out, _ = command(project, "trace", "--gate")
+    assert status == 1
+    assert "error[T260]: the fault `F-03`" in out
+    assert "nothing was found; expected friction at 2 s" in out
+    path.write_text(before, encoding="utf-8")
+    for file, data in kept.items():
+        file.write_bytes(data)
+    assert command(project, "trace", "--gate", "--as-is")[0] == 0
+
+
+def test_a_fault_that_is_struck_is_missed(project: Path) -> None:
+    path = project / "specs" / "scenarios" / "faults.yaml"
+    before = path.read_text("utf-8")
+    start = before.index("  - id: F-05\n")
+    path.write_text(before[:start] + before[before.index("  - id: F-06\n") :], encoding="utf-8")
+    status, out, _ = command(project, "trace", "--gate", "--as-is")
+    assert status == 1
+    assert "T265" in out
+    path.write_text(before.replace("set: 6.5", "set: 6.6"), encoding="utf-8")
+    status, out, _ = command(project, "trace", "--gate", "--as-is")
+    assert status == 1
+    assert "T261" in out
+    path.write_text(before, encoding="utf-8")
+    assert command(project, "trace", "--gate", "--as-is")[0] == 0

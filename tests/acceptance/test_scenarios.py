@@ -1,0 +1,66 @@
+"""The shipped scenarios against the shipped rules: every verdict lies inside the ground truth, and hangs on the rules it should."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from support.shared import REPOSITORY
+from trackmarshal import scenarios, trace
+from trackmarshal.cli.replay import evaluator_for
+from trackmarshal.scenarios.replay import Replay, replay
+
+FOLDER = REPOSITORY / "specs" / "scenarios"
+
+
+def run(path: Path, without: tuple[str, ...] = ()) -> Replay:
+    recording = scenarios.load(path)
+    spec = REPOSITORY / "specs" / "supervisor"
+    evaluator = evaluator_for(recording, spec, [], REPOSITORY, None, "numpy")
+    if without:
+        names = [rule.name for rule in evaluator.rules]
+        assert set(without) <= set(names)
+        kept = [name for name in names if name not in without]
+        evaluator = evaluator_for(recording, spec, [], REPOSITORY, kept, "numpy")
+    return replay(recording, evaluator)
+
+
+def test_the_project_declares_every_recording() -> None:
+    project, _ = trace.load(REPOSITORY)
+    declared = {str(scenario.path) for scenario in project.scenarios}
+    assert declared == {f"specs/scenarios/{path.name}" for path in FOLDER.glob("*.tmrec.jsonl*")}
+    assert {path.stem for path in FOLDER.glob("*.yaml") if "format: trackmarshal-scenario" in path.read_text("utf-8")} == {
+        Path(name).name.partition(".")[0] for name in declared
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.tmrec.jsonl*")), ids=lambda path: path.name)
+def test_inside_the_ground_truth(path: Path) -> None:
+    outcome = run(path)
+    assert outcome.truths
+    for truth in outcome.truths:
+        assert (truth.missed, truth.false_alarms) == ((), ()), truth.kind
+
+
+@pytest.mark.parametrize(
+    ("name", "without", "times"),
+    [
+        ("cut_in.tmrec.jsonl", ("safe_gap", "safe_side", "rss_eq1"), (11.6, 12.1)),
+        ("wrong_way.tmrec.jsonl.gz", ("safe_gap_oncoming", "safe_side"), (6.3, 7.0)),
+        ("debris.tmrec.jsonl.gz", ("obstacle_collision",), (4.7, 5.4)),
+        ("pit_entry.tmrec.jsonl.gz", ("zone_speed_limit",), (0.8, 10.0)),
+        ("overreach.tmrec.jsonl.gz", ("speed_limit",), (1.0, 1.5)),
+        ("overreach.tmrec.jsonl.gz", ("drive_acceleration",), (3.0, 3.5)),
+        ("overreach.tmrec.jsonl.gz", ("friction",), (11.0, 11.5)),
+        ("overreach.tmrec.jsonl.gz", ("friction", "braking_limit"), (5.0, 11.5)),
+        ("after_spin.tmrec.jsonl.gz", ("turn_radius",), (1.0, 1.5)),
+        ("after_spin.tmrec.jsonl.gz", ("static_collision",), (4.2, 4.7)),
+        ("bad_reception.tmrec.jsonl.gz", ("A-PERCEPTION",), (3.2, 4.3)),
+        ("bad_reception.tmrec.jsonl.gz", ("pose_match", "pose_on_path", "heading_match"), (6.5, 8.1)),
+    ],
+)
+def test_without_the_rules_it_is_outside(name: str, without: tuple[str, ...], times: tuple[float, float]) -> None:  # fmt: skip
+    """What the ground truth demands is found by these rules and no others."""
+    missed = sorted(t for truth in run(FOLDER / name, without).truths for t in truth.missed)
+    assert (missed[0], missed[-1]) == pytest.approx(times)

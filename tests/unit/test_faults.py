@@ -1,0 +1,317 @@
+"""Fault injection: what declarations may say, what changes do to a cycle, and how an outcome is held against what was expected."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from support.shared import REPOSITORY
+from support.supervised import shipped
+from trackmarshal import scenarios
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.scenarios.faults.campaign import Bench, fingerprint
+from trackmarshal.scenarios.faults.changes import change
+from trackmarshal.scenarios.faults.declaration import Campaign, Fault, load
+from trackmarshal.scenarios.faults.moment import Moment
+from trackmarshal.scenarios.generate import document
+
+SHIPPED = REPOSITORY / "specs" / "scenarios" / "faults.yaml"
+HEAD = "format: trackmarshal-faults\nversion: 1\nname: few\nrecording: r.jsonl\nlead: 0.3\nfaults:\n"
+FAULT = """  - id: F-1
+    title: too fast
+    requirement: RR-1
+    begin: 2
+    end: 2.2
+    change: [{column: driving.v, set: 85}]
+    expect: {by: speed_limit, first: 2, last: 2.2, driven: previous_emergency, from: 1.9}
+"""
+
+
+def moment() -> Moment:
+    plan = {name: [0.0, 1.0, 2.0, 3.0] for name in ("t", "s", "x", "y", "heading", "kappa", "v", "a")}
+    plan["heading"] = [0.0] * 4
+    blue = {
+        "id": "blue",
+        "x": 30.0,
+        "y": 0.0,
+        "heading": 0.0,
+        "v": 20.0,
+        "length": 4.0,
+        "width": 2.0,
+        "age": 0.0,
+    }
+    track = {
+        "left": [[float(i), 5.0] for i in range(9)],
+        "right": [[float(i), -5.0] for i in range(9)],
+        "closed": True,
+    }
+    signals = {
+        "ego": {"x": 1.0, "y": 2.0, "heading": math.pi / 2, "v": 20.0},
+        "objects": [blue],
+        "obstacles": [],
+        "track": track,
+    }
+    return Moment.of(Cycle(7, 3.0, plan, plan, signals))
+
+
+def changed(text: str) -> Moment:
+    """A moment after the change that a line declares."""
+    made = moment()
+    change(document.read(text.encode(), "f.yaml"))(made)
+    return made
+
+
+def same(one: Any, other: Any) -> bool:
+    return repr(one) == repr(other)
+
+
+def test_a_moment_shares_nothing_with_the_recording() -> None:
+    plan = {"t": [0.0], "x": [1.0]}
+    signals: dict[str, Any] = {
+        "ego": {"x": 0.0},
+        "objects": [{"x": 1.0}],
+        "obstacles": [],
+        "track": {"left": []},
+    }
+    made = Moment.of(Cycle(0, 0.0, plan, plan, signals))
+    made.candidates["driving"]["x"][0] = 9.0
+    made.signals["objects"][0]["x"] = 9.0
+    made.signals["ego"]["x"] = 9.0
+    assert (plan["x"], signals["objects"], signals["ego"]) == ([1.0], [{"x": 1.0}], {"x": 0.0})
+    assert made.candidates["emergency"]["x"] == [1.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "column", "expected"),
+    [
+        ("{column: driving.a, set: -9}", "a", [-9.0] * 4),
+        ("{column: driving.a, samples: [1, 2], set: nan}", "a", [0.0, math.nan, math.nan, 3.0]),
+        ("{column: driving.a, samples: [3, 3], set: -inf}", "a", [0.0, 1.0, 2.0, -math.inf]),
+        ("{column: driving.a, samples: [2, 9], add: 0.5}", "a", [0.0, 1.0, 2.5, 3.5]),
+        ("{column: driving.t, reverse: true}", "t", [3.0, 2.0, 1.0, 0.0]),
+        ("{column: driving.v, keep: 3}", "v", [0.0, 1.0, 2.0]),
+        ("{trajectory: driving, keep: 2}", "v", [0.0, 1.0]),
+        ("{trajectory: driving, left: 3}", "y", [3.0, 4.0, 5.0, 6.0]),
+        ("{trajectory: driving, drift: 9}", "y", [0.0, 2.0, 6.0, 12.0]),
+        ("{trajectory: driving, refine: 7}", "v", [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0]),
+    ],
+)
+def test_changes_of_trajectories(text: str, column: str, expected: list[float]) -> None:
+    made = changed(text)
+    assert same(made.candidates["driving"][column], expected)
+    assert made.candidates["emergency"] == moment().candidates["emergency"]
+
+
+def test_changes_that_take_away() -> None:
+    assert "v" not in changed("{column: emergency.v, remove: true}").candidates["emergency"]
+    assert set(changed("{trajectory: driving, remove: true}").candidates) == {"emergency"}
+    assert changed("{trajectory: driving, remove: true}").cycle.driving is None
+    assert "objects" not in changed("{signal: objects, remove: true}").signals
+    assert "width" not in changed("{column: objects.width, remove: true}").signals["objects"][0]
+    assert "v" not in changed("{field: ego.v, remove: true}").signals["ego"]
+
+
+def test_changes_of_what_is_around() -> None:
+    """The car stands at (1, 2) and looks along +y."""
+    assert changed("{column: objects.age, set: 0.15}").signals["objects"][0]["age"] == 0.15
+    blue = changed("{place: objects, ahead: 8, left: 3}").signals["objects"][0]
+    assert [blue["x"], blue["y"], blue["heading"]] == pytest.approx([-2.0, 10.0, math.pi / 2])
+    assert changed("{field: ego.v, add: 2}").signals["ego"]["v"] == 22.0
+    ego = changed("{signal: ego, left: 3}").signals["ego"]
+    assert [ego["x"], ego["y"], ego["heading"]] == pytest.approx([-2.0, 2.0, math.pi / 2])
+    made = changed("{append: objects, id: g, ahead: 10, left: 0, turn: 180, length: 4, width: 2, v: 30}")
+    ghost = made.signals["objects"][-1]
+    assert [ghost["x"], ghost["y"], ghost["heading"]] == pytest.approx([1.0, 12.0, -math.pi / 2])
+    assert (ghost["id"], ghost["v"]) == ("g", 30.0)
+    many = changed("{append: obstacles, id: g, ahead: 10, left: 0, length: 4, width: 2, copies: 3}")
+    assert [each["id"] for each in many.signals["obstacles"]] == ["g0", "g1", "g2"]
+
+
+def test_changes_of_the_map() -> None:
+    track = changed("{border: left, swap: [2, 4]}").signals["track"]
+    assert [point[1] for point in track["left"]] == [5, 5, -5, -5, -5, 5, 5, 5, 5]
+    assert [point[1] for point in track["right"]] == [-5, -5, 5, 5, 5, -5, -5, -5, -5]
+    track = changed("{border: right, keep: [1, 2]}").signals["track"]
+    assert (track["right"], len(track["left"]), track["closed"]) == ([[1, -5], [2, -5]], 9, False)
+    track = changed("{border: left, set: nan}").signals["track"]
+    assert math.isnan(track["left"][0][0])
+    assert track["left"][1:] == moment().signals["track"]["left"][1:]
+
+
+def test_changes_of_time_and_judge() -> None:
+    assert changed("{cycle: lost}").lost
+    assert changed("{cycle: silent}").silent
+    assert changed("{cycle: number, add: -1}").cycle.number == 6
+    assert changed("{cycle: t, add: -0.5}").cycle.t == 2.5
+    assert changed("{cycle: arrival, add: 0.5}").arrival == 3.5
+    assert changed("{cycle: clock, add: -1}").clock == -1.0
+    assert changed("{judge: slow, delay: 0.06}").delay == 0.06
+    assert changed("{judge: raises}").judge == "raises"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "part"),
+    [
+        ("trackmarshal-faults", "trackmarshal-scenario", "no campaign"),
+        ("version: 1", "version: 2", "out of range"),
+        ("lead: 0.3\n", "", "`lead` is missing"),
+        ("    title: too fast\n", "", "`title` is missing"),
+        ("requirement: RR-1\n", "requirement: RR-1\n    open: because\n", "not known"),
+        ("end: 2.2", "end: 1.9", "before it begins"),
+        ("end: 2.2", "end: soon", "number"),
+        ("by: speed_limit, ", "", "`by` is missing"),
+        ("driven: previous_emergency", "driven: emergency", "not known"),
+        (", from: 1.9", "", "which cycle's"),
+        ("from: 1.9", "from: 1.9, lost: apart", "belong together"),
+        ("from: 1.9", "from: 1.9, lost: bored, lost_at: 2", "not known"),
+        ("{column: driving.v, set: 85}", "{columns: driving.v, set: 85}", "no change"),
+        ("{column: driving.v, set: 85}", "{column: driving.v, field: ego.v, set: 85}", "no change"),
+        ("{column: driving.v, set: 85}", "{column: driver.v, set: 85}", "not known"),
+        ("{column: driving.v, set: 85}", "{column: driving, set: 85}", "not known"),
+        ("{column: driving.v, set: 85}", "{column: driving.v, set: 85, add: 1}", "one operation"),
+        ("{column: driving.v, set: 85}", "{column: driving.v}", "one operation"),
+        ("{column: driving.v, set: 85}", "{column: driving.v, set: fast}", "number"),
+        ("{column: driving.v, set: 85}", "{column: driving.v, samples: [3, 1], set: 85}", "no range"),
+        ("{column: driving.v, set: 85}", "{trajectory: driving}", "one operation"),
+        ("{column: driving.v, set: 85}", "{trajectory: sideways, left: 1}", "not known"),
+        ("{column: driving.v, set: 85}", "{signal: objects, left: 1}", "is the car's"),
+        ("{column: driving.v, set: 85}", "{border: left, swap: [1]}", "no range"),
+        ("{column: driving.v, set: 85}", "{border: left}", "one operation"),
+        ("{column: driving.v, set: 85}", "{cycle: never}", "not known"),
+        ("{column: driving.v, set: 85}", "{cycle: t}", "`add` is missing"),
+        ("{column: driving.v, set: 85}", "{cycle: lost, add: 1}", "not known"),
+        ("{column: driving.v, set: 85}", "{judge: sleeps}", "not known"),
+        ("{column: driving.v, set: 85}", "{judge: slow}", "`delay` is missing"),
+    ],
+)  # fmt: skip
+def test_wrong_declarations_are_refused(tmp_path: Path, old: str, new: str, part: str) -> None:
+    text = HEAD + FAULT
+    assert old in text
+    (tmp_path / "f.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(TrackmarshalError) as caught:
+        load(tmp_path / "f.yaml", "f.yaml")
+    assert caught.value.code == "D151", str(caught.value)
+    assert part in caught.value.message, str(caught.value)
+    assert caught.value.line is not None
+
+
+def test_an_id_stands_once(tmp_path: Path) -> None:
+    (tmp_path / "f.yaml").write_text(HEAD + FAULT + FAULT, encoding="utf-8")
+    with pytest.raises(TrackmarshalError, match="stands twice"):
+        load(tmp_path / "f.yaml", "f.yaml")
+
+
+@pytest.fixture(scope="module")
+def campaign() -> Campaign:
+    return load(SHIPPED, "faults.yaml")
+
+
+@pytest.fixture(scope="module")
+def bench(campaign: Campaign) -> Bench:
+    recording = scenarios.load(SHIPPED.parent / campaign.recording)
+    return Bench(recording, Evaluator(shipped()))
+
+
+def friction(campaign: Campaign) -> Fault:
+    return next(fault for fault in campaign.faults if fault.expected and fault.expected.by == "friction")
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "part"),
+    [
+        ("by", "contact", "found by friction, expected contact"),
+        ("by", "missing", "found by friction, expected missing"),
+        ("first", 2.1, "unsafe at 2 s; expected unsafe from 2.1 to 2.2 s"),
+        ("last", 2.4, "safe at 2.3 s, safe at 2.4 s; expected unsafe from 2 to 2.4 s"),
+        ("driven", "no_safe_trajectory", "driven is previous_emergency from 1.9 s"),
+        ("since", 1.8, "driven is previous_emergency from 1.9 s, expected previous_emergency from 1.8 s"),
+        ("lost", "expired", "the stored trajectory is kept"),
+    ],
+)
+def test_every_difference_is_said(
+    campaign: Campaign, bench: Bench, field: str, value: Any, part: str
+) -> None:
+    fault = friction(campaign)
+    assert bench.run(campaign, fault).wrong == ""
+    assert fault.expected is not None
+    other = replace(fault.expected, **{field: value})
+    if field == "lost":
+        other = replace(other, lost_at=2.2)
+    assert part in bench.run(campaign, replace(fault, expected=other)).wrong
+
+
+def test_what_is_not_found_and_what_was_not_expected_is_said(campaign: Campaign, bench: Bench) -> None:
+    fault = friction(campaign)
+    quiet = bench.run(campaign, replace(fault, changes=()))
+    assert quiet.wrong == "nothing was found; expected friction at 2 s"
+    loud = bench.run(campaign, replace(fault, expected=None))
+    assert loud.wrong == "unsafe at 2 s by friction, not at all expected"
+    other = bench.run(campaign, replace(fault, requirement="S-1-A-5"))
+    assert other.wrong == "friction satisfies S-1-A-4, expected S-1-A-5"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{column: driving.voltage, set: 1}",
+        "{column: objects.colour, set: 1}",
+        "{field: ego.mood, remove: true}",
+        "{column: driving.t, keep: 0}",
+    ],
+)
+def test_what_the_recording_does_not_have_cannot_be_changed(
+    campaign: Campaign, bench: Bench, text: str
+) -> None:
+    broken = change(document.read(text.encode(), "f.yaml"))
+    refine = change(document.read(b"{trajectory: driving, refine: 5}", "f.yaml"))
+    fault = replace(friction(campaign), changes=(broken, refine))
+    with pytest.raises(TrackmarshalError) as caught:
+        bench.run(campaign, fault)
+    assert (caught.value.code, caught.value.file, caught.value.line) == ("D153", "faults.yaml", fault.line)
+
+
+def test_a_fault_at_a_time_that_the_recording_does_not_have(campaign: Campaign, bench: Bench) -> None:
+    with pytest.raises(TrackmarshalError, match="no cycle in the time") as caught:
+        bench.run(campaign, replace(friction(campaign), begin=20.0, end=20.1, expected=None))
+    assert caught.value.code == "D153"
+
+
+def test_decisions_that_differ_the_second_time_are_no_evidence(campaign: Campaign, bench: Bench) -> None:
+    fault = friction(campaign)
+    runs = iter([fault.changes, ()])
+
+    class Wavering:
+        """A change that is another one in the second run."""
+
+        last = math.inf
+        now: Any = ()
+
+        def __call__(self, made: Moment) -> None:
+            if made.t <= self.last:
+                self.now = next(runs)
+            self.last = made.t
+            for each in self.now:
+                each(made)
+
+    outcome = bench.run(campaign, replace(fault, changes=(Wavering(),)))
+    assert outcome.wrong == "the same cycles led to other decisions the second time"
+
+
+def test_a_fingerprint_changes_with_all_that_counts(campaign: Campaign) -> None:
+    one, other = campaign.faults[0], campaign.faults[2]
+    prints = [
+        fingerprint(campaign, one, "r", "s"),
+        fingerprint(campaign, other, "r", "s"),
+        fingerprint(campaign, one, "r2", "s"),
+        fingerprint(campaign, one, "r", "s2"),
+        fingerprint(campaign, one, "r", "s", Limits(apart=3.0)),
+        fingerprint(replace(campaign, lead=1.0), one, "r", "s"),
+    ]
+    assert len(set(prints)) == len(prints)
+    assert fingerprint(load(SHIPPED, "elsewhere.yaml"), one, "r", "s") == prints[0]
