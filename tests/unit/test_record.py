@@ -214,6 +214,20 @@ def test_no_record_at_all() -> None:
     assert caught.value.code == "D162"
 
 
+@pytest.mark.parametrize(
+    "identity", [[], None, {"rules": 5}, {"rules": [1]}, {"params": []}, {"backend": None}, {"tables": "x"}]
+)
+def test_a_head_that_describes_no_judge(identity: Any, tmp_path: Path) -> None:
+    whole = small(tmp_path / "run.arrows", 1)
+    found = layout_of(whole)
+    assert found is not None
+    head = {**found[1], "identity": identity}
+    del head["columns"]
+    with pytest.raises(TrackmarshalError) as caught:
+        read(Layout(found[0].columns, head).schema, "x")
+    assert caught.value.code == "D162"
+
+
 def test_a_file_that_is_there_is_not_touched(tmp_path: Path) -> None:
     path = tmp_path / "run.arrows"
     path.write_bytes(b"mine")
