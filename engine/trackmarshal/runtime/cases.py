@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import operator
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
@@ -42,12 +44,13 @@ class CasesReader:
         raws = list(raws)
         held: Held = {}
         cases: list[Case | None] = []
-        for first in range(0, len(raws), AT_ONCE):
-            columns = _Columns(held)
-            for columns.case, raw in enumerate(raws[first : first + AT_ONCE], start=first):
-                cases.append(self._plain(raw, columns))
-            for index in columns.flawed():
-                cases[index] = None
+        with _uncollected():
+            for first in range(0, len(raws), AT_ONCE):
+                columns = _Columns(held)
+                for columns.case, raw in enumerate(raws[first : first + AT_ONCE], start=first):
+                    cases.append(self._plain(raw, columns))
+                for index in columns.flawed():
+                    cases[index] = None
         return [self._one.read(raw) if case is None else case for raw, case in zip(raws, cases)]
 
     def _plain(self, raw: object, columns: _Columns) -> Case | None:
@@ -69,6 +72,19 @@ class CasesReader:
         except (_FlawedError, TrackmarshalError):
             return None  # what is wrong comes to light when it is read by itself
         return case
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Without garbage collection, which would look again and again through containers that are all still needed."""
+    if not gc.isenabled():
+        yield
+        return
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
 
 
 class _FlawedError(Exception):
