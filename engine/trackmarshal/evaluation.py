@@ -126,7 +126,7 @@ class Evaluator:
         """From here on numpy evaluates, which says the same; the user is told once why."""
         reason = " ".join(error.message.split())
         print(f"note: numpy evaluates instead of generated C: {reason} [{error.code}]", file=sys.stderr)
-        self._program = self._numpy()
+        self.backend, self._program = "numpy", self._numpy()
 
     def broken_constraints(self, case: Case | None = None) -> list[str]:
         """Constraints that do not hold with a case's parameters, or with the spec's own."""

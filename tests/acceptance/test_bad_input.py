@@ -27,7 +27,7 @@ from trackmarshal.testing.builders import BUILDERS
 ROOT = Path(__file__).parents[2]
 SUPERVISOR = ROOT / "specs" / "supervisor"
 SHARED = ROOT.parent / "shared" / "data" / "scenarios"
-BACKENDS = ("reference", "numpy")
+BACKENDS = ("reference", "numpy", "c")
 COMMAND = (sys.executable, "-m", "trackmarshal.cli.main")
 GOOD_SPEC = b'module good\nsignal ego : state { v: m/s }\nrule slow "slow"\n  require ego.v < 3 m/s\n'
 

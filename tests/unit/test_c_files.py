@@ -28,6 +28,7 @@ from trackmarshal.evaluation import CHUNK, Evaluator, load
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 
+needs_compiler = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
 STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-ffp-contract=off"]
 
 
@@ -110,6 +111,18 @@ def test_report_knows_libm_and_complexity() -> None:
     assert values["tm_swept_inside"] > 10
 
 
+@needs_compiler
+def test_report_says_what_an_integrator_asks(written: Path) -> None:
+    text = (written / "report.md").read_text(encoding="utf-8")
+    assert re.search(r"^- Context: \d{6} bytes\.$", text, re.MULTILINE)
+    assert re.search(r"^- libm: .*sqrt.*hypot, remainder\.$", text, re.MULTILINE)
+    assert re.search(r"^\| friction \| .*trajectory\.spec:\d+ \| \d+ \| plan \(64\) \|$", text, re.MULTILINE)
+    if shutil.which("gcc") is not None:
+        stack = re.search(r"^- Stack: at most (\d+) bytes, .*`tm_\w+` > `tm_\w+`", text, re.MULTILINE)
+        assert stack is not None
+        assert int(stack.group(1)) > 1000
+
+
 def test_unknown_nodes_are_refused_by_rule_and_node() -> None:
     class Sorcery(ir.Formula):
         """A node that no backend knows."""
@@ -137,9 +150,6 @@ def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
 
 def one_rule() -> CProgram:
     return CProgram(spec(), [rule for rule in spec().rules if rule.name == "turn_radius"])
-
-
-needs_compiler = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
 
 
 @needs_compiler
@@ -234,6 +244,7 @@ def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
     raw = [{"id": i, "signals": {"plan": plan, "track": track}} for i in range(CHUNK + 1)]
     expected = [result.rules for result in by_numpy.evaluate([by_numpy.read(case) for case in raw])]
     assert [result.rules for result in by_c.evaluate([by_c.read(case) for case in raw])] == expected
+    assert by_c.backend == "numpy"  # what records of runs say
     said_lines = capsys.readouterr().err.splitlines()
     assert len(said_lines) == 1
     assert said_lines[0].startswith("note: numpy evaluates instead of generated C: ")

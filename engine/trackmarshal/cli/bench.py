@@ -1,7 +1,7 @@
 """The benchmarks of the project: median CPU times, with the limit that each must stay under and the ratio to it.
 
-A benchmark is a module tests/benchmarks/bench_*.py with `measure() -> dict[str, float]` (seconds, or bytes for names that end
-in "memory") and, for the names it promises something about, `LIMITS`.
+A benchmark is a module tests/benchmarks/bench_*.py with `measure() -> dict[str, float]` (seconds, bytes for names that end
+in "memory", plain numbers for those that end in "(ratio)") and, for the names it promises something about, `LIMITS`.
 """
 
 from __future__ import annotations
@@ -77,10 +77,12 @@ def _load(file: Path) -> ModuleType:
 
 
 def _unit(name: str) -> str:
-    return "bytes" if name.endswith("memory") else "s"
+    return "bytes" if name.endswith("memory") else "1" if name.endswith("(ratio)") else "s"
 
 
 def _figure(name: str, value: float) -> str:
+    if _unit(name) == "1":
+        return f"{value:.2f}"
     if _unit(name) == "bytes":
         return f"{value / 1e6:.0f} MB"
     for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us")):

@@ -85,12 +85,18 @@ def types(plan: Layout) -> Iterator[str]:
     yield ""
     if not plan.shapes:
         return
+    if plan.lines:
+        yield "/* A point and where it is along a line. */"
+        yield "typedef struct {\n  double x;\n  double y;\n  tm_projection at;\n} tm_projected;"
+        yield ""
     yield "/* A prepared line or region: its segments in the context. */"
     yield "typedef struct {"
     yield "  size_t first;\n  size_t count;\n  size_t hint; /* the segment that was nearest last */\n  double length; /* m */"
     yield "  bool usable;\n  bool closed;"
     yield "  bool known; /* a sweep was looked at; its last pose: */\n  bool inside;"
     yield "  double x;\n  double y;\n  double heading;\n  double ahead; /* cosine */\n  double aside; /* sine */"
+    if plan.lines:
+        yield "  tm_projected recent[8]; /* of a line: the points that were projected last */\n  size_t turn;"
     yield "} tm_shape;"
     yield ""
     if plan.lines:
@@ -154,6 +160,8 @@ def initial(plan: Layout) -> Iterator[str]:
         yield f"  {place}.inside = false;"
         for name in ("x", "y", "heading", "ahead", "aside"):
             yield f"  {place}.{name} = 0.0;"
+        if plan.lines:
+            yield f"  tm_forget(&{place});"
     for shape in own_places(plan):
         count = len(plan.spec.places[shape.key[1]].points)
         yield f"  if ({setters_[shape.key[1]]}(c, tm_{shape.c_name}_points, {count}u) != TM_OK) {{ status = TM_UNUSABLE; }}"

@@ -7,18 +7,34 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from trackmarshal.backends.c.build import EXACT, library
 from trackmarshal.backends.c.header import CAPACITIES, capacities
+from trackmarshal.backends.c.online import CAPACITY
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
 
-LIBM = ("fabs", "sqrt", "floor", "ceil", "sin", "cos", "tan", "exp", "log", "pow", "atan2")
+LIBM = (
+    "fabs",
+    "sqrt",
+    "floor",
+    "ceil",
+    "sin",
+    "cos",
+    "tan",
+    "exp",
+    "log",
+    "pow",
+    "atan2",
+    "hypot",
+    "remainder",
+)
 _FUNCTION = re.compile(
     r"^(?:static (?:inline )?)?[a-z_]+ \*?(tm_[a-z0-9_A-Z]+)\([^;{]*?\)\s*\{", re.MULTILINE
 )
+_CALL = re.compile(r"\b(tm_[a-z0-9_A-Z]+)\(")
 _DECISION = re.compile(r"\bif\b|\bfor\b|\bwhile\b|\bcase\b|&&|\|\||\?")
 
 
@@ -62,8 +78,29 @@ def stack(source: Source) -> dict[str, int] | None:
         return {row[0].rpartition(":")[2].split(".")[0]: int(row[1]) for row in rows}
 
 
-def context_bytes(source: Source) -> int | None:
-    """Bytes of the context with the default capacities; None without a compiler."""
+def deepest(source: Source, usage: Mapping[str, int]) -> tuple[int, list[str]]:
+    """The most bytes of stack at once, libm's own left out, and the chain of calls that needs them."""
+    code = re.sub(r"/\*.*?\*/", "", source.source, flags=re.DOTALL)
+    found = list(_FUNCTION.finditer(code))
+    ends = [match.start() for match in found[1:]] + [len(code)]
+    names = {match.group(1) for match in found}
+    calls = {
+        match.group(1): set(_CALL.findall(code[match.end() : end])) & names - {match.group(1)}
+        for match, end in zip(found, ends)
+    }
+    known: dict[str, tuple[int, list[str]]] = {}
+
+    def below(name: str) -> tuple[int, list[str]]:
+        if name not in known:
+            most = max((below(other) for other in sorted(calls[name])), default=(0, []))
+            known[name] = (usage.get(name, 0) + most[0], [name, *most[1]] if name in usage else most[1])
+        return known[name]
+
+    return max((below(name) for name in calls), default=(0, []))
+
+
+def context_bytes(source: Source) -> tuple[int, list[int]] | None:
+    """Bytes of the context, and of every monitor, with the default capacities; None without a compiler."""
     try:
         dll = ctypes.CDLL(str(library(source, {})))
     except TrackmarshalError as error:
@@ -71,7 +108,8 @@ def context_bytes(source: Source) -> int | None:
             return None
         raise
     dll.tmg_size.restype = ctypes.c_size_t
-    return int(dll.tmg_size())
+    dll.tmg_online_size.restype, dll.tmg_online_size.argtypes = ctypes.c_size_t, [ctypes.c_size_t]
+    return int(dll.tmg_size()), [int(dll.tmg_online_size(i)) for i in range(len(source.monitors))]
 
 
 def _lines(source: Source) -> Iterator[str]:
@@ -83,13 +121,15 @@ def _lines(source: Source) -> Iterator[str]:
     yield "state. Figures are for the default capacities and this machine's compiler."
     yield ""
     size = context_bytes(source)
-    yield f"- Context: {'unknown (no compiler)' if size is None else f'{size} bytes'}."
+    yield f"- Context: {'unknown (no compiler)' if size is None else f'{size[0]} bytes'}."
+    for monitor, bytes_ in zip(source.monitors, size[1] if size is not None else []):
+        yield f"- Monitor of {monitor.rule.name}, a sample at a time: {bytes_} bytes (TM_MAX_ONLINE {CAPACITY})."
     usage = stack(source)
     if usage is None:
         yield "- Stack: unknown (gcc's -fstack-usage says it)."
     else:
-        top = max(usage.items(), key=lambda item: item[1])
-        yield f"- Stack: at most {sum(sorted(usage.values())[-6:])} bytes (no recursion; the six largest frames together), largest frame {top[1]} bytes (`{top[0]}`)."
+        most, chain = deepest(source, usage)
+        yield f"- Stack: at most {most} bytes, libm's own left out (no recursion; {' > '.join(f'`{name}`' for name in chain)})."
     yield f"- libm: {', '.join(libm(source)) or 'nothing'}."
     yield ""
     if limits:
@@ -113,6 +153,8 @@ def _lines(source: Source) -> Iterator[str]:
         span = code.rule.span
         yield f"| {code.rule.name} | {span.file.path}:{span.line} | {total} | {', '.join(dict.fromkeys(loops)) or 'nothing'} |"
     yield ""
+    if source.doored:
+        yield "The door passes over every column once (twice where it increases)."
     yield "A rule is computed once, taking everything for known; only where something is not known, a second time with worst and best"
     yield "cases (about twice the values). Geometry adds at most one pass over all segments of a line or border for each pose or point;"
     yield "the boxes over the segments leave a few of them in practice."

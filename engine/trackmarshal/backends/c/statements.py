@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-#: Names that the generator makes up end in a number; only they are tracked.
-_MADE = re.compile(r"\b[a-z]+_?\d+[a-z]*\b")
+#: Names that the generator makes up are a letter or two and a number; only they are tracked.
+_MADE = re.compile(r"\b[a-z]{1,2}\d+\b")
 
 
 @dataclass(eq=False)
@@ -35,8 +35,8 @@ class Block:
 
     def add(self, text: str, target: str | None = None, note: str = "") -> None:
         """Append a statement, or a declaration of `target`."""
-        uses = frozenset(_MADE.findall(text)) - {target}
-        self._insert(Statement(text, target, note, frozenset(u for u in uses if u is not None)))
+        uses = frozenset(_MADE.findall(text))
+        self._insert(Statement(text, target, note, uses - {target} if target is not None else uses))
 
     def _insert(self, item: Statement | Block) -> None:
         place = self.body.index(self.opened[-1]) if self.opened else len(self.body)

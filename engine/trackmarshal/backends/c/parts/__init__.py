@@ -9,7 +9,8 @@ from pathlib import Path
 
 #: The files, in the order in which their functions may call each other.
 FILES = ("numbers", "verdicts", "temporal", "online", "door", "exact", "geometry", "prepare")
-_NAME = re.compile(r"\btm_[a-z0-9_]+\b")
+#: Begins with letters, not with a word boundary: that is found ten times as fast.
+_NAME = re.compile(r"tm_[a-z0-9_]+")
 
 
 @cache

@@ -26,6 +26,13 @@ static tm_box tm_grown(const tm_box *box, double by) {
   return result;
 }
 
+/** Whether a segment lies beside a box altogether. */
+static inline bool tm_beside_box(const tm_segment *s, const tm_box *box) {
+  const int x = ((s->ax < box->x0) & (s->bx < box->x0)) | ((s->ax > box->x1) & (s->bx > box->x1));
+  const int y = ((s->ay < box->y0) & (s->by < box->y0)) | ((s->ay > box->y1) & (s->by > box->y1));
+  return (x | y) != 0;
+}
+
 /** The next segment at or after `i` of a shape whose boxes all meet a box; else the end. */
 static size_t tm_next_near(const tm_context *c, const tm_shape *shape, size_t i, const tm_box *box) {
   const size_t end = shape->first + shape->count;
@@ -41,6 +48,12 @@ static size_t tm_next_near(const tm_context *c, const tm_shape *shape, size_t i,
     }
   }
   return (i < end) ? i : end;
+}
+
+/** Where the block of eight segments ends that a segment is in. */
+static size_t tm_block_end(size_t i, size_t end) {
+  const size_t stop = (i | 7u) + 1u;
+  return (stop < end) ? stop : end;
 }
 
 /** The distance of a point from a segment; both are seen from (ox, oy). */
@@ -67,13 +80,18 @@ static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double
   tm_box near = tm_grown(&at, best);
   size_t i = tm_next_near(c, shape, shape->first, &near);
   while (i < end) {
-    const double reach = tm_segment_distance(&c->segment[i], ox, oy, x, y);
-    if ((reach < best) || ((reach == best) && (i < nearest))) {
-      best = reach;
-      nearest = i;
-      near = tm_grown(&at, best);
+    const size_t stop = tm_block_end(i, end);
+    for (; i < stop; ++i) {
+      if (!tm_beside_box(&c->segment[i], &near)) {
+        const double reach = tm_segment_distance(&c->segment[i], ox, oy, x, y);
+        if ((reach < best) || ((reach == best) && (i < nearest))) {
+          best = reach;
+          nearest = i;
+          near = tm_grown(&at, best);
+        }
+      }
     }
-    i = tm_next_near(c, shape, i + 1u, &near);
+    i = tm_next_near(c, shape, i, &near);
   }
   shape->hint = nearest - shape->first;
   *which = nearest;
@@ -450,25 +468,28 @@ static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double 
   tm_box near = tm_grown(&box, best);
   size_t i = tm_next_near(c, shape, shape->first, &near);
   while ((i < end) && !entered) {
-    const tm_segment *s = &c->segment[i];
-    const double apart = tm_frame_apart(&frame, s, x0, y0);
-    if (apart <= (best * best)) {
-      if (!built) {
-        tm_convex_hull(x, y, &hull);
-        built = true;
-      }
-      entered = (apart == 0.0) && tm_enters(s, x0, y0, &hull);
-      if (!entered && (i != likely)) {
-        const double reach = tm_hull_gap(s, x0, y0, x, y, &hull, &frame, best);
-        if (reach < best) {
-          best = reach;
-          near = tm_grown(&box, best);
-          shape->hint = i - shape->first;
+    const size_t stop = tm_block_end(i, end);
+    for (; (i < stop) && !entered; ++i) {
+      const tm_segment *s = &c->segment[i];
+      const double apart = tm_beside_box(s, &near) ? TM_INF : tm_frame_apart(&frame, s, x0, y0);
+      if (apart <= (best * best)) {
+        if (!built) {
+          tm_convex_hull(x, y, &hull);
+          built = true;
+        }
+        entered = (apart == 0.0) && tm_enters(s, x0, y0, &hull);
+        if (!entered && (i != likely)) {
+          const double reach = tm_hull_gap(s, x0, y0, x, y, &hull, &frame, best);
+          if (reach < best) {
+            best = reach;
+            near = tm_grown(&box, best);
+            shape->hint = i - shape->first;
+          }
         }
       }
     }
     if (!entered) {
-      i = tm_next_near(c, shape, i + 1u, &near);
+      i = tm_next_near(c, shape, i, &near);
     }
   }
   /* Nothing of the border lies in the sweep: where its first pose is well inside, so is all of it. */
@@ -562,13 +583,18 @@ static tm_projection tm_nowhere(void) {
   return result;
 }
 
-/** Station [m], offset [m, positive to the left] and direction [rad] of a point along a line. */
+/** Station [m], offset [m, positive to the left] and direction [rad] of a point along a line. Many rules ask for the same few points. */
 static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, double y) {
   size_t k = 0u;
   double reach;
   tm_projection result;
   if (!line->usable || !tm_usable(x) || !tm_usable(y)) {
     return tm_nowhere();
+  }
+  for (size_t i = 0u; i < 8u; ++i) {
+    if ((line->recent[i].x == x) && (line->recent[i].y == y)) {
+      return line->recent[i].at;
+    }
   }
   reach = tm_nearest(c, line, 0.0, 0.0, x, y, &k);
   result = tm_beside(&c->segment[k], reach, line->closed || (k > line->first),
@@ -578,7 +604,23 @@ static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, do
     result.station = 0.0;
   }
   result.direction = c->along[k].direction;
+  if ((x != 0.0) && (y != 0.0)) { /* both zeros are equal, yet not the same */
+    line->recent[line->turn].x = x;
+    line->recent[line->turn].y = y;
+    line->recent[line->turn].at = result;
+    line->turn = (line->turn + 1u) & 7u;
+  }
   return result;
+}
+
+/** Forget the points that were projected on a line. */
+static void tm_forget(tm_shape *line) {
+  line->turn = 0u;
+  for (size_t i = 0u; i < 8u; ++i) {
+    line->recent[i].x = TM_NAN;
+    line->recent[i].y = TM_NAN;
+    line->recent[i].at = tm_nowhere();
+  }
 }
 
 /** The distance [m] of a point from a line. */

@@ -238,6 +238,7 @@ static tm_status tm_make_line(tm_context *c, tm_shape *line, const double *point
   line->hint = 0u;
   line->known = false;
   line->closed = closed;
+  tm_forget(line);
   if (!tm_all_usable(points, n)) {
     return TM_UNUSABLE;
   }
