@@ -131,6 +131,16 @@ class Stepper:
             )
         return None
 
+    def refuse(self, number: int, t: float) -> None:
+        """Let the door know of a cycle, with a stamp in order, that is refused for what it cannot be shown."""
+        self._number[0] = number
+        self._times[:] = t
+        self._dll.tmg_refuse(self._context, *self._arguments[1:3], self._arguments[-1])
+
+    def candidate(self, side: int) -> tuple[tuple[str, ...], Floats]:
+        """Names and a copy of the columns (fields, samples) of a candidate as the last step took it in: 0 driving, 1 emergency."""
+        return self._candidates[side].columns()
+
     def step(
         self, number: int, t: float, now: float, driving: Mapping[str, Any], emergency: Mapping[str, Any], signals: Mapping[str, Any]
     ) -> Fault | None:  # fmt: skip
@@ -227,6 +237,7 @@ class _Block:
         self._fields = [
             (i.name, None if i.default is None else np.full(capacity, i.default)) for i in numbers
         ]
+        self.names = tuple(info.name for info in numbers)
         self._memory = np.zeros(max(1, len(numbers)) * capacity)
         self._columns = np.array([places[item.name, info.name] for info in numbers], dtype=np.intp)
         self._flags = [
@@ -258,6 +269,11 @@ class _Block:
         except (KeyError, ValueError, TypeError, AttributeError):
             pass
         self._fill(given)
+
+    def columns(self) -> tuple[tuple[str, ...], Floats]:
+        """Names and a copy of the columns of numbers, (fields, samples)."""
+        width, n = len(self.names), self._count
+        return self.names, self._memory[: width * n].reshape(width, n).copy()
 
     def _point(self, n: int) -> None:
         """Let the inputs point at columns of this length."""
