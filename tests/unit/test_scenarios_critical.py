@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trackmarshal import scenarios
@@ -214,6 +214,7 @@ poses = st.tuples(
 
 
 @given(poses, poses)
+@settings(deadline=None)  # the first call imports shapely
 def test_separation_has_the_sign_of_the_polygons_distance(one: Any, other: Any) -> None:
     from shapely import Polygon
 
