@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,9 @@ from trackmarshal.runtime.case import Case, CaseReader
 from trackmarshal.runtime.verdict import CaseResult
 
 #: Evaluators by name, the default first.
-BACKENDS = ("numpy", "reference")
+BACKENDS = ("numpy", "reference", "c")
+#: Why generated C is not used although it was asked for: a rule, a compiler or an input that it has to do without.
+_NO_C = ("E470", "E471", "E472", "E473")
 #: Cases that are evaluated together.
 CHUNK = 500
 
@@ -80,16 +83,45 @@ class Evaluator:
             yield from evaluate(self.spec, self.rules, cases, series)
             return
         for start in range(0, len(cases), CHUNK):
-            yield from self.program.run(cases[start : start + CHUNK]).results(series)
+            chunk = cases[start : start + CHUNK]
+            try:
+                run = self.program.run(chunk)
+            except TrackmarshalError as error:
+                if self.backend != "c" or error.code not in _NO_C:
+                    raise
+                self._do_without_c(error)
+                run = self.program.run(chunk)
+            yield from run.results(series)
 
     @property
     def program(self) -> Any:
-        """The rules compiled for numpy; the same program serves every batch."""
-        if self._program is None:
-            from trackmarshal.backends.numpy.program import Program
+        """The compiled rules; the same program serves every batch. Without what generated C needs: numpy's."""
+        if self._program is None and self.backend == "c":
+            from trackmarshal.backends.c.program import CProgram
 
-            self._program = Program(self.spec, self.rules)
+            try:
+                made = CProgram(self.spec, self.rules)
+                made.library_for()
+            except TrackmarshalError as error:
+                if error.code not in _NO_C:
+                    raise
+                self._do_without_c(error)
+            else:
+                self._program = made
+        if self._program is None:
+            self._program = self._numpy()
         return self._program
+
+    def _numpy(self) -> Any:
+        from trackmarshal.backends.numpy.program import Program
+
+        return Program(self.spec, self.rules)
+
+    def _do_without_c(self, error: TrackmarshalError) -> None:
+        """From here on numpy evaluates, which says the same; the user is told once why."""
+        reason = " ".join(error.message.split())
+        print(f"note: numpy evaluates instead of generated C: {reason} [{error.code}]", file=sys.stderr)
+        self._program = self._numpy()
 
     def broken_constraints(self, case: Case | None = None) -> list[str]:
         """Constraints that do not hold with a case's parameters, or with the spec's own."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -39,17 +40,41 @@ def supervisor(
     params and tables override the spec's, in declared units; clock gives s on the clock of the cycles' stamps; record is a new file that
     keeps the run. Raises TrackmarshalError D203, D204, E401, E403, E404, E481, E482 or E483.
     """
-    judge = EvaluatorJudge(Evaluator(spec, rules, backend), params, tables)
-    made = Supervisor(spec, judge, limits, clock)
+    made = _made(EvaluatorJudge(Evaluator(spec, rules, backend), params, tables), limits or Limits(), clock)
     if record is not None:
-        made.recorder = Record(record, made.door, judge.identity)
+        made.recorder = Record(record, made.door, made.judge.identity)
     return made
+
+
+def _made(judge: EvaluatorJudge, limits: Limits, clock: Callable[[], float]) -> Supervisor:
+    """A Supervisor around a judge; with generated C, door and rules of its own where a compiler and the spec let it."""
+    spec = judge.evaluator.spec
+    if judge.evaluator.backend == "c":
+        from trackmarshal.backends.c.judge import SteppedDoor, SteppedJudge
+
+        try:
+            door = SteppedDoor(spec, judge.rules, limits, judge.settings)
+        except (TrackmarshalError, ValueError) as error:
+            print(
+                f"note: the evaluator judges instead of the generated door and rules: {error}",
+                file=sys.stderr,
+            )
+        else:
+            return Supervisor(spec, SteppedJudge(judge.rules, judge.identity), limits, clock, door)
+    return Supervisor(spec, judge, limits, clock)
 
 
 def rerun(run: Run, spec: Spec, judge: Judge) -> Iterator[tuple[Decision, list[Difference]]]:
     """The cycles of a record again, at the recorded times: each decision, and where it is not the recorded one."""
     ticks: list[float] = []
-    again = Supervisor(spec, judge, run.limits, lambda: ticks.pop(0))
+
+    def clock() -> float:
+        return ticks.pop(0)
+
+    if isinstance(judge, EvaluatorJudge):
+        again = _made(judge, run.limits, clock)
+    else:
+        again = Supervisor(spec, judge, run.limits, clock)
     for place, recorded in enumerate(run.cycles):
         ticks[:] = recorded.readings
         decision = again.step(recorded.cycle)
@@ -87,7 +112,8 @@ class EvaluatorJudge:
             raise TrackmarshalError("E403", broken[0], help="change the parameters")
         if evaluator.backend != "reference":
             _ = evaluator.program  # made now, not in the first cycle's time
-        self._settings = Case(params=read.params, tables=read.tables, places=read.places)
+        #: Parameters, tables and places as they are in force.
+        self.settings = Case(params=read.params, tables=read.tables, places=read.places)
         signals = evaluator.spec.signals
         self._sets = [name for name, info in signals.items() if info.many]
         self._timelines = [name for name, info in signals.items() if info.sequence]
@@ -100,7 +126,7 @@ class EvaluatorJudge:
 
     def _case(self, door: Door, name: str, signals: Mapping[str, Any]) -> Case:
         """A case as its reader makes one, from what passed the door."""
-        case = replace(self._settings, id=name, columns={}, counts={}, names={}, scalars={}, lines={}, closed={},
+        case = replace(self.settings, id=name, columns={}, counts={}, names={}, scalars={}, lines={}, closed={},
                        faults=[], unusable=set())  # fmt: skip
         ids = door.ids()
         for signal, values in signals.items():

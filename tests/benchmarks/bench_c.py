@@ -19,9 +19,11 @@ from typing import Any
 
 import numpy as np
 
+from trackmarshal.backends.c.batch import prepared_columns, run_columns
 from trackmarshal.backends.c.build import EXACT, FAST, SHARED, compiler
+from trackmarshal.backends.c.monitoring import Monitors
 from trackmarshal.backends.c.program import CProgram
-from trackmarshal.backends.c.step import Stepper, prepared_columns, run_columns
+from trackmarshal.backends.c.step import Stepper
 from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import Spec
 
@@ -34,14 +36,19 @@ LIMITS = {
     "C: generate and load the shipped spec, warm": 0.05,
     "C: always[0, 10 s] on 1,000,000 samples": 0.03,
     "C: until[0, 10 s] on 1,000,000 samples": 0.05,
+    "C: always[0, 1 s] online, a sample": 0.3e-6,
+    "C: always[0, 600 s] online, a sample": 0.3e-6,
+    "C: until[0, 1 s] online, a sample": 0.3e-6,
+    "C: until[0, 600 s] online, a sample": 0.3e-6,
 }
 
 
 def measure() -> dict[str, float]:
     spec = load([ROOT / "specs" / "supervisor"])
-    result = {"C: Supervisor step": _step(spec)}
+    result = _step(spec)
     result |= _point_wise(spec)
     result |= _temporal()
+    result |= _online()
     result |= _building(spec)
     return result
 
@@ -90,7 +97,8 @@ def plan(start: float, v: float, braking: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def cycle() -> tuple[dict[str, Any], dict[str, Any]]:
+def cycle() -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """The driving trajectory, the emergency one, and what they have in common."""
     ahead = np.array([60.0, 90.0, -40.0]) + 100.0
     angle = ahead / 600.0
     objects = {"x": 602 * np.cos(angle), "y": 602 * np.sin(angle), "heading": angle + math.pi / 2, "v": np.full(3, 45.0),
@@ -100,33 +108,64 @@ def cycle() -> tuple[dict[str, Any], dict[str, Any]]:
         "ego": {"x": 600 * math.cos(1 / 6), "y": 600 * math.sin(1 / 6), "heading": 1 / 6 + math.pi / 2, "v": 40.0, "age": 0.0},
         "objects": objects, "obstacles": dict.fromkeys(("x", "y", "heading", "length", "width"), empty),
     }  # fmt: skip
-    driving = {**shared, "plan": plan(100.0, 40.0, 0.0), "emergency": False}
-    return driving, {**shared, "plan": plan(100.0, 40.0, 9.0), "emergency": True}
+    return plan(100.0, 40.0, 0.0), plan(100.0, 40.0, 9.0), shared
 
 
-def _step(spec: Spec) -> float:
-    stepper = Stepper(program(spec))
-    stepper.track("track", *borders(1500), True)
-    driving, emergency = cycle()
+def candidate() -> dict[str, Any]:
+    """All signals as the driving trajectory is judged with."""
+    driving, _, shared = cycle()
+    return {**shared, "plan": driving, "emergency": False}
 
-    def many() -> None:
-        for _ in range(200):
-            stepper.step(driving)
-            stepper.step(emergency)
 
-    return median(many, 15) / 200
+def _step(spec: Spec) -> dict[str, float]:
+    """The median of a step, and how much longer the slowest thousandth takes; TRACKMARSHAL_STEPS says of how many."""
+    rules = [rule for rule in spec.rules if rule.kind == "rule"]
+    stepper = Stepper(CProgram(spec, rules, doored=True))
+    assert stepper.track("track", *borders(1500), True) is None
+    driving, emergency, shared = cycle()
+    count = int(os.environ.get("TRACKMARSHAL_STEPS", "20000"))
+    spent = np.zeros(count)
+    number = 0
+
+    def one() -> None:
+        nonlocal number
+        number += 1
+        fault = stepper.step(number, 0.1 * number, 0.1 * number, driving, emergency, shared)
+        assert fault is None, fault
+
+    for _ in range(500):
+        one()
+    before = _memory()
+    for k in range(count):
+        begin = time.process_time_ns()
+        one()
+        spent[k] = time.process_time_ns() - begin
+    grown = _memory() - before
+    middle, late = np.quantile(spent, [0.5, 0.999]) / 1e9
+    return {
+        "C: Supervisor step": float(middle),
+        f"C: Supervisor step, slowest thousandth of {count}, to its median (ratio)": float(late / middle),
+        f"C: Supervisor, growth over {count} steps, memory": float(grown),
+    }
+
+
+def _memory() -> float:
+    """Bytes of this process that are in memory."""
+    statm = Path("/proc/self/statm")
+    return float(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") if statm.is_file() else math.nan
 
 
 def _point_wise(spec: Spec) -> dict[str, float]:
     made = program(spec, SIX)
     cases = 10_000
-    driving = cycle()[0]
+    driving = candidate()
     columns = {(n, f): np.tile(driving[n][f], (cases, 1)) for n, f, _ in made.order.columns}
     numbers = {(n, f): np.full(cases, driving[n][f]) for n, f in made.order.numbers}
     result = {
         "C: batch, six rules, a trajectory": median(lambda: run_columns(made, columns, numbers), 15) / cases
     }
-    by_hand = _by_hand(spec, driving)
+    runs = 10_000
+    by_hand = median(ByHand(spec).prepared(driving, FRONT, runs), 15) / runs
     seven = _with_rss(driving)
     return result | {
         "C: six rules and RSS generated, a trajectory": seven,
@@ -135,8 +174,8 @@ def _point_wise(spec: Spec) -> dict[str, float]:
     }
 
 
-def _with_rss(driving: dict[str, Any]) -> float:
-    """CPU seconds of what the hand-written kernel computes, on one trajectory again and again, as there."""
+def with_rss() -> CProgram:
+    """What the hand-written kernel computes, generated: six rules, and eq. (1) with the gap given."""
     text = (
         "module bench_rss\nuse prelude.rss\n"
         "signal front : state { gap: m, v: m/s, ego: m/s }\n"
@@ -147,12 +186,21 @@ def _with_rss(driving: dict[str, Any]) -> float:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bench_rss.spec"
         path.write_text(text, encoding="utf-8")
-        made = program(load([ROOT / "specs" / "supervisor", path]), [*SIX, "eq1"])
+        return program(load([ROOT / "specs" / "supervisor", path]), [*SIX, "eq1"])
+
+
+#: Gap to the vehicle in front, its speed, and the car's own.
+FRONT = {"gap": 55.3, "v": 45.0, "ego": 40.0}
+
+
+def _with_rss(driving: dict[str, Any]) -> float:
+    """CPU seconds of what the hand-written kernel computes, on one trajectory again and again, as there."""
+    made = with_rss()
     cases = 10_000
     columns = {
         (n, f): np.broadcast_to(driving[n][f], (cases, len(driving[n][f]))) for n, f, _ in made.order.columns
     }
-    values = {**driving, "front": {"gap": 55.3, "v": 45.0, "ego": 40.0}}
+    values = {**driving, "front": FRONT}
     numbers = {(n, f): np.full(cases, values[n][f]) for n, f in made.order.numbers}
     return median(prepared_columns(made, columns, numbers), 15) / cases
 
@@ -165,60 +213,46 @@ class _Limits(ctypes.Structure):
     ]  # fmt: skip
 
 
-def _by_hand(spec: Spec, driving: dict[str, Any]) -> float:
-    """CPU seconds of the hand-written kernel on one trajectory, built with the same flags."""
-    command = compiler()
-    assert command is not None, "no C compiler"
-    with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "kernel.so"
-        subprocess.run(
-            [
-                *command,
-                *EXACT,
-                *FAST,
-                *SHARED,
-                "-o",
-                str(target),
-                str(Path(__file__).with_name("kernel.c")),
-                "-lm",
-            ],
-            check=True,
-        )
-        dll = ctypes.CDLL(str(target))
-    short = {name.rpartition(".")[2]: info.value for name, info in spec.params.items()}
-    table = next(info for name, info in spec.tables.items() if name.endswith("ax_max"))
-    knots, values = np.array(table.knots), np.array(table.values)
-    names = {"r_min": "R_min"}
-    limits = _Limits(
-        *(short[names.get(name, name)] for name, _ in _Limits._fields_[:13]),
-        len(knots),
-        knots.ctypes.data,
-        values.ctypes.data,
-    )
-    margins = np.zeros(7)
-    points = [
-        ctypes.c_void_p(driving["plan"][name].ctypes.data) for name in ("x", "y", "kappa", "v", "a", "grip")
-    ]
-    numbers = [
-        ctypes.c_double(value) for value in (driving["ego"]["x"], driving["ego"]["y"], 40.0, 55.3, 45.0)
-    ]
-    runs = 10_000
+class ByHand:
+    """The hand-written kernel, built with the same flags as generated code."""
 
-    def many() -> None:
-        dll.kernel_many(
-            ctypes.c_size_t(runs),
-            ctypes.byref(limits),
-            ctypes.c_size_t(50),
-            *points,
-            *numbers,
-            ctypes.c_void_p(margins.ctypes.data),
+    def __init__(self, spec: Spec) -> None:
+        command = compiler()
+        assert command is not None, "no C compiler"
+        with tempfile.TemporaryDirectory() as folder:
+            target = Path(folder) / "kernel.so"
+            source = Path(__file__).with_name("kernel.c")
+            made = [*command, *EXACT, *FAST, *SHARED, "-o", str(target), str(source), "-lm"]
+            subprocess.run(made, check=True)
+            self._dll = ctypes.CDLL(str(target))
+        short = {name.rpartition(".")[2]: info.value for name, info in spec.params.items()}
+        table = next(info for name, info in spec.tables.items() if name.endswith("ax_max"))
+        self._table = np.array(table.knots), np.array(table.values)
+        self._limits = _Limits(
+            *(short[{"r_min": "R_min"}.get(name, name)] for name, _ in _Limits._fields_[:13]),
+            len(self._table[0]),
+            *(column.ctypes.data for column in self._table),
         )
 
-    return median(many, 15) / runs
+    def prepared(self, driving: dict[str, Any], front: dict[str, float], runs: int) -> Callable[[], Any]:
+        """A function that runs it so many times on one trajectory, and gives its seven margins."""
+        margins = np.zeros(7)
+        columns = [driving["plan"][name] for name in ("x", "y", "kappa", "v", "a", "grip")]
+        ego = driving["ego"]
+        arguments = (
+            ctypes.c_size_t(runs), ctypes.byref(self._limits), ctypes.c_size_t(len(columns[0])),
+            *(ctypes.c_void_p(column.ctypes.data) for column in columns),
+            *map(ctypes.c_double, (ego["x"], ego["y"], front["ego"], front["gap"], front["v"])), ctypes.c_void_p(margins.ctypes.data),
+        )  # fmt: skip
+
+        def run() -> Any:
+            self._dll.kernel_many(*arguments)
+            return margins
+
+        return run
 
 
 def _temporal() -> dict[str, float]:
-    text = "module bench\nsignal log : series { t: s increasing, p: 1, q: 1 }\n"
     formulas = {
         "always[0, 10 s]": "always[0 s, 10 s] (p.p > 0)",
         "until[0, 10 s]": "(p.p > 0) until[0 s, 10 s] (p.q > 0)",
@@ -232,15 +266,36 @@ def _temporal() -> dict[str, float]:
     }
     result = {}
     for name, formula in formulas.items():
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "bench.spec"
-            path.write_text(
-                f'{text}rule r "bench"\n  along log as p\n  require {formula}\n', encoding="utf-8"
-            )
-            spec = load([path])
+        spec = _one_rule(formula)
         made = program(spec)
         result[f"C: {name} on 1,000,000 samples"] = median(lambda made=made: run_columns(made, columns), 7)
     return result
+
+
+def _online() -> dict[str, float]:
+    """A sample at a time, 100 a second: windows of 100 and of 60,000 samples."""
+    rng = np.random.default_rng(1)
+    samples = 200_000
+    log = {"t": np.arange(samples) * 0.01, "p": rng.normal(size=samples), "q": rng.normal(size=samples) - 3.0}
+    result = {}
+    for window in ("1 s", "600 s"):
+        for name, formula in (
+            ("always", f"always[0 s, {window}] (p.p > 0)"),
+            ("until", f"(p.p > -5) until[0 s, {window}] (p.q > 0)"),
+        ):
+            spec = _one_rule(formula)
+            monitors = Monitors(spec, spec.rules, 65_536)
+            taken = median(lambda monitors=monitors: monitors.run("r", log), 7)
+            result[f"C: {name}[0, {window}] online, a sample"] = taken / samples
+    return result
+
+
+def _one_rule(formula: str) -> Spec:
+    text = "module bench\nsignal log : series { t: s increasing, p: 1, q: 1 }\n"
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "bench.spec"
+        path.write_text(f'{text}rule r "bench"\n  along log as p\n  require {formula}\n', encoding="utf-8")
+        return load([path])
 
 
 def _building(spec: Spec) -> dict[str, float]:

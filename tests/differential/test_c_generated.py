@@ -1,21 +1,34 @@
-"""Generated C against the reference evaluator, bit for bit: made-up specs with made-up inputs."""
+"""Generated C against the reference evaluator, bit for bit: made-up specs with made-up inputs.
+
+TRACKMARSHAL_GENERATED=N compares N of them. One in ten is optimised as a user's program is, the others are not, which
+compiles in half the time. Both matter: a compiler's optimiser has been at fault before.
+"""
 
 from __future__ import annotations
 
 import math
+import os
 import struct
 from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from support.agreement import compiled, read
 from support.generated import RandomChoices, subject
-from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c import build
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.reference.evaluator import evaluate
 from trackmarshal.backends.results import chosen_rules
+from trackmarshal.errors import TrackmarshalError
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+pytestmark = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
+
+#: A spec is compiled in a tenth of a second: the default is the share for every day.
+GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "60"))
+#: Found wrong once: a series overwritten before it was read; a series that an optimiser took for the one before.
+FOUND = (30, 1237, 6040)
 
 
 def bits(x: float) -> bytes:
@@ -24,14 +37,21 @@ def bits(x: float) -> bytes:
 
 def compare(seed: int, seen: Counter[str]) -> list[str]:
     """Where C and the reference differ on one made-up subject, libm's functions included: both call the same ones."""
-    made = subject(RandomChoices(seed), inexact="any")
+    made = subject(RandomChoices(seed), inexact="any", geometry=seed % 3 == 1)
     spec = compiled(made.text)
     rules, cases = chosen_rules(spec, None), read(spec, made.cases)
-    run = CProgram(spec, rules).run(cases)
+    program = CProgram(spec, rules)
     found = []
-    for index, expected in enumerate(evaluate(spec, rules, cases)):
+    for index, (case, expected) in enumerate(zip(cases, evaluate(spec, rules, cases), strict=True)):
+        try:
+            run = program.run([case])
+        except TrackmarshalError as error:
+            if error.code != "E473":
+                raise
+            seen["refused"] += 1
+            continue
         for rule in rules:
-            verdict, margin = run.outcome(index, rule)
+            verdict, margin = run.outcome(0, rule)
             seen[verdict] += 1
             wanted = expected.rules[rule.name]
             if verdict != wanted.verdict or bits(margin) != bits(wanted.margin):
@@ -41,17 +61,23 @@ def compare(seed: int, seen: Counter[str]) -> list[str]:
     return found
 
 
-def test_some_specs() -> None:
-    seen: Counter[str] = Counter()
-    found = [text for seed in range(30) for text in compare(seed, seen)]
-    assert not found
-    assert set(seen) == {"satisfied", "violated", "undefined", "inactive"}
+@pytest.fixture
+def empty_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]:
+    """A place for thousands of programs that nobody asks for again."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
+    yield tmp_path / "c"
+    for file in (tmp_path / "c").glob("*"):
+        file.unlink()
 
 
-@pytest.mark.generated_c
-@pytest.mark.parametrize("block", range(10))
-def test_many_specs(block: int) -> None:
+def test_made_up_specs(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: Counter[str] = Counter()
-    found = [text for seed in range(1000 + 250 * block, 1250 + 250 * block) for text in compare(seed, seen)]
-    assert not found
-    assert sum(seen.values()) >= 1000
+    found, fast = [], build.FAST
+    for seed in (*FOUND, *range(GENERATED)):
+        monkeypatch.setattr(build, "FAST", fast if seed % 10 == 0 or seed in FOUND else ("-O0",))
+        found += compare(seed, seen)
+        for file in empty_cache.glob("*.so"):
+            file.unlink()
+    assert not found, f"{len(found)} differences: {found[:5]}"
+    assert min(seen[verdict] for verdict in ("satisfied", "violated", "undefined", "inactive")) >= GENERATED
+    assert seen["refused"] <= GENERATED / 5

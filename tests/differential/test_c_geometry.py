@@ -190,7 +190,7 @@ def test_some_tracks(folder: Path) -> None:
     assert seen["refused"] < 80
 
 
-@pytest.mark.generated_c
+@pytest.mark.acceptance
 def test_many_tracks(folder: Path) -> None:
     seen: Counter[str] = Counter()
     found = [text for seed in range(1000, 4000) for text in compare(seed, folder, seen)]

@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 from trackmarshal.cli.main import main
 
 #: What `eval --backend` offers that the oracles are held against.
-BACKENDS = ("reference", "numpy")
+BACKENDS = ("reference", "numpy", "c")
 Case = dict[str, Any]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
 import os
 import re
 import shutil
@@ -11,6 +12,7 @@ import sys
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from unittest import mock
 
 import pytest
 
@@ -22,7 +24,7 @@ from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.results import chosen_rules
 from trackmarshal.cli import compile as verb
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import load
+from trackmarshal.evaluation import CHUNK, Evaluator, load
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 
@@ -133,7 +135,42 @@ def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
     assert not list((tmp_path / "c").glob("*.so"))
 
 
-@pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
+def one_rule() -> CProgram:
+    return CProgram(spec(), [rule for rule in spec().rules if rule.name == "turn_radius"])
+
+
+needs_compiler = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
+
+
+@needs_compiler
+@pytest.mark.parametrize("spoil", ["cut", "flip", "empty"])
+def test_a_spoilt_cache_entry_is_built_anew(
+    spoil: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
+    kept = build.library(one_rule().source, {})
+    content = kept.read_bytes()
+    spoilt = {"cut": content[: len(content) // 2], "flip": content[:-9] + b"?" + content[-8:], "empty": b""}[
+        spoil
+    ]
+    kept.unlink()
+    kept.write_bytes(spoilt)
+    again = build.library(one_rule().source, {})
+    assert again.read_bytes() not in (spoilt, b"")
+    assert again.stem.rpartition("-")[2] == hashlib.sha256(again.read_bytes()).hexdigest()[:32]
+    assert build.library(one_rule().source, {}) == again
+    assert one_rule().library_for().status == 0
+
+
+@needs_compiler
+def test_an_entry_is_compiled_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
+    first = build.library(one_rule().source, {})
+    monkeypatch.setattr(build, "_compile", None)  # whoever calls it fails
+    assert build.library(one_rule().source, {}) == first
+
+
+@needs_compiler
 def test_two_processes_build_at_once(tmp_path: Path) -> None:
     code = (
         "import sys; from trackmarshal.evaluation import load; from trackmarshal.backends.c.program import CProgram\n"
@@ -145,3 +182,72 @@ def test_two_processes_build_at_once(tmp_path: Path) -> None:
     assert [process.wait() for process in running] == [0, 0]
     made = list((tmp_path / "c").iterdir())
     assert [path.suffix for path in made] == [".so"]
+
+
+def test_ziglang_is_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pytest.importorskip("ziglang", reason="the extra `c` is not installed")
+    for name in ("TRACKMARSHAL_CACHE", "ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR"):
+        monkeypatch.setenv(name, str(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr(build.shutil, "which", lambda name: None)
+    command = build.compiler()
+    assert command is not None
+    assert command[1:] == ["-m", "ziglang", "cc"]
+    evaluator = Evaluator(spec(), ["turn_radius"], "reference")
+    case = evaluator.read({"signals": {"plan": {"t": [0.0, 0.1], "v": [20.0, 20.0], "kappa": [0.05, 0.1]}}})
+    expected = next(iter(evaluator.evaluate([case]))).rules["turn_radius"]
+    found = one_rule().run([case]).outcome(0, evaluator.rules[0])
+    assert found == (expected.verdict, expected.margin)
+
+
+@pytest.mark.parametrize(
+    ("missing", "said"),
+    [
+        ("compiler", "no C compiler is found [E471]"),
+        ("rule", "knows the first and the last [E470]"),
+        ("input", "[E473]"),
+    ],
+)
+def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
+    missing: str,
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Never silently, never twice, and with the same results."""
+    if missing != "compiler" and build.compiler() is None:
+        pytest.skip("no C compiler")
+    if missing == "compiler":
+        monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
+        monkeypatch.setenv("CC", "no-such-compiler-here")
+    if missing == "rule":
+        error = TrackmarshalError(
+            "E470", "rule `x`: sample 3 of `plan`; the C generator\nknows the first and the last"
+        )
+        monkeypatch.setattr("trackmarshal.backends.c.program.generate", mock.Mock(side_effect=error))
+    eight = [[10.0, 0.0], [0.0, 8.0], [-10.0, 0.0], [10.0, 3.0], [0.0, -8.0]]
+    track = {"left": eight, "right": [[y, x] for x, y in eight], "closed": missing == "input"}
+    plan = {"t": [0.0, 0.1], "x": [0.0, 1.0], "y": [0.0, 0.0], "heading": [0.0, 0.0]}
+    rules = ["static_collision"]
+    by_numpy, by_c = Evaluator(spec(), rules, "numpy"), Evaluator(spec(), rules, "c")
+    raw = [{"id": i, "signals": {"plan": plan, "track": track}} for i in range(CHUNK + 1)]
+    expected = [result.rules for result in by_numpy.evaluate([by_numpy.read(case) for case in raw])]
+    assert [result.rules for result in by_c.evaluate([by_c.read(case) for case in raw])] == expected
+    said_lines = capsys.readouterr().err.splitlines()
+    assert len(said_lines) == 1
+    assert said_lines[0].startswith("note: numpy evaluates instead of generated C: ")
+    assert said_lines[0].endswith(said)
+
+
+@needs_compiler
+def test_the_emitted_build_file_builds(written: Path, tmp_path: Path) -> None:
+    if shutil.which("cmake") is None:
+        pytest.skip("cmake is not installed")
+    for command in (["cmake", "-S", str(written), "-B", str(tmp_path)], ["cmake", "--build", str(tmp_path)]):
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert "warning" not in done.stderr
+    ran = subprocess.run([str(tmp_path / "supervisor_example")], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0
+    assert len(ran.stdout.splitlines()) == len(source().rules)

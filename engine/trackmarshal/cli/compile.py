@@ -33,6 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.backends.c.door import has_door
     from trackmarshal.backends.c.example import cmake, main_c
     from trackmarshal.backends.c.names import identifier
     from trackmarshal.backends.c.report import report
@@ -46,7 +47,8 @@ def run(args: argparse.Namespace) -> int:
             help="letters, digits and _, no digit first; not `main`",
         )
     spec = load([Path(args.spec)], [Path(path) for path in args.settings], optional_project(args))
-    source = generate(spec, Evaluator(spec, args.rule, "reference").rules, args.name)
+    rules = Evaluator(spec, args.rule, "reference").rules
+    source = generate(spec, rules, args.name, online=True, doored=has_door(spec))
     texts = {
         f"{args.name}.h": source.header, f"{args.name}.c": source.source, "CMakeLists.txt": cmake(source),
         "main.c": main_c(source), "report.md": report(source),

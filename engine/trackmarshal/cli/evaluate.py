@@ -57,7 +57,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="a configuration module (a vehicle, a track)",
     )
-    parser.add_argument("--backend", choices=("numpy", "reference"), default="numpy")
+    parser.add_argument("--backend", choices=("numpy", "reference", "c"), default="numpy")
     parser.add_argument(
         "--series", action="store_true", help="for rules along a timeline: the value at every sample"
     )

@@ -16,6 +16,7 @@ VERBS = {
     "test": "run the tests written in specs, with rule coverage",
     "eval": "evaluate rules on given data",
     "replay": "run the Supervisor's rules over a recording",
+    "compile": "generated C99 with its header and a report",
     "explain": "what an error code means; why a rule said what it said",
     "trace": "traceability matrix and coverage",
     "assess": "all of it: check, test, replay, evidence, matrix, report",

@@ -43,7 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--rule", action="append", metavar="R", help="evaluate only these rules (repeatable)")
     parser.add_argument(
-        "--backend", choices=("numpy", "reference"), help="default: numpy; for a record, its own"
+        "--backend", choices=("numpy", "reference", "c"), help="default: numpy; for a record, its own"
     )
     parser.add_argument("--mcap", metavar="FILE", help="export a record of a run for Foxglove")
     parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")

@@ -108,7 +108,7 @@ class Block:
                 if len(flags) <= self.capacity:
                     self._flag_rows[name][: len(flags)] = flags
         if self.many:
-            self._take_ids(data.get("id", _ABSENT), lengths, faults)
+            self.take_ids(data.get("id", _ABSENT), lengths, faults)
             agree = agree and len(set(lengths.values())) < 2
             n = lengths.get("id", 0) if n < 0 else n
         if not agree:
@@ -209,7 +209,8 @@ class Block:
         columns["id"] = [str(i) if r.get("id") is None else r["id"] for i, r in enumerate(raw)]
         return None if any(_ABSENT in column for column in columns.values()) else columns
 
-    def _take_ids(self, column: Any, lengths: dict[str, int], faults: list[Fault]) -> None:
+    def take_ids(self, column: Any, lengths: dict[str, int], faults: list[Fault]) -> None:
+        """The ids of a set's elements; without any, they are counted. Adds their number to the lengths."""
         if type(column) is list and column == self._names:
             self.ids = self._kept_ids
             lengths["id"] = len(column)

@@ -20,6 +20,7 @@ from trackmarshal.runtime.columns import Block, number, scaling
 from trackmarshal.runtime.contract import EGO, IS_EMERGENCY, PLAN, Contract
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.faults import fault
+from trackmarshal.runtime.plan import Plan
 
 _MOST = sys.float_info.max
 _LARGEST = 2**63 - 1
@@ -74,26 +75,23 @@ class Door:
         self.emergency.fill(cycle.emergency, faults)
         if len(faults) == before:
             self._candidates(faults)
-        pose = None
         if type(cycle.signals) is not dict:
             faults.append(fault("missing" if cycle.signals is None else "wrong_type", "signals"))
             return faults, None
-        for name, record in self._records.items():
-            before = len(faults)
-            record.fill(cycle.signals.get(name), faults)
-            if name == EGO and stamp is not None and len(faults) == before:
-                pose = self._pose(stamp)
-        for name, block in self._blocks.items():
-            block.fill(cycle.signals.get(name), faults)
-        for name, borders in self._borders.items():
-            self._fill_borders(name, borders, cycle.signals.get(name), faults)
-        for name in self.contract.events:
-            value = cycle.signals.get(name)
-            if type(value) not in (bool, np.bool_):
-                faults.append(fault("missing" if value is None else "wrong_type", name))
-            else:
-                self._events[name] = bool(value)
-        return faults, pose
+        ego_fits = self._fill_shared(cycle.signals, faults)
+        return faults, self._pose(stamp) if ego_fits and stamp is not None else None
+
+    def plans(self, cycle: Cycle) -> tuple[Plan, Plan]:
+        """Both candidates of the cycle that has passed, for good."""
+        t = float(cycle.t)
+        driving, emergency = (
+            Plan(block.name, cycle.number, t, block.names, block.view().matrix.copy())
+            for block in (self.driving, self.emergency)
+        )
+        return driving, emergency
+
+    def hold(self, cycle: Cycle) -> None:
+        """Make sure that `signals` has the cycle that has passed; raises ValueError where it cannot."""
 
     def signals(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """What was checked, for the driving and for the emergency trajectory, in SI: columns by field for timelines and sets
@@ -127,6 +125,25 @@ class Door:
     def lines(self) -> dict[tuple[str, str], Border]:
         """Every border and line by signal and field."""
         return {(name, line): b for name, borders in self._borders.items() for line, b in borders.items()}
+
+    def _fill_shared(self, signals: dict[str, Any], faults: list[Fault]) -> bool:
+        """Everything but the candidates; whether the car's own state has no fault."""
+        ego_fits = False
+        for name, record in self._records.items():
+            before = len(faults)
+            record.fill(signals.get(name), faults)
+            ego_fits = ego_fits or (name == EGO and len(faults) == before)
+        for name, block in self._blocks.items():
+            block.fill(signals.get(name), faults)
+        for name, borders in self._borders.items():
+            self._fill_borders(name, borders, signals.get(name), faults)
+        for name in self.contract.events:
+            value = signals.get(name)
+            if type(value) not in (bool, np.bool_):
+                faults.append(fault("missing" if value is None else "wrong_type", name))
+            else:
+                self._events[name] = bool(value)
+        return ego_fits
 
     # Parts ----------------------------------------------------------------------------------------------------
 

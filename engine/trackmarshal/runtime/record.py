@@ -82,8 +82,9 @@ class Record:
         row = b""
         if type(cycle) is Cycle and self._plain and not decision.faults:
             try:
+                self._door.hold(cycle)
                 row = self._layout.batch([*times, "", *self._passed(), *outcome])
-            except UnicodeEncodeError:  # an id that is no text; JSON can spell it
+            except ValueError:  # an id that is no text; JSON can spell it
                 row = b""
             else:
                 self._kept = {place: border.points for place, border in self._door.lines().items()}

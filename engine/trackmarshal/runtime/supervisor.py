@@ -32,8 +32,8 @@ class Recorder(Protocol):
 class Supervisor:
     """Decides in every cycle what is driven. One instance serves one run, from one thread.
 
-    judge evaluates the rules of spec; clock gives s on the clock that stamps are from. Raises TrackmarshalError E482 for
-    a spec without the signals that are supervised.
+    judge evaluates the rules of spec; clock gives s on the clock that stamps are from; door, where given, takes the place of the
+    one in Python. Raises TrackmarshalError E482 for a spec whose signals cannot be supervised.
     """
 
     def __init__(
@@ -42,11 +42,12 @@ class Supervisor:
         judge: Judge,
         limits: Limits | None = None,
         clock: Callable[[], float] = time.monotonic,
+        door: Door | None = None,
     ) -> None:
         self.limits = Limits() if limits is None else limits
         self.judge = judge
         self.memory = Memory()
-        self.door = Door(contract_of(spec, judge.rules), self.limits)
+        self.door = Door(contract_of(spec, judge.rules), self.limits) if door is None else door
         #: Keeps the run, where there is one.
         self.recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
@@ -84,7 +85,7 @@ class Supervisor:
                 if judged is not None:
                     violations = self._violations(judged)
                     if not faults and not violations:
-                        plans = self._plans(cycle)
+                        plans = self.door.plans(cycle)
         except Exception as error:
             plans, pose = None, None
             faults.append(_internal(error))
@@ -157,15 +158,6 @@ class Supervisor:
         verdict = VERDICTS[judged.verdicts[place]]
         margin = float(judged.margins[place])
         return Violation(name, requirements, candidate, verdict, margin, unit, witness, reason)
-
-    def _plans(self, cycle: Cycle) -> tuple[Plan, Plan]:
-        door = self.door
-        t = float(cycle.t)
-        driving, emergency = (
-            Plan(block.name, cycle.number, t, block.names, block.view().matrix.copy())
-            for block in (door.driving, door.emergency)
-        )
-        return driving, emergency
 
     def _decide(
         self, cycle: object, plans: tuple[Plan, Plan] | None, now: float, finished: float, pose: Pose | None, faults: list[Fault],

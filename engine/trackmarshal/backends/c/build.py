@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
+from importlib.util import find_spec
 from pathlib import Path
 
 from trackmarshal.backends.c.glue import glue
@@ -29,7 +30,7 @@ SHARED = ("-shared", "-fPIC")
 
 
 def compiler() -> list[str] | None:
-    """The command of the C compiler: $CC, else the first of cc, gcc, clang; None where there is none."""
+    """The command of the C compiler: $CC, else the first of cc, gcc, clang, else that of the package ziglang; None without one."""
     given = os.environ.get("CC")
     if given:
         words = shlex.split(given)
@@ -38,7 +39,7 @@ def compiler() -> list[str] | None:
         path = shutil.which(name)
         if path:
             return [path]
-    return None
+    return [sys.executable, "-m", "ziglang", "cc"] if find_spec("ziglang") is not None else None
 
 
 def library(source: Source, capacities: Mapping[str, int]) -> Path:
@@ -61,19 +62,29 @@ def library(source: Source, capacities: Mapping[str, int]) -> Path:
     folder = cache_folder()
     root = Path(tempfile.mkdtemp(prefix="trackmarshal-")) if folder is None else folder / "c"
     root.mkdir(parents=True, exist_ok=True)
-    target = root / f"{digest.hexdigest()[:32]}.so"
-    if not target.is_file():
-        _compile(source, text, flags, root, target)
-    return target
+    name = digest.hexdigest()[:32]
+    return _kept(root, name) or _compile(source, text, flags, root, name)
 
 
-def _compile(source: Source, text: str, flags: list[str], root: Path, target: Path) -> None:
+def _kept(root: Path, name: str) -> Path | None:
+    """The library of a program, if it is there and is what was once built: its file's name ends in the hash of its content."""
+    for path in root.glob(f"{name}-*.so"):
+        if path.stem.rpartition("-")[2] == _hash(path):
+            return path
+    return None
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:32]
+
+
+def _compile(source: Source, text: str, flags: list[str], root: Path, name: str) -> Path:
     command = compiler()
     if command is None:
         raise TrackmarshalError(
             "E471",
             "no C compiler is found",
-            help="install gcc or clang, name one in $CC, or choose another backend",
+            help="install gcc or clang, or `pip install trackmarshal[c]`; or name one in $CC, or choose another backend",
         )
     # Built aside and moved: another process sees all of it or nothing, and two builders overwrite each other with the same.
     with tempfile.TemporaryDirectory(dir=root) as folder:
@@ -90,4 +101,6 @@ def _compile(source: Source, text: str, flags: list[str], root: Path, target: Pa
         )
         if done.returncode != 0:
             raise TrackmarshalError("E472", f"`{' '.join(command)}` says: {done.stderr.strip()[:2000]}")
+        target = root / f"{name}-{_hash(place / 'made.so')}.so"
         os.replace(place / "made.so", target)
+    return target

@@ -9,7 +9,8 @@ CODES = {
     ),
     "E471": (
         "no C compiler",
-        "The C backend compiles what it generates. It asks $CC, then `cc`, `gcc` and `clang`; none of them is there.",
+        "The C backend compiles what it generates. It asks $CC, then `cc`, `gcc`, `clang` and the package ziglang, which comes with"
+        " `pip install trackmarshal[c]`; none of them is there. `eval` and `replay` then evaluate with numpy, and say so.",
     ),
     "E472": (
         "the C compiler refuses the generated code",

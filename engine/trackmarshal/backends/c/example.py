@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from trackmarshal.backends.c.door import EMERGENCY
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.places import _bordered, _setters, sources
@@ -44,16 +45,36 @@ def _main(source: Source) -> Iterator[str]:
     yield f"  static const char *const rules[TM_RULES] = {{{', '.join(_quoted(code.rule.name) for code in source.rules)}}};"
     yield "  tm_input in;"
     yield "  tm_output out;"
+    if source.doored:
+        yield "  tm_input emergency;"
+        yield "  tm_output out_emergency;"
+        yield "  const tm_stamp stamp = {1, 0.0, 0.0};"
+        yield "  tm_fault fault;"
     yield '  if (tm_init(&context) != TM_OK) { (void)puts("a table or place of the spec is unusable"); }'
     names = _setters(plan)
     for name in given:
-        args = "left, 2u, right, 2u, false" if _bordered(plan, name) else "line, 2u"
-        yield f'  if ({names[name]}(&context, {args}) != TM_OK) {{ (void)puts("{comment(name)} is unusable"); }}'
+        args = "left, 2u, right, 2u" if _bordered(plan, name) else "line, 2u"
+        closed = ", false" if _bordered(plan, name) else ""
+        unusable = f'(void)puts("{comment(name)} is unusable");'
+        if source.doored:
+            admit = names[name].replace("tm_set_", "tm_admit_", 1)
+            yield f"  if (!{admit}(&context, {args}, &fault)) {{ {unusable} }}"
+        yield f"  if ({names[name]}(&context, {args}{closed}) != TM_OK) {{ {unusable} }}"
     for item in plan.inputs.values():
         yield from _assignments(item)
     if not plan.inputs:
         yield "  in.unused = 0;"
-    yield "  if (tm_check(&context, &in, &out) != TM_OK) {"
+    if source.doored:
+        yield "  emergency = in;"
+        if EMERGENCY in plan.inputs:
+            yield f"  emergency.{plan.input(EMERGENCY).c_name} = TM_TRUE;"
+        yield "  if (!tm_admit(&context, &stamp, &in, &emergency, &fault)) {"
+        yield '    (void)printf("refused: fault %d of %s.%s\\n", (int)fault.name, fault.signal, fault.field);'
+        yield "    return 1;"
+        yield "  }"
+        yield "  if (tm_check_both(&context, &in, &emergency, &out, &out_emergency) != TM_OK) {"
+    else:
+        yield "  if (tm_check(&context, &in, &out) != TM_OK) {"
     yield '    (void)puts("the input does not fit");'
     yield "    return 1;"
     yield "  }"

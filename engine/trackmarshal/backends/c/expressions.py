@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
+from trackmarshal.backends.c.slots import mark
 from trackmarshal.backends.c.statements import Block
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -56,9 +57,11 @@ class Writer:
         self.known = known
         self.root = Block("")
         self._count = 0
+        self._notes: dict[tuple[str, int], str] = {}
         self._free: dict[ir.IR, frozenset[ir.Axis]] = {}
         self._span: Span | None = rule.span
-        self.slots = Slots()
+        #: How many series of the context the function needs, once it is written.
+        self.series = 0
         #: Geometric predicates of which only margins below this one matter.
         self.bounds: dict[ir.IR, str] = {}
         #: libm functions that the function calls, and operations counted once for every statement.
@@ -79,8 +82,12 @@ class Writer:
 
     def note(self) -> str:
         span = self._span or self.rule.span
-        wanted = " ".join(name for name, _ in self.rule.satisfies)
-        return comment(f"{self.rule.name}{' ' + wanted if wanted else ''} {span.file.path}:{span.line}")
+        known = self._notes.get((self.rule.name, id(span)))
+        if known is None:
+            wanted = " ".join(name for name, _ in self.rule.satisfies)
+            known = comment(f"{self.rule.name}{' ' + wanted if wanted else ''} {span.file.path}:{span.line}")
+            self._notes[self.rule.name, id(span)] = known
+        return known
 
     def add(self, block: Block, text: str, target: str | None = None) -> None:
         block.add(text, target, self.note())
@@ -156,7 +163,7 @@ class Writer:
             case ir.Param():
                 return f"c->params.{self.plan.params[node.name]}"
             case ir.Column():
-                return f"in->{self._column(node, at)}"
+                return self._column(node, at)
             case ir.Sample():
                 place = self.plan.input(node.signal).c_name
                 column = self.plan.field_name(node.signal, node.field)
@@ -206,7 +213,7 @@ class Writer:
         assert node.axis is not None
         index = self.index(node.axis, at)
         signal, name = (node.axis.signal, node.field)
-        place = f"{self.plan.input(signal).c_name}.{self.plan.field_name(signal, name or '')}"
+        place = f"in->{self.plan.input(signal).c_name}.{self.plan.field_name(signal, name or '')}"
         if node.offset > 0:
             return f"{place}[{index} + {node.offset}u]"
         if node.offset < 0:
@@ -310,7 +317,7 @@ class Writer:
 
     def _flag(self, node: ir.Flag, at: Block) -> Value:
         if node.axis is not None:
-            text = f"in->{self._column(node, at)}"
+            text = self._column(node, at)
         else:
             source = self.plan.input(node.signal)
             text = (
@@ -485,22 +492,5 @@ class Writer:
         """The value at one sample of a series kept in the context."""
         texts = []
         for slot in slots:
-            texts += [f"c->series[{slot}].sat[{index}]", f"c->series[{slot}].margin[{index}]"]
+            texts += [f"c->series[{mark(slot)}].sat[{index}]", f"c->series[{mark(slot)}].margin[{index}]"]
         return self.value(at, *texts)
-
-
-class Slots:
-    """Series of the context that are in use while a rule is written."""
-
-    def __init__(self) -> None:
-        self._used: set[int] = set()
-        self.most = 0
-
-    def take(self) -> int:
-        slot = next(i for i in range(len(self._used) + 1) if i not in self._used)
-        self._used.add(slot)
-        self.most = max(self.most, slot + 1)
-        return slot
-
-    def release(self, slot: int) -> None:
-        self._used.discard(slot)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from trackmarshal.backends.c.door import LIMITS
+from trackmarshal.backends.c.online import glue as online
 from trackmarshal.backends.c.source import Source
 
 
@@ -78,29 +80,36 @@ def _lines(source: Source) -> Iterator[str]:
     yield "}"
     from trackmarshal.backends.c.places import glue as places
 
-    yield from places(plan)
+    yield from places(plan, source.doored)
+    yield "static void tmg_input(tm_input *in, const size_t *counts, const void *const *columns, const double *numbers,"
+    yield "                      const signed char *flags) {"
+    yield "  (void)in; (void)counts; (void)columns; (void)numbers; (void)flags;"
+    for i, name in enumerate(order.counts):
+        yield f"  in->{plan.input(name).c_name}.count = counts[{i}];"
+    for i, (name, field, flag) in enumerate(order.columns):
+        kind = "tm_flag" if flag else "double"
+        yield f"  in->{plan.input(name).c_name}.{plan.field_name(name, field)} = (const {kind} *)columns[{i}];"
+    for i, (name, field) in enumerate(order.numbers):
+        yield f"  in->{plan.input(name).c_name}.{plan.field_name(name, field)} = numbers[{i}];"
+    for i, (name, field) in enumerate(order.flags):
+        place = f"in->{plan.input(name).c_name}" + (f".{plan.field_name(name, field)}" if field else "")
+        yield f"  {place} = flags[{i}];"
+    if not plan.inputs:
+        yield "  in->unused = 0;"
+    yield "}"
+    sizes = (len(order.counts), len(order.columns), len(order.numbers), len(order.flags))
+    given = ", ".join(
+        f"&{name}[k * {size}u]" for name, size in zip(("counts", "columns", "numbers", "flags"), sizes)
+    )
     yield "int tmg_run(void *context, size_t cases, const size_t *counts, const void *const *columns, const double *numbers,"
     yield "            const signed char *flags, double *margins, signed char *verdicts) {"
     yield "  tm_context *c = (tm_context *)context;"
     yield "  int worst = 0;"
-    yield "  (void)counts; (void)columns; (void)numbers; (void)flags;"
     yield "  for (size_t k = 0; k < cases; ++k) {"
     yield "    tm_input in;"
     yield "    tm_output out;"
     yield "    int status;"
-    for i, name in enumerate(order.counts):
-        yield f"    in.{plan.input(name).c_name}.count = counts[k * {len(order.counts)} + {i}];"
-    for i, (name, field, flag) in enumerate(order.columns):
-        kind = "tm_flag" if flag else "double"
-        place = f"in.{plan.input(name).c_name}.{plan.field_name(name, field)}"
-        yield f"    {place} = (const {kind} *)columns[k * {len(order.columns)} + {i}];"
-    for i, (name, field) in enumerate(order.numbers):
-        yield f"    in.{plan.input(name).c_name}.{plan.field_name(name, field)} = numbers[k * {len(order.numbers)} + {i}];"
-    for i, (name, field) in enumerate(order.flags):
-        place = f"in.{plan.input(name).c_name}" + (f".{plan.field_name(name, field)}" if field else "")
-        yield f"    {place} = flags[k * {len(order.flags)} + {i}];"
-    if not plan.inputs:
-        yield "    in.unused = 0;"
+    yield f"    tmg_input(&in, {given});"
     yield "    status = (int)tm_check(c, &in, &out);"
     yield "    if (status > worst) { worst = status; }"
     yield "    for (size_t r = 0; r < TM_RULES; ++r) {"
@@ -109,4 +118,73 @@ def _lines(source: Source) -> Iterator[str]:
     yield "    }"
     yield "  }"
     yield "  return worst;"
+    yield "}"
+    yield from _along(source)
+    if source.doored:
+        yield from _step(sizes)
+    yield from online(list(source.monitors))
+
+
+def _step(sizes: tuple[int, int, int, int]) -> Iterator[str]:
+    """One cycle through the door and all rules: the driving trajectory's input first, then the emergency one's."""
+    given = ", ".join(f"&{name}[{n}]" for name, n in zip(("counts", "columns", "numbers", "flags"), (sizes[0], sizes[1], 0, sizes[3])))  # fmt: skip
+    yield "int tmg_step(void *context, const int64_t *number, const double *times, const size_t *counts, const void *const *columns,"
+    yield "             const double *numbers, const signed char *flags, double *margins, signed char *verdicts, tm_fault *fault) {"
+    yield "  tm_context *c = (tm_context *)context;"
+    yield "  tm_stamp stamp;"
+    yield "  tm_input driving;"
+    yield "  tm_input emergency;"
+    yield "  tm_output out[2];"
+    yield "  int status;"
+    yield "  stamp.number = *number;"
+    yield "  stamp.t = times[0];"
+    yield "  stamp.now = times[1];"
+    yield "  tmg_input(&driving, counts, columns, numbers, flags);"
+    yield f"  tmg_input(&emergency, {given});"
+    yield "  (void)tm_admit(c, &stamp, &driving, &emergency, fault);"
+    yield "  status = (int)tm_check_both(c, &driving, &emergency, &out[0], &out[1]);"
+    yield "  for (size_t k = 0; k < 2; ++k) {"
+    yield "    for (size_t r = 0; r < TM_RULES; ++r) {"
+    yield "      margins[k * TM_RULES + r] = out[k].rule[r].margin;"
+    yield "      verdicts[k * TM_RULES + r] = (signed char)out[k].rule[r].verdict;"
+    yield "    }"
+    yield "  }"
+    yield "  return status;"
+    yield "}"
+    yield "/* A cycle whose data is none: its stamp counts all the same. */"
+    yield "void tmg_refuse(void *context, const int64_t *number, const double *times, tm_fault *fault) {"
+    yield "  tm_context *c = (tm_context *)context;"
+    yield "  tm_stamp stamp;"
+    yield "  stamp.number = *number;"
+    yield "  stamp.t = times[0];"
+    yield "  stamp.now = times[1];"
+    yield '  (void)tm_refuse(fault, TM_FAULT_NONE, "", "", TM_NOWHERE);'
+    yield "  (void)tm_admit_stamp(&c->door, &stamp, fault);"
+    yield "  c->door.admitted = false;"
+    yield "}"
+    yield "void tmg_limits(void *context, const double *limits) {"
+    yield "  tm_context *c = (tm_context *)context;"
+    for index, (name, _, _) in enumerate(LIMITS):
+        yield f"  c->door.limits.{name} = limits[{index}];"
+    yield "}"
+
+
+def _along(source: Source) -> Iterator[str]:
+    """The value of a rule at every sample of its timeline: `count` results; 0, or the status of an input that does not fit."""
+    yield from (code.along for code in source.rules if code.along)
+    yield "int tmg_along(void *context, size_t rule, const size_t *counts, const void *const *columns, const double *numbers,"
+    yield "              const signed char *flags, tm_result *out) {"
+    yield "  tm_context *c = (tm_context *)context;"
+    yield "  tm_input in;"
+    yield "  int status;"
+    yield "  tmg_input(&in, counts, columns, numbers, flags);"
+    yield "  status = (int)tm_fits(&in);"
+    yield "  if (status != 0) { return status; }"
+    yield "  (void)c; (void)out;"
+    yield "  switch (rule) {"
+    for index, code in enumerate(source.rules):
+        if code.along:
+            yield f"    case {index}u: tm_rule_{code.c_name}_along(c, &in, out); return 0;"
+    yield "    default: return -1;"
+    yield "  }"
     yield "}"

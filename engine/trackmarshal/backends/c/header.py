@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from trackmarshal.backends.c import door
 from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.online import TYPES, Monitor
 from trackmarshal.backends.c.rules import RuleCode
 from trackmarshal.ir.spec import FieldType
 from trackmarshal.units import parse_unit, show
@@ -20,9 +22,11 @@ CAPACITIES = {
 }
 
 
-def header(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> str:
+def header(
+    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor], doored: bool
+) -> str:
     """The text of the header file."""
-    return "\n".join(_lines(plan, codes, series, name))
+    return "\n".join(_lines(plan, codes, series, name, monitors, doored))
 
 
 def capacities(plan: Layout) -> list[str]:
@@ -45,7 +49,9 @@ def capacities(plan: Layout) -> list[str]:
     return found
 
 
-def _lines(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> Iterator[str]:
+def _lines(
+    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor], doored: bool
+) -> Iterator[str]:
     guard = f"TM_{name.upper()}_H"
     yield f"/* Generated from a spec by trackmarshal. Fingerprint {plan.spec.fingerprint[:16]}."
     yield "   All numbers are in SI units; a missing number is NaN. Nothing is allocated, nothing is global: what a check"
@@ -55,6 +61,8 @@ def _lines(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> I
     yield ""
     yield "#include <stdbool.h>"
     yield "#include <stddef.h>"
+    if doored:
+        yield "#include <stdint.h>"
     yield ""
     for macro in capacities(plan):
         value, what = CAPACITIES[macro]
@@ -69,7 +77,9 @@ def _lines(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> I
         yield ""
     yield from _CONSTANTS
     yield from _inputs(plan)
-    yield from _context(plan, series)
+    if doored:
+        yield from door.types(plan)
+    yield from _context(plan, series, doored)
     yield "/* The rules, in the order of their results. */"
     yield "enum {"
     for index, code in enumerate(codes):
@@ -90,6 +100,16 @@ def _lines(plan: Layout, codes: Sequence[RuleCode], series: int, name: str) -> I
 
     yield from prototypes(plan)
     yield ""
+    if doored:
+        yield from door.prototypes(plan)
+        yield ""
+    if monitors:
+        yield "/* Rules along a timeline, a sample at a time: start, push, ..., finish. */"
+        yield from TYPES
+        for monitor in monitors:
+            yield monitor.types
+            yield monitor.prototypes
+            yield ""
     yield "#endif"
     yield ""
 
@@ -114,7 +134,8 @@ _CONSTANTS = [
     "  TM_OVER_CAPACITY = 1,",
     "  TM_TOO_SHORT = 2,",
     "  TM_UNUSABLE = 3,",
-    "  TM_UNSUPPORTED = 4",
+    "  TM_UNSUPPORTED = 4,",
+    "  TM_REFUSED = 5 /* the cycle was not admitted */",
     "} tm_status;",
     "",
     "/* One rule's verdict, and its margin: positive inside, NaN when undefined. */",
@@ -137,7 +158,7 @@ def _inputs(plan: Layout) -> Iterator[str]:
         if item.kind == "columns":
             yield "  size_t count;"
         for info, c_name in item.fields:
-            yield f"  {_declaration(item, info, c_name)} /* {_unit(info)} */"
+            yield f"  {_declaration(item, info, c_name)} /* {unit(info)} */"
         if item.kind != "columns" and not item.fields:
             yield "  tm_flag unused;"
         yield f"}} tm_in_{item.c_name};"
@@ -159,7 +180,8 @@ def _declaration(item: Input, info: FieldType, c_name: str) -> str:
     return f"const {kind} *{c_name};" if item.kind == "columns" else f"{kind} {c_name};"
 
 
-def _unit(info: FieldType) -> str:
+def unit(info: FieldType) -> str:
+    """A field's unit and range, for a comment."""
     if info.kind == "bool":
         return "TM_TRUE, TM_FALSE, TM_MISSING"
     unit = comment(show(parse_unit(info.unit)[2]))
@@ -168,7 +190,7 @@ def _unit(info: FieldType) -> str:
     return f"{unit}{low}{high}{', increasing' if info.increasing else ''}"
 
 
-def _context(plan: Layout, series: int) -> Iterator[str]:
+def _context(plan: Layout, series: int, doored: bool) -> Iterator[str]:
     if plan.tables:
         yield "/* A table: linear between knots, clamped outside. Filled by tm_set_table. */"
         yield "typedef struct {"
@@ -198,7 +220,7 @@ def _context(plan: Layout, series: int) -> Iterator[str]:
         yield "} tm_params;"
         yield ""
     yield "typedef struct {"
-    members = []
+    members = ["  tm_door door;"] if doored else []
     if plan.params:
         members.append("  tm_params params;")
     if plan.tables:

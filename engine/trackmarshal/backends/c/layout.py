@@ -72,8 +72,11 @@ def roots(rule: RuleInfo) -> list[ir.Formula]:
     return [root for root in (rule.formula, rule.active) if root is not None]
 
 
-def layout(spec: Spec, rules: Sequence[RuleInfo]) -> Layout:
-    """Collect what the rules read; rules without a formula are left out."""
+def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> Layout:
+    """Collect what the rules read; rules without a formula are left out.
+
+    whole: signals that are read in any case; with them, all fields of every signal count, as in the input contract.
+    """
     result = Layout(spec, [rule for rule in rules if rule.formula is not None])
     columns: dict[str, set[str]] = {}
     params: list[str] = []
@@ -105,6 +108,12 @@ def layout(spec: Spec, rules: Sequence[RuleInfo]) -> Layout:
                         columns.setdefault(node.name, set()).update(("x", "y"))
                     case ir.Line() | ir.Area():
                         shapes[shape_key(node)] = isinstance(node, ir.Area)
+    for name in whole:
+        columns.setdefault(name, set())
+    if whole:
+        for name, fields in columns.items():
+            if name in spec.signals:
+                fields.update(info.name for info in spec.signals[name].fields_)
     used = [name for name in (*spec.signals, *spec.events) if name in columns or name in events]
     for name, c_name in distinct(used).items():
         if name in spec.events:

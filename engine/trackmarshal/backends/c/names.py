@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 
+_PLAIN = re.compile(r"[ -~]*")
 _KEYWORDS = frozenset(
     [
         "auto",
@@ -88,6 +90,7 @@ def literal(value: float) -> str:
     return f"({text})" if text.startswith("-") else text
 
 
+@lru_cache(maxsize=4096)
 def comment(text: str) -> str:
     """Text inside a C comment: one line, printable ASCII, no comment marks."""
     flat = (
@@ -97,4 +100,4 @@ def comment(text: str) -> str:
         .replace("\\", "/")
         .replace("??", "? ?")
     )
-    return "".join(c if " " <= c <= "~" else "?" for c in flat)
+    return flat if _PLAIN.fullmatch(flat) else "".join(c if " " <= c <= "~" else "?" for c in flat)

@@ -249,8 +249,8 @@ def _ordered(plan: Layout) -> list[str]:
     return [*sources(plan), *dict.fromkeys(shape.key[1] for shape in own_places(plan))]
 
 
-def glue(plan: Layout) -> Iterator[str]:
-    """The binding: shapes by number; a second list of points for corridors."""
+def glue(plan: Layout, doored: bool = False) -> Iterator[str]:
+    """The binding: shapes by number; a second list of points for corridors. With a door, the admission of lines first."""
     names = _setters(plan)
     yield "int tmg_set_place(void *context, size_t index, const double *left, size_t left_count, const double *right,"
     yield "                  size_t right_count, int closed) {"
@@ -264,6 +264,19 @@ def glue(plan: Layout) -> Iterator[str]:
             else "left, left_count"
         )
         yield f"    case {i}: return (int){names[name]}(c, {args});"
+    yield "    default: return -1;"
+    yield "  }"
+    yield "}"
+    if not doored:
+        return
+    yield "int tmg_admit_place(void *context, size_t index, const double *left, size_t left_count, const double *right,"
+    yield "                    size_t right_count, tm_fault *fault) {"
+    yield "  tm_context *c = (tm_context *)context;"
+    yield "  (void)c; (void)left; (void)left_count; (void)right; (void)right_count; (void)fault;"
+    yield "  switch (index) {"
+    for i, name in enumerate(sources(plan)):
+        args = "left, left_count, right, right_count" if _bordered(plan, name) else "left, left_count"
+        yield f"    case {i}: return {names[name].replace('tm_set_', 'tm_admit_', 1)}(c, {args}, fault) ? 1 : 0;"
     yield "    default: return -1;"
     yield "  }"
     yield "}"

@@ -13,6 +13,7 @@ from trackmarshal.backends.c.glue import Flat, flat
 from trackmarshal.backends.c.header import CAPACITIES, capacities
 from trackmarshal.backends.c.places import PlaceSetter
 from trackmarshal.backends.c.source import Source, generate
+from trackmarshal.backends.numpy.program import Program, Run
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.case import Case
@@ -37,21 +38,42 @@ class Library:
             "tmg_set_table": [pointer, size, pointer, pointer, size],
             "tmg_set_place": [pointer, size, pointer, size, pointer, size, ctypes.c_int],
             "tmg_run": [pointer, size, pointer, pointer, pointer, pointer, pointer, pointer],
+            "tmg_along": [pointer, size, pointer, pointer, pointer, pointer, pointer],
         }.items():
             getattr(self.dll, name).argtypes = kinds
             getattr(self.dll, name).restype = ctypes.c_int
+        if source.doored:
+            self.dll.tmg_step.argtypes = [pointer] * 10
+            self.dll.tmg_step.restype = ctypes.c_int
+            self.dll.tmg_admit_place.argtypes = [pointer, size, pointer, size, pointer, size, pointer]
+            self.dll.tmg_admit_place.restype = ctypes.c_int
+            self.dll.tmg_refuse.argtypes, self.dll.tmg_refuse.restype = [pointer] * 4, None
+            self.dll.tmg_limits.argtypes, self.dll.tmg_limits.restype = [pointer] * 2, None
         bytes_ = self.dll.tmg_size()
         self._memory = ctypes.create_string_buffer(bytes_ + 64)
         self.context = (ctypes.addressof(self._memory) + 63) & ~63
         self.status = self.dll.tmg_init(self.context)
 
 
-class CProgram:
-    """The compiled rules; `run` evaluates them on cases. Raises TrackmarshalError E470 to E473."""
+class _Result(ctypes.Structure):
+    """A `tm_result`."""
 
-    def __init__(self, spec: Spec, rules: Sequence[RuleInfo]) -> None:
+    _fields_ = [("margin", ctypes.c_double), ("verdict", ctypes.c_int)]
+
+
+def _refused(case: Case, status: int) -> TrackmarshalError:
+    return TrackmarshalError("E473", f"the program refuses the input of case {case.id!r} (status {status})")
+
+
+class CProgram:
+    """The compiled rules; `run` evaluates them on cases. Raises TrackmarshalError E470 to E473.
+
+    doored: for `step.Stepper`, whose cycles pass the input contract's door first; `run` is not for such programs.
+    """
+
+    def __init__(self, spec: Spec, rules: Sequence[RuleInfo], doored: bool = False) -> None:
         self.spec = spec
-        self.source = generate(spec, rules)
+        self.source = generate(spec, rules, doored=doored)
         self.rules = self.source.plan.rules
         self.order: Flat = flat(self.source)
         self._kinds = set(capacities(self.source.plan))
@@ -61,6 +83,7 @@ class CProgram:
         self._changed: set[str] = set()
         self._library: Library | None = None
         self._places: PlaceSetter | None = None
+        self._numpy: Program | None = None
 
     def run(self, cases: Sequence[Case]) -> CRun:
         """Evaluate all rules on all cases."""
@@ -71,6 +94,12 @@ class CProgram:
                 case, margins.buffer_info()[0] + 8 * count * index, verdicts.buffer_info()[0] + count * index
             )
         return CRun(self, cases, margins, verdicts)
+
+    def values(self, cases: Sequence[Case]) -> Run:
+        """The values of all formulas in them, as numpy computes them: what decided is not kept by generated code."""
+        if self._numpy is None:
+            self._numpy = Program(self.spec, self.rules)
+        return self._numpy.run(cases)
 
     def number(self, rule: RuleInfo) -> int:
         """The place of a rule among the results."""
@@ -99,9 +128,9 @@ class CProgram:
         return self._library
 
     def new_library(self, samples: int, elements: int, border: int, settings: Case | None) -> Library:
-        """A library with a context of its own, configured by a case's overrides."""
-        wanted = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border}
-        made = Library(self.source, {name: self._size(name, wanted.get(name, 0)) for name in self._kinds})
+        """A library with just these capacities, and a context of its own, configured by a case's overrides."""
+        declared = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border}
+        made = Library(self.source, {name: declared.get(name) or self._size(name, 0) for name in self._kinds})
         if settings is not None:
             self._override(settings, made, {*settings.params, *settings.tables})
         return made
@@ -131,6 +160,23 @@ class CProgram:
         )
 
     def _one(self, case: Case, margins: int, verdicts: int) -> None:
+        lib, (counts, columns, numbers, flags, *_) = self._prepared(case)
+        status = lib.dll.tmg_run(lib.context, 1, counts, columns, numbers, flags, margins, verdicts)
+        if status != 0:
+            raise _refused(case, status)
+
+    def along(self, case: Case, rule: RuleInfo) -> tuple[list[str], list[float]]:
+        """Verdict and margin of a rule's formula at every sample of its timeline."""
+        assert rule.along is not None
+        lib, (counts, columns, numbers, flags, *_) = self._prepared(case)
+        found = (_Result * case.counts[rule.along.signal])()
+        status = lib.dll.tmg_along(lib.context, self.number(rule), counts, columns, numbers, flags, found)
+        if status != 0:
+            raise _refused(case, status)
+        return [VERDICTS[result.verdict] for result in found], [result.margin for result in found]
+
+    def _prepared(self, case: Case) -> tuple[Library, tuple[Any, ...]]:
+        """A library that holds the case, configured for it, and the addresses of its input; the rest keeps them alive."""
         order = self.order
         counts = [case.counts[name] for name in order.counts]
         sequences = [n for n, name in zip(counts, order.counts) if self.spec.signals[name].sequence]
@@ -141,18 +187,13 @@ class CProgram:
         lib = self.library_for(max(sequences, default=0), max(elements, default=0), border, place, knots)
         self._configure(case, lib)
         kept = [_column(case.columns[name][field], flag) for name, field, flag in order.columns]
-        columns = array("Q", [column.buffer_info()[0] for column in kept])
-        sizes = array("Q", counts)
-        numbers = array("d", [case.scalars[name][field] for name, field in order.numbers])
-        flags = array("b", [_flag(case.scalars[name][field]) for name, field in order.flags])
-        status = lib.dll.tmg_run(
-            lib.context, 1, sizes.buffer_info()[0], columns.buffer_info()[0], numbers.buffer_info()[0], flags.buffer_info()[0],
-            margins, verdicts,
-        )  # fmt: skip
-        if status != 0:
-            raise TrackmarshalError(
-                "E473", f"the program refuses the input of case {case.id!r} (status {status})"
-            )
+        given = (
+            array("Q", counts),
+            array("Q", [column.buffer_info()[0] for column in kept]),
+            array("d", [case.scalars[name][field] for name, field in order.numbers]),
+            array("b", [_flag(case.scalars[name][field]) for name, field in order.flags]),
+        )
+        return lib, (*(numbers.buffer_info()[0] for numbers in given), given, kept)
 
     def _configure(self, case: Case, lib: Library) -> None:
         """Put a case's overrides into the context, and the spec's own values where the case before had others."""
@@ -208,9 +249,9 @@ class CRun:
         """The results of every case, with witnesses."""
         from trackmarshal.backends.c.witnesses import case_result
 
+        values = self.program.values(self.cases)
         for index, case in enumerate(self.cases):
-            outcomes = {rule.name: self.outcome(index, rule) for rule in self.program.rules}
-            yield case_result(self.program.spec, self.program.rules, case, outcomes, series)
+            yield case_result(self, index, case, values, series)
 
 
 def evaluate(

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from trackmarshal.backends.c.expressions import Value, Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.slots import assign
 from trackmarshal.backends.c.statements import Block, prune, render
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -26,6 +27,8 @@ class RuleCode:
     text: str
     series: int
     libm: frozenset[str]
+    #: A function that says the formula's value at every sample, for the binding; empty for rules without a timeline.
+    along: str
     #: For every block of the function for known values: the signals whose loops it lies in, and its statements.
     operations: tuple[tuple[tuple[str, ...], int], ...]
 
@@ -34,6 +37,7 @@ def rule_code(plan: Layout, rule: RuleInfo) -> RuleCode:
     """Write a rule; raises TrackmarshalError E470 for what has no C counterpart."""
     try:
         quick, full = _function(plan, rule, True), _function(plan, rule, False)
+        along = None if rule.along is None else _along(plan, rule)
     except RecursionError as error:
         span = rule.span
         raise TrackmarshalError(
@@ -46,9 +50,10 @@ def rule_code(plan: Layout, rule: RuleInfo) -> RuleCode:
         *_signature(full, name, "_any", "void"),
         *_entry(plan, rule, name),
     ]
+    series = max(writer.series for writer in (quick, full, along) if writer is not None)
+    text = "" if along is None else "\n".join(_along_signature(plan, along, rule, name))
     return RuleCode(
-        rule, name, "\n".join(body), max(quick.slots.most, full.slots.most), frozenset(quick.libm | full.libm),
-        tuple(_operations(quick.root, ())),
+        rule, name, "\n".join(body), series, frozenset(quick.libm | full.libm), text, tuple(_operations(quick.root, ()))
     )  # fmt: skip
 
 
@@ -100,7 +105,49 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> Writer:
             f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});",
         )
     prune(root)
+    writer.series = assign(root)
     return writer
+
+
+def _along(plan: Layout, rule: RuleInfo) -> Writer:
+    """The formula at every sample of the rule's timeline."""
+    assert isinstance(rule.formula, ir.First)
+    axis, operand = rule.formula.axis, rule.formula.operand
+    writer = Writer(plan, rule, False)
+    loop = writer.root.open(f"for (size_t i0 = 0u; i0 < {writer.count(axis)}; ++i0)")
+    loop.binds[axis] = "i0"
+    value = writer.formula(operand, loop)
+    arguments = f"{value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin}"
+    writer.add(loop, f"tm_decide(&out[i0], false, {arguments});")
+    writer.root.close(loop)
+    prune(writer.root)
+    writer.series = assign(writer.root)
+    return writer
+
+
+def _along_signature(plan: Layout, writer: Writer, rule: RuleInfo, name: str) -> list[str]:
+    head, opening, *body = _signature(writer, name, "_along", "void")
+    lines = [head, opening, *(line for line in body if line == "  (void)c;")]
+    for times in _timed(plan, rule):
+        count = times.rpartition(", ")[2]
+        lines += [
+            f"  if (!tm_times({times})) {{",
+            f"    for (size_t i = 0u; i < {count}; ++i) {{ tm_undefined(&out[i]); }}",
+            "    return;",
+            "  }",
+        ]
+    return [*lines, *(line for line in body if line != "  (void)c;"), ""]
+
+
+def _timed(plan: Layout, rule: RuleInfo) -> list[str]:
+    """C of the times and their number of every timeline that temporal operators of a rule run along."""
+    places = (
+        (plan.input(node.axis.signal).c_name, plan.field_name(node.axis.signal, "t"))
+        for root in roots(rule)
+        for node in ir.below(root)
+        if isinstance(node, (ir.Temporal, ir.Until))
+    )
+    return sorted({f"in->{signal}.{t}, in->{signal}.count" for signal, t in places})
 
 
 def _signature(writer: Writer, name: str, suffix: str, result: str) -> list[str]:
@@ -112,12 +159,8 @@ def _signature(writer: Writer, name: str, suffix: str, result: str) -> list[str]
 
 
 def _entry(plan: Layout, rule: RuleInfo, name: str) -> list[str]:
-    timed = {
-        f"in->{plan.input(node.axis.signal).c_name}.{plan.field_name(node.axis.signal, 't')}, in->{plan.input(node.axis.signal).c_name}.count"
-        for root in roots(rule) for node in ir.below(root) if isinstance(node, (ir.Temporal, ir.Until))
-    }  # fmt: skip
     lines = [f"static void tm_rule_{name}(tm_context *c, const tm_input *in, tm_result *out)", "{"]
-    for times in sorted(timed):
+    for times in _timed(plan, rule):
         lines += [f"  if (!tm_times({times})) {{", "    tm_undefined(out);", "    return;", "  }"]
     return [
         *lines,

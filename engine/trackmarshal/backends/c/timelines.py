@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from trackmarshal.backends.c.names import literal
+from trackmarshal.backends.c.slots import mark
 from trackmarshal.backends.c.statements import Block
 from trackmarshal.ir import nodes as ir
 
@@ -16,7 +17,7 @@ Timed = ir.Temporal | ir.Until | ir.Shift | ir.Edge
 
 
 def series(self: Writer, node: Timed, block: Block) -> tuple[int, ...]:
-    """The slots that hold a formula's value at every sample: one for what is known, else the worst and the best case."""
+    """The series that hold a formula's value at every sample: one for what is known, else the worst and the best case."""
     operands = [node.left, node.right] if isinstance(node, ir.Until) else [node.operand]
     free: frozenset[ir.Axis] = frozenset()
     for operand in operands:
@@ -35,26 +36,22 @@ def _written(self: Writer, node: Timed, operands: list[ir.Formula], home: Block)
     sides = 1 if self.known else 2
     sources: list[list[int]] = []
     for operand in operands:
-        # Taken before the operand is written: what it needs inside must not overwrite the samples that are done.
-        slots = [self.slots.take() for _ in range(sides)]
+        slots = [self.fresh() for _ in range(sides)]
         i = f"i{self.fresh()}"
         loop = home.open(f"for (size_t {i} = 0u; {i} < {total}; ++{i})")
         loop.binds[node.axis] = i
         value = self.formula(operand, loop)
         for slot, (sat, margin) in zip(slots, value.sides):
-            self.add(loop, f"c->series[{slot}].sat[{i}] = {sat};")
-            self.add(loop, f"c->series[{slot}].margin[{i}] = {margin};")
+            self.add(loop, f"c->series[{mark(slot)}].sat[{i}] = {sat};")
+            self.add(loop, f"c->series[{mark(slot)}].margin[{i}] = {margin};")
         home.close(loop)
         sources.append(slots)
-    result = tuple(self.slots.take() for _ in range(sides))
+    result = tuple(self.fresh() for _ in range(sides))
     for side, target in enumerate(result):
         self.add(
             home,
             _call(self, node, total, [s[side] for s in sources], [s[-1 - side] for s in sources], target),
         )
-    for slots in sources:
-        for slot in slots:
-            self.slots.release(slot)
     return result
 
 
@@ -73,15 +70,15 @@ def _call(self: Writer, node: Timed, total: str, own: list[int], other: list[int
             window = f"c, {times}, {total}, {literal(lower)}, {literal(upper)}"
             past = "true" if node.op in ("historically", "once", "since") else "false"
             if isinstance(node, ir.Until):
-                return f"tm_held({window}, {past}, {own[0]}u, {own[1]}u, {target}u);"
+                return f"tm_held({window}, {past}, {mark(own[0])}u, {mark(own[1])}u, {mark(target)}u);"
             least = "true" if node.op in ("always", "historically") else "false"
-            return f"tm_extreme({window}, {past}, {least}, {own[0]}u, {target}u);"
+            return f"tm_extreme({window}, {past}, {least}, {mark(own[0])}u, {mark(target)}u);"
         case ir.Shift():
             if node.step not in (1, -1):
                 raise self.refuse(node, f"a step of {node.step} samples")
             ahead, weak = ("true" if node.step > 0 else "false"), ("true" if node.weak else "false")
-            return f"tm_shift(c, {total}, {ahead}, {weak}, {own[0]}u, {target}u);"
+            return f"tm_shift(c, {total}, {ahead}, {weak}, {mark(own[0])}u, {mark(target)}u);"
         case ir.Edge():
-            return f"tm_edge(c, {total}, {'true' if node.op == 'rising' else 'false'}, {own[0]}u, {other[0]}u, {target}u);"
+            return f"tm_edge(c, {total}, {'true' if node.op == 'rising' else 'false'}, {mark(own[0])}u, {mark(other[0])}u, {mark(target)}u);"
         case _:
             raise AssertionError(f"unknown temporal operator {type(node).__name__}")

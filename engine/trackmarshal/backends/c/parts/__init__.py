@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 #: The files, in the order in which their functions may call each other.
-FILES = ("numbers", "verdicts", "temporal", "exact", "geometry", "prepare")
+FILES = ("numbers", "verdicts", "temporal", "online", "door", "exact", "geometry", "prepare")
 _NAME = re.compile(r"\btm_[a-z0-9_]+\b")
 
 

@@ -1,0 +1,161 @@
+"""Rules judged a sample at a time in generated C against the same rules judged with the whole timeline at hand, by the reference."""
+
+from __future__ import annotations
+
+import math
+import random
+import struct
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.agreement import compiled
+from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.monitoring import Monitors
+from trackmarshal.backends.c.online import obstacle
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator
+
+pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+
+HEAD = "module online\nsignal log : series { t: s increasing, p: 1, q: 1, hot: bool }\n"
+FUTURE = ("[0 s, 0 s]", "[0 s, 1 s]", "[0.3 s, 2 s]", "[1.5 s, 1.5 s]", "[2 s, 7 s]", "[5 s, 9 s]")
+PAST = ("", *FUTURE)
+WRAPS = (
+    "{}",
+    "always ({} or p.hot)",
+    "eventually ({} and p.q > 1)",
+    "historically[0.2 s, 3 s] ({} xor p.p > 0)",
+    "(next ({}) implies eventually[0.5 s, 2 s] ({}))",
+)
+NESTED = (
+    "rising(p.p > 0)",
+    "falling(p.p > 0)",
+    "(next (p.p > 0))",
+    "(weak next p.hot)",
+    "(previous p.hot)",
+    "(weak previous (p.q > p.p))",
+    "always[0 s, 1 s] ((p.p > 0) implies eventually[0.2 s, 1 s] ((p.q > 0) since[0 s, 2 s] p.hot))",
+    "(once (p.p > 1) iff (rising(p.hot) until[0.3 s, 4 s] falling(p.q > 0)))",
+    "(p.p > 0 and not p.hot)",
+)
+
+
+def formulas() -> list[str]:
+    found = [*NESTED]
+    for window in FUTURE:
+        found += [f"{op}{window} (p.p > 0)" for op in ("always", "eventually")]
+        found += [f"((p.p > -1) until{window} (p.q > 0.5))"]
+    for window in PAST:
+        found += [f"{op}{window} (p.p > 0)" for op in ("historically", "once")]
+        found += [f"((p.p > -1) since{window} (p.q > 0.5))"]
+    wraps = [(WRAPS[0], WRAPS[1 + i % (len(WRAPS) - 1)]) for i in range(len(found))]
+    return [wrap.replace("{}", formula) for formula, pair in zip(found, wraps) for wrap in pair]
+
+
+@cache
+def evaluator() -> Evaluator:
+    rules = [
+        f'rule r{i} "made up"\n  along log as p\n  require {text}\n' for i, text in enumerate(formulas())
+    ]
+    return Evaluator(compiled(HEAD + "\n".join(rules)), None, "reference")
+
+
+def timeline(seed: int) -> dict[str, list[Any]]:
+    r = random.Random(seed)
+    count = r.choice([1, 2, 3, 20, 60, 100])
+    times = [r.uniform(-5.0, 5.0)]
+    while len(times) < count:
+        times.append(times[-1] + r.choice([0.1, 0.1, 0.3, 1.0, 0.05, 4.0 if seed % 5 == 0 else 0.1]))
+    ties = r.random() < 0.5
+    p, q = ([float(r.randint(-2, 2)) if ties else r.gauss(0, 1) for _ in times] for _ in "pq")
+    hot: list[bool | None] = [r.random() < 0.2 for _ in times]
+    for _ in range(r.choice([0, 0, 1, count // 2])):
+        r.choice([p, q])[r.randrange(count)] = r.choice([math.nan, math.inf])
+        hot[r.randrange(count)] = None
+    return {"t": times, "p": p, "q": q, "hot": hot}
+
+
+def bits(x: float) -> bytes:
+    return b"nan" if math.isnan(x) else struct.pack("<d", x)
+
+
+def columns(log: dict[str, list[Any]]) -> dict[str, Any]:
+    flags = np.array([-1 if value is None else int(value) for value in log["hot"]], dtype=np.int8)
+    return {name: np.array(log[name], dtype=float) for name in "tpq"} | {"hot": flags}
+
+
+def test_every_sample_has_the_value_that_the_whole_timeline_gives_it() -> None:
+    rules = evaluator().rules
+    monitors = Monitors(evaluator().spec, rules, 256)
+    assert set(monitors.names) == {rule.name for rule in rules}
+    logs = [timeline(seed) for seed in range(9)]
+    cases = [evaluator().read({"signals": {"log": log}}) for log in logs]
+    found, compared = [], 0
+    for log, case, expected in zip(logs, cases, evaluator().evaluate(cases, True), strict=True):
+        given = columns(log) | {name: np.array(case.columns["log"][name]) for name in "pq"}
+        for rule in rules:
+            outcomes, whole = monitors.run(rule.name, given)
+            wanted = expected.rules[rule.name]
+            assert wanted.series is not None
+            top = _top_operand(rule.name)
+            if top is None:
+                verdicts, margins = wanted.series
+                got = [("satisfied", "violated", "undefined")[v] for v in outcomes["verdict"]]
+                if got != verdicts or list(map(bits, outcomes["margin"])) != list(map(bits, margins)):
+                    found.append(f"{rule.name} {formulas()[int(rule.name[1:])]}")
+                compared += len(margins)
+            if (whole[0], bits(whole[1])) != (wanted.verdict, bits(wanted.margin)):
+                found.append(
+                    f"{rule.name} {formulas()[int(rule.name[1:])]}: {whole} | {wanted.verdict} {wanted.margin}"
+                )
+    assert not found, found[:5]
+    assert compared > 10_000
+
+
+def _top_operand(name: str) -> str | None:
+    """The operator over all of the timeline; a monitor's samples then have the values of what stands in it."""
+    text = formulas()[int(name[1:])]
+    return next((op for op in ("always", "eventually") if text.startswith(f"{op} (")), None)
+
+
+def test_samples_beyond_the_capacity_are_refused_not_guessed() -> None:
+    spec = compiled(HEAD + 'rule r "made up"\n  along log as p\n  require always[0 s, 10 s] (p.p > 0)\n')
+    rules = Evaluator(spec, None, "reference").rules
+    log = {"t": np.arange(200) * 0.1, "p": np.ones(200)}
+    assert Monitors(spec, rules, 128).run("r", log)[1] == ("satisfied", 1.0)
+    with pytest.raises(TrackmarshalError, match="E473"):
+        Monitors(spec, rules, 64).run("r", log)
+    with pytest.raises(TrackmarshalError, match="E473"):
+        Monitors(spec, rules, 128).run(
+            "r", log | {"t": np.concatenate([np.arange(50), np.arange(150)]) * 0.1}
+        )
+
+
+def test_memory_does_not_grow_with_the_timeline() -> None:
+    """A window of 30 samples in a ring of 64, over 20,000 samples."""
+    spec = compiled(
+        HEAD
+        + 'rule r "made up"\n  along log as p\n  require eventually[0 s, 3 s] ((p.p > 1) since[0 s, 2 s] (p.q > 1))\n'
+    )
+    made = Evaluator(spec, None, "numpy")
+    rng = np.random.default_rng(1)
+    log = {"t": np.arange(20_000) * 0.1, "p": rng.normal(size=20_000), "q": rng.normal(size=20_000)}
+    outcomes, _ = Monitors(spec, made.rules, 64).run("r", log)
+    raw = {name: column.tolist() for name, column in log.items()}
+    series = next(iter(made.evaluate([made.read({"signals": {"log": raw}})], True))).rules["r"].series
+    assert series is not None
+    assert outcomes["margin"].tolist() == series[1]
+
+
+@pytest.mark.parametrize(
+    ("formula", "why"),
+    [("p.p > 0 and eventually (p.q > 0)", "upper bound"), ("p.p > log.first.p", "present sample"),
+     ("for all r in log: (r.p > 0)", "present sample")],
+)  # fmt: skip
+def test_what_a_sample_at_a_time_cannot_say_is_named(formula: str, why: str) -> None:
+    spec = compiled(HEAD + f'rule r "made up"\n  along log as p\n  require {formula}\n')
+    assert why in str(obstacle(spec.rules[0]))
+    assert Monitors(spec, spec.rules).names == ()
