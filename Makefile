@@ -15,7 +15,7 @@ test: $(STAMP) lint  ## everything that CI runs
 acceptance: $(STAMP) lint  ## every "Done when" point that can be a command; takes longer than CI
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt pyarrow  # reads our records independently
 	TRACKMARSHAL_FUZZ_CYCLES=1000000 TRACKMARSHAL_KILLS=200 TRACKMARSHAL_GENERATED=10000 TRACKMARSHAL_FUZZ=1000000 TRACKMARSHAL_CYCLES=100000 \
-		HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -m ""
+		$(BIN)/python -m pytest -m ""
 	$(BIN)/trackmarshal bench
 
 bench: $(STAMP)  ## CPU times, medians, as ratios where a yardstick is at hand

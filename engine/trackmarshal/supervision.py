@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import Evaluator
+from trackmarshal.evaluation import BACKENDS, Evaluator
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.case import Case
 from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
@@ -82,9 +82,13 @@ def rerun(run: Run, spec: Spec, judge: Judge) -> Iterator[tuple[Decision, list[D
 
 
 def judge_of(run: Run, spec: Spec, backend: str | None = None) -> EvaluatorJudge:
-    """A judge as the one of a record, with another backend where one is given. Raises E401 and others for another spec."""
+    """A judge as the one of a record, with another backend where one is given, or the recorded judge was none of ours.
+
+    Raises E401 and others for another spec.
+    """
     identity = run.identity
-    evaluator = Evaluator(spec, identity.get("rules"), backend or str(identity.get("backend")))
+    own = str(identity.get("backend"))
+    evaluator = Evaluator(spec, identity.get("rules"), backend or (own if own in BACKENDS else BACKENDS[0]))
     return EvaluatorJudge(evaluator, identity.get("params"), identity.get("tables"))
 
 

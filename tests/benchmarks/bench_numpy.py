@@ -81,18 +81,17 @@ def measure(repeats: int = 15) -> dict[str, float]:
     batch = [raw for one in cycles for raw in one]
 
     def verdicts(raw: list[dict[str, Any]]) -> None:
-        run = evaluator.program.run([evaluator.read(case) for case in raw])
+        run = evaluator.program.run(evaluator.read_all(raw))
         for rule in evaluator.rules:
             run.verdicts(rule)
 
     def witnesses(raw: list[dict[str, Any]]) -> None:
-        list(evaluator.evaluate([evaluator.read(case) for case in raw]))
+        list(evaluator.evaluate(evaluator.read_all(raw)))
 
     def read(raw: list[dict[str, Any]]) -> None:
-        for case in raw:
-            evaluator.read(case)
+        evaluator.read_all(raw)
 
-    ready = [[evaluator.read(case) for case in raw] for raw in cycles[: repeats * 10 + 10]]
+    ready = [evaluator.read_all(raw) for raw in cycles[: repeats * 10 + 10]]
     return {
         "numpy: one cycle, verdicts": median(lambda k: verdicts(cycles[k]), repeats * 10),
         "numpy: one cycle, reading alone": median(lambda k: read(cycles[k]), repeats * 10),

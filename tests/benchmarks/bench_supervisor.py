@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 import statistics
 import tempfile
 import time
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.evaluation import load
+from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door import Door
 from trackmarshal.runtime.judge import Judged
@@ -26,7 +28,7 @@ from trackmarshal.supervision import EvaluatorJudge
 
 ROOT = Path(__file__).resolve().parents[2]
 PERIOD, RADIUS = 0.1, 600.0
-LIMITS = {"Supervisor: the door": 60e-6}
+LIMITS = {"Supervisor: the door": 60e-6, "Supervisor: step with C": 80e-6}
 
 
 def measure() -> dict[str, float]:
@@ -48,10 +50,54 @@ def measure() -> dict[str, float]:
             return made
 
         result["Supervisor: step without the judge, recorded"] = _steps(recorded)
+    result |= _with_c(spec)
     result["Supervisor: step with numpy"] = _steps(
         lambda clock: Supervisor(spec, judge, Limits(budget=math.inf), clock), steps=20
     )
     return result
+
+
+def _with_c(spec: Spec) -> dict[str, float]:
+    """Whole steps with generated door and rules; nothing where there is no compiler."""
+    from trackmarshal.backends.c.judge import SteppedDoor
+    from trackmarshal.supervision import supervisor
+
+    def made(clock: Callable[[], float]) -> Supervisor:
+        return supervisor(spec, backend="c", clock=clock)
+
+    if not isinstance(made(time.monotonic).door, SteppedDoor):
+        return {}
+    now = [0.0]
+    running = made(lambda: now[0])
+    count = int(os.environ.get("TRACKMARSHAL_STEPS", "20000"))
+    spent = np.ones(count)  # in memory before the first step
+    given = cycles()
+    grown = 0
+    for number in range(-2000, count):
+        if number == 0:
+            grown = _memory()
+        cycle = next(given)
+        now[0] = cycle.t
+        begin = time.process_time_ns()
+        decision = running.step(cycle)
+        took = time.process_time_ns() - begin
+        assert decision.safe, decision.reasons
+        if number >= 0:
+            spent[number] = took
+    middle, late = np.quantile(spent, [0.5, 0.999]) / 1e9
+    return {
+        "Supervisor: step with C": float(middle),
+        f"Supervisor: step with C, slowest thousandth of {count}, to its median (ratio)": float(
+            late / middle
+        ),
+        f"Supervisor: step with C, growth over {count} steps, memory": float(_memory() - grown),
+    }
+
+
+def _memory() -> int:
+    """Bytes of this process that are in memory."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 class _Safe:
@@ -83,17 +129,23 @@ def plan(braking: float) -> dict[str, Any]:
 def cycles() -> Iterator[Cycle]:
     """The same situation again and again, in order."""
     driving, emergency = plan(0.0), plan(9.0)
-    ahead = 1 / 6 + np.array([400.0, 500.0, 600.0]) / RADIUS
-    ring = np.linspace(0.0, 2 * math.pi, 1500, endpoint=False)
-    circle = np.column_stack([np.cos(ring), np.sin(ring)])
+    ahead = 1 / 6 + np.array([60.0, 90.0, -40.0]) / RADIUS
+
+    def border(radius: float, phase: float) -> Any:
+        """A winding ring. (A circle would be a border of its own kind: everything on the track is equally far from it.)"""
+        ring = np.linspace(0.0, 2 * math.pi, 1500, endpoint=False)
+        return (radius + 3 * np.sin(60 * ring + phase))[:, None] * np.column_stack(
+            [np.cos(ring), np.sin(ring)]
+        )
+
     signals = {
         "ego": {"x": driving["x"][0], "y": driving["y"][0], "heading": driving["heading"][0], "v": 40.0, "age": 0.0},
         "objects": {
-            "id": ["a", "b", "c"], "x": RADIUS * np.cos(ahead), "y": RADIUS * np.sin(ahead), "heading": ahead + math.pi / 2,
+            "id": ["a", "b", "c"], "x": 602.0 * np.cos(ahead), "y": 602.0 * np.sin(ahead), "heading": ahead + math.pi / 2,
             "v": np.full(3, 45.0), "length": np.full(3, 4.7), "width": np.full(3, 2.0), "age": np.zeros(3),
         },
         "obstacles": {name: np.zeros(0) for name in ("x", "y", "heading", "length", "width")},
-        "track": {"left": 593.0 * circle, "right": 607.0 * circle, "closed": True},
+        "track": {"left": border(593.0, 0.0), "right": border(607.0, 1.0), "closed": True},
     }  # fmt: skip
     for number in itertools.count():
         yield Cycle(number, number * PERIOD, driving, emergency, signals)

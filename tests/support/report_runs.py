@@ -57,6 +57,22 @@ rule root "A rule that can be undefined"
 """
 
 
+#: Rules that speak of places, and a place of which none does.
+PLACES = """
+zone slow "a strip on the left" = polygon (10 m, 0 m) (300 m, 0 m) (300 m, 6 m) (10 m, 6 m)
+zone unused "no rule names it" = polygon (0 m, 0 m) (1 m, 0 m) (1 m, 1 m)
+line start "across the road" = (20 m, -6 m) (20 m, 6 m)
+
+rule strip "Slow in the strip"
+  for all p in plan where p in zone slow
+  require p.v <= 10 m/s
+
+rule begin "Slow at the start"
+  for all p in plan where distance_to(p, start) <= 5 m
+  require p.v <= 10 m/s
+"""
+
+
 def evaluator(folder: Path, text: str = SPEC) -> Evaluator:
     path = folder / "small.spec"
     path.write_text(text, encoding="utf-8")

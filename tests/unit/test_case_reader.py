@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.case import MOST_FAULTS, Case, CaseReader
+from trackmarshal.runtime.cases import CasesReader
 from trackmarshal.runtime.codes import CODES
 from trackmarshal.semantics.compile import compile_paths
 
@@ -44,9 +46,9 @@ READS = {
 GOOD: dict[str, Any] = {
     "id": 1,
     "signals": {
-        "plan": {"t": [0.0, 0.1, 0.2], "v": [36, 72.0, 108.0], "grip": [1.0, 0.9, 0.8], "slip": [1, 2, 3], "ready": [True, False, True]},
+        "plan": {"t": [0.0, 0.1, 0.2], "v": [36.0, 72.0, 108.0], "grip": [1.0, 0.9, 0.8], "slip": [1.0, 2.0, 3.0], "ready": [True, False, True]},
         "trace": {"t": [0.0], "x": [1.0]},
-        "ego": {"x": 1.5, "heading": 90, "age": 20, "on": True},
+        "ego": {"x": 1.5, "heading": 90.0, "age": 20.0, "on": True},
         "objects": [{"id": "a", "x": 1.0, "v": 2.0, "age": 0.5}, {"x": 3.0, "v": 4.0}],
         "track": {"left": [[0, 1], [9, 1]], "right": [[0, -1], [9, -1]], "closed": False},
         "border": [[0, 0], [1, 1]],
@@ -64,9 +66,10 @@ def spec(tmp_path_factory: pytest.TempPathFactory) -> Spec:
     return compiled.spec
 
 
-@pytest.fixture
-def reader(spec: Spec) -> CaseReader:
-    return CaseReader(spec, READS)
+@pytest.fixture(params=[CaseReader, CasesReader])
+def reader(spec: Spec, request: pytest.FixtureRequest) -> CaseReader | CasesReader:
+    made: CaseReader | CasesReader = request.param(spec, READS)
+    return made
 
 
 def changed(*path: str | int, to: Any = "nothing") -> dict[str, Any]:
@@ -86,7 +89,7 @@ def faults(case: Case) -> list[tuple[str, str, int | None]]:
     return [(f.code, f.signal + (f".{f.field}" if f.field else ""), f.index) for f in case.faults]
 
 
-def test_a_good_case_has_no_fault_and_is_in_si(reader: CaseReader) -> None:
+def test_a_good_case_has_no_fault_and_is_in_si(reader: CaseReader | CasesReader) -> None:
     case = reader.read(GOOD)
     assert case.faults == []
     assert case.unusable == set()
@@ -102,7 +105,7 @@ def test_a_good_case_has_no_fault_and_is_in_si(reader: CaseReader) -> None:
     assert case.scalars["flag"] == {"": False}
 
 
-def test_arrays_are_read_like_lists(reader: CaseReader) -> None:
+def test_arrays_are_read_like_lists(reader: CaseReader | CasesReader) -> None:
     arrays = copy.deepcopy(GOOD)
     arrays["signals"]["plan"] = {name: np.array(column) for name, column in GOOD["signals"]["plan"].items()}
     arrays["signals"]["track"]["left"] = np.array(GOOD["signals"]["track"]["left"])
@@ -110,7 +113,19 @@ def test_arrays_are_read_like_lists(reader: CaseReader) -> None:
     assert reader.read(arrays).lines["track", "left"] == reader.read(GOOD).lines["track", "left"]
 
 
-def test_defaults_stand_in_for_what_is_left_out(reader: CaseReader) -> None:
+def test_whole_numbers_are_read_like_others(reader: CaseReader | CasesReader) -> None:
+    whole = changed("plan", "v", to=[36, 72, 108])
+    whole["signals"]["ego"] |= {"heading": 90, "age": 20}
+    assert repr(reader.read(whole)) == repr(reader.read(GOOD))
+
+
+def test_a_good_case_takes_the_short_way(spec: Spec) -> None:
+    reader = CasesReader(spec, READS)
+    with mock.patch.object(CaseReader, "read", side_effect=AssertionError):
+        assert len(reader.read_all([GOOD, changed("plan", "grip"), changed("ego", "age")])) == 3
+
+
+def test_defaults_stand_in_for_what_is_left_out(reader: CaseReader | CasesReader) -> None:
     assert list(reader.read(changed("plan", "grip")).columns["plan"]["grip"]) == [1.0, 1.0, 1.0]
     assert list(reader.read(changed("plan", "slip")).columns["plan"]["slip"]) == [0.05] * 3
     assert reader.read(changed("ego", "age")).scalars["ego"]["age"] == 0.1
@@ -158,6 +173,9 @@ NAN, INF = math.nan, math.inf
         (changed("ego", "heading", to=-181), [("D216", "ego.heading", None)]),
         (changed("ego", "age", to=501), [("D216", "ego.age", None)]),
         (changed("objects", 0, "v", to=51), [("D216", "objects.v", 0)]),
+        (changed("plan", "t", to=[0.0, 0.2, 0.1]), [("D214", "plan.t", 2)]),
+        (changed("plan", "t", to=[0.0, 0.1, 0.1]), [("D214", "plan.t", 2)]),
+        (changed("plan", to={n: c[:1] for n, c in GOOD["signals"]["plan"].items() if n != "ready"}), [("D213", "plan", None), ("D211", "plan.ready", None)]),
         (changed("objects", 1, "id", to="a"), [("D218", "objects.id", 1)]),
         (changed("objects", 0, "id", to="1"), [("D218", "objects.id", 1)]),  # the other one is called by its index
         # lines
@@ -167,12 +185,14 @@ NAN, INF = math.nan, math.inf
         (changed("track", "right", 0, to=[INF, 0]), [("D215", "track.right", 0)]),
     ],
 )  # fmt: skip
-def test_breaches_of_the_contract(reader: CaseReader, case: dict[str, Any], expected: list[Any]) -> None:
+def test_breaches_of_the_contract(
+    reader: CaseReader | CasesReader, case: dict[str, Any], expected: list[Any]
+) -> None:
     assert faults(reader.read(case)) == expected
     assert all(code in CODES for code, _, _ in expected)
 
 
-def test_what_is_missing_blocks_the_rules_that_read_it(reader: CaseReader) -> None:
+def test_what_is_missing_blocks_the_rules_that_read_it(reader: CaseReader | CasesReader) -> None:
     assert reader.read(changed("plan", "v")).blocks({("plan", "v")})
     assert not reader.read(changed("plan", "v")).blocks({("plan", "grip"), ("ego", "x")})
     for case in (changed("plan"), changed("plan", "t", to=[0, 0, 1]), changed("plan", "v", to=[1, 2])):
@@ -181,7 +201,7 @@ def test_what_is_missing_blocks_the_rules_that_read_it(reader: CaseReader) -> No
     assert not reader.read(changed("plan", "v", 1, to=NAN)).blocks({("plan", "v")})  # the comparison decides
 
 
-def test_a_value_that_is_missing_is_nan_inside(reader: CaseReader) -> None:
+def test_a_value_that_is_missing_is_nan_inside(reader: CaseReader | CasesReader) -> None:
     case = reader.read(changed("plan", "v", 1, to="inf"))
     assert math.isnan(case.columns["plan"]["v"][1])
     assert reader.read(changed("plan", "ready", 0, to=None)).columns["plan"]["ready"][0] is None
@@ -230,6 +250,9 @@ def test_only_what_the_rules_read_has_to_be_there(spec: Spec) -> None:
         # overrides
         ({**GOOD, "params": {"mas": 1000}}, "D203", "no parameter `mas`"),
         ({**GOOD, "params": [1]}, "D202", "`params` is an object"),
+        ({**GOOD, "params": []}, "D202", "`params` is an object"),
+        ({**GOOD, "tables": False}, "D202", "`tables` is an object"),
+        ({**GOOD, "places": ""}, "D202", "`places` is an object"),
         ({**GOOD, "params": {"mass": "1"}}, "D202", "params.mass is a number"),
         ({**GOOD, "params": {"mass": None}}, "D204", "`mass` is not finite"),
         ({**GOOD, "params": {"mass": NAN}}, "D204", "`mass` is not finite"),
@@ -246,7 +269,9 @@ def test_only_what_the_rules_read_has_to_be_there(spec: Spec) -> None:
         ({**GOOD, "places": {"start": [[0, 0], [NAN, 1]]}}, "D204", "not finite"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_read_is_refused(reader: CaseReader, case: object, code: str, said: str) -> None:
+def test_what_cannot_be_read_is_refused(
+    reader: CaseReader | CasesReader, case: object, code: str, said: str
+) -> None:
     with pytest.raises(TrackmarshalError) as caught:
         reader.read(case)
     assert caught.value.code == code
@@ -255,18 +280,18 @@ def test_what_cannot_be_read_is_refused(reader: CaseReader, case: object, code: 
     assert code in CODES
 
 
-def test_overrides_are_in_the_declared_units(reader: CaseReader) -> None:
+def test_overrides_are_in_the_declared_units(reader: CaseReader | CasesReader) -> None:
     case = reader.read({
         **GOOD, "params": {"v_max": 36, "door.mass": 1000}, "tables": {"ax_max": [[0, 1], [36, 2]]},
         "places": {"pit": [[0, 0], [1, 0], [1, 1]]},
     })  # fmt: skip
     assert case.params == {"door.v_max": 10.0, "door.mass": 1000.0}
     assert case.tables == {"door.ax_max": ((0.0, 10.0), (1.0, 2.0))}
-    assert case.places == {"door.pit": [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]}
+    assert case.places == {"door.pit": ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))}
     assert reader.read({**GOOD, "params": None, "tables": None, "places": None}).params == {}
 
 
-def test_keys_of_the_users_own_are_left_alone(reader: CaseReader) -> None:
+def test_keys_of_the_users_own_are_left_alone(reader: CaseReader | CasesReader) -> None:
     case = {**GOOD, "expect": {"safe": True}, "note": "mine"}
     case["signals"] = {
         **GOOD["signals"],
@@ -276,7 +301,7 @@ def test_keys_of_the_users_own_are_left_alone(reader: CaseReader) -> None:
     assert reader.read(case).faults == []
 
 
-def test_a_flood_of_faults_is_summed_up(reader: CaseReader) -> None:
+def test_a_flood_of_faults_is_summed_up(reader: CaseReader | CasesReader) -> None:
     columns = {"t": list(range(1000)), "v": [NAN] * 1000, "ready": [None] * 1000}
     case = reader.read(changed("plan", to=columns))
     assert len(case.faults) <= MOST_FAULTS
@@ -287,7 +312,7 @@ def test_a_flood_of_faults_is_summed_up(reader: CaseReader) -> None:
     ]
 
 
-def test_equal_lines_are_the_same_object(reader: CaseReader) -> None:
+def test_equal_lines_are_the_same_object(reader: CaseReader | CasesReader) -> None:
     first, second = reader.read(copy.deepcopy(GOOD)), reader.read(copy.deepcopy(GOOD))
     assert first.lines["track", "left"] is second.lines["track", "left"]
     other = reader.read(changed("track", "left", 0, to=[0, 2]))
@@ -325,3 +350,70 @@ def test_whatever_stands_anywhere_is_read_or_refused(spec: Spec, path: tuple[Any
                 if number is None or (isinstance(number, float) and not math.isfinite(number)):
                     assert case.faults, (signal, name, index)
                     assert number is None or math.isnan(number)
+
+
+def outcome(read: Callable[[], list[Case]]) -> str:
+    """What comes of reading: everything in the cases to the bit and type, or the error."""
+    try:
+        return repr(read())
+    except TrackmarshalError as error:
+        return f"{error.code} {error}"
+
+
+#: What is often right, or right somewhere else, so that flaws meet cases without any.
+likely = st.sampled_from([0.0, -0.0, 1, 1.5, -20.0, 60.0, 1e308, NAN, INF, True, None, "nan", "a", [], [0.0, 0.1, 0.2], [1.0, NAN, 2.0],
+                          [1e308] * 3, (0.0, 0.1, 0.2), [True, False, None], [[0.0, 1.0], [2.0, 3.0]], {}, {"x": 1.0}, np.array([0.0, 0.1, 0.2]),
+                          np.array([[0.0, 0.1, 0.2]]), np.array([1, 2, 3]), np.array(1.0), np.array([]), np.array([0.0, 0.1, 0.2], dtype=object)])  # fmt: skip
+edits = st.lists(
+    st.tuples(st.sampled_from([p for p in sorted(places(GOOD["signals"]), key=str) if len(p) > 1]), likely),
+    max_size=2,
+)
+
+
+@settings(max_examples=400, deadline=None)
+@given(
+    st.lists(edits, min_size=1, max_size=4),
+    st.sampled_from([{}, {"params": {"mass": 1000}}, {"params": {"mass": 1}}, {"note": 1}, {"parms": {}}]),
+)
+def test_many_cases_are_read_as_each_by_itself(
+    spec: Spec, changes: list[list[tuple[tuple[Any, ...], Any]]], extra: dict[str, Any]
+) -> None:
+    raws = []
+    for edit in changes:
+        raw = {**copy.deepcopy(GOOD), **extra}
+        for path, value in edit:
+            target: Any = raw["signals"]
+            try:
+                for step in path[:-1]:
+                    target = target[step]
+                target[path[-1]] = value
+            except (TypeError, KeyError, IndexError, ValueError, OverflowError):
+                pass
+        raws.append(raw)
+    together, alone = CasesReader(spec, READS), CaseReader(spec, READS)
+    assert outcome(lambda: together.read_all(raws)) == outcome(lambda: [alone.read(raw) for raw in raws])
+
+
+def test_what_is_left_out_of_a_set_or_a_state(spec: Spec) -> None:
+    together, alone = CasesReader(spec, READS), CaseReader(spec, READS)
+    for path in places(GOOD["signals"]):
+        raw = copy.deepcopy(GOOD)
+        target: Any = raw["signals"]
+        for step in path[:-1]:
+            target = target[step]
+        del target[path[-1]]
+        for misspelt in ({}, {"gripp": [1.0], "agee": 2.0, "ages": 1.0}):
+            if isinstance(target, dict):
+                target |= misspelt
+            assert outcome(lambda: together.read_all([GOOD, raw])) == outcome(  # noqa: B023 - called here
+                lambda: [alone.read(GOOD), alone.read(raw)]  # noqa: B023
+            )
+
+
+@pytest.mark.parametrize("array", [np.array(1.0), np.array([]), np.zeros((3, 1)), np.array([None, 0.1, 0.2])])
+@pytest.mark.parametrize("name", ["t", "v", "ready"])
+def test_arrays_that_are_no_columns(spec: Spec, name: str, array: Any) -> None:
+    together, alone = CasesReader(spec, READS), CaseReader(spec, READS)
+    raw = copy.deepcopy(GOOD)
+    raw["signals"]["plan"][name] = array
+    assert outcome(lambda: [together.read(raw)]) == outcome(lambda: [alone.read(raw)])

@@ -10,6 +10,7 @@ import pytest
 from support.bodies import BOTH, Geometry, Pose
 from support.tracks import eight, loop, oval
 from trackmarshal.runtime.geometry import Corridor, Polygon
+from trackmarshal.runtime.geometry.region import POINTS_AT_ONCE
 
 CAR = (4.0, 2.0)
 LEFT = [(0.0, 5.0), (50.0, 5.0), (100.0, 5.0)]
@@ -296,3 +297,18 @@ def test_zones(geometry: Geometry) -> None:
     )
     assert geometry.zone_fault(zone[:2]) == "polygon has fewer than 3 distinct points"
     assert math.isnan(geometry.zone((1.0, 1.0), zone[:2]))
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e30])
+@pytest.mark.parametrize("corners", [4, 40])
+def test_points_of_a_zone_among_many_are_as_if_alone(bad: float, corners: int) -> None:
+    """Whatever the number of corners, which decides how the nearest side is found, and of points, which are taken in parts."""
+    angles = np.linspace(0.0, 2.0 * np.pi, corners, endpoint=False)
+    zone = Polygon(np.stack([9.0 * np.cos(angles), 7.0 * np.sin(angles)], axis=1))
+    x, y = np.random.default_rng(1).uniform(-12.0, 12.0, (2, POINTS_AT_ONCE + 50))
+    x[3] = x[-1] = y[7] = y[POINTS_AT_ONCE + 1] = bad
+    together = zone.signed_distance(x, y)
+    assert np.flatnonzero(np.isnan(together)).tolist() == [3, 7, POINTS_AT_ONCE + 1, x.size - 1]
+    some = [0, 3, 7, 8, POINTS_AT_ONCE - 1, POINTS_AT_ONCE, POINTS_AT_ONCE + 1, x.size - 1]
+    alone = [zone.signed_distance(x[k], y[k])[0] for k in some]
+    np.testing.assert_array_equal(together[some], alone)

@@ -112,7 +112,9 @@ def test_unusable_lines(geometry: Geometry, line) -> None:  # type: ignore[no-un
 
 
 @both
-@pytest.mark.parametrize("point", [(math.nan, 0.0), (0.0, math.inf), (-math.inf, 0.0), (1e30, 0.0)])
+@pytest.mark.parametrize(
+    "point", [(math.nan, 0.0), (0.0, math.nan), (0.0, math.inf), (-math.inf, 0.0), (1e30, 0.0)]
+)
 def test_unusable_points(geometry: Geometry, point) -> None:  # type: ignore[no-untyped-def]
     assert all(math.isnan(number) for number in geometry.project(point, BEND))
     assert math.isnan(geometry.distance(point, BEND))
@@ -136,6 +138,21 @@ def test_unusable_points_do_not_touch_their_neighbours() -> None:
     assert offset == pytest.approx([1.0, math.nan, 1.0], nan_ok=True)
     assert direction == pytest.approx([EAST, math.nan, NORTH], nan_ok=True)
     assert Polyline(BEND).project([], [])[0].shape == (0,)
+    for x, y in (
+        ([4.0, 4.0], [1.0, math.nan]),
+        ([math.nan, 4.0], [9.0, 9.0]),
+        ([-9.0, 9.0], [math.nan, 1.0]),
+    ):
+        alone = [float(Polyline(BEND).distance(*point)[0]) for point in zip(x, y)]
+        assert Polyline(BEND).distance(x, y) == pytest.approx(alone, nan_ok=True)
+        assert sum(map(math.isnan, alone)) == 1
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_gaps_between_stations_that_are_none(closed: bool) -> None:
+    start, end = [0.0, math.nan, 1.0, math.inf, 2.0, math.inf], [3.0, 1.0, math.nan, 1.0, -math.inf, math.inf]
+    gap = Polyline(SQUARE, closed).gap(start, end)
+    assert gap == pytest.approx([3.0] + [math.nan] * 5, nan_ok=True)
 
 
 @both

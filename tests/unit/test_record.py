@@ -214,6 +214,20 @@ def test_no_record_at_all() -> None:
     assert caught.value.code == "D162"
 
 
+@pytest.mark.parametrize(
+    "identity", [[], None, {"rules": 5}, {"rules": [1]}, {"params": []}, {"backend": None}, {"tables": "x"}]
+)
+def test_a_head_that_describes_no_judge(identity: Any, tmp_path: Path) -> None:
+    whole = small(tmp_path / "run.arrows", 1)
+    found = layout_of(whole)
+    assert found is not None
+    head = {**found[1], "identity": identity}
+    del head["columns"]
+    with pytest.raises(TrackmarshalError) as caught:
+        read(Layout(found[0].columns, head).schema, "x")
+    assert caught.value.code == "D162"
+
+
 def test_a_file_that_is_there_is_not_touched(tmp_path: Path) -> None:
     path = tmp_path / "run.arrows"
     path.write_bytes(b"mine")
@@ -337,3 +351,18 @@ def test_foxglove_reads_an_export(tmp_path: Path) -> None:
     assert by_name.keys() == {"track", "driving", "emergency", "driven", "ego", "objects", "obstacles"}
     assert len(by_name["objects"]["cubes"]) == 2
     assert len(by_name["driven"]["lines"][0]["points"]) == 30
+
+
+def test_without_the_package_an_export_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import sys
+
+    from trackmarshal.scenarios import foxglove
+
+    monkeypatch.setitem(sys.modules, "mcap.writer", None)
+    path = tmp_path / "run.arrows"
+    with pytest.raises(TrackmarshalError) as caught:
+        foxglove.write(read(small(path, 1), "run"), [], tmp_path / "run.mcap")
+    assert caught.value.code == "E484"
+    assert not (tmp_path / "run.mcap").exists()

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from support.report_runs import SPEC, cycle, evaluator, flat, other, overtaking, record, recording
+from support.report_runs import PLACES, SPEC, cycle, evaluator, flat, other, overtaking, record, recording
 from support.shared import shared
 from trackmarshal.runtime.verdict import CaseResult, RuleResult
 from trackmarshal.scenarios import run_record as module
@@ -155,6 +155,17 @@ def test_spec_without_a_size_leaves_it_open(tmp_path: Path) -> None:
         "length": None,
         "width": None,
     }
+
+
+def test_places_are_those_that_rules_speak_of(tmp_path: Path) -> None:
+    rules = evaluator(tmp_path, SPEC + PLACES)
+    made = module.run_record(replay(overtaking(count=1), rules), rules)
+    VALIDATOR.validate(made)
+    assert made["places"] == [
+        {"name": "slow", "kind": "zone", "points": [[10.0, 0.0], [300.0, 0.0], [300.0, 6.0], [10.0, 6.0]]},
+        {"name": "start", "kind": "line", "points": [[20.0, -6.0], [20.0, 6.0]]},
+    ]
+    assert record(tmp_path, overtaking(count=1))["places"] == []
 
 
 def test_assumptions_rules_and_their_texts(tmp_path: Path) -> None:

@@ -12,7 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from support.report_runs import cycle, large, other, overtaking, record, recording
+from support.report_runs import PLACES, SPEC, cycle, evaluator, large, other, overtaking, record, recording
+from trackmarshal.scenarios.replay import replay
+from trackmarshal.scenarios.run_record import run_record
 from trackmarshal.trace.report.reading import read_run, stretches
 from trackmarshal.trace.report.svg import margin_plot, scene, timeline
 from trackmarshal.trace.report.svg.axis import Axis, margin_axis, nice_step, nice_ticks
@@ -229,6 +231,22 @@ def test_scene_shows_every_second_and_the_first_firing(tmp_path: Path) -> None:
     assert classes.count("foot other") == 4
     assert classes.count("firing-ring") == 1
     assert "".join(t for p in parts for t in p.itertext()).count("1 s: near") >= 1
+
+
+def test_scene_shows_the_places_that_rules_speak_of(tmp_path: Path) -> None:
+    rules = evaluator(tmp_path, SPEC + PLACES)
+    made = run_record(replay(overtaking(), rules), rules)
+    run = read_run(made)
+    parts = [ET.fromstring(p) for p in [*scene.scenes(run, WIDE), scene.moment(run, 0, [], WIDE) or ""]]
+    for part in parts:
+        drawn = [e for e in part.iter() if (e.get("class") or "").startswith("place ")]
+        assert [(e.get("class"), (e.get("d") or "").endswith("Z")) for e in drawn] == [
+            ("place zone", True),
+            ("place line", False),
+        ]
+        assert {"slow", "start"} <= {t.strip() for t in part.itertext()}
+    del made["places"]  # as older records have none
+    assert "place zone" not in "".join(scene.scenes(read_run(made), WIDE))
 
 
 def test_long_straight_scene_is_cut_into_strips_that_share_a_scale(tmp_path: Path) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import marshal
 import math
+import sys
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Any
 
 from trackmarshal.diagnostics.base import close_matches
@@ -16,6 +19,8 @@ from trackmarshal.units import from_si, to_si
 NAN = math.nan
 Point = tuple[float, float]
 Line = tuple[Point, ...]
+#: Lines by the identity of the data that they were read from, which stands beside them so that it stays unique.
+Held = dict[int, tuple[object, Line]]
 #: Lines that a reader remembers: more than one run's tracks have, few enough to hold.
 KEPT_LINES = 32
 
@@ -51,12 +56,12 @@ class Case:
     id: object = None
     params: dict[str, float] = field(default_factory=dict)
     tables: dict[str, tuple[Sequence[float], Sequence[float]]] = field(default_factory=dict)
-    places: dict[str, Sequence[Point]] = field(default_factory=dict)
+    places: dict[str, Line] = field(default_factory=dict)
     columns: dict[str, dict[str, Sequence[Any]]] = field(default_factory=dict)
     counts: dict[str, int] = field(default_factory=dict)
     names: dict[str, Sequence[str]] = field(default_factory=dict)
     scalars: dict[str, dict[str, Any]] = field(default_factory=dict)
-    lines: dict[tuple[str, str], Sequence[Point]] = field(default_factory=dict)
+    lines: dict[tuple[str, str], Line] = field(default_factory=dict)
     closed: dict[str, bool] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
     unusable: set[tuple[str, str]] = field(default_factory=set)
@@ -80,26 +85,26 @@ class CaseReader:
 
     def __init__(self, spec: Spec, reads: Iterable[tuple[str, str]]) -> None:
         self.spec = spec
-        self._needed: dict[str, set[str]] = {}
+        self.needed: dict[str, set[str]] = {}
         for signal, name in reads:
-            self._needed.setdefault(signal, set()).add(name)
+            self.needed.setdefault(signal, set()).add(name)
         self._params = _by_short_name(spec.params)
         self._tables = _by_short_name(spec.tables)
         self._places = _by_short_name(spec.places)
-        self._recent: OrderedDict[int, tuple[object, Line]] = OrderedDict()
-        self._known: OrderedDict[Line, Line] = OrderedDict()
+        #: Lines of late by content: data that was read before may have changed since, and its identity says nothing.
+        self._known: OrderedDict[Any, Line] = OrderedDict()
 
     def read(self, raw: object) -> Case:
         """A case from plain data as `cli.md` describes it; raises TrackmarshalError D201 to D204."""
         data = _mapping(raw, "the case")
-        for key in data.keys() - _KEYS:
-            hint = close_matches(str(key), _KEYS)
+        for key in data.keys() - KEYS:
+            hint = close_matches(str(key), KEYS)
             if hint:  # a misspelt override that is left out would change what is evaluated
                 raise TrackmarshalError("D203", f"a case has no `{key}`", help=hint)
         case = Case(id=data.get("id"))
-        self._overrides(case, data)
+        self.overrides(case, data)
         signals = _mapping(data.get("signals", {}), "`signals`")
-        for name, needed in self._needed.items():
+        for name, needed in self.needed.items():
             if name in self.spec.events:
                 self._event(case, name, signals.get(name))
                 continue
@@ -114,14 +119,14 @@ class CaseReader:
             elif signal.kind == "state":
                 self._state(case, signal, needed, signals[name])
             else:
-                self._lines_of(case, signal, needed, signals[name])
+                self.lines_of(case, signal, needed, signals[name])
         if len(case.faults) > MOST_FAULTS:
             case.faults = _condensed(case.faults)
         return case
 
     # Overrides ------------------------------------------------------------------------------------------------
 
-    def _overrides(self, case: Case, data: Mapping[str, Any]) -> None:
+    def overrides(self, case: Case, data: Mapping[str, Any]) -> None:
         for name, value in _given(data, "params").items():
             info = _find(self._params, name, "parameter")
             case.params[info.name] = check_param(info, _number(value, f"params.{name}"))
@@ -147,7 +152,7 @@ class CaseReader:
         data = _mapping(raw, f"signal `{signal.name}`")
         values: dict[str, Any] = {}
         _refuse_misspelt(signal, data, needed)
-        for kind in _wanted(signal, needed):
+        for kind in wanted(signal, needed):
             value = data.get(kind.name, self._default(kind))
             if kind.name not in data and kind.default is None:
                 case.fault("D211", signal.name, kind.name, None, "the field is missing")
@@ -158,14 +163,16 @@ class CaseReader:
         elements = _sequence(raw, f"signal `{signal.name}`")
         records = [_mapping(element, f"{signal.name}[{i}]") for i, element in enumerate(elements)]
         case.counts[signal.name] = len(records)
-        names = case.names[signal.name] = [_name(record, i, signal.name) for i, record in enumerate(records)]
+        names = case.names[signal.name] = [
+            name_of(record, i, signal.name) for i, record in enumerate(records)
+        ]
         if len(set(names)) < len(names):
             index = next(i for i, name in enumerate(names) if name in names[:i])
             case.fault("D218", signal.name, "id", index, f"`{names[index]}` stands twice", False)
         for record in records:
             _refuse_misspelt(signal, record, needed)
         columns: dict[str, Sequence[Any]] = {}
-        for kind in _wanted(signal, needed):
+        for kind in wanted(signal, needed):
             default = self._default(kind)
             if kind.default is None:
                 for index, record in enumerate(records):
@@ -180,7 +187,7 @@ class CaseReader:
         data = _mapping(raw, f"signal `{signal.name}`")
         # The order of samples counts for every rule, whether it reads the time or not.
         orders = {k.name for k in signal.fields_ if k.increasing and k.name in data}
-        kinds = _wanted(signal, needed | orders)
+        kinds = wanted(signal, needed | orders)
         _refuse_misspelt(signal, data, needed)
         given = {
             k.name: _sequence(data[k.name], f"{signal.name}.{k.name}")
@@ -230,9 +237,12 @@ class CaseReader:
         case.columns[signal.name] = columns
         case.counts[signal.name] = count
 
-    def _lines_of(self, case: Case, signal: SignalType, needed: set[str], raw: object) -> None:
+    def lines_of(
+        self, case: Case, signal: SignalType, needed: set[str], raw: object, held: Held | None = None
+    ) -> None:
+        """The lines of a signal; `held` are those of data that cannot have changed since it was put there."""
         if signal.kind == "polyline":
-            case.lines[signal.name, ""] = self._line(case, signal.name, "", raw)
+            case.lines[signal.name, ""] = self._line(case, signal.name, "", raw, held)
             return
         data = _mapping(raw, f"signal `{signal.name}`")
         closed = data.get("closed", False)
@@ -248,41 +258,40 @@ class CaseReader:
         ):
             if data.get(name) is None:
                 case.fault("D211", signal.name, name, None, "the line is missing")
-                case.lines[signal.name, name] = []
+                case.lines[signal.name, name] = ()
             else:
-                case.lines[signal.name, name] = self._line(case, signal.name, name, data[name])
+                case.lines[signal.name, name] = self._line(case, signal.name, name, data[name], held)
 
-    def _line(self, case: Case, signal: str, name: str, raw: object) -> Line:
-        """Points of a line. The same object, and equal ones of late (a track that many cases share), give the same
-        tuple, so that evaluators prepare it once."""
-        recent = self._recent.get(id(raw))
-        if recent is not None and recent[0] is raw and isinstance(raw, tuple):  # a list may have changed
-            return recent[1]
-        points = tuple(_points(raw, f"{signal}.{name}" if name else signal))
-        for index, (x, y) in enumerate(points):
-            if not (math.isfinite(x) and math.isfinite(y)):
-                case.fault("D215", signal, name, index, "a point is not finite")
+    def _line(self, case: Case, signal: str, name: str, raw: object, held: Held | None) -> Line:
+        """Points of a line. Equal lines of late (a track that many cases share) give the same tuple, so that evaluators
+        prepare it once."""
+        if held is not None and id(raw) in held:
+            return held[id(raw)][1]
+        content = _content(raw)
+        known = self._known.get(content) if content is not None else None
+        points = known or tuple(_points(raw, f"{signal}.{name}" if name else signal))
+        if known is None:
+            for index, (x, y) in enumerate(points):
+                if not (math.isfinite(x) and math.isfinite(y)):
+                    case.fault("D215", signal, name, index, "a point is not finite")
+                    return points
+            if len(points) < 2:
+                case.fault("D217", signal, name, None, f"{len(points)} points, at least 2 are needed")
                 return points
-        if len(points) < 2:
-            case.fault("D217", signal, name, None, f"{len(points)} points, at least 2 are needed")
-            return points
-        points = self._known.setdefault(points, points)
-        self._recent[id(raw)] = (raw, points)
-        for kept in (self._recent, self._known):
-            while len(kept) > KEPT_LINES:
-                kept.popitem(last=False)
+            if content is None or not _has_numbers_only(raw):
+                return points
+            self._known[content] = points
+            while len(self._known) > KEPT_LINES:
+                self._known.popitem(last=False)
+        if held is not None:
+            held[id(raw)] = raw, points
         return points
 
     def _column(self, case: Case, signal: SignalType, kind: FieldType, column: Sequence[Any]) -> list[Any]:
         """The values of a column. Almost all columns are flawless numbers, which a few passes over them tell."""
-        if not column:
-            return []
-        if kind.kind == "number" and set(map(type, column)) == {float}:
-            values = list(column) if kind.unit in _SI else [to_si(value, kind.unit) for value in column]
-            inside = (kind.lower is None or min(values) >= kind.lower) and (
-                kind.upper is None or max(values) <= kind.upper
-            )
-            if inside and math.isfinite(sum(values)):  # which it is only if all of them are
+        if kind.kind == "number" and {float}.issuperset(map(type, column)):
+            values = list(column) if kind.unit in SI else [to_si(value, kind.unit) for value in column]
+            if sound(kind, [values]):
                 return values
         return [self._value(case, signal, kind, value, i) for i, value in enumerate(column)]
 
@@ -304,7 +313,7 @@ class CaseReader:
                 )
             return value
         number = _number(value, signal.name, kind.name, index)
-        if kind.unit not in _SI:
+        if kind.unit not in SI:
             number = to_si(number, kind.unit)
         if not math.isfinite(number):
             case.fault("D215", signal.name, kind.name, index, "not finite", False)
@@ -322,9 +331,24 @@ class CaseReader:
 
 
 #: What a case may hold; other keys are the user's own.
-_KEYS = {"id", "params", "tables", "places", "signals"}
+KEYS = {"id", "params", "tables", "places", "signals"}
 #: More faults than this are summed up, a few for each field.
 MOST_FAULTS = 20
+
+
+def sound(kind: FieldType, columns: Sequence[Sequence[Any]]) -> bool:
+    """Whether nothing is wrong with any value of some columns, in SI; where it says no, there may still be nothing."""
+    values = list(chain.from_iterable(columns))
+    if not values:
+        return True
+    if kind.kind == "bool":
+        return set(map(type, values)) == {bool}
+    return (
+        set(map(type, values)) == {float}
+        and math.isfinite(sum(values))  # which it is only if all of them are
+        and (kind.lower is None or min(values) >= kind.lower)
+        and (kind.upper is None or max(values) <= kind.upper)
+    )
 
 
 def _given(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
@@ -333,7 +357,7 @@ def _given(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     return {} if value is None else _mapping(value, f"`{key}`")
 
 
-def _name(record: Mapping[str, Any], index: int, signal: str) -> str:
+def name_of(record: Mapping[str, Any], index: int, signal: str) -> str:
     """What an element is called: its id, or its index."""
     name = record.get("id")
     if name is None:
@@ -372,7 +396,7 @@ def _condensed(faults: list[Fault]) -> list[Fault]:
 
 
 #: Units whose numbers need no conversion; the rest take a multiplication.
-_SI = {"1", "m", "s", "kg", "rad", "m/s", "m/s^2", "1/m", "N"}
+SI = {"1", "m", "s", "kg", "rad", "m/s", "m/s^2", "1/m", "N"}
 
 
 def check_param(info: ParamInfo, value: float) -> float:
@@ -407,10 +431,10 @@ def check_table(info: TableInfo, rows: object) -> tuple[tuple[float, ...], tuple
 _ROWS = "rows are [x, y], finite, in the declared units, with x ascending"
 
 
-def check_place(info: PlaceInfo, points: object) -> list[Point]:
+def check_place(info: PlaceInfo, points: object) -> Line:
     """Points of a zone (three or more different ones) or a line (two or more), finite; raises D202 or D204."""
     short = info.name.rpartition(".")[2]
-    found = _points(points, f"places.{short}")
+    found = tuple(_points(points, f"places.{short}"))
     least = 3 if info.kind == "zone" else 2
     if len(set(found)) < least or not all(math.isfinite(x) and math.isfinite(y) for x, y in found):
         help_ = f"a {info.kind} is a list of at least {least} different points [x, y] in m"
@@ -418,7 +442,7 @@ def check_place(info: PlaceInfo, points: object) -> list[Point]:
     return found
 
 
-def _wanted(signal: SignalType, needed: set[str]) -> list[FieldType]:
+def wanted(signal: SignalType, needed: set[str]) -> list[FieldType]:
     return [kind for kind in signal.fields_ if kind.name in needed and kind.kind != "polyline"]
 
 
@@ -426,18 +450,18 @@ def _poison(case: Case, signal: SignalType, needed: set[str]) -> None:
     """One sample or element of nothing, so that whatever reads the signal is undefined."""
     if signal.many or signal.sequence:
         case.columns[signal.name] = {
-            k.name: [None if k.kind == "bool" else NAN] for k in _wanted(signal, needed)
+            k.name: [None if k.kind == "bool" else NAN] for k in wanted(signal, needed)
         }
         case.counts[signal.name] = 1
         case.names[signal.name] = ["?"]
     elif signal.kind == "state":
         case.scalars[signal.name] = {
-            k.name: None if k.kind == "bool" else NAN for k in _wanted(signal, needed)
+            k.name: None if k.kind == "bool" else NAN for k in wanted(signal, needed)
         }
     else:
         for kind in signal.fields_:
-            case.lines[signal.name, kind.name] = []
-        case.lines[signal.name, ""] = []
+            case.lines[signal.name, kind.name] = ()
+        case.lines[signal.name, ""] = ()
 
 
 Info = ParamInfo | TableInfo | PlaceInfo
@@ -517,6 +541,35 @@ def _place(*where: object) -> str:
     """Where a value stands: plan.v[3]."""
     text = ".".join(part for part in where if isinstance(part, str))
     return text + "".join(f"[{part}]" for part in where if isinstance(part, int))
+
+
+def _content(raw: Any) -> object:
+    """A key for lists, tuples and arrays: lines with the same one are the same, types and bits, if they have only numbers.
+
+    `marshal` writes each type of plain data in a way of its own, so there is one way only to read it; but whatever has a
+    buffer becomes bytes, which says nothing of its type.
+    """
+    if is_array(raw):
+        return (raw.dtype.str, raw.shape, raw.tobytes()) if raw.dtype.kind in "fiu" else None
+    if type(raw) not in (list, tuple):
+        return None
+    try:
+        return marshal.dumps(raw, 2)  # later versions write references: slower, and not in one way only
+    except ValueError:
+        return None
+
+
+def is_array(raw: object) -> bool:
+    """Whether data is a numpy array, and of no derived type."""
+    numpy = sys.modules.get("numpy")  # without it there is none
+    return numpy is not None and type(raw) is numpy.ndarray
+
+
+def _has_numbers_only(raw: Any) -> bool:
+    """Whether a line is an array, or plain pairs of plain numbers."""
+    if type(raw) not in (list, tuple):
+        return True
+    return all(type(row) in (list, tuple) and {float, int}.issuperset(map(type, row)) for row in raw)
 
 
 def _points(raw: object, what: str) -> list[Point]:

@@ -210,7 +210,7 @@ def read(data: bytes, shown: str) -> Run:
     try:
         given: dict[str, Any] = {n: float(v) if isinstance(v, str) else v for n, v in head["limits"].items()}
         limits = Limits(**given)
-        identity = dict(head["identity"])
+        identity = _identity(head["identity"])
         inputs = [
             (str(part), str(signal), str(field), str(kind)) for part, signal, field, kind in head["inputs"]
         ]
@@ -232,6 +232,18 @@ def read(data: bytes, shown: str) -> Run:
         end = row.end
     rest = data[end:]
     return Run(identity, limits, tuple(cycles), rest == END, 0 if rest == END else len(rest))
+
+
+def _identity(given: Any) -> dict[str, Any]:
+    """What a judge is made of again; raises ValueError for another shape."""
+    shapes = {"fingerprint": str, "backend": str, "rules": list, "params": dict, "tables": dict}
+    if type(given) is not dict or any(
+        name in given and type(given[name]) is not s for name, s in shapes.items()
+    ):
+        raise ValueError("its judge is not described as one")
+    if any(type(rule) is not str for rule in given.get("rules", [])):
+        raise ValueError("its rules are no names")
+    return given
 
 
 def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str], Any]) -> Recorded:

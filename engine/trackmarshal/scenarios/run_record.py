@@ -7,7 +7,7 @@ Margins are exact; what only pictures need is rounded to 1e-6. Numbers that are 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from trackmarshal.evaluation import Evaluator
@@ -57,6 +57,7 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
             "closed": bool(recording.track.get("closed", False)),
         },
         "obstacles": [_box(obstacle) for obstacle in recording.obstacles],
+        "places": list(_places(evaluator)),
         "t": [_number(cycle.t) for cycle in recording.cycles],
         "ego": {
             name: [_rounded(c.ego.get(name, math.nan)) for c in recording.cycles]
@@ -82,6 +83,17 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
             for truth in replay.truths
         ],
     }
+
+
+def _places(evaluator: Evaluator) -> Iterator[dict[str, Any]]:
+    """The zones and lines that the rules speak of."""
+    nodes = (node for rule in evaluator.rules if rule.formula is not None for node in rule.formula.walk())
+    named = {
+        node.name for node in nodes if isinstance(node, (ir.Area, ir.Line)) and node.kind in ("zone", "place")
+    }
+    for name in sorted(named):
+        place = evaluator.spec.places[name]
+        yield {"name": name.rpartition(".")[2], "kind": place.kind, "points": _points(place.points)}
 
 
 def _candidate(name: str, replay: Replay) -> dict[str, Any]:

@@ -237,6 +237,7 @@ class _Block:
         self._fields = [
             (i.name, None if i.default is None else np.full(capacity, i.default)) for i in numbers
         ]
+        self.names = tuple(info.name for info in numbers)
         self._memory = np.zeros(max(1, len(numbers)) * capacity)
         self._columns = np.array([places[item.name, info.name] for info in numbers], dtype=np.intp)
         self._flags = [
@@ -271,8 +272,8 @@ class _Block:
 
     def columns(self) -> tuple[tuple[str, ...], Floats]:
         """Names and a copy of the columns of numbers, (fields, samples)."""
-        names, n = tuple(name for name, _ in self._fields), self._count
-        return names, self._memory[: len(names) * n].reshape(len(names), n).copy()
+        width, n = len(self.names), self._count
+        return self.names, self._memory[: width * n].reshape(width, n).copy()
 
     def _point(self, n: int) -> None:
         """Let the inputs point at columns of this length."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from itertools import repeat
+from functools import lru_cache
+from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
@@ -99,8 +100,10 @@ class Batch:
             names = self._fields.get(signal, ())
             if field not in names:
                 names = (field,)
-            rows = [[case.columns[signal][name] for case in self.cases] for name in names]
-            for name, stacked in zip(names, self._stack(rows, signal)):
+            signals = [case.columns[signal] for case in self.cases]
+            for name, stacked in zip(
+                names, self._stack([[columns[name] for columns in signals] for name in names], signal)
+            ):
                 self._columns[signal, name] = stacked
             table = self._columns[signal, field]
         return table
@@ -114,14 +117,19 @@ class Batch:
                 [[*column, *repeat(column[-1] if column else 0.0, longest - len(column))] for column in row]
                 for row in rows
             ]
-        return np.array(rows, dtype=np.float64).reshape(len(rows), self.size, longest)
+        numbers = chain.from_iterable(chain.from_iterable(rows))
+        count = len(rows) * self.size * longest
+        return np.fromiter(numbers, np.float64, count).reshape(len(rows), self.size, longest)
 
     def column(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """A field of the variable of an axis, `offset` samples on, clamped at the start."""
-        table = self.table(axis.signal, field)
-        if offset or axis.width > 1:
-            table = shifted(table, offset, self.count(axis))
-        return self.on_axis(table, axis)
+        table = self._columns.get((axis.signal, field))
+        if table is None:
+            table = self.table(axis.signal, field)
+        if offset < 0:
+            return self.on_axis(shifted(table, offset, self.count(axis)), axis)
+        view: Floats = table[column_index(axis, offset, self.rank)]
+        return view
 
     def flag(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """As `column`, a Boolean field as 1, 0 and NaN for a missing value."""
@@ -160,6 +168,14 @@ class Batch:
         """(cases, n) shaped so that n lies on the axis's place and the others are 1."""
         before = axis.level
         return table.reshape(self.size, *(1,) * before, table.shape[1], *(1,) * (self.rank - 2 - before))
+
+
+@lru_cache(maxsize=1024)
+def column_index(axis: ir.Axis, offset: int, rank: int) -> tuple[slice | None, ...]:
+    """What does the work of `shifted` and `on_axis` in one step, for an offset that is not negative."""
+    behind = axis.width - 1 - offset
+    own = slice(offset, -behind or None)
+    return (slice(None), *(None,) * axis.level, own, *(None,) * (rank - 2 - axis.level))
 
 
 def shifted(table: NDArray[Any], offset: int, count: int) -> NDArray[Any]:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-INF = np.inf
+#: As arrays without axes, which numpy takes faster than numbers.
+INF, MINUS_INF = np.array(np.inf), np.array(-np.inf)
 
 
 class Side(NamedTuple):
@@ -35,7 +36,7 @@ def defined(sat: Any, margin: Any) -> Value:
 
 def partly(sat: Array, margin: Array, known: Array) -> Value:
     """A value that is undefined wherever `known` is false."""
-    worst = Side(sat & known, np.where(known, margin, -INF))
+    worst = Side(sat & known, np.where(known, margin, MINUS_INF))
     return Value(worst, Side(sat | ~known, np.where(known, margin, INF)))
 
 
@@ -109,22 +110,25 @@ def reduce(value: Value, every: bool, axis: int, in_worst: Array | None, in_best
 def _every(side: Side, axis: int, inside: Array | None) -> Side:
     sat, margin = side
     if inside is not None:
-        sat, margin = sat | ~inside, np.where(inside, margin, INF)
+        sat, margin = sat >= inside, np.where(inside, margin, INF)  # holds wherever it is asked for
     elif sat.ndim == 0 or sat.shape[axis] == 1:
         return side  # nothing varies along the axis, and it is not empty
     return Side(
         np.logical_and.reduce(sat, axis=axis, keepdims=True),
-        np.minimum.reduce(margin, axis=axis, keepdims=True, initial=INF),
+        np.minimum.reduce(margin, axis=axis, keepdims=True, initial=np.inf),
     )
 
 
 def _some(side: Side, axis: int, inside: Array | None) -> Side:
     sat, margin = side
+    if inside is not None and sat.ndim == 0:  # of one formula for all there is one, if there is any
+        there = np.logical_or.reduce(inside, axis=axis, keepdims=True)
+        return Side(sat & there, np.where(there, margin, MINUS_INF))
     if inside is not None:
-        sat, margin = sat & inside, np.where(inside, margin, -INF)
+        sat, margin = sat & inside, np.where(inside, margin, MINUS_INF)
     elif sat.ndim == 0 or sat.shape[axis] == 1:
         return side
     return Side(
         np.logical_or.reduce(sat, axis=axis, keepdims=True),
-        np.maximum.reduce(margin, axis=axis, keepdims=True, initial=-INF),
+        np.maximum.reduce(margin, axis=axis, keepdims=True, initial=-np.inf),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ class Program:
     def __init__(self, spec: Spec, rules: Sequence[RuleInfo]) -> None:
         self.spec = spec
         self.rules = [rule for rule in rules if rule.formula is not None]
+        self.rows = {rule.name: row for row, rule in enumerate(self.rules)}
         self.slots: dict[ir.IR, int] = {}
         self.rank = 1
         self._steps: list[Step] = []
@@ -40,9 +42,11 @@ class Program:
         self._fields = self._numeric_fields()
         self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
         everywhere = list(enumerate(self._steps))
-        self._fixed = self._compute(
+        fixed = self._compute(
             [None] * len(self._steps), [e for e in everywhere if e[0] in self._fixed_steps], self._batch(())
         )
+        # numpy takes arrays without axes faster than numbers.
+        self._fixed = [np.array(value) if isinstance(value, np.float64) else value for value in fixed]
         self._everywhere = everywhere
         self._varying = [e for e in everywhere if e[0] not in self._fixed_steps]
 
@@ -127,22 +131,34 @@ class Run:
 
     def verdicts(self, rule: RuleInfo) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """(cases,) verdict names and (cases,) margins of a rule, without witnesses."""
-        assert rule.formula is not None
-        value: Value = self.of(rule.formula)
-        worst, margin = (self._per_case(array) for array in value.worst)
-        if value.best is value.worst:
-            code = np.where(worst, _SATISFIED, _VIOLATED)
-        else:
-            best, best_margin = (self._per_case(array) for array in value.best)
-            code = np.where(worst, _SATISFIED, np.where(best, _UNDEFINED, _VIOLATED))
-            margin = np.where(worst, margin, np.where(best, np.nan, best_margin))
-        if rule.active is not None:
-            active = self._per_case(self.of(rule.active).best.sat)
-            code, margin = np.where(active, code, _INACTIVE), np.where(active, margin, np.inf)
-        blocked = [case.blocks(rule.reads) for case in self.batch.cases]
-        if any(blocked):
-            code, margin = np.where(blocked, _UNDEFINED, code), np.where(blocked, np.nan, margin)
-        return _VERDICTS.take(code), margin
+        row = self.program.rows[rule.name]
+        verdicts, margins = self._verdicts
+        return verdicts[row], margins[row]
+
+    @cached_property
+    def _verdicts(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+        """The same of all rules, (rules, cases)."""
+        rules, cases = self.program.rules, self.batch.cases
+        shape = (len(rules), len(cases))
+        sat, active, margin = (
+            np.empty((2, *shape), dtype=np.bool_),
+            np.ones(shape, np.bool_),
+            np.empty((2, *shape)),
+        )
+        for row, rule in enumerate(rules):
+            value: Value = self.of(rule.formula)  # type: ignore[arg-type]
+            for side in (0,) if value.best is value.worst else (0, 1):
+                sat[side:, row], margin[side:, row] = value[side].sat.ravel(), value[side].margin.ravel()
+            if rule.active is not None:
+                active[row] = self.of(rule.active).best.sat.ravel()
+        code = np.where(sat[0], _SATISFIED, np.where(sat[1], _UNDEFINED, _VIOLATED))
+        margins = np.where(sat[0], margin[0], np.where(sat[1], np.nan, margin[1]))
+        code[~active], margins[~active] = _INACTIVE, np.inf
+        for index, case in enumerate(cases):
+            if case.unusable:
+                blocked = [case.blocks(rule.reads) for rule in rules]
+                code[blocked, index], margins[blocked, index] = _UNDEFINED, np.nan
+        return _VERDICTS.take(code), margins
 
     def results(self, series: bool = False) -> Iterator[CaseResult]:
         """The results of every case, with witnesses."""

@@ -64,6 +64,15 @@ def vector(values: Any) -> Floats:
     return np.atleast_1d(np.asarray(values, dtype=np.float64))
 
 
+def points_of(x: Any, y: Any) -> tuple[Floats, Floats, Bools | None]:
+    """Points with unusable ones replaced, and a mask of the usable ones, None where all are."""
+    px, py = vector(x), vector(y)
+    if px.size != py.size:
+        px, py = np.broadcast_arrays(px, py)
+    fine: Bools = (np.abs(px) <= LIMIT) & (np.abs(py) <= LIMIT)
+    return (px, py, None) if fine.all() else (np.where(fine, px, 0.0), np.where(fine, py, 0.0), fine)
+
+
 def starts_of(rows: Ints) -> Ints:
     """Where each run of equal numbers begins."""
     begins = np.empty(rows.size, dtype=np.bool_)

@@ -64,12 +64,9 @@ class Area:
 
     def signed_distance(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """The distance of points from the border [m], positive inside: (N,)."""
-        columns = np.broadcast_arrays(vector(x), vector(y))
-        return (
-            np.full(columns[0].size, np.nan)
-            if self._region is None
-            else self._region.signed_distance(*columns)
-        )
+        if self._region is None:
+            return np.full(np.broadcast(x, y).size, np.nan)
+        return self._region.signed_distance(vector(x), vector(y))
 
 
 class Corridor(Area):

@@ -21,14 +21,13 @@ def distance_to_paths(
     there: Bools = np.arange(path.shape[2]) < np.asarray(lengths, dtype=np.intp)[:, None]
     sound: Bools = np.logical_and.reduce(np.abs(path) <= LIMIT, axis=0)
     fine: Bools = np.logical_and.reduce(sound | ~there, axis=1)
-    usable = (np.abs(points) <= LIMIT).all(axis=0) & fine[:, None]
+    usable = np.logical_and.reduce(np.abs(points) <= LIMIT, axis=0) & fine[:, None]
     points = np.where(usable, points, 0.0)[..., None]
     path = np.where(there & fine[:, None], path, 0.0)[:, :, None]
-    ex, ey = np.diff(path, axis=3)
+    ex, ey = path[..., 1:] - path[..., :-1]
     square = ex * ex + ey * ey
     real = there[:, None, 1:] & (square > 0.0)
-    rx, ry = points - path[..., :-1]
-    sx, sy = points - path[..., 1:]
+    (rx, sx), (ry, sy) = ((seen[..., :-1], seen[..., 1:]) for seen in points - path)
     along = ex * rx + ey * ry
     line = np.abs(ex * ry - ey * rx) / np.sqrt(np.where(real, square, 1.0))
     ends = np.sqrt(np.minimum(rx * rx + ry * ry, sx * sx + sy * sy))

@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 
 from trackmarshal.runtime.geometry.arrays import (
     LIMIT,
-    Bools,
     Floats,
     Ints,
     as_points,
     coordinates_fault,
     distinct,
+    points_of,
     starts_of,
     vector,
 )
@@ -47,7 +47,7 @@ class Polyline:
         The nearest segment wins, of equally near ones the first. Beyond the ends of an open line its first and last
         segment go on as rays; on a closed line the station is in [0, length).
         """
-        px, py, fine = _points(x, y)
+        px, py, fine = points_of(x, y)
         if self.fault is not None or not px.size:
             nan = np.full(px.size, np.nan)
             return nan, nan.copy(), nan.copy()
@@ -77,7 +77,7 @@ class Polyline:
 
     def distance(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """The distance of points from the line [m]: (N,)."""
-        px, py, fine = _points(x, y)
+        px, py, fine = points_of(x, y)
         if self.fault is not None or not px.size:
             return np.full(px.size, np.nan)
         distance = self._nearest(px, py)[1]
@@ -103,9 +103,11 @@ class Polyline:
 
     def gap(self, s_from: ArrayLike, s_to: ArrayLike) -> Floats:
         """How far `s_to` lies ahead of `s_from` [m]: (N,); on a closed line the shorter way, in (-length/2, length/2]."""
-        start, end = np.broadcast_arrays(vector(s_from), vector(s_to))
-        fine = np.isfinite(start) & np.isfinite(end)
-        gap = np.where(fine, end, np.nan) - np.where(fine, start, np.nan)
+        start, end = vector(s_from), vector(s_to)
+        with np.errstate(invalid="ignore"):
+            gap = end - start
+        if not np.isfinite(gap).all():
+            gap = np.where(np.isfinite(start) & np.isfinite(end), gap, np.nan)
         if self.closed:
             gap -= self.length * np.ceil(gap / self.length - 0.5)
         return gap if self.fault is None else np.full(gap.size, np.nan)
@@ -132,10 +134,3 @@ def centre_line(left: Floats, right: Floats, closed: bool = False) -> Floats:
         return np.empty((0, 2))
     feet = Polyline(right, closed).feet(*left.T)
     return np.empty((0, 2)) if feet is None else (left + feet) / 2
-
-
-def _points(x: ArrayLike, y: ArrayLike) -> tuple[Floats, Floats, Bools | None]:
-    """Points with unusable ones replaced, and a mask of the usable ones, None where all are."""
-    px, py = np.broadcast_arrays(vector(x), vector(y))
-    fine = (np.abs(px) <= LIMIT) & (np.abs(py) <= LIMIT)
-    return (px, py, None) if fine.all() else (np.where(fine, px, 0.0), np.where(fine, py, 0.0), fine)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.runtime.geometry.approach import Approach
-from trackmarshal.runtime.geometry.arrays import LIMIT, SLACK, Bools, Floats, Ints, starts_of
+from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, points_of, starts_of
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.cells import SHIFT, WIDTH, Cells
 from trackmarshal.runtime.geometry.sweep import Sweeps
@@ -20,7 +20,11 @@ Singles = NDArray[np.float32]
 #: Hulls that are worked on at once, so that all intermediate arrays stay in the processor's cache.
 AT_ONCE = 1536
 #: Pairs of a hull and a segment that are worked on at once, for the same reason.
-PAIRS_AT_ONCE = 2500
+PAIRS_AT_ONCE = 5000
+#: Points that are worked on at once, for the same reason.
+POINTS_AT_ONCE = 6000
+#: A border of at most so many segments has none that are not worth looking at.
+FEW = 16
 #: Where the place of a segment that is none lies.
 FAR = 1e15
 
@@ -45,16 +49,31 @@ class Region:
 
     def signed_distance(self, x: Floats, y: Floats) -> Floats:
         """The distance of points from the border, positive inside; NaN for a point that is none."""
-        fine = (np.abs(x) <= LIMIT) & (np.abs(y) <= LIMIT)
-        x, y = np.where(fine, x, 0.0), np.where(fine, y, 0.0)
+        x, y, fine = points_of(x, y)
         if not x.size:
             return x
+        parts = (slice(first, first + POINTS_AT_ONCE) for first in range(0, x.size, POINTS_AT_ONCE))
+        margin = np.concatenate([self._signed_distance(x[part], y[part]) for part in parts])
+        return margin if fine is None else np.where(fine, margin, np.nan)
+
+    def _signed_distance(self, x: Floats, y: Floats) -> Floats:
+        nearest = self._nearest_of_all if self.border.size <= FEW else self._nearest
+        k, best = nearest(x, y)
+        return np.where(self.border.left_of(x, y, k) | (best == 0.0), best, -best)
+
+    def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
+        """The segment nearest to each point, and its distance."""
         rows, k = self._around(np.stack([x, y]))
         distance = self.border.distance(x[rows], y[rows], k)
         best = np.minimum.reduceat(distance, starts_of(rows))
         first = (distance == best.take(rows)).nonzero()[0]
-        inside = self.border.left_of(x, y, k[first[starts_of(rows[first])]]) | (best == 0.0)
-        return np.where(fine, np.where(inside, best, -best), np.nan)
+        return k[first[starts_of(rows[first])]], best
+
+    def _nearest_of_all(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
+        """The same, looking at every segment: cheaper for a border of a few, a zone's."""
+        distance = self.border.distance(x, y, np.arange(self.border.size)[:, None])
+        best = np.minimum.reduce(distance, axis=0)
+        return (distance == best).argmax(axis=0), best
 
     def margin_inside(self, poses: Floats, length: float | Floats, width: float | Floats) -> Floats:
         """The signed margin of hulls inside the region: `poses` (6, N), sizes numbers or (N,)."""

@@ -51,8 +51,13 @@ class Sweeps:
             size = np.abs(turn_sin)
         # The one that is turned further to the left, by less than half a quarter, comes second.
         frame = np.where(turn_sin < 0.0, frame[:, :, ::-1], frame)
-        #: By how much the box around a footprint, along the other one, may exceed its corners.
-        self.excess = size * (2.0 * np.maximum(front, side))
+        # Midway between the directions of both footprints, half the turn from either.
+        midway = frame[3, :, 0] + frame[3, :, 1]
+        reach = np.sqrt(np.add.reduce(midway * midway, axis=0))
+        midway /= reach
+        self.turn_back = _complex(midway[0], -midway[1])
+        #: By how much the box around a footprint, in the direction midway, may exceed it.
+        self.excess = size / reach * (2.0 * np.maximum(front, side))
         self._outline(frame, turn_cos, size)
 
     def _outline(self, frame: Floats, turn_cos: Floats, turn_sin: Floats) -> None:
@@ -70,10 +75,10 @@ class Sweeps:
         first, second = corner[:, 0], corner[:, 1]
         before, following = corner[:, 1].take(_BEFORE, axis=1), corner.take(_NEXT, axis=2)
         self.corners = _complex(corner[0], corner[1])
-        self.turn_back = _complex(unit[0, 0], -unit[1, 0])
+        turn_back = _complex(unit[0, 0], -unit[1, 0])
         # From the second's corner before to the first's corner, seen along the first's normal and along its side. The
         # second's normal lies between those two, so its sign cannot contradict both.
-        seen = _complex(*(first - before)) * (self.turn_back * _TURNED_BACK)
+        seen = _complex(*(first - before)) * (turn_back * _TURNED_BACK)
         at_first = seen.real >= 0.0
         at_second = turn_cos * seen.real + turn_sin * seen.imag >= 0.0
         at_first_next, at_second_next = at_first.take(_NEXT, axis=0), at_second.take(_NEXT, axis=0)
@@ -90,7 +95,7 @@ class Sweeps:
         np.sqrt(square, out=self.sides[5])
 
     def boxes(self) -> tuple[Complexes, Complexes, Complexes, Floats]:
-        """Boxes around the hulls, in the frame of one of the footprints, in complex numbers.
+        """Boxes around the hulls, in a frame midway between those of the footprints, in complex numbers.
 
         The factor that turns into the frame, the lowest and the highest corner in it, and an excess [m].
         A point that is `d` from the box is between `d` and `d` plus the excess from the hull.

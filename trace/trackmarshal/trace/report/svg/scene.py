@@ -94,7 +94,7 @@ def _scene(run: Run, part: _Part, view: View, last: bool) -> str:
     egos, near = part.egos, part.near
     places = Places(view.width, view.height)
     times = f"{interval(run.t[part.cycles[0]], run.t[part.cycles[-1]])} {run.time_unit}"
-    parts = [*scenery.road(run, view), *scenery.obstacles(run, view)]
+    parts = [*scenery.road(run, view), *scenery.places_of_rules(run, view), *scenery.obstacles(run, view)]
     if len(part.cycles) < run.cycles:
         places.block((0.0, 0.0, 12 + text_width(times, 12), 18))
         parts.append(text(8, 14, times, class_="tick"))
@@ -135,6 +135,7 @@ def _scene(run: Run, part: _Part, view: View, last: bool) -> str:
     parts += _beginnings(run, egos, view, places)
     parts += _names(near, view, places)
     parts += scenery.time_labels(labels, view, places)
+    parts += scenery.place_names(run, view, places)
     parts.append(tag("g", class_="now"))
     return scenery.picture(view, parts, f"Scene of {run.name}, {times}", _described(run, near), last)
 
@@ -173,6 +174,7 @@ def moment(run: Run, index: int, where: Sequence[Mapping[str, Any]], frame: Fram
     places = Places(view.width, view.height)
     parts = [
         *scenery.road(run, view),
+        *scenery.places_of_rules(run, view),
         *scenery.obstacles(run, view),
         *scenery.candidates(run, index, view, "near"),
     ]
@@ -192,6 +194,7 @@ def moment(run: Run, index: int, where: Sequence[Mapping[str, Any]], frame: Fram
     for name, pose in others.items():
         parts += scenery.callout(*view.at(pose.x, pose.y), name, "other-label", places, 12.0)
     parts += scenery.callout(*view.at(ego.x, ego.y), "car under test", "ego-label", places, 12.0)
+    parts += scenery.place_names(run, view, places)
     words = f"The car under test at {clock(run.t[index])} s with {len(others)} vehicles within {FAR:g} m."
     return scenery.picture(view, parts, f"{run.name} at {clock(run.t[index])} s", words)
 

@@ -68,6 +68,36 @@ def obstacles(run: Run, view: View) -> Iterator[str]:
             yield tag("path", title(f"obstacle {entry['id']}"), d=points(corners, True), class_="obstacle")
 
 
+def places_of_rules(run: Run, view: View) -> Iterator[str]:
+    """The zones and lines that the rules speak of, below everything else that is on the road."""
+    for entry in run.record.get("places", ()):  # records of older versions have none
+        line = view.path((number(x), number(y)) for x, y in entry["points"])
+        kind = entry["kind"]
+        yield tag(
+            "path", title(f"{kind} {entry['name']}"), d=points(line, kind == "zone"), class_=f"place {kind}"
+        )
+
+
+def place_names(run: Run, view: View, places: Places) -> Iterator[str]:
+    """Names of zones and lines beside the part of their outline that is in the picture."""
+    for entry in run.record.get("places", ()):
+        line = view.path((number(x), number(y)) for x, y in entry["points"])
+        closing = line[:1] if entry["kind"] == "zone" else []
+        seen = [
+            p for p in _stepped([*line, *closing]) if 0.0 < p[0] < view.width and 0.0 < p[1] < view.height
+        ]
+        if seen:
+            yield from callout(*seen[len(seen) // 2], entry["name"], "place-label", places, 3.0)
+
+
+def _stepped(line: Sequence[Point]) -> Iterator[Point]:
+    """Points along a line, at most 20 pixels apart."""
+    for (ax, ay), (bx, by) in itertools.pairwise(line):
+        steps = max(1, math.ceil(min(math.dist((ax, ay), (bx, by)), 1e5) / 20.0))
+        for i in range(steps + 1):
+            yield ax + (bx - ax) * i / steps, ay + (by - ay) * i / steps
+
+
 def candidates(run: Run, index: int, view: View, style: str) -> Iterator[str]:
     for candidate in CANDIDATES:
         path = view.path(path_of(run, candidate, index))

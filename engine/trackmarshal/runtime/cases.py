@@ -1,0 +1,257 @@
+"""Many cases at once: what has no flaw is checked together, everything else is read by itself, with its faults."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.spec import FieldType, SignalType, Spec
+from trackmarshal.runtime.case import KEYS, SI, Case, CaseReader, Held, is_array, name_of, sound, wanted
+from trackmarshal.units import from_si, to_si
+
+#: Cases that are checked together, while their numbers are in the processor's cache.
+AT_ONCE = 64
+
+
+class CasesReader:
+    """Reads cases for one spec, as `CaseReader` does, many at a time."""
+
+    def __init__(self, spec: Spec, reads: Iterable[tuple[str, str]]) -> None:
+        self._one = CaseReader(spec, reads)
+        self._doors = {
+            name: _door(self._one, spec.signals.get(name), needed)
+            for name, needed in self._one.needed.items()
+        }
+
+    def read(self, raw: object) -> Case:
+        """A case from plain data; raises TrackmarshalError D201 to D204."""
+        return self.read_all([raw])[0]
+
+    def read_all(self, raws: Iterable[object]) -> list[Case]:
+        """Cases from plain data, in order; raises what the first of them that cannot be read raises.
+
+        Plain containers are looked at first, in one go: nobody else's code runs meanwhile, so a line that many cases hold is
+        the same for all of them.
+        """
+        if type(raws) not in (list, tuple):
+            return [self.read(raw) for raw in raws]  # it may be made, or changed, as it is asked for
+        raws = list(raws)
+        held: Held = {}
+        cases: list[Case | None] = []
+        for first in range(0, len(raws), AT_ONCE):
+            columns = _Columns(held)
+            for columns.case, raw in enumerate(raws[first : first + AT_ONCE], start=first):
+                cases.append(self._plain(raw, columns))
+            for index in columns.flawed():
+                cases[index] = None
+        return [self._one.read(raw) if case is None else case for raw, case in zip(raws, cases)]
+
+    def _plain(self, raw: object, columns: _Columns) -> Case | None:
+        """A case of plain containers with nothing wrong but, maybe, in its lines and columns; None for any other."""
+        if type(raw) is not dict or not raw.keys() <= KEYS:
+            return None
+        signals = raw.get("signals")
+        if type(signals) is not dict:
+            return None
+        case = Case(id=raw.get("id"))
+        try:
+            for key in ("params", "tables", "places"):
+                given = raw.get(key)
+                if given is not None:
+                    _need(type(given) is dict)
+                    self._one.overrides(case, {key: given})
+            for name, door in self._doors.items():
+                door.read(case, name, signals.get(name), columns)
+        except (_FlawedError, TrackmarshalError):
+            return None  # what is wrong comes to light when it is read by itself
+        return case
+
+
+class _FlawedError(Exception):
+    """A case is not as most cases are."""
+
+
+def _need(condition: bool) -> None:
+    if not condition:
+        raise _FlawedError
+
+
+@dataclass(slots=True, eq=False)
+class _Field:
+    """A field that is read."""
+
+    kind: FieldType
+    name: str
+    #: What stands in for it where it is left out, in the unit that data comes in.
+    default: float | None
+    converted: bool
+
+
+class _Columns:
+    """Columns in SI whose values are not checked yet, by field, each with the number of its case."""
+
+    def __init__(self, held: Held) -> None:
+        self.case = 0
+        self.held = held
+        self._columns: dict[_Field, list[list[Any]]] = {}
+        self._values: dict[_Field, list[Any]] = {}
+        self._cases: dict[_Field, list[int]] = {}
+
+    def add(self, field: _Field, column: list[Any]) -> list[Any]:
+        if field.converted:
+            _need({float}.issuperset(map(type, column)))
+            column = [to_si(value, field.kind.unit) for value in column]
+        if field in self._columns:
+            self._columns[field].append(column)
+            self._cases[field].append(self.case)
+        else:
+            self._columns[field], self._cases[field] = [column], [self.case]
+        return column
+
+    def add_value(self, field: _Field, value: Any) -> Any:
+        """A column of one value for each case, all in one list."""
+        if field.converted:
+            _need(type(value) is float)
+            value = to_si(value, field.kind.unit)
+        if field in self._values:
+            self._values[field].append(value)
+            self._cases[field].append(self.case)
+        else:
+            self._values[field], self._cases[field] = [value], [self.case]
+        return value
+
+    def flawed(self) -> set[int]:
+        """The numbers of the cases with a column that is not as it should be."""
+        found: set[int] = set()
+        for field, values in self._values.items():
+            if not sound(field.kind, [values]):
+                found.update(
+                    case
+                    for case, value in zip(self._cases[field], values)
+                    if not sound(field.kind, [[value]])
+                )
+        for field, columns in self._columns.items():
+            kind, cases = field.kind, self._cases[field]
+            if not sound(kind, columns):
+                found.update(case for case, column in zip(cases, columns) if not sound(kind, [column]))
+            if kind.increasing:
+                found.update(
+                    case
+                    for case, column in zip(cases, columns)
+                    if case not in found and not all(map(operator.lt, column, islice(column, 1, None)))
+                )
+        return found
+
+
+class _Door:
+    """Reads a signal into a case as long as it has no flaw."""
+
+    def __init__(self, signal: SignalType, kinds: list[FieldType]) -> None:
+        self.read_fields = [
+            _Field(
+                kind,
+                kind.name,
+                None if kind.default is None else from_si(kind.default, kind.unit),
+                kind.kind == "number" and kind.unit not in SI,
+            )
+            for kind in kinds
+        ]
+        self._optional = [kind.name for kind in kinds if kind.default is not None]
+        self._names = {kind.name for kind in signal.fields_} | {"id"}
+
+    def fields(self, data: Any) -> dict[str, Any]:
+        """Data with fields, none of which may be the misspelt name of one that is left out."""
+        _need(type(data) is dict)
+        _need(
+            not self._optional or data.keys() <= self._names or all(name in data for name in self._optional)
+        )
+        fields: dict[str, Any] = data
+        return fields
+
+    def read(self, case: Case, name: str, raw: Any, columns: _Columns) -> None:
+        raise NotImplementedError
+
+
+class _State(_Door):
+    def read(self, case: Case, name: str, raw: Any, columns: _Columns) -> None:
+        data = self.fields(raw)
+        case.scalars[name] = {
+            field.name: columns.add_value(field, data.get(field.name, field.default))
+            for field in self.read_fields
+        }
+
+
+class _Set(_Door):
+    def read(self, case: Case, name: str, raw: Any, columns: _Columns) -> None:
+        _need(type(raw) is list)
+        records = [self.fields(record) for record in raw]
+        names = case.names[name] = [name_of(record, index, name) for index, record in enumerate(records)]
+        _need(len(set(names)) == len(names))
+        case.counts[name] = len(records)
+        case.columns[name] = {
+            field.name: columns.add(field, [record.get(field.name, field.default) for record in records])
+            if records
+            else ()
+            for field in self.read_fields
+        }
+
+
+class _Timeline(_Door):
+    def __init__(self, signal: SignalType, kinds: list[FieldType]) -> None:
+        super().__init__(signal, kinds)
+        self._every = [kind.name for kind in signal.fields_ if kind.kind != "polyline"]
+        self._least = 2 if signal.kind == "trajectory" else 1
+
+    def read(self, case: Case, name: str, raw: Any, columns: _Columns) -> None:
+        data = self.fields(raw)
+        given = {key: data[key] for key in self._every if key in data}
+        for column in given.values():
+            _need(type(column) is list or (is_array(column) and column.ndim == 1))
+        lengths = set(map(len, given.values()))
+        _need(len(lengths) == 1)
+        (count,) = lengths
+        _need(count >= self._least)
+        made: dict[str, Sequence[Any]] = {}
+        case.counts[name], case.columns[name] = count, made
+        for field in self.read_fields:
+            column = given.get(field.name)
+            if column is not None:
+                made[field.name] = columns.add(
+                    field, column.copy() if type(column) is list else column.tolist()
+                )
+            else:
+                _need(field.default is not None)
+                made[field.name] = [field.kind.default] * count
+
+
+class _Lines(_Door):
+    def __init__(self, reader: CaseReader, signal: SignalType, needed: set[str]) -> None:
+        super().__init__(signal, [])
+        self._reader, self._signal, self._needed = reader, signal, needed
+
+    def read(self, case: Case, name: str, raw: Any, columns: _Columns) -> None:
+        _need(raw is not None and (self._signal.kind == "polyline" or type(raw) is dict))
+        self._reader.lines_of(case, self._signal, self._needed, raw, columns.held)
+
+
+class _Event:
+    def read(self, case: Case, name: str, raw: Any, columns: _Columns) -> None:
+        _need(type(raw) is bool)
+        case.scalars[name] = {"": raw}
+
+
+def _door(reader: CaseReader, signal: SignalType | None, needed: set[str]) -> _Door | _Event:
+    if signal is None:
+        return _Event()
+    if signal.many:
+        return _Set(signal, wanted(signal, needed))
+    if signal.sequence:
+        ordered = {kind.name for kind in signal.fields_ if kind.increasing}
+        return _Timeline(signal, wanted(signal, needed | ordered))
+    if signal.kind == "state":
+        return _State(signal, wanted(signal, needed))
+    return _Lines(reader, signal, needed)
