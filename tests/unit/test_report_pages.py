@@ -426,9 +426,8 @@ def test_injected_faults_are_a_table(tmp_path: Path) -> None:
         FaultResult("f.yaml", "F-3", "passed", "c", driven="drive"),
         FaultResult("f.yaml", "F-5", "passed", "old", ("speed_limit",), "", 2.0, 2.2, "previous_emergency", 1.9),
     ]  # fmt: skip
-    index = write_report(
-        tmp_path, [], None, SUMMARY, [], CHECKS, META, faults=trace.fault_rows(cases, results)
-    )
+    rows = trace.fault_rows(cases, results)
+    index = write_report(tmp_path, [], None, SUMMARY, [], CHECKS, META, faults=rows)
     checked(index)
     page = index.read_text("utf-8")
     table = page[page.index("Injected faults") : page.index("Checks and tests")].replace(

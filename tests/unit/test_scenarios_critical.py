@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trackmarshal import scenarios
@@ -214,6 +214,7 @@ poses = st.tuples(
 
 
 @given(poses, poses)
+@settings(deadline=None)  # the first call imports shapely
 def test_separation_has_the_sign_of_the_polygons_distance(one: Any, other: Any) -> None:
     from shapely import Polygon
 
@@ -273,6 +274,7 @@ def declared(tmp_path: Path, name: str, old: str, new: str) -> Path:
         ("overreach", "limits: {speed: 40}", "limits: {speeds: 40}", "D151", "not known"),
         ("overreach", "acceleration: [[0, 4]]", "acceleration: [[0, 15]]", "D152", "beyond the path"),
         ("bad_reception", "silent: [[3, 4.5]]", "silent: [3, 4.5]", "D151", "list is expected"),
+        ("bad_reception", "silent: [[3, 4.5]]", "silent: [[-1, 4.5]]", "D151", "before the recording"),
         ("bad_reception", "pose_error: [[6, 0],", "pose_error: [[8, 0],", "D151", "does not come after"),
     ],
 )  # fmt: skip

@@ -46,6 +46,7 @@ def run(args: argparse.Namespace) -> int:
     ]
     failed = [r for r in made.results if r.outcome != "passed"]
     uncovered = [c.rule.name for c in coverage(made.compiled.spec, made.prepared) if not c.complete]
+    faults = [result for result in made.fault_results if result.outcome != "passed"]
     gaps = trace.gate(matrix)
     page = write_report(
         target,
@@ -56,12 +57,12 @@ def run(args: argparse.Namespace) -> int:
         checks={"modules": len(made.compiled.order), "rules": len(made.items), "errors": sum(d.level == "error" for d in found),
                 "warnings": sum(d.level != "error" for d in found), "tests": len(made.results), "failed": len(failed),
                 "failures": [{"rule": r.rule, "title": r.title, "message": r.message, "place": f"{r.file}:{r.line}"} for r in failed],
-                "uncovered": uncovered},
+                "uncovered": uncovered,
+                "faults": (len(made.fault_results) - len(faults), len(made.fault_results)) if made.fault_results else None},
         meta={"project": made.project.name or root.name, "created": now(), "tool": f"trackmarshal {__version__}",
               "python": platform.python_version(), "spec_fingerprint": made.compiled.spec.fingerprint, "command": "trackmarshal assess"},
         faults=trace.fault_rows(made.fault_cases, made.fault_results),
     )  # fmt: skip
-    faults = [result for result in made.fault_results if result.outcome != "passed"]
     outside = [truth for run_ in made.runs for truth in run_.ground_truth.values() if not truth.inside]
     if not args.quiet:
         print(

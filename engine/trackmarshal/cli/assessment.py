@@ -82,8 +82,9 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
     results = evidence.kept(folder / evidence.TESTS, "test_results")
     runs = evidence.kept(folder / evidence.RUNS, "runs")
     broken = any(item.level == "error" for item in found)
-    evaluators = {} if broken else _evaluators(root, project)
-    prepared_faults = campaigns.prepare(root, project, broken)
+    shared: dict[object, Evaluator] = {}
+    evaluators = {} if broken else _evaluators(root, project, shared)
+    prepared_faults = campaigns.prepare(root, project, broken, shared)
     fault_results = evidence.kept(folder / campaigns.FAULTS, "fault_results")
     if run:
         from trackmarshal.testing.run import run_tests
@@ -102,7 +103,9 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
     )  # fmt: skip
 
 
-def _evaluators(root: Path, project: Project) -> dict[str, tuple[Recording, Evaluator]]:
+def _evaluators(
+    root: Path, project: Project, shared: dict[object, Evaluator]
+) -> dict[str, tuple[Recording, Evaluator]]:
     """Every scenario's recording and the rules that it is replayed with; those that are not there are left to the matrix."""
     from trackmarshal.cli.replay import evaluator_for
     from trackmarshal.scenarios import load
@@ -117,7 +120,7 @@ def _evaluators(root: Path, project: Project) -> dict[str, tuple[Recording, Eval
             result[shown] = (
                 recording,
                 evaluator_for(
-                    recording, root / project.default_spec, [], root, None, "numpy", path.parent, more
+                    recording, root / project.default_spec, [], root, None, "numpy", path.parent, more, shared
                 ),
             )
     return result

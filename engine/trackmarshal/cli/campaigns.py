@@ -40,8 +40,11 @@ class Prepared:
         return fingerprint(self.campaign, fault, self.source_hash, self.evaluator.spec.fingerprint)
 
 
-def prepare(root: Path, project: Project, broken: bool) -> list[Prepared]:
-    """The project's campaigns; those that are not there are left to the matrix. With `broken` specs, none can be run."""
+def prepare(root: Path, project: Project, broken: bool, shared: dict[object, Evaluator]) -> list[Prepared]:
+    """The project's campaigns; those that are not there are left to the matrix. With `broken` specs, none can be run.
+
+    `shared` are evaluators that are there already, as `evaluator_for` knows them.
+    """
     from trackmarshal.cli.replay import evaluator_for
     from trackmarshal.scenarios import load as load_recording
     from trackmarshal.scenarios.faults.declaration import load
@@ -56,7 +59,7 @@ def prepare(root: Path, project: Project, broken: bool) -> list[Prepared]:
         if path.is_file() and not broken:
             recording = load_recording(path, str(Path(shown).parent / campaign.recording))
             spec = root / project.default_spec
-            evaluator = evaluator_for(recording, spec, [], root, None, "numpy", path.parent)
+            evaluator = evaluator_for(recording, spec, [], root, None, "numpy", path.parent, (), shared)
             digest = evidence.file_hash(path)
         found.append(Prepared(shown, campaign, recording, evaluator, digest))
     return found

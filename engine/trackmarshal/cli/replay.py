@@ -100,20 +100,32 @@ def default_spec(project: Path) -> Path:
 
 def evaluator_for(
     recording: Recording, spec_path: Path, settings: list[Path], project: Path | None, rules: list[str] | None, backend: str,
-    folder: Path | None = None, more: Sequence[Path] = (),
+    folder: Path | None = None, more: Sequence[Path] = (), known: dict[object, Evaluator] | None = None,
 ) -> Evaluator:  # fmt: skip
     """The chosen rules with the vehicle and track that the recording and the command line name.
 
     `folder` is where the recording lies, when its `source` is no path from here; `more` are specs beside the one.
+    With `known`, recordings with the same specs and configuration share an evaluator.
     """
     from trackmarshal.evaluation import Evaluator, load
     from trackmarshal.scenarios.replay import known_tables
 
     near = folder or Path(recording.source).parent
-    used = [_setting(name, recording, near, project) for name in recording.use]
-    spec: Spec = load([spec_path, *more], [*used, *settings], project)
-    evaluator = Evaluator(spec, rules, backend)
-    tables, _ = known_tables(recording, spec)
+    used = [_setting(name, recording, near, project).resolve() for name in recording.use]
+    made_of = (
+        (spec_path, *more),
+        (*used, *settings),
+        project,
+        None if rules is None else tuple(rules),
+        backend,
+    )
+    evaluator = None if known is None else known.get(made_of)
+    if evaluator is None:
+        spec: Spec = load([spec_path, *more], [*used, *settings], project)
+        evaluator = Evaluator(spec, rules, backend)
+        if known is not None:
+            known[made_of] = evaluator
+    tables, _ = known_tables(recording, evaluator.spec)
     try:
         configured = evaluator.read({"params": recording.params, "tables": tables})
     except TrackmarshalError as error:

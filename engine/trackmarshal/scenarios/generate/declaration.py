@@ -34,7 +34,7 @@ class Driver:
     acceleration: list[list[float]]
     moves: list[Move]
     oncoming: bool
-    silent: list[list[float]]
+    silent: list[tuple[float, float]]
     item: Item
 
 
@@ -154,7 +154,7 @@ def _driver(item: Item, vehicle: Vehicle) -> Driver:
         acceleration=fields["acceleration"].rows() if "acceleration" in fields else [[0.0, 0.0]],
         moves=_moves(_list(fields, "moves")),
         oncoming=fields["oncoming"].flag() if "oncoming" in fields else False,
-        silent=[list(_stretch(stretch)) for stretch in _list(fields, "silent")],
+        silent=[_silence(stretch) for stretch in _list(fields, "silent")],
         item=item,
     )
 
@@ -185,6 +185,13 @@ def _mistake(item: Item) -> Mistake:
         _moves(fields["moves"].items()) if "moves" in fields else None,
         item,
     )
+
+
+def _silence(item: Item) -> tuple[float, float]:
+    begin, end = _stretch(item)
+    if begin < 0.0:
+        raise item.wrong("it begins before the recording", "a car has been heard of at 0 s")
+    return begin, end
 
 
 def _stretch(item: Item) -> tuple[float, float]:

@@ -107,6 +107,9 @@ def state(
         if judged
         else "no run has ground truth"
     )
+    if checks["faults"] is not None:
+        found, put_in = checks["faults"]
+        held.append(f"{found} of {count(put_in, 'injected fault')} were found as expected")
     warnings = sum(f["level"] == "warning" for f in findings) + int(checks["warnings"])
     if warnings or covered < asked or not judged:
         extra = f"; {count(warnings, 'warning')} should be looked at" if warnings else ""

@@ -23,6 +23,7 @@ _NO_META: dict[str, Any] = {
 }  # fmt: skip
 _NO_CHECKS: dict[str, Any] = {
     "modules": None, "rules": None, "errors": None, "warnings": 0, "tests": None, "failed": 0, "failures": [], "uncovered": None,
+    "faults": None,
 }  # fmt: skip
 
 
@@ -42,7 +43,7 @@ def write_report(
     where there is none. matrix_summary: the matrix as `trace --format json` writes it; of it `coverage`, `stages` and
     `requirements` are used, where they are there. missing: findings {"code", "level", "message", "span" (or "place", or
     "file" and "line"), "help"}. checks: {"modules", "rules", "errors", "warnings", "tests", "failed": numbers, "failures":
-    [{"rule", "title", "message", "place"}], "uncovered": [rules whose boundary lacks a test]}; what is left out is said
+    [{"rule", "title", "message", "place"}], "uncovered": [rules whose boundary lacks a test], "faults": (found as expected, put in)}; what is left out is said
     not to have been done. meta: {"project", "created", "tool", "python", "spec_fingerprint", "command", "versions": {name:
     version}, "notes": [text]}; only what is given is shown. faults: rows of `trackmarshal.trace.fault_rows`. Equal input makes equal pages.
     """
