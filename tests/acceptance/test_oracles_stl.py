@@ -38,12 +38,16 @@ def timeline(trace: dict[str, list[float]]) -> dict[str, list[float]]:
     return {"t": [float(k) for k in range(count)], **trace}
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_robustness(backend: str, tmp_path: Path) -> None:
+@pytest.fixture(scope="module", params=BACKENDS)
+def found(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """What a backend makes of all formulas with a robustness."""
+    return results(tmp_path_factory.mktemp("stl"), entries("stl_dev.json"), request.param)
+
+
+def test_robustness(found: Result) -> None:
     """Every sample exactly, infinities too; the rule's own margin is the first sample's."""
     formulas = entries("stl_dev.json")
     assert len(formulas) == 200
-    found = results(tmp_path, formulas, backend)
     wrong = {}
     for rule, entry in formulas.items():
         wanted = [number(value) for value in entry["robustness"]]
@@ -53,14 +57,12 @@ def test_robustness(backend: str, tmp_path: Path) -> None:
     assert not wrong
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_sign_of_robustness(backend: str, tmp_path: Path) -> None:
+def test_sign_of_robustness(found: Result) -> None:
     """Where the robustness is not zero, its sign is the verdict of the sample.
 
     Not for `iff` and `xor`: their robustness measures how different two margins are, not two verdicts.
     """
     formulas = {r: e for r, e in entries("stl_dev.json").items() if not {"iff", "xor"} & set(e["ops"])}
-    found = results(tmp_path, formulas, backend)
     decided = 0
     for rule, entry in formulas.items():
         for verdict, value in zip(found[rule]["series"]["verdict"], entry["robustness"], strict=True):
