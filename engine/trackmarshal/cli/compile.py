@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from trackmarshal.cli.options import choose_rules
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -16,17 +17,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("spec", metavar="SPEC", help="a .spec file, or a folder of them")
     parser.add_argument("--target", choices=("c",), default="c", help="the language to compile to")
     parser.add_argument("--out", required=True, metavar="DIR", help="where the files go; made if need be")
-    parser.add_argument(
-        "--rule", action="append", metavar="R", help="a rule to compile (repeatable; default: all)"
-    )
-    parser.add_argument(
-        "--with",
-        dest="settings",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="a configuration module (a vehicle, a track)",
-    )
+    choose_rules(parser, "compile")
     parser.add_argument(
         "--name", default="supervisor", metavar="NAME", help="the name of the C files (default: supervisor)"
     )

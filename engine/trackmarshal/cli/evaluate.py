@@ -14,6 +14,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.cli.options import choose_rules
 from trackmarshal.cli.output import dump, number, rule_json, table
 from trackmarshal.cli.project import optional_project
 from trackmarshal.diagnostics.excerpt import printable
@@ -46,17 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--data", required=True, metavar="FILE", help="JSON Lines, one case a line; - for standard input"
     )
-    parser.add_argument(
-        "--rule", action="append", metavar="R", help="a rule to evaluate (repeatable; default: all)"
-    )
-    parser.add_argument(
-        "--with",
-        dest="settings",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="a configuration module (a vehicle, a track)",
-    )
+    choose_rules(parser, "evaluate")
     parser.add_argument("--backend", choices=("numpy", "reference", "c"), default="numpy")
     parser.add_argument(
         "--series", action="store_true", help="for rules along a timeline: the value at every sample"

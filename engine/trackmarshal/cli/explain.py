@@ -13,6 +13,7 @@ import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from trackmarshal.cli.options import configure_with
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -37,7 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--at", metavar="T", type=float, help="time of the cycle in s")
     parser.add_argument("--candidate", choices=("driving", "emergency"), help="default: both")
     parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
-    parser.add_argument("--with", dest="settings", action="append", default=[], metavar="FILE")
+    configure_with(parser)
 
 
 def run(args: argparse.Namespace) -> int:

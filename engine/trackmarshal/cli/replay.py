@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.cli.options import choose_rules
 from trackmarshal.cli.output import dump, number, progress, rule_json, table
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
@@ -33,15 +34,7 @@ CODES = {
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="recordings: .tmrec.jsonl or .saa")
     parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
-    parser.add_argument(
-        "--with",
-        dest="settings",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="a configuration module (a vehicle, a track)",
-    )
-    parser.add_argument("--rule", action="append", metavar="R", help="evaluate only these rules (repeatable)")
+    choose_rules(parser, "evaluate")
     parser.add_argument(
         "--backend", choices=("numpy", "reference", "c"), help="default: numpy; for a record, its own"
     )
