@@ -84,13 +84,14 @@ def _with_c(spec: Spec) -> dict[str, float]:
         assert decision.safe, decision.reasons
         if number >= 0:
             spent[number] = took
+    grown = _memory() - grown
     middle, late = np.quantile(spent, [0.5, 0.999]) / 1e9
     return {
         "Supervisor: step with C": float(middle),
         f"Supervisor: step with C, slowest thousandth of {count}, to its median (ratio)": float(
             late / middle
         ),
-        f"Supervisor: step with C, growth over {count} steps, memory": float(_memory() - grown),
+        f"Supervisor: step with C, growth over {count} steps, memory": float(grown),
     }
 
 
