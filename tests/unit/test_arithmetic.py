@@ -143,8 +143,9 @@ def test_an_unknown_operator_raises(function: object) -> None:
         apply("sinh", (1.0,))
 
 
+#: Knots are at least a billionth apart: of knots next to each other the slope is infinite, and the value undefined.
 tables = st.lists(
-    st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)),
+    st.tuples(st.integers(-(10**15), 10**15).map(lambda n: n * 1e-9), st.floats(-1e6, 1e6)),
     min_size=1,
     max_size=6,
     unique_by=lambda row: row[0],
