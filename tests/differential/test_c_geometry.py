@@ -111,6 +111,36 @@ def borders(r: random.Random) -> tuple[Points, Points, bool]:
     return left, right, closed
 
 
+def eight(r: random.Random) -> tuple[Points, Points, bool]:
+    """The borders of a figure of eight, in pairs; sometimes swapped, reversed, with repeated or shared points, or torn."""
+    k, w = r.randint(12, 40), r.choice([1.0, 2.0, 4.0])
+    a, b = r.uniform(20, 40), r.uniform(12, 25)
+    left, right = [], []
+    for i in range(k):
+        t = 2 * math.pi * (i + r.choice([0.0, 0.3])) / k
+        x, y, dx, dy = a * math.sin(t), b * math.sin(2 * t), a * math.cos(t), 2 * b * math.cos(2 * t)
+        reach = w / math.hypot(dx, dy)
+        left.append([x - dy * reach, y + dx * reach])
+        right.append([x + dy * reach, y - dx * reach])
+    if r.random() < 0.3:
+        left, right = right, left
+    if r.random() < 0.3:
+        left, right = left[::-1], right[::-1]
+    i = r.randrange(k)
+    kind = r.random()
+    if kind < 0.1:
+        left[i] = [left[i][0] + r.uniform(-3, 3), left[i][1] + r.uniform(-3, 3)]
+    elif kind < 0.2:
+        left.append(list(left[0]))
+        right.append(list(right[0]))
+    elif kind < 0.3:
+        left.insert(i, list(left[i]))
+        right.insert(i, [(right[i][j] + right[i - 1][j]) / 2 for j in (0, 1)])
+    elif kind < 0.35:
+        left[i] = [right[i][0] + 1e-10, right[i][1]]
+    return left, right, True
+
+
 def case(r: random.Random, left: Points, right: Points, closed: bool) -> dict[str, Any]:
     count, i = r.randint(2, 5), r.randrange(min(len(left), len(right)))
     cx, cy = (left[i][0] + right[i][0]) / 2, (left[i][1] + right[i][1]) / 2
@@ -154,7 +184,7 @@ def bits(x: float) -> bytes:
 def compare(seed: int, folder: Path, seen: Counter[str]) -> list[str]:
     reference, program = evaluator(folder)
     r = random.Random(seed)
-    given = borders(r)
+    given = eight(r) if seed % 4 == 3 else borders(r)
     found = []
     for _ in range(6):
         read = reference.read(case(r, *given))

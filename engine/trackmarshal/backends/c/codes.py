@@ -20,7 +20,8 @@ CODES = {
     "E473": (
         "the generated C does not hold this input",
         "Generated programs allocate nothing: arrays have the capacity that they were compiled with. An input beyond the largest"
-        " one, or a track that the C geometry refuses (a closed track whose borders cross), is not evaluated at all.",
+        " one, or a track that the C geometry refuses (a coordinate that is all but zero, a figure of eight that crosses itself more often"
+        " than there is room for), is not evaluated at all.",
     ),
     "E474": ("the output folder cannot be written", "`compile` writes its files into the folder of `--out`, and makes it if need be."),
 }  # fmt: skip

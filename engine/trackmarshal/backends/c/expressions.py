@@ -436,6 +436,7 @@ class Writer:
                 self.known
                 and node.quantifier == "for all"
                 and isinstance(node.body, ir.Geometry)
+                and axis in self.free(node.body)  # else it is computed ahead of the loop, once
                 and self._once(node.body)
             ):
                 # The least margin is asked for: one that is greater than the least so far need not be exact.

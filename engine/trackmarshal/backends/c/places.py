@@ -103,6 +103,12 @@ def types(plan: Layout) -> Iterator[str]:
         yield "/* The station at which a segment of a line begins [m], and its direction [rad]. */"
         yield "typedef struct {\n  double station;\n  double direction;\n} tm_along;"
         yield ""
+    if any(shape.kind == "corridor" for shape in plan.shapes.values()):
+        yield "/* Where a segment of a figure of eight is crossed; most of them that one may have. */"
+        yield "typedef struct {\n  double x;\n  double y;\n  double along;\n  size_t side;\n} tm_cut;"
+        yield ""
+        yield "#define TM_MAX_CUTS 32u"
+        yield ""
     yield "#define TM_ROUND(n) ((((n) + 511u) / 512u) * 512u)"
     offset = "0u"
     for shape in (*plan.lines, *plan.regions):

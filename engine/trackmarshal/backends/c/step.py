@@ -118,8 +118,8 @@ class Stepper:
     def track(self, signal: str, left: Points, right: Points = (), closed: bool = False) -> Fault | None:
         """Set the borders of a corridor, or the points of a line, once for many steps; what breaks the contract, if anything.
 
-        A border that crosses itself is for the rules to find: they are undefined. Raises TrackmarshalError E473 for a closed
-        track whose borders cross, which generated code does not hold.
+        A border that crosses itself is for the rules to find: they are undefined. Raises TrackmarshalError E473 for one that
+        generated code does not hold.
         """
         a, b = (np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 2) for points in (left, right))
         place = (self._tracks.index(signal), a.ctypes.data, len(a), b.ctypes.data, len(b))
@@ -360,7 +360,7 @@ class _Block:
             )
 
 
-#: A closed track that may be a figure of eight; the index that says that there is none.
+#: The status of a track that generated code does not hold; the index that says that there is none.
 _UNSUPPORTED = 4
 _NOWHERE = ctypes.c_size_t(-1).value
 
