@@ -21,13 +21,13 @@ from support import door_fuzz
 from support.ring_cycles import Cycle, breaches, cycle, mutate, ring
 from support.shared import SUPERVISOR
 from trackmarshal.backends.c.build import compiler
-from trackmarshal.backends.c.door import FAULTS
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.step import Stepper
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.case import Fault
+from trackmarshal.runtime.faults import NAMES
 from trackmarshal.runtime.verdict import VERDICTS
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
@@ -35,7 +35,6 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 #: TRACKMARSHAL_CYCLES=N mutates N cycles.
 CYCLES = int(os.environ.get("TRACKMARSHAL_CYCLES", "4000"))
 FUZZ = int(os.environ.get("TRACKMARSHAL_FUZZ", "20000"))
-NAMES = {code: name for name, code in FAULTS.items()} | {"D218": "duplicate"}
 
 
 @cache

@@ -9,26 +9,29 @@ from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.places import _bordered, _setters, sources
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.cycle import Limits
 
 #: The candidates' signal, the car's own, the event that tells the candidates apart.
 PLAN, EGO, EMERGENCY = "plan", "ego", "emergency"
-#: Stable names of faults, in the order of their numbers in C, and their codes; docs/supervisor.md says what they mean.
-FAULTS = {
-    "none": "", "repeated": "D222", "out_of_order": "D223", "skipped": "D224", "late": "D225", "stale": "D226", "early": "D227",
-    "wrong_type": "D202", "missing": "D211", "wrong_length": "D212", "too_short": "D213", "not_increasing": "D214",
-    "not_finite": "D215", "out_of_range": "D216", "bad_border": "D217", "over_capacity": "D219", "starts_elsewhere": "D228",
-    "not_at_rest": "D229", "bad_clock": "D234",
-}  # fmt: skip
+#: Names of faults (`runtime.faults`) in the order of their numbers in C.
+FAULTS = (
+    "none", "repeated", "out_of_order", "skipped", "late", "stale", "early", "wrong_type", "missing", "wrong_length", "too_short",
+    "not_increasing", "not_finite", "out_of_range", "bad_border", "over_capacity", "starts_elsewhere", "not_at_rest", "bad_clock",
+)  # fmt: skip
+_DEFAULTS = Limits()
 #: Limits of the door: name, default, what it is.
-LIMITS = (
-    ("shortest_gap", 0.001, "s, stamps that are nearer to each other are one"),
-    ("longest_gap", 0.15, "s, the longest time from one stamp to the next"),
-    ("oldest", 0.1, "s, the oldest stamp at arrival"),
-    ("clock_tolerance", 0.01, "s, how far a stamp may lie ahead of the clock"),
-    ("start_distance", 0.1, "m, how far apart the candidates may start"),
-    ("start_turn", 0.05, "rad"),
-    ("start_speed", 0.5, "m/s"),
-    ("rest_speed", 0.01, "m/s, the speed at the end of an emergency trajectory"),
+LIMITS: tuple[tuple[str, float, str], ...] = tuple(
+    (name, getattr(_DEFAULTS, name), what)
+    for name, what in (
+        ("shortest_gap", "s, stamps that are nearer to each other are one"),
+        ("longest_gap", "s, the longest time from one stamp to the next"),
+        ("oldest", "s, the oldest stamp at arrival"),
+        ("clock_tolerance", "s, how far a stamp may lie ahead of the clock"),
+        ("start_distance", "m, how far apart the candidates may start"),
+        ("start_turn", "rad"),
+        ("start_speed", "m/s"),
+        ("rest_speed", "m/s, the speed at the end of an emergency trajectory"),
+    )
 )
 
 

@@ -18,12 +18,12 @@ from trackmarshal.backends.c.places import sources
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.case import Case, Fault
+from trackmarshal.runtime.faults import fault
 
 Floats = NDArray[np.float64]
 Points = Sequence[tuple[float, float]]
 _DOUBLE = np.dtype(np.float64)
 _DOUBLES = {_DOUBLE}
-_NAMES = tuple(FAULTS)
 
 
 class _CFault(ctypes.Structure):
@@ -213,7 +213,7 @@ class Stepper:
             return None
         index = None if found.index == _NOWHERE else int(found.index)
         self._undefined()
-        return _fault(_NAMES[found.name], found.signal.decode(), found.field.decode(), index)
+        return _fault(FAULTS[found.name], found.signal.decode(), found.field.decode(), index)
 
     def _none(self, refused: Refused) -> Fault:
         self._undefined()
@@ -375,7 +375,7 @@ def _picker(names: Sequence[str]) -> Callable[[Mapping[str, Any]], tuple[Any, ..
 
 
 def _fault(name: str, signal: str, field: str, index: int | None) -> Fault:
-    return Fault(FAULTS.get(name) or "D218", signal, field, index, name.replace("_", " "))
+    return fault(name, signal, field, index, name.replace("_", " "))
 
 
 def _floats(column: Any, label: str, name: str) -> Floats:
