@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 import shutil
 from dataclasses import replace
@@ -63,19 +64,22 @@ class Pair:
         return mine.state
 
 
-def test_the_shipped_scenario() -> None:
+@pytest.mark.parametrize("form", ["columns", "records"])
+def test_the_shipped_scenario(form: str) -> None:
     recording = tm.load_recording(ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl")
     pair = Pair("specs/tracks/northfield.spec", params=recording.params, tables=recording.tables)
     states = []
     for given in tm.cycles(recording):
-        signals = {**given.signals, "objects": columns(given.signals["objects"]), "obstacles": NOBODY}
+        signals = given.signals
+        if form == "columns":
+            signals = {**signals, "objects": columns(signals["objects"]), "obstacles": NOBODY}
         states.append(pair.step(replace(given, signals=signals), given.t))
     assert states.count("drive") == 104
     assert "previous_emergency" in states
 
 
 def columns(records: list[dict[str, Any]]) -> dict[str, Any]:
-    """A set as columns: what generated C takes."""
+    """A set as columns: what generated C takes at once."""
     names = ("x", "y", "heading", "v", "length", "width", "age")
     return {
         "id": [r["id"] for r in records],
@@ -96,6 +100,34 @@ def test_broken_cycles_have_the_same_faults() -> None:
         if number % 100 == 50:
             given = None
         pair.step(given, number * PERIOD)
+
+
+def test_records_that_break_the_contract_have_the_same_faults() -> None:
+    pair = Pair()
+    good = {
+        "id": "a",
+        "x": 60.0,
+        "y": 0.0,
+        "heading": 0.0,
+        "v": 20.0,
+        "length": 4.7,
+        "width": 2.0,
+        "age": 0.0,
+    }
+    records: list[Any] = [
+        [good],
+        [good, good],
+        [{**good, "v": math.nan}],
+        [{"id": "a"}],
+        [7],
+        [{**good, "x": "1"}],
+    ]
+    states = []
+    for number, objects in enumerate(records * 2):
+        given = cycle(number)
+        given.signals["objects"] = objects
+        states.append(pair.step(given, number * PERIOD))
+    assert [state == "drive" for state in states] == [True, False, False, False, False, False] * 2
 
 
 def test_tracks_that_change() -> None:

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import re
+import time
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from trackmarshal.runtime.cycle import Limits
+from trackmarshal.scenarios import load
+from trackmarshal.scenarios.supervised import cycles
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing.cases import prepare
 from trackmarshal.testing.run import run_tests
@@ -41,6 +47,23 @@ def test_programs_run(
     assert "previous_emergency" in said
     assert "safe_gap violated" in said
     assert "emergency of" in said
+
+
+def test_the_readme_supervises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The README's program, on the first cycle of the cut-in, as if it came now."""
+    (program,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)
+    recording = load(ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl")
+    first = next(cycles(recording))
+    (tmp_path / "specs").symlink_to(ROOT / "specs")
+    monkeypatch.chdir(tmp_path)
+    limits = Limits(oldest=60.0, budget=60.0)  # the machine that tests run on is no car
+    monkeypatch.setattr("trackmarshal.supervision.Limits", lambda: limits)
+    scope = {"cycle": replace(first, t=time.monotonic())}
+    exec(compile(program, "README.md", "exec"), scope)
+    decision: Any = scope["decision"]
+    assert decision.reasons == ()
+    assert decision.action == "drive"
+    assert (tmp_path / "run.arrows").stat().st_size > 0
 
 
 @pytest.mark.parametrize("text", EXAMPLES)

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from trackmarshal.backends.c.door import LIMITS
 from trackmarshal.backends.c.places import sources
 from trackmarshal.backends.c.program import CProgram
@@ -23,7 +25,7 @@ from trackmarshal.runtime.plan import Plan
 class SteppedDoor(Door):
     """The generated door, and behind it, for what it refuses, the one in Python, which finds every fault and not just the first.
 
-    A cycle passes when C lets it pass; sets have to be columns. Raises TrackmarshalError E470 to E473 for what generated C cannot do,
+    A cycle passes when C lets it pass. Raises TrackmarshalError E470 to E473 for what generated C cannot do,
     ValueError for a spec whose signals are not all in SI units.
     """
 
@@ -47,11 +49,10 @@ class SteppedDoor(Door):
         refused: list[Fault] = []
         shown = type(cycle.number) is int and type(cycle.t) is float and type(cycle.signals) is dict
         if shown:
-            self._place(cycle.signals, refused)
-            self._name(cycle.signals, refused)
-            fault = self.stepper.step(
-                cycle.number, cycle.t, now, cycle.driving, cycle.emergency, cycle.signals
-            )
+            signals = self._in_columns(cycle.signals, refused)
+            self._place(signals, refused)
+            self._name(signals, refused)
+            fault = self.stepper.step(cycle.number, cycle.t, now, cycle.driving, cycle.emergency, signals)
             if fault is not None:
                 refused.append(fault)
             if not refused:
@@ -78,6 +79,20 @@ class SteppedDoor(Door):
         self._fill_shared(cycle.signals, faults)
         if faults:
             raise ValueError(f"the two doors do not agree: {faults[0]}")
+
+    def _in_columns(self, signals: dict[str, Any], faults: list[Fault]) -> Mapping[str, Any]:
+        """The signals, sets that came as records put in columns; this takes longer than columns do."""
+        made: dict[str, dict[str, Any]] = {}
+        for name, block in self._blocks.items():
+            given = signals.get(name)
+            if block.many and type(given) in (list, tuple):
+                before = len(faults)
+                block.fill(given, faults)
+                if len(faults) == before:
+                    columns = block.view().columns.items()
+                    made[name] = {field: c.astype(bool) if c.dtype == np.int8 else c for field, c in columns}
+                    made[name]["id"] = list(block.ids)
+        return {**signals, **made} if made else signals
 
     def _place(self, signals: Mapping[str, Any], faults: list[Fault]) -> None:
         """Borders and lines, where they have changed."""
