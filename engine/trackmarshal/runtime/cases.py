@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 import operator
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
@@ -44,7 +44,7 @@ class CasesReader:
         raws = list(raws)
         held: Held = {}
         cases: list[Case | None] = []
-        with _uncollected():
+        with _uncollected() if len(raws) > AT_ONCE else nullcontext():
             for first in range(0, len(raws), AT_ONCE):
                 columns = _Columns(held)
                 for columns.case, raw in enumerate(raws[first : first + AT_ONCE], start=first):
@@ -76,7 +76,10 @@ class CasesReader:
 
 @contextmanager
 def _uncollected() -> Iterator[None]:
-    """Without garbage collection, which would look again and again through containers that are all still needed."""
+    """Without garbage collection, which would look again and again through containers that are all still needed.
+
+    At the end they count as old, where nobody froze objects for reasons of their own: frozen and thawed, without being looked at.
+    """
     if not gc.isenabled():
         yield
         return
@@ -84,6 +87,9 @@ def _uncollected() -> Iterator[None]:
     try:
         yield
     finally:
+        if not gc.get_freeze_count():
+            gc.freeze()
+            gc.unfreeze()
         gc.enable()
 
 
