@@ -1,8 +1,8 @@
 """All rules of specs/supervisor with the numpy evaluator: one cycle by itself, and a batch of 1000 cycles.
 
-A cycle is a driving and an emergency trajectory of 30 points each, 3 objects, borders of 1500 points each. Median CPU
-seconds: of a cycle read, evaluated and its verdicts taken; of the same with witnesses; of a batch, by trajectory. Spec,
-program and track are prepared before, as they are for a run.
+A cycle is a driving and an emergency trajectory of 30 points each, 3 objects, borders of 1500 points each, which are arrays, as
+whoever drives has them, or lists, as they come out of a file. Median CPU seconds: of a cycle read, evaluated and its verdicts
+taken; of the same with witnesses; of a batch, by trajectory. Spec, program and track are prepared before, as they are for a run.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from trackmarshal.evaluation import Evaluator, load
 
@@ -77,7 +79,9 @@ def measure(repeats: int = 15) -> dict[str, float]:
     """Median CPU seconds, and the shares of a cycle that reading and running take."""
     evaluator = Evaluator(load([SPECS]))
     course = track()
-    cycles = [cycle(number, course) for number in range(CYCLES)]
+    listed = [cycle(number, course) for number in range(repeats * 10 + 10)]
+    arrays = course | {side: np.array(course[side]) for side in ("left", "right")}
+    cycles = [cycle(number, arrays) for number in range(CYCLES)]
     batch = [raw for one in cycles for raw in one]
 
     def verdicts(raw: list[dict[str, Any]]) -> None:
@@ -94,6 +98,7 @@ def measure(repeats: int = 15) -> dict[str, float]:
     ready = [evaluator.read_all(raw) for raw in cycles[: repeats * 10 + 10]]
     return {
         "numpy: one cycle, verdicts": median(lambda k: verdicts(cycles[k]), repeats * 10),
+        "numpy: one cycle, borders as lists, verdicts": median(lambda k: verdicts(listed[k]), repeats * 10),
         "numpy: one cycle, reading alone": median(lambda k: read(cycles[k]), repeats * 10),
         "numpy: one cycle, program alone": median(lambda k: evaluator.program.run(ready[k]), repeats * 10),
         "numpy: one cycle, with witnesses": median(lambda k: witnesses(cycles[k]), repeats * 10),
