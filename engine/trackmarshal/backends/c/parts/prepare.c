@@ -333,11 +333,13 @@ static tm_status tm_make_eight(tm_context *c, tm_shape *shape, const double *lef
   if (!((most < 0.0) || (least > 0.0))) {
     return TM_UNUSABLE;
   }
-  for (size_t i = 0u; (i < (4u * n)) && (most < 0.0); i += 4u) { /* left is right */
-    for (size_t k = i; k < (i + 2u); ++k) {
-      const double x = pairs[k];
-      pairs[k] = pairs[k + 2u];
-      pairs[k + 2u] = x;
+  if (most < 0.0) { /* left is right */
+    for (size_t i = 0u; i < (4u * n); i += 4u) {
+      for (size_t k = i; k < (i + 2u); ++k) {
+        const double x = pairs[k];
+        pairs[k] = pairs[k + 2u];
+        pairs[k + 2u] = x;
+      }
     }
   }
   shape->count = 0u;
