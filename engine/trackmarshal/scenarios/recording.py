@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 
 #: A trajectory: equally long lists, by name.
 Columns = dict[str, list[float]]
@@ -18,7 +19,7 @@ Track = dict[str, Any]
 
 #: What a trajectory has at least, in the order of the formats.
 COLUMNS = ("t", "s", "x", "y", "heading", "kappa", "v", "a")
-CANDIDATES = ("driving", "emergency")
+CANDIDATES = (DRIVING, EMERGENCY)
 #: Ground truth is given apart for other vehicles, and for the road and the vehicle's own limits.
 TRUTHS = ("dynamic", "static")
 

@@ -9,10 +9,9 @@ from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.places import _bordered, _setters, sources
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.contract import EGO, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.cycle import Limits
 
-#: The candidates' signal, the car's own, the event that tells the candidates apart.
-PLAN, EGO, EMERGENCY = "plan", "ego", "emergency"
 #: Names of faults (`runtime.faults`) in the order of their numbers in C.
 FAULTS = (
     "none", "repeated", "out_of_order", "skipped", "late", "stale", "early", "wrong_type", "missing", "wrong_length", "too_short",
@@ -130,7 +129,7 @@ def functions(plan: Layout) -> Iterator[str]:
     if not sources(plan):
         yield "  (void)c;"
     for item in plan.inputs.values():
-        if item.name in (PLAN, EMERGENCY):
+        if item.name in (PLAN, IS_EMERGENCY):
             continue
         place = f"in->{item.c_name}"
         if item.kind == "event":
@@ -158,7 +157,7 @@ def functions(plan: Layout) -> Iterator[str]:
     yield f"    &c->door.limits, {apart('x')}, {apart('y')}, {apart('heading')}, {apart('v')},"
     yield f"    {e}.{named['v']}[{e}.count - 1u], {e}.count, fault);"
     yield "  fine = fine && tm_admit_shared(c, driving, fault);"
-    told = plan.inputs.get(EMERGENCY)
+    told = plan.inputs.get(IS_EMERGENCY)
     if told is not None and told.kind == "event":
         yield f"  if (fine && ((driving->{told.c_name} != TM_FALSE) || (emergency->{told.c_name} != TM_TRUE))) {{"
         yield f'    fine = tm_refuse(fault, TM_FAULT_OUT_OF_RANGE, {_text(told.name)}, "", TM_NOWHERE);'
@@ -198,12 +197,12 @@ def check_both(plan: Layout, calls: Iterator[str], shared: list[str]) -> Iterato
 
 def of_candidate(rule: RuleInfo) -> bool:
     """Whether a rule reads anything that differs between the candidates."""
-    if any(signal in (PLAN, EMERGENCY) for signal, _ in rule.reads):
+    if any(signal in (PLAN, IS_EMERGENCY) for signal, _ in rule.reads):
         return True
     for root in (rule.formula, rule.active):
         for node in ir.below(root) if root is not None else ():
             named = getattr(node, "signal", None) or (node.name if isinstance(node, ir.Line) else None)
-            if named in (PLAN, EMERGENCY):
+            if named in (PLAN, IS_EMERGENCY):
                 return True
     return False
 

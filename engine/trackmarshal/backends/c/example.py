@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from trackmarshal.backends.c.door import EMERGENCY
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.places import _bordered, _setters, sources
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir.spec import FieldType
+from trackmarshal.runtime.contract import IS_EMERGENCY
 
 #: Samples of the example's timelines; its sets have one element.
 SAMPLES = 8
@@ -66,8 +66,8 @@ def _main(source: Source) -> Iterator[str]:
         yield "  in.unused = 0;"
     if source.doored:
         yield "  emergency = in;"
-        if EMERGENCY in plan.inputs:
-            yield f"  emergency.{plan.input(EMERGENCY).c_name} = TM_TRUE;"
+        if IS_EMERGENCY in plan.inputs:
+            yield f"  emergency.{plan.input(IS_EMERGENCY).c_name} = TM_TRUE;"
         yield "  if (!tm_admit(&context, &stamp, &in, &emergency, &fault)) {"
         yield '    (void)printf("refused: fault %d of %s.%s\\n", (int)fault.name, fault.signal, fault.field);'
         yield "    return 1;"

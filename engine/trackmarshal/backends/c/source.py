@@ -12,6 +12,7 @@ from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.online import Monitor, monitors
 from trackmarshal.backends.c.rules import GroupCode, RuleCode, group_codes, rule_code
 from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.contract import EGO, PLAN
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ def generate(
     online: with a monitor, a sample at a time, of every rule along a timeline that can have one. doored: with the input
     contract of the Supervisor's cycles, for specs that `door.has_door`.
     """
-    plan = layout(spec, rules, (door.PLAN, door.EGO) if doored else ())
+    plan = layout(spec, rules, (PLAN, EGO) if doored else ())
     codes = tuple(rule_code(plan, rule) for rule in plan.rules)
     series = max((code.series for code in codes), default=0)
     found = tuple(monitors(plan)) if online else ()

@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.c.door import EMERGENCY, FAULTS, LIMITS, PLAN
+from trackmarshal.backends.c.door import FAULTS, LIMITS
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.places import sources
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.case import Case, Fault
+from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.faults import fault
 
 Floats = NDArray[np.float64]
@@ -77,7 +79,7 @@ class Stepper:
             capacity = samples if program.spec.signals[name].sequence else elements
             sides = ((0,), (1,)) if name == PLAN else ((0, 1),)
             for own in sides:
-                label = ("driving", "emergency")[own[0]] if name == PLAN else name
+                label = (DRIVING, EMERGENCY)[own[0]] if name == PLAN else name
                 block = _Block(
                     inputs[name], label, capacity, places, self._pointers, self._counts, number, own
                 )
@@ -92,9 +94,11 @@ class Stepper:
             for info, _ in item.fields
             if info.default is not None
         }
-        self._events = [(i, name, field) for i, (name, field) in enumerate(order.flags) if name != EMERGENCY]
+        self._events = [
+            (i, name, field) for i, (name, field) in enumerate(order.flags) if name != IS_EMERGENCY
+        ]
         for i, (name, _) in enumerate(order.flags):
-            if name == EMERGENCY:
+            if name == IS_EMERGENCY:
                 self._flags[:, i] = (0, 1)
         count = len(program.rules)
         #: (2, rules) margins and verdict codes (places in runtime.verdict.VERDICTS) of the last step; driving first.
