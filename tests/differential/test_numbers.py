@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from property.strategies.specs import repeatable
 from support.agreement import INEXACT
-from trackmarshal.backends.numpy import steps
+from trackmarshal.backends.numpy import logic, steps
 from trackmarshal.backends.numpy.curves import Curve, Curves
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir.nodes import FUNCTIONS
@@ -75,9 +75,10 @@ def test_nan_in_nan_out(name: str) -> None:
 @pytest.mark.parametrize("op", sorted(steps._COMPARE))
 def test_comparisons(op: str) -> None:
     left, right = columns(2)
-    holds, measure = steps._COMPARE[op]
+    measure, says = steps._COMPARE[op]
     with np.errstate(all="ignore"):
-        sat, margin = holds(left, right), measure(left, right)
+        margin = measure(left, right)
+        sat = logic.Side(margin, says).sat
     for a, b, holding, value in zip(
         left.tolist(), right.tolist(), sat.tolist(), margin.tolist(), strict=True
     ):

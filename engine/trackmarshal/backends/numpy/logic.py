@@ -15,11 +15,30 @@ Array = NDArray[Any]
 INF, MINUS_INF = np.array(np.inf), np.array(-np.inf)
 
 
-class Side(NamedTuple):
-    """The worst or the best case: whether the formula holds, and its margin; arrays, or numpy scalars."""
+#: What a margin says by itself: the formula holds where it is at least 0, or where it is above 0. Flags and constants, whose
+#: margins are infinite, say it both ways; a formula whose parts differ in this says it in neither.
+AT_LEAST, ABOVE = 1, 2
+BOTH, NEITHER = AT_LEAST | ABOVE, 0
 
-    sat: Any
-    margin: Any
+
+class Side:
+    """The worst or the best case: the margin, and whether the formula holds; arrays, or numpy scalars.
+
+    Where the margin says whether the formula holds, that is worked out when it is asked for: mostly never.
+    """
+
+    __slots__ = ("_sat", "margin", "says")
+
+    def __init__(self, margin: Any, says: int, sat: Any = None) -> None:
+        assert (says == NEITHER) == (sat is not None)
+        self.margin, self.says, self._sat = margin, says, sat
+
+    @property
+    def sat(self) -> Any:
+        """Whether the formula holds."""
+        if self._sat is None:
+            self._sat = self.margin >= 0.0 if self.says & AT_LEAST else self.margin > 0.0
+        return self._sat
 
 
 class Value(NamedTuple):
@@ -29,27 +48,30 @@ class Value(NamedTuple):
     best: Side
 
 
-def defined(sat: Any, margin: Any) -> Value:
-    side = Side(sat, margin)
+def defined(margin: Any, says: int) -> Value:
+    side = Side(margin, says)
     return Value(side, side)
 
 
-def partly(sat: Array, margin: Array, known: Array) -> Value:
+def partly(margin: Array, says: int, known: Array) -> Value:
     """A value that is undefined wherever `known` is false."""
-    worst = Side(sat & known, np.where(known, margin, MINUS_INF))
-    return Value(worst, Side(sat | ~known, np.where(known, margin, INF)))
+    return Value(Side(np.where(known, margin, MINUS_INF), says), Side(np.where(known, margin, INF), says))
 
 
 def least(a: Side, b: Side) -> Side:
-    return Side(a.sat & b.sat, np.minimum(a.margin, b.margin))
+    says = a.says & b.says
+    return Side(np.minimum(a.margin, b.margin), says, None if says else a.sat & b.sat)
 
 
 def greatest(a: Side, b: Side) -> Side:
-    return Side(a.sat | b.sat, np.maximum(a.margin, b.margin))
+    says = a.says & b.says
+    return Side(np.maximum(a.margin, b.margin), says, None if says else a.sat | b.sat)
 
 
 def _opposite(side: Side) -> Side:
-    return Side(~side.sat, -side.margin)
+    # What fails at 0 holds there when denied: the two ways of saying it change places.
+    says = (side.says & AT_LEAST) << 1 | (side.says & ABOVE) >> 1
+    return Side(-side.margin, says, None if says else ~side.sat)
 
 
 def negate(value: Value) -> Value:
@@ -84,10 +106,10 @@ def _differ(a: Value, b: Value) -> Value:
     at_most = np.maximum(
         _difference(a.best.margin, b.worst.margin), _difference(b.best.margin, a.worst.margin)
     )
-    worst = Side(surely, apart)
+    worst = Side(apart, NEITHER, surely)
     if a.best is a.worst and b.best is b.worst:
         return Value(worst, worst)
-    return Value(worst, Side(~surely_not, at_most))
+    return Value(worst, Side(at_most, NEITHER, ~surely_not))
 
 
 def _difference(x: Array, y: Array) -> Array:
@@ -108,27 +130,30 @@ def reduce(value: Value, every: bool, axis: int, in_worst: Array | None, in_best
 
 
 def _every(side: Side, axis: int, inside: Array | None) -> Side:
-    sat, margin = side
+    margin = side.margin
     if inside is not None:
-        sat, margin = sat >= inside, np.where(inside, margin, INF)  # holds wherever it is asked for
-    elif sat.ndim == 0 or sat.shape[axis] == 1:
+        margin = np.where(inside, margin, INF)  # holds wherever it is asked for
+    elif margin.ndim == 0 or margin.shape[axis] == 1:
         return side  # nothing varies along the axis, and it is not empty
-    return Side(
-        np.logical_and.reduce(sat, axis=axis, keepdims=True),
-        np.minimum.reduce(margin, axis=axis, keepdims=True, initial=np.inf),
-    )
+    least_ = np.minimum.reduce(margin, axis=axis, keepdims=True, initial=np.inf)
+    if side.says:
+        return Side(least_, side.says)
+    sat = side.sat if inside is None else side.sat >= inside
+    return Side(least_, NEITHER, np.logical_and.reduce(sat, axis=axis, keepdims=True))
 
 
 def _some(side: Side, axis: int, inside: Array | None) -> Side:
-    sat, margin = side
-    if inside is not None and sat.ndim == 0:  # of one formula for all there is one, if there is any
+    margin = side.margin
+    if inside is not None and margin.ndim == 0:  # of one formula for all there is one, if there is any
         there = np.logical_or.reduce(inside, axis=axis, keepdims=True)
-        return Side(sat & there, np.where(there, margin, MINUS_INF))
+        margin = np.where(there, margin, MINUS_INF)
+        return Side(margin, side.says, None if side.says else side.sat & there)
     if inside is not None:
-        sat, margin = sat & inside, np.where(inside, margin, MINUS_INF)
-    elif sat.ndim == 0 or sat.shape[axis] == 1:
+        margin = np.where(inside, margin, MINUS_INF)
+    elif margin.ndim == 0 or margin.shape[axis] == 1:
         return side
-    return Side(
-        np.logical_or.reduce(sat, axis=axis, keepdims=True),
-        np.maximum.reduce(margin, axis=axis, keepdims=True, initial=-np.inf),
-    )
+    most = np.maximum.reduce(margin, axis=axis, keepdims=True, initial=-np.inf)
+    if side.says:
+        return Side(most, side.says)
+    sat = side.sat if inside is None else side.sat & inside
+    return Side(most, NEITHER, np.logical_or.reduce(sat, axis=axis, keepdims=True))

@@ -25,7 +25,7 @@ def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> logic.Val
     """A geometric predicate: its signed distance, holding where that is not negative."""
     shape = np.broadcast(*args).shape
     if 0 in shape:  # of no object
-        return logic.defined(np.empty(shape, dtype=np.bool_), np.empty(shape))
+        return logic.defined(np.empty(shape), logic.AT_LEAST)
     if node.what == "swept_clear":
         margin = np.asarray(geometry.boxes_clear(*args))
     else:
@@ -34,8 +34,8 @@ def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> logic.Val
         (margin,) = _ask(batch, node.area, ask, args, shape)
     known = ~np.isnan(margin)
     if known.all():
-        return logic.defined(margin >= 0.0, margin)
-    return logic.partly(margin >= 0.0, margin, known)
+        return logic.defined(margin, logic.AT_LEAST)
+    return logic.partly(margin, logic.AT_LEAST, known)
 
 
 def along(batch: Batch, node: ir.Along, args: Sequence[Any]) -> Any:

@@ -7,10 +7,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trackmarshal.backends.numpy.batch import Batch
 from trackmarshal.backends.numpy.curves import Curve
-from trackmarshal.backends.numpy.logic import Value
+from trackmarshal.backends.numpy.logic import AT_LEAST, Side, Value
 from trackmarshal.backends.numpy.steps import Step, independent, step
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.results import case_result
@@ -115,14 +116,13 @@ class Run:
         known = self._closed.get(node)
         if known is None:
             value: Value = self.of(node)
-            worst = tuple(self._per_case(array).tolist() for array in value.worst)
-            best = (
-                worst
-                if value.best is value.worst
-                else tuple(self._per_case(array).tolist() for array in value.best)
-            )
+            worst = self._listed(value.worst)
+            best = worst if value.best is value.worst else self._listed(value.best)
             known = self._closed[node] = (*worst, *best)
         return known
+
+    def _listed(self, side: Side) -> tuple[list[Any], list[Any]]:
+        return self._per_case(side.sat).tolist(), self._per_case(side.margin).tolist()
 
     def _per_case(self, array: Any) -> Any:
         """(cases,) of a closed formula's array."""
@@ -139,26 +139,32 @@ class Run:
     def _verdicts(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """The same of all rules, (rules, cases)."""
         rules, cases = self.program.rules, self.batch.cases
-        shape = (len(rules), len(cases))
-        sat, active, margin = (
-            np.empty((2, *shape), dtype=np.bool_),
-            np.ones(shape, np.bool_),
-            np.empty((2, *shape)),
-        )
-        for row, rule in enumerate(rules):
-            value: Value = self.of(rule.formula)  # type: ignore[arg-type]
-            for side in (0,) if value.best is value.worst else (0, 1):
-                sat[side:, row], margin[side:, row] = value[side].sat.ravel(), value[side].margin.ravel()
-            if rule.active is not None:
-                active[row] = self.of(rule.active).best.sat.ravel()
+        values: list[Value] = [self.of(rule.formula) for rule in rules]  # type: ignore[arg-type]
+        worst = self._sides([value.worst for value in values])
+        best = worst if all(v.best is v.worst for v in values) else self._sides([v.best for v in values])
+        sat, margin = (worst[0], best[0]), (worst[1], best[1])
         code = np.where(sat[0], _SATISFIED, np.where(sat[1], _UNDEFINED, _VIOLATED))
         margins = np.where(sat[0], margin[0], np.where(sat[1], np.nan, margin[1]))
-        code[~active], margins[~active] = _INACTIVE, np.inf
+        ranged = [row for row, rule in enumerate(rules) if rule.active is not None]
+        if ranged:
+            active, _ = self._sides([self.of(rules[row].active).best for row in ranged])  # type: ignore[arg-type]
+            empty = np.zeros(code.shape, dtype=np.bool_)
+            empty[ranged] = ~active
+            code[empty], margins[empty] = _INACTIVE, np.inf
         for index, case in enumerate(cases):
             if case.unusable:
                 blocked = [case.blocks(rule.reads) for rule in rules]
                 code[blocked, index], margins[blocked, index] = _UNDEFINED, np.nan
         return _VERDICTS.take(code), margins
+
+    def _sides(self, sides: Sequence[Side]) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+        """(rules, cases) of whether formulas hold, and of their margins."""
+        margin = np.concatenate([self._per_case(side.margin) for side in sides]).reshape(len(sides), -1)
+        sat = margin >= 0.0
+        for row, side in enumerate(sides):
+            if not side.says & AT_LEAST:
+                sat[row] = self._per_case(side.sat)
+        return sat, margin
 
     def results(self, series: bool = False) -> Iterator[CaseResult]:
         """The results of every case, with witnesses."""

@@ -38,10 +38,11 @@ _FUNC: dict[str, Callable[..., Any]] = {
     "min": lambda x, y: np.minimum(x, y) + 0.0, "max": lambda x, y: np.maximum(x, y) + 0.0,
     "pow": _pow,
 }  # fmt: skip
-_COMPARE: dict[str, tuple[Callable[[Any, Any], Any], Callable[[Any, Any], Any]]] = {
-    "<": (operator.lt, lambda x, y: y - x), "<=": (operator.le, lambda x, y: y - x),
-    ">": (operator.gt, lambda x, y: x - y), ">=": (operator.ge, lambda x, y: x - y),
-    "==": (operator.eq, lambda x, y: -abs(x - y)), "!=": (operator.ne, lambda x, y: abs(x - y)),
+#: How far a comparison is from its boundary, and what that says. By gradual underflow a difference is 0 for equal numbers only.
+_COMPARE: dict[str, tuple[Callable[[Any, Any], Any], int]] = {
+    "<": (lambda x, y: y - x, logic.ABOVE), "<=": (lambda x, y: y - x, logic.AT_LEAST),
+    ">": (lambda x, y: x - y, logic.ABOVE), ">=": (lambda x, y: x - y, logic.AT_LEAST),
+    "==": (lambda x, y: -abs(x - y), logic.AT_LEAST), "!=": (lambda x, y: abs(x - y), logic.ABOVE),
 }  # fmt: skip
 
 
@@ -76,7 +77,7 @@ def step(node: ir.IR, at: tuple[int, ...]) -> Step:
         case ir.Along():
             return lambda b, v: places.along(b, node, [v[i] for i in at])
         case ir.Truth():
-            truth = logic.defined(np.bool_(node.value), np.float64(np.inf if node.value else -np.inf))
+            truth = logic.defined(np.float64(np.inf if node.value else -np.inf), logic.BOTH)
             return lambda b, v: truth
         case ir.Flag():
             return lambda b, v: _flag(b, node)
@@ -137,20 +138,19 @@ def _choose(condition: Value, then: Any, otherwise: Any) -> Any:
 
 
 def _comparison(op: str, i: int, j: int) -> Step:
-    holds, measure = _COMPARE[op]
+    measure, says = _COMPARE[op]
 
     def compare(batch: Batch, values: list[Any]) -> Value:
         x, y = values[i], values[j]
         margin = measure(x, y)
-        sat = holds(x, y)
         # A sum is finite only if all parts are: the cheapest question whose answer is mostly yes. For a few numbers that of
         # the squares is cheaper still; for many it would be shared among threads.
         if math.isfinite(np.vdot(margin, margin) if margin.size < FEW else np.add.reduce(margin, axis=None)):
-            return logic.defined(sat, margin)
+            return logic.defined(margin, says)
         known = np.isfinite(x) & np.isfinite(y)
         if known.all():
-            return logic.defined(sat, margin)
-        return logic.partly(sat, margin, known)
+            return logic.defined(margin, says)
+        return logic.partly(margin, says, known)
 
     return compare
 
@@ -161,10 +161,9 @@ def _flag(batch: Batch, node: ir.Flag) -> Value:
         code = batch.flag(node.axis, node.field, node.offset)
     else:
         code = batch.per_case([_code(case.scalars[node.signal][node.field or ""]) for case in batch.cases])
-    sat = code == 1.0
-    margin = np.where(sat, np.inf, -np.inf)
+    margin = np.where(code == 1.0, np.inf, -np.inf)
     known = ~np.isnan(code)
-    return logic.defined(sat, margin) if known.all() else logic.partly(sat, margin, known)
+    return logic.defined(margin, logic.BOTH) if known.all() else logic.partly(margin, logic.BOTH, known)
 
 
 def _code(value: bool | None) -> float:
@@ -202,20 +201,25 @@ def _quantify(node: ir.Quantify, *at: int) -> Step:
 
 
 def _guarded(guard: Value, body: Value) -> Value:
-    worst = logic.Side(body.worst.sat | ~guard.best.sat, np.where(guard.best.sat, body.worst.margin, np.inf))
+    worst = _where(guard.best, body.worst)
     if guard.best is guard.worst and body.best is body.worst:
         return Value(worst, worst)
-    return Value(
-        worst,
-        logic.Side(body.best.sat | ~guard.worst.sat, np.where(guard.worst.sat, body.best.margin, np.inf)),
-    )
+    return Value(worst, _where(guard.worst, body.best))
+
+
+def _where(guard: logic.Side, body: logic.Side) -> logic.Side:
+    """A side that holds, by any margin, wherever the guard does not."""
+    margin = np.where(guard.sat, body.margin, np.inf)
+    return logic.Side(margin, body.says, None if body.says else body.sat | ~guard.sat)
 
 
 def _first(axis: ir.Axis, body: Value) -> Value:
     index = (slice(None),) * (1 + axis.level) + (slice(0, 1),)
 
     def take(side: logic.Side) -> logic.Side:
-        return side if side.sat.ndim == 0 else logic.Side(side.sat[index], side.margin[index])
+        if side.margin.ndim == 0:
+            return side
+        return logic.Side(side.margin[index], side.says, None if side.says else side.sat[index])
 
     worst = take(body.worst)
     return Value(worst, worst if body.best is body.worst else take(body.best))

@@ -9,8 +9,11 @@ import numpy as np
 
 from trackmarshal.backends.numpy import temporal
 from trackmarshal.backends.numpy.batch import Batch
-from trackmarshal.backends.numpy.logic import Side, Value
+from trackmarshal.backends.numpy.logic import NEITHER, Side, Value
 from trackmarshal.ir import nodes as ir
+
+#: Whether a formula holds, and its margin.
+Pair = tuple[Any, Any]
 
 
 def operator(
@@ -37,41 +40,38 @@ def _side(
     shape = (*shape[:axis], size, *shape[axis + 1 :])
     inputs = [_last(side, shape, axis) for side in sides]
     opposite = [_last(side, shape, axis) for side in others] if isinstance(node, ir.Edge) else []
-    rows: list[tuple[Any, Any]] = []
+    rows: list[Pair] = []
     for index in range(batch.size):
         n = int(lengths[index])
         if blocked[index]:  # its times mean nothing: undefined
-            rows.append(
-                (
-                    np.full(inputs[0].sat[index].shape, best),
-                    np.full(inputs[0].margin[index].shape, np.inf if best else -np.inf),
-                )
-            )
+            unknown = inputs[0][1][index]
+            rows.append((np.full(unknown.shape, best), np.full(unknown.shape, np.inf if best else -np.inf)))
             continue
-        cut = [Side(s.sat[index, ..., :n], s.margin[index, ..., :n]) for s in inputs]
-        cut_other = [Side(s.sat[index, ..., :n], s.margin[index, ..., :n]) for s in opposite]
+        cut = [(sat[index, ..., :n], margin[index, ..., :n]) for sat, margin in inputs]
+        cut_other = [(sat[index, ..., :n], margin[index, ..., :n]) for sat, margin in opposite]
         rows.append(_kernel(batch, node, index, n, cut, cut_other))
     if batch.size == 1:
         sat, margin = rows[0][0][None], rows[0][1][None]
     else:
-        sat, margin = np.zeros(inputs[0].sat.shape, dtype=bool), np.zeros(inputs[0].margin.shape)
+        whole = inputs[0][1].shape
+        sat, margin = np.zeros(whole, dtype=bool), np.zeros(whole)
         for index, (row_sat, row_margin) in enumerate(rows):
             sat[index, ..., : row_sat.shape[-1]] = row_sat
             margin[index, ..., : row_margin.shape[-1]] = row_margin
-    return Side(np.moveaxis(sat, -1, axis), np.moveaxis(margin, -1, axis))
+    return Side(np.moveaxis(margin, -1, axis), NEITHER, np.moveaxis(sat, -1, axis))
 
 
-def _last(side: Side, shape: tuple[int, ...], axis: int) -> Side:
+def _last(side: Side, shape: tuple[int, ...], axis: int) -> Pair:
     """A side in full shape with its time axis last."""
-    return Side(
+    return (
         np.moveaxis(np.broadcast_to(side.sat, shape), axis, -1),
         np.moveaxis(np.broadcast_to(side.margin, shape), axis, -1),
     )
 
 
 def _kernel(
-    batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, index: int, n: int, sides: list[Side], others: list[Side]
-) -> tuple[Any, Any]:  # fmt: skip
+    batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, index: int, n: int, sides: list[Pair], others: list[Pair]
+) -> Pair:  # fmt: skip
     match node:
         case ir.Temporal():
             windows = temporal.windows(
