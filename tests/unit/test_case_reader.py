@@ -93,11 +93,11 @@ def test_a_good_case_has_no_fault_and_is_in_si(reader: CaseReader | CasesReader)
     case = reader.read(GOOD)
     assert case.faults == []
     assert case.unusable == set()
-    assert case.columns["plan"]["v"] == [10.0, 20.0, 30.0]
-    assert case.columns["plan"]["slip"] == [0.01, 0.02, 0.03]
-    assert case.columns["plan"]["ready"] == [True, False, True]
+    assert case.columns["plan"]["v"] == (10.0, 20.0, 30.0)
+    assert case.columns["plan"]["slip"] == (0.01, 0.02, 0.03)
+    assert case.columns["plan"]["ready"] == (True, False, True)
     assert case.scalars["ego"] == {"x": 1.5, "heading": 90 * math.pi / 180, "age": 0.02, "on": True}
-    assert case.columns["objects"] == {"x": [1.0, 3.0], "v": [2.0, 4.0], "age": [0.5, 0.0]}
+    assert case.columns["objects"] == {"x": (1.0, 3.0), "v": (2.0, 4.0), "age": (0.5, 0.0)}
     assert case.names["objects"] == ["a", "1"]
     assert case.counts == {"plan": 3, "trace": 1, "objects": 2}
     assert list(case.lines["track", "left"]) == [(0.0, 1.0), (9.0, 1.0)]

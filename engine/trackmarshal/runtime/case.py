@@ -14,6 +14,7 @@ from typing import Any
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import FieldType, ParamInfo, PlaceInfo, SignalType, Spec, TableInfo
+from trackmarshal.runtime.together import Together
 from trackmarshal.units import from_si, to_si
 
 NAN = math.nan
@@ -65,6 +66,8 @@ class Case:
     closed: dict[str, bool] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
     unusable: set[tuple[str, str]] = field(default_factory=set)
+    #: The columns of this case and of those that were read with it, where all of them were flawless.
+    together: Together | None = field(default=None, repr=False, compare=False)
 
     def fault(
         self, code: str, signal: str, field_: str, index: int | None, message: str, unusable: bool = True
@@ -178,8 +181,8 @@ class CaseReader:
                 for index, record in enumerate(records):
                     if kind.name not in record:
                         case.fault("D211", signal.name, kind.name, index, "the field is missing")
-            columns[kind.name] = self._column(
-                case, signal, kind, [record.get(kind.name, default) for record in records]
+            columns[kind.name] = tuple(
+                self._column(case, signal, kind, [record.get(kind.name, default) for record in records])
             )
         case.columns[signal.name] = columns
 
@@ -217,9 +220,9 @@ class CaseReader:
                 # A null is a missing value, not the wish for a default.
                 if kind.default is None or kind.name in data:
                     case.fault("D211", signal.name, kind.name, None, "the column is missing")
-                    columns[kind.name] = [None if kind.kind == "bool" else NAN] * count
+                    columns[kind.name] = (None if kind.kind == "bool" else NAN,) * count
                 else:
-                    columns[kind.name] = [kind.default] * count
+                    columns[kind.name] = (kind.default,) * count
                 continue
             values = self._column(case, signal, kind, column[:count])
             values += [None if kind.kind == "bool" else NAN] * (count - len(values))
@@ -233,7 +236,7 @@ class CaseReader:
                         )
                         case.unusable.add((signal.name, ""))
                         break
-            columns[kind.name] = values
+            columns[kind.name] = tuple(values)
         case.columns[signal.name] = columns
         case.counts[signal.name] = count
 
@@ -450,7 +453,7 @@ def _poison(case: Case, signal: SignalType, needed: set[str]) -> None:
     """One sample or element of nothing, so that whatever reads the signal is undefined."""
     if signal.many or signal.sequence:
         case.columns[signal.name] = {
-            k.name: [None if k.kind == "bool" else NAN] for k in wanted(signal, needed)
+            k.name: (None if k.kind == "bool" else NAN,) for k in wanted(signal, needed)
         }
         case.counts[signal.name] = 1
         case.names[signal.name] = ["?"]

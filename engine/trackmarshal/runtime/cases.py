@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import math
 import operator
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
@@ -13,6 +14,7 @@ from typing import Any
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import FieldType, SignalType, Spec
 from trackmarshal.runtime.case import KEYS, SI, Case, CaseReader, Held, is_array, name_of, sound, wanted
+from trackmarshal.runtime.together import Field, Together, checked
 from trackmarshal.units import from_si, to_si
 
 #: Cases that are checked together, while their numbers are in the processor's cache.
@@ -49,8 +51,14 @@ class CasesReader:
                 columns = _Columns(held)
                 for columns.case, raw in enumerate(raws[first : first + AT_ONCE], start=first):
                     cases.append(self._plain(raw, columns))
-                for index in columns.flawed():
-                    cases[index] = None
+                read = cases[first : first + AT_ONCE]
+                together = None if None in read else columns.together()
+                if together is None:
+                    for index in columns.flawed():
+                        cases[index] = None
+                else:
+                    for case in read:
+                        case.together = together  # type: ignore[union-attr]
         return [self._one.read(raw) if case is None else case for raw, case in zip(raws, cases)]
 
     def _plain(self, raw: object, columns: _Columns) -> Case | None:
@@ -108,6 +116,8 @@ class _Field:
 
     kind: FieldType
     name: str
+    #: What a number must be like.
+    limits: Field
     #: What stands in for it where it is left out, in the unit that data comes in.
     default: float | None
     converted: bool
@@ -119,20 +129,21 @@ class _Columns:
     def __init__(self, held: Held) -> None:
         self.case = 0
         self.held = held
-        self._columns: dict[_Field, list[list[Any]]] = {}
+        self._columns: dict[_Field, list[tuple[Any, ...]]] = {}
         self._values: dict[_Field, list[Any]] = {}
         self._cases: dict[_Field, list[int]] = {}
 
-    def add(self, field: _Field, column: list[Any]) -> list[Any]:
+    def add(self, field: _Field, column: Sequence[Any]) -> tuple[Any, ...]:
         if field.converted:
             _need({float}.issuperset(map(type, column)))
             column = [to_si(value, field.kind.unit) for value in column]
+        made = tuple(column)
         if field in self._columns:
-            self._columns[field].append(column)
+            self._columns[field].append(made)
             self._cases[field].append(self.case)
         else:
-            self._columns[field], self._cases[field] = [column], [self.case]
-        return column
+            self._columns[field], self._cases[field] = [made], [self.case]
+        return made
 
     def add_value(self, field: _Field, value: Any) -> Any:
         """A column of one value for each case, all in one list."""
@@ -145,6 +156,21 @@ class _Columns:
         else:
             self._values[field], self._cases[field] = [value], [self.case]
         return value
+
+    def together(self) -> Together | None:
+        """All columns as arrays, when nothing is wrong with any; None when something may be."""
+        numbers: list[tuple[Field, Sequence[Any]]] = []
+        for field, columns in self._columns.items():
+            if field.kind.kind == "number":
+                numbers.append((field.limits, columns))
+            elif not sound(field.kind, columns):
+                return None
+        for field, values in self._values.items():
+            if field.kind.kind == "number":
+                numbers.append((field.limits, [tuple(values)]))
+            elif not sound(field.kind, [values]):
+                return None
+        return checked(numbers)
 
     def flawed(self) -> set[int]:
         """The numbers of the cases with a column that is not as it should be."""
@@ -177,6 +203,7 @@ class _Door:
             _Field(
                 kind,
                 kind.name,
+                _limits(signal.name, kind),
                 None if kind.default is None else from_si(kind.default, kind.unit),
                 kind.kind == "number" and kind.unit not in SI,
             )
@@ -242,12 +269,10 @@ class _Timeline(_Door):
         for field in self.read_fields:
             column = given.get(field.name)
             if column is not None:
-                made[field.name] = columns.add(
-                    field, column.copy() if type(column) is list else column.tolist()
-                )
+                made[field.name] = columns.add(field, column if type(column) is list else column.tolist())
             else:
                 _need(field.default is not None)
-                made[field.name] = [field.kind.default] * count
+                made[field.name] = (field.kind.default,) * count
 
 
 class _Lines(_Door):
@@ -264,6 +289,14 @@ class _Event:
     def read(self, case: Case, name: str, raw: Any, columns: _Columns) -> None:
         _need(type(raw) is bool)
         case.scalars[name] = {"": raw}
+
+
+def _limits(signal: str, kind: FieldType) -> Field:
+    lower, upper = (
+        -math.inf if kind.lower is None else kind.lower,
+        math.inf if kind.upper is None else kind.upper,
+    )
+    return Field(signal, kind.name, lower, upper, kind.increasing)
 
 
 def _door(reader: CaseReader, signal: SignalType | None, needed: set[str]) -> _Door | _Event:

@@ -14,24 +14,20 @@ from trackmarshal.backends.numpy.curves import Curve, Curves
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.case import Case
+from trackmarshal.runtime.together import array
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
-#: Numeric fields that are read, by signal: they become arrays together.
-Fields = Mapping[str, Sequence[str]]
 
 
 class Batch:
     """Cases that are evaluated together; arrays have `rank` axes, padded where lengths differ."""
 
-    def __init__(
-        self, spec: Spec, cases: Sequence[Case], rank: int, fields: Fields, curves: Mapping[str, Curve]
-    ) -> None:
+    def __init__(self, spec: Spec, cases: Sequence[Case], rank: int, curves: Mapping[str, Curve]) -> None:
         self.spec = spec
         self.cases = cases
         self.size = len(cases)
         self.rank = rank
-        self._fields = fields
         self._curves = curves
         self._counts: dict[str, list[int]] = {}
         self._sizes: dict[ir.Axis, int] = {}
@@ -97,29 +93,21 @@ class Batch:
         """(cases, longest): a column of every case, its last value repeated as padding."""
         table = self._columns.get((signal, field))
         if table is None:
-            names = self._fields.get(signal, ())
-            if field not in names:
-                names = (field,)
-            signals = [case.columns[signal] for case in self.cases]
-            for name, stacked in zip(
-                names, self._stack([[columns[name] for columns in signals] for name in names], signal)
-            ):
-                self._columns[signal, name] = stacked
-            table = self._columns[signal, field]
+            rows = [case.columns[signal][field] for case in self.cases]
+            read = array([case.together for case in self.cases], (signal, field), rows)
+            table = self._columns[signal, field] = self._stack(rows, signal) if read is None else read
         return table
 
-    def _stack(self, rows: list[list[Sequence[Any]]], signal: str) -> Floats:
-        """(fields, cases, longest)."""
+    def _stack(self, rows: list[Sequence[Any]], signal: str) -> Floats:
+        """(cases, longest)."""
         counts = self.counts(signal)
         longest = max(counts)
         if min(counts) < longest:
             rows = [
-                [[*column, *repeat(column[-1] if column else 0.0, longest - len(column))] for column in row]
-                for row in rows
+                [*column, *repeat(column[-1] if column else 0.0, longest - len(column))] for column in rows
             ]
-        numbers = chain.from_iterable(chain.from_iterable(rows))
-        count = len(rows) * self.size * longest
-        return np.fromiter(numbers, np.float64, count).reshape(len(rows), self.size, longest)
+        numbers = chain.from_iterable(rows)
+        return np.fromiter(numbers, np.float64, self.size * longest).reshape(self.size, longest)
 
     def column(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """A field of the variable of an axis, `offset` samples on, clamped at the start."""
@@ -135,13 +123,13 @@ class Batch:
         """As `column`, a Boolean field as 1, 0 and NaN for a missing value."""
         key = (axis.signal, field)
         if key not in self._columns:
-            rows = [
+            self._columns[key] = self._stack(
                 [
                     [np.nan if v is None else float(v) for v in case.columns[axis.signal][field]]
                     for case in self.cases
-                ]
-            ]
-            self._columns[key] = self._stack(rows, axis.signal)[0]  # type: ignore[arg-type]
+                ],
+                axis.signal,
+            )
         return self.on_axis(shifted(self._columns[key], offset, self.count(axis)), axis)
 
     # Axes -----------------------------------------------------------------------------------------------------
@@ -182,5 +170,8 @@ def shifted(table: NDArray[Any], offset: int, count: int) -> NDArray[Any]:
     """Columns offset .. offset + count of a table, the first one repeated for those before the start."""
     if offset >= 0:
         return table[:, offset : offset + count]
-    kept = table[:, : max(0, count + offset)]
-    return np.concatenate([np.repeat(table[:, :1], min(-offset, count), axis=1), kept], axis=1)
+    late = min(-offset, count)
+    made = np.empty((len(table), count))
+    made[:, :late] = table[:, :1]
+    made[:, late:] = table[:, : count - late]
+    return made

@@ -40,7 +40,6 @@ class Program:
             for root in (rule.formula, rule.active):
                 if root is not None:
                     self._emit(root)
-        self._fields = self._numeric_fields()
         self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
         everywhere = list(enumerate(self._steps))
         fixed = self._compute(
@@ -58,7 +57,7 @@ class Program:
         return Run(self, batch, self._compute(self._fixed.copy(), steps, batch))
 
     def _batch(self, cases: Sequence[Case]) -> Batch:
-        return Batch(self.spec, cases, self.rank, self._fields, self._curves)
+        return Batch(self.spec, cases, self.rank, self._curves)
 
     @staticmethod
     def _compute(values: list[Any], steps: Sequence[tuple[int, Step]], batch: Batch) -> list[Any]:
@@ -88,14 +87,6 @@ class Program:
             self._steps.append(step(node, at))
             if independent(node) and self._fixed_steps.issuperset(at):
                 self._fixed_steps.add(slot)
-
-    def _numeric_fields(self) -> dict[str, list[str]]:
-        """The numeric fields that are read along axes, by signal."""
-        fields: dict[str, dict[str, None]] = {}
-        for node in self.slots:
-            if isinstance(node, ir.Column):
-                fields.setdefault(node.axis.signal, {})[node.field] = None
-        return {signal: list(names) for signal, names in fields.items()}
 
 
 class Run:

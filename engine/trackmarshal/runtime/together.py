@@ -1,0 +1,132 @@
+"""Numeric columns of cases that are read together, as arrays: checked in a few operations, and kept for evaluation."""
+
+from __future__ import annotations
+
+import marshal
+import math
+import operator
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+#: How Python's own serialisation puts a float: a byte that says so, and the number. Its version 2 has no references.
+_FLOAT = np.dtype([("type", "u1"), ("value", "<f8")])
+_VERSION, _MARK, _HEAD = 2, ord("g"), 5
+
+
+def floats(values: list[object]) -> Floats | None:
+    """An array of values that are all Python floats and nothing else; else None. Two passes, neither in Python."""
+    try:
+        data = marshal.dumps(values, _VERSION)
+    except ValueError:  # something that cannot be put
+        return None
+    if len(data) != _HEAD + _FLOAT.itemsize * len(values):
+        return None
+    records = np.frombuffer(data, _FLOAT, offset=_HEAD)
+    if not (records["type"] == _MARK).all():
+        return None
+    return np.ascontiguousarray(records["value"])
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field that is read: of which signal, and what its values must be like, in SI."""
+
+    signal: str
+    name: str
+    lower: float
+    upper: float
+    increasing: bool
+
+
+class Together:
+    """Columns of cases that were read together, by signal and field, one for each case, and all their values in one array.
+
+    Columns are tuples: whoever holds the same one knows that nothing in it has changed.
+    """
+
+    __slots__ = ("_places", "_values")
+
+    def __init__(self, values: Floats, places: Mapping[tuple[str, str], tuple[Sequence[Any], int]]) -> None:
+        """`places`: columns that are equally long, and where in `values` they begin."""
+        self._values, self._places = values, places
+
+    def array(self, field: tuple[str, str], columns: Sequence[object]) -> Floats | None:
+        """The first of some columns as an array (cases, values), if they are those that were read; else None."""
+        read, begin = self._places.get(field, ((), 0))
+        count = len(read)
+        if not 0 < count <= len(columns) or not all(map(operator.is_, read, columns)):
+            return None
+        width = len(read[0])
+        return self._values[begin : begin + width * count].reshape(count, width)
+
+
+def checked(fields: Sequence[tuple[Field, Sequence[Any]]]) -> Together | None:
+    """The columns of fields, one for each case, unless something may be wrong with one.
+
+    Wrong is a value that is no float, not finite, or out of its field's range, and times that do not increase.
+    """
+    values = floats(list(chain.from_iterable(chain.from_iterable(columns for _, columns in fields))))
+    if values is None:
+        return None
+    if not math.isfinite(np.add.reduce(values)):  # which it is only if all of them are
+        return None
+    places: dict[tuple[str, str], tuple[Sequence[Any], int]] = {}
+    begins, lower, upper = [], [], []
+    end = 0
+    for field, columns in fields:
+        lengths = list(map(len, columns))
+        begin = end
+        end += sum(lengths)
+        if min(lengths) == max(lengths):
+            places[field.signal, field.name] = columns, begin
+        if begin < end:
+            begins.append(begin)
+            lower.append(field.lower)
+            upper.append(field.upper)
+            if field.increasing and not _increasing(values[begin:end], lengths):
+                return None
+    if begins:
+        least, greatest = np.minimum.reduceat(values, begins), np.maximum.reduceat(values, begins)
+        if (least < lower).any() or (greatest > upper).any():
+            return None
+    values.flags.writeable = False
+    return Together(values, places)
+
+
+def array(
+    together: Sequence[Together | None], field: tuple[str, str], columns: Sequence[object]
+) -> Floats | None:
+    """The array (cases, values) of a field's columns, given what each case was read with.
+
+    None where the columns are not those that were read, all and in order, or differ in length.
+    """
+    first = together[0]
+    whole = None if first is None else first.array(field, columns)
+    if whole is None or len(whole) == len(columns):
+        return whole
+    found = [whole]
+    end = len(whole)
+    while end < len(columns):
+        part = together[end]
+        values = None if part is None else part.array(field, columns[end:])
+        if values is None or values.shape[1] != whole.shape[1]:
+            return None
+        found.append(values)
+        end += len(values)
+    return np.concatenate(found)
+
+
+def _increasing(values: Floats, lengths: Sequence[int]) -> bool:
+    """Whether columns of some lengths, one after the other, increase, each in itself."""
+    later = values[1:] > values[:-1]
+    if len(lengths) > 1:
+        ends = np.cumsum(lengths)
+        # From the end of one to the beginning of the next is no step.
+        later[ends[(ends > 0) & (ends < values.size)] - 1] = True
+    return bool(later.all())
