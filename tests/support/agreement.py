@@ -69,7 +69,7 @@ def one_libm() -> Iterator[None]:
             # Geometry asks numpy itself, steps have a table of their own (but for `pow`, which does more).
             stack.enter_context(mock.patch.object(np, _OF_NUMPY.get(name, name), take))
             if name != "pow":
-                stack.enter_context(mock.patch.dict(steps._FUNC, {name: take}))
+                stack.enter_context(mock.patch.dict(steps.FUNCTIONS, {name: take}))
         yield
 
 

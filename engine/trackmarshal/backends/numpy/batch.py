@@ -61,6 +61,19 @@ class Batch:
             return np.float64(own)
         return self.numbers([case.params.get(name, own) for case in self.cases])
 
+    def sample(self, signal: str, field: str, index: int) -> Any:
+        """A field of one sample of every case's timeline."""
+        return self.per_case([case.columns[signal][field][index] for case in self.cases])
+
+    def scalar(self, signal: str, field: str) -> Any:
+        """A field of every case's record."""
+        return self.numbers([case.scalars[signal][field] for case in self.cases])
+
+    def event(self, signal: str, field: str) -> Any:
+        """A Boolean of every case as 1, 0 and NaN for a missing value."""
+        values = [case.scalars[signal][field] for case in self.cases]
+        return self.per_case([np.nan if value is None else float(value) for value in values])
+
     def curve(self, name: str) -> Callable[[Any], Any]:
         """A table: one function where all cases have the same."""
         own = self._curves[name]
@@ -109,15 +122,9 @@ class Batch:
         numbers = chain.from_iterable(rows)
         return np.fromiter(numbers, np.float64, self.size * longest).reshape(self.size, longest)
 
-    def column(self, axis: ir.Axis, field: str, offset: int) -> Floats:
-        """A field of the variable of an axis, `offset` samples on, clamped at the start."""
-        table = self._columns.get((axis.signal, field))
-        if table is None:
-            table = self.table(axis.signal, field)
-        if offset < 0:
-            return self.on_axis(shifted(table, offset, self.count(axis)), axis)
-        view: Floats = table[column_index(axis, offset, self.rank)]
-        return view
+    def before(self, table: Floats, axis: ir.Axis, offset: int) -> Floats:
+        """A column for the variable of an axis, so many samples before it, the first one repeated at the start."""
+        return self.on_axis(shifted(table, offset, self.count(axis)), axis)
 
     def flag(self, axis: ir.Axis, field: str, offset: int) -> Floats:
         """As `column`, a Boolean field as 1, 0 and NaN for a missing value."""

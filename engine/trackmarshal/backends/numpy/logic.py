@@ -24,7 +24,7 @@ BOTH, NEITHER = AT_LEAST | ABOVE, 0
 class Side:
     """The worst or the best case: the margin, and whether the formula holds; arrays, or numpy scalars.
 
-    Where the margin says whether the formula holds, that is worked out when it is asked for: mostly never.
+    Where the margin says whether the formula holds, that is worked out when it is asked for.
     """
 
     __slots__ = ("_sat", "margin", "says")
@@ -48,55 +48,33 @@ class Value(NamedTuple):
     best: Side
 
 
-def defined(margin: Any, says: int) -> Value:
-    side = Side(margin, says)
-    return Value(side, side)
+def value(worst: Any, best: Any, says: int, worst_sat: Any = None, best_sat: Any = None) -> Value:
+    """A value from its margins, and from whether it holds where those do not say so."""
+    side = Side(worst, says, worst_sat)
+    return Value(side, side if best is worst else Side(best, says, best_sat))
 
 
-def partly(margin: Array, says: int, known: Array) -> Value:
-    """A value that is undefined wherever `known` is false."""
-    return Value(Side(np.where(known, margin, MINUS_INF), says), Side(np.where(known, margin, INF), says))
+def parts(value: Value) -> tuple[Any, Any, Any, Any]:
+    """The margins of a value, and whether it holds."""
+    worst, best = value
+    return worst.margin, best.margin, worst.sat, best.sat
 
 
-def least(a: Side, b: Side) -> Side:
-    says = a.says & b.says
-    return Side(np.minimum(a.margin, b.margin), says, None if says else a.sat & b.sat)
-
-
-def greatest(a: Side, b: Side) -> Side:
-    says = a.says & b.says
-    return Side(np.maximum(a.margin, b.margin), says, None if says else a.sat | b.sat)
-
-
-def _opposite(side: Side) -> Side:
-    # What fails at 0 holds there when denied: the two ways of saying it change places.
-    says = (side.says & AT_LEAST) << 1 | (side.says & ABOVE) >> 1
-    return Side(-side.margin, says, None if says else ~side.sat)
+def partly(margin: Any, known: Array) -> tuple[Array, Array]:
+    """The worst and the best margin of what is undefined wherever `known` is false."""
+    return np.where(known, margin, MINUS_INF), np.where(known, margin, INF)
 
 
 def negate(value: Value) -> Value:
-    worst = _opposite(value.best)
-    return Value(worst, worst if value.best is value.worst else _opposite(value.worst))
+    """The denial of a value whose margin does not say whether it holds."""
+    worst = Side(-value.best.margin, NEITHER, ~value.best.sat)
+    if value.best is value.worst:
+        return Value(worst, worst)
+    return Value(worst, Side(-value.worst.margin, NEITHER, ~value.worst.sat))
 
 
-def connect(op: str, a: Value, b: Value) -> Value:
-    """and, or, implies, iff, xor."""
-    if op in ("and", "or"):
-        join = least if op == "and" else greatest
-        worst = join(a.worst, b.worst)
-        if a.best is a.worst and b.best is b.worst:
-            return Value(worst, worst)
-        return Value(worst, join(a.best, b.best))
-    if op == "implies":
-        return connect("or", negate(a), b)
-    if op == "xor":
-        return _differ(a, b)
-    if op == "iff":
-        return negate(_differ(a, b))
-    raise AssertionError(f"unknown connective {op}")
-
-
-def _differ(a: Value, b: Value) -> Value:
+def differ(a: Value, b: Value) -> Value:
+    """a xor b."""
     surely = (a.worst.sat & ~b.best.sat) | (b.worst.sat & ~a.best.sat)
     surely_not = (a.worst.sat & b.worst.sat) | ~(a.best.sat | b.best.sat)
     apart = np.maximum(
@@ -117,43 +95,41 @@ def _difference(x: Array, y: Array) -> Array:
     return np.where(x == y, 0.0, x - y)
 
 
-def reduce(value: Value, every: bool, axis: int, in_worst: Array | None, in_best: Array | None) -> Value:
-    """`for all` (every) or `exists` along an array axis, over the elements in range in the worst and in the best case.
-
-    None: all of them are there, and at least one.
-    """
-    side = _every if every else _some
-    worst = side(value.worst, axis, in_worst)
-    if value.best is value.worst and in_best is in_worst:
-        return Value(worst, worst)
-    return Value(worst, side(value.best, axis, in_best))
-
-
-def _every(side: Side, axis: int, inside: Array | None) -> Side:
-    margin = side.margin
+def every(margin: Any, axis: int, inside: Array | None) -> Any:
+    """The margin of `for all` along an array axis, over what is inside; None: everything, and at least one."""
     if inside is not None:
         margin = np.where(inside, margin, INF)  # holds wherever it is asked for
     elif margin.ndim == 0 or margin.shape[axis] == 1:
-        return side  # nothing varies along the axis, and it is not empty
-    least_ = np.minimum.reduce(margin, axis=axis, keepdims=True, initial=np.inf)
-    if side.says:
-        return Side(least_, side.says)
-    sat = side.sat if inside is None else side.sat >= inside
-    return Side(least_, NEITHER, np.logical_and.reduce(sat, axis=axis, keepdims=True))
+        return margin  # nothing varies along the axis, and it is not empty
+    return np.minimum.reduce(margin, axis=axis, keepdims=True, initial=np.inf)
 
 
-def _some(side: Side, axis: int, inside: Array | None) -> Side:
-    margin = side.margin
-    if inside is not None and margin.ndim == 0:  # of one formula for all there is one, if there is any
-        there = np.logical_or.reduce(inside, axis=axis, keepdims=True)
-        margin = np.where(there, margin, MINUS_INF)
-        return Side(margin, side.says, None if side.says else side.sat & there)
+def some(margin: Any, axis: int, inside: Array | None) -> Any:
+    """The margin of `exists`, in the same way."""
     if inside is not None:
+        if margin.ndim == 0:  # of one formula for all there is one, if there is any
+            return np.where(np.logical_or.reduce(inside, axis=axis, keepdims=True), margin, MINUS_INF)
         margin = np.where(inside, margin, MINUS_INF)
     elif margin.ndim == 0 or margin.shape[axis] == 1:
-        return side
-    most = np.maximum.reduce(margin, axis=axis, keepdims=True, initial=-np.inf)
-    if side.says:
-        return Side(most, side.says)
-    sat = side.sat if inside is None else side.sat & inside
-    return Side(most, NEITHER, np.logical_or.reduce(sat, axis=axis, keepdims=True))
+        return margin
+    return np.maximum.reduce(margin, axis=axis, keepdims=True, initial=-np.inf)
+
+
+def every_sat(sat: Any, axis: int, inside: Array | None) -> Any:
+    """Whether a `for all` holds, in the same way."""
+    if inside is not None:
+        sat = sat >= inside
+    elif sat.ndim == 0 or sat.shape[axis] == 1:
+        return sat
+    return np.logical_and.reduce(sat, axis=axis, keepdims=True)
+
+
+def some_sat(sat: Any, axis: int, inside: Array | None) -> Any:
+    """Whether an `exists` holds, in the same way."""
+    if inside is not None:
+        if sat.ndim == 0:
+            return sat & np.logical_or.reduce(inside, axis=axis, keepdims=True)
+        sat = sat & inside
+    elif sat.ndim == 0 or sat.shape[axis] == 1:
+        return sat
+    return np.logical_or.reduce(sat, axis=axis, keepdims=True)

@@ -21,11 +21,12 @@ KEPT = 32
 _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
 
-def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> logic.Value:
-    """A geometric predicate: its signed distance, holding where that is not negative."""
+def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any, Any]:
+    """The worst and the best margin of a geometric predicate: its signed distance."""
     shape = np.broadcast(*args).shape
     if 0 in shape:  # of no object
-        return logic.defined(np.empty(shape), logic.AT_LEAST)
+        margin = np.empty(shape)
+        return margin, margin
     if node.what == "swept_clear":
         margin = np.asarray(geometry.boxes_clear(*args))
     else:
@@ -33,9 +34,7 @@ def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> logic.Val
         ask = "signed_distance" if node.what == "in_area" else "margin_inside"
         (margin,) = _ask(batch, node.area, ask, args, shape)
     known = ~np.isnan(margin)
-    if known.all():
-        return logic.defined(margin, logic.AT_LEAST)
-    return logic.partly(margin, logic.AT_LEAST, known)
+    return (margin, margin) if known.all() else logic.partly(margin, known)
 
 
 def along(batch: Batch, node: ir.Along, args: Sequence[Any]) -> Any:

@@ -1,4 +1,4 @@
-"""Rules as a straight-line program over arrays: each shared node is one step, computed once for a whole batch."""
+"""Compiled rules, and what they come to for a batch of cases."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.backends.numpy.batch import Batch
+from trackmarshal.backends.numpy.code import Code
 from trackmarshal.backends.numpy.curves import Curve
-from trackmarshal.backends.numpy.logic import AT_LEAST, Side, Value
-from trackmarshal.backends.numpy.steps import Step, independent, step
+from trackmarshal.backends.numpy.logic import AT_LEAST, Side, Value, value
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.results import case_result
 from trackmarshal.ir import nodes as ir
@@ -31,84 +31,63 @@ class Program:
         self.spec = spec
         self.rules = [rule for rule in rules if rule.formula is not None]
         self.rows = {rule.name: row for row, rule in enumerate(self.rules)}
-        self.slots: dict[ir.IR, int] = {}
-        self.rank = 1
-        self._steps: list[Step] = []
-        #: Steps whose values no case changes unless it overrides a parameter.
-        self._fixed_steps: set[int] = set()
-        for rule in self.rules:
-            for root in (rule.formula, rule.active):
-                if root is not None:
-                    self._emit(root)
-        self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
-        everywhere = list(enumerate(self._steps))
-        fixed = self._compute(
-            [None] * len(self._steps), [e for e in everywhere if e[0] in self._fixed_steps], self._batch(())
+        self.code = Code(
+            root for rule in self.rules for root in (rule.formula, rule.active) if root is not None
         )
-        # numpy takes arrays without axes faster than numbers.
-        self._fixed = [np.array(value) if isinstance(value, np.float64) else value for value in fixed]
-        self._everywhere = everywhere
-        self._varying = [e for e in everywhere if e[0] not in self._fixed_steps]
+        self._fixed, self._varying = self.code.functions()
+        outputs = {name: place for place, name in enumerate(self.code.outputs)}
+        #: By formula: what its margins say, and where they and whether it holds are among the values of a run.
+        self.places = {
+            node: (formula.says, tuple(outputs[name] for name in formula.names))
+            for node, formula in self.code.formulas.items()
+        }
+        self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
+        with np.errstate(all="ignore"):
+            # numpy takes arrays without axes faster than numbers.
+            self._left = tuple(map(_without_axes, self._fixed(self._batch(()))))
 
     def run(self, cases: Sequence[Case]) -> Run:
         """Evaluate all rules on all cases."""
         batch = self._batch(cases)
-        steps = self._everywhere if batch.overridden else self._varying
-        return Run(self, batch, self._compute(self._fixed.copy(), steps, batch))
-
-    def _batch(self, cases: Sequence[Case]) -> Batch:
-        return Batch(self.spec, cases, self.rank, self._curves)
-
-    @staticmethod
-    def _compute(values: list[Any], steps: Sequence[tuple[int, Step]], batch: Batch) -> list[Any]:
         # Undefined values are part of the language: divisions by zero and NaN are no cause for warnings.
         with np.errstate(all="ignore"):
-            for slot, step in steps:
-                values[slot] = step(batch, values)
-        return values
+            left = self._fixed(batch) if batch.overridden else self._left
+            return Run(self, batch, self._varying(batch, left))
 
-    def _emit(self, root: ir.IR) -> None:
-        """Steps for a node and all below it, children first; iterative, so depth is no limit."""
-        stack: list[tuple[ir.IR, bool]] = [(root, False)]
-        while stack:
-            node, ready = stack.pop()
-            if node in self.slots:
-                continue
-            for child in node.children():
-                if isinstance(child, ir.Axis):
-                    self.rank = max(self.rank, child.level + 2)
-            inputs = [child for child in node.children() if isinstance(child, (ir.Num, ir.Formula))]
-            if not ready:
-                stack.append((node, True))
-                stack.extend((child, False) for child in reversed(inputs))
-                continue
-            at = tuple(self.slots[child] for child in inputs)
-            slot = self.slots[node] = len(self._steps)
-            self._steps.append(step(node, at))
-            if independent(node) and self._fixed_steps.issuperset(at):
-                self._fixed_steps.add(slot)
+    def _batch(self, cases: Sequence[Case]) -> Batch:
+        return Batch(self.spec, cases, self.code.rank, self._curves)
+
+
+def _without_axes(value: Any) -> Any:
+    return np.array(value) if isinstance(value, np.float64) else value
 
 
 class Run:
     """The values of a program for one batch."""
 
-    def __init__(self, program: Program, batch: Batch, values: list[Any]) -> None:
+    def __init__(self, program: Program, batch: Batch, values: tuple[Any, ...]) -> None:
         self.program = program
         self.batch = batch
-        self.values = values
+        self._values = values
+        self._made: dict[ir.IR, Value] = {}
         self._closed: dict[ir.IR, tuple[list[Any], ...]] = {}
 
-    def of(self, node: ir.IR) -> Any:
-        """The array, or the Value, of a node."""
-        return self.values[self.program.slots[node]]
+    def of(self, node: ir.Formula) -> Value:
+        """The value of a formula."""
+        made = self._made.get(node)
+        if made is None:
+            says, at = self.program.places[node]
+            worst, best, *sats = (self._values[place] for place in at)
+            made = self._made[node] = value(worst, best, says, *sats)
+        return made
 
     def closed(self, node: ir.Formula) -> tuple[list[Any], ...]:
         """A formula without free variables in every case: worst sat, worst margin, best sat, best margin."""
         known = self._closed.get(node)
         if known is None:
-            value: Value = self.of(node)
-            worst = self._listed(value.worst)
-            best = worst if value.best is value.worst else self._listed(value.best)
+            worst_side, best_side = self.of(node)
+            worst = self._listed(worst_side)
+            best = worst if best_side is worst_side else self._listed(best_side)
             known = self._closed[node] = (*worst, *best)
         return known
 

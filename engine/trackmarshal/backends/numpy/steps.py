@@ -1,23 +1,22 @@
-"""Nodes of the IR as closures: each computes its value from those of earlier nodes, in slots of a list."""
+"""What generated code computes step by step, beside plain arithmetic and numpy's own functions."""
 
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from trackmarshal.backends.numpy import logic, places, time
-from trackmarshal.backends.numpy.batch import Batch
-from trackmarshal.backends.numpy.logic import Value
+from trackmarshal.backends.numpy import logic
 from trackmarshal.ir import nodes as ir
 
 #: Numbers that one thread adds up.
 FEW = 4096
-#: A step: the value of its node, from the batch and the values of earlier steps.
-Step = Callable[[Batch, list[Any]], Any]
+#: Nodes that have one value for all cases when their inputs do and no case overrides a parameter.
+INDEPENDENT = (
+    ir.Const, ir.Param, ir.Truth, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Compare, ir.Not, ir.Connective,
+)  # fmt: skip
 
 
 def _pow(x: Any, y: Any) -> Any:
@@ -28,10 +27,8 @@ def _pow(x: Any, y: Any) -> Any:
     return np.where(np.isnan(x) | np.isnan(y), np.nan, power)
 
 
-_ARITH: dict[str, Callable[[Any, Any], Any]] = {
-    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
-}  # fmt: skip
-_FUNC: dict[str, Callable[..., Any]] = {
+ARITHMETIC = ("+", "-", "*", "/")
+FUNCTIONS: dict[str, Callable[..., Any]] = {
     "abs": np.abs, "sqrt": np.sqrt, "floor": np.floor, "sin": np.sin, "cos": np.cos, "tan": np.tan, "exp": np.exp,
     "log": np.log, "atan2": np.arctan2,
     # Adding 0.0 turns -0.0 into 0.0: see `ir.arithmetic`.
@@ -39,187 +36,36 @@ _FUNC: dict[str, Callable[..., Any]] = {
     "pow": _pow,
 }  # fmt: skip
 #: How far a comparison is from its boundary, and what that says. By gradual underflow a difference is 0 for equal numbers only.
-_COMPARE: dict[str, tuple[Callable[[Any, Any], Any], int]] = {
-    "<": (lambda x, y: y - x, logic.ABOVE), "<=": (lambda x, y: y - x, logic.AT_LEAST),
-    ">": (lambda x, y: x - y, logic.ABOVE), ">=": (lambda x, y: x - y, logic.AT_LEAST),
-    "==": (lambda x, y: -abs(x - y), logic.AT_LEAST), "!=": (lambda x, y: abs(x - y), logic.ABOVE),
+COMPARISONS = {
+    "<": ("{y} - {x}", logic.ABOVE), "<=": ("{y} - {x}", logic.AT_LEAST),
+    ">": ("{x} - {y}", logic.ABOVE), ">=": ("{x} - {y}", logic.AT_LEAST),
+    "==": ("-abs({x} - {y})", logic.AT_LEAST), "!=": ("abs({x} - {y})", logic.ABOVE),
 }  # fmt: skip
 
 
-def step(node: ir.IR, at: tuple[int, ...]) -> Step:
-    """The step of a node whose inputs are in the slots `at`."""
-    match node:
-        case ir.Const():
-            constant = np.float64(node.value)
-            return lambda b, v: constant
-        case ir.Param():
-            return lambda b, v: b.param(node.name)
-        case ir.Column():
-            return lambda b, v: b.column(node.axis, node.field, node.offset)
-        case ir.Sample():
-            return lambda b, v: b.per_case(
-                [case.columns[node.signal][node.field][node.index] for case in b.cases]
-            )
-        case ir.Scalar():
-            return lambda b, v: b.numbers([case.scalars[node.signal][node.field] for case in b.cases])
-        case ir.Arith():
-            return _binary(_ARITH[node.op], *at)
-        case ir.Neg():
-            return _unary(operator.neg, *at)
-        case ir.Func():
-            return _unary(_FUNC[node.name], *at) if len(at) == 1 else _binary(_FUNC[node.name], *at)
-        case ir.Choose():
-            i, j, k = at
-            return lambda b, v: _choose(v[i], v[j], v[k])
-        case ir.Lookup():
-            (i,) = at
-            return lambda b, v: b.curve(node.table)(v[i])
-        case ir.Along():
-            return lambda b, v: places.along(b, node, [v[i] for i in at])
-        case ir.Truth():
-            truth = logic.defined(np.float64(np.inf if node.value else -np.inf), logic.BOTH)
-            return lambda b, v: truth
-        case ir.Flag():
-            return lambda b, v: _flag(b, node)
-        case ir.Compare():
-            return _comparison(node.op, *at)
-        case ir.Geometry():
-            return lambda b, v: places.predicate(b, node, [v[i] for i in at])
-        case ir.Not():
-            return _unary(logic.negate, *at)
-        case ir.Connective():
-            i, j = at
-            return lambda b, v: logic.connect(node.op, v[i], v[j])
-        case ir.Quantify():
-            return _quantify(node, *at)
-        case ir.Guarded():
-            return _binary(_guarded, *at)
-        case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
-            return lambda b, v: time.operator(b, node, [v[i] for i in at])
-        case ir.First():
-            (i,) = at
-            return lambda b, v: _first(node.axis, v[i])
-        case _:
-            raise AssertionError(f"unknown node {type(node).__name__}")
+def compared(margin: Any, x: Any, y: Any) -> tuple[Any, Any]:
+    """The worst and the best margin of a comparison of x and y: undefined where one of them is not finite."""
+    # A sum is finite only if all parts are: the cheapest question whose answer is mostly yes. For a few numbers that of
+    # the squares is cheaper still; for many it would be shared among threads.
+    if math.isfinite(np.vdot(margin, margin) if margin.size < FEW else np.add.reduce(margin, axis=None)):
+        return margin, margin
+    known = np.isfinite(x) & np.isfinite(y)
+    return (margin, margin) if known.all() else logic.partly(margin, known)
 
 
-def independent(node: ir.IR) -> bool:
-    """Whether a node has one value for all cases when its inputs do and no case overrides a parameter."""
-    return isinstance(
-        node,
-        (
-            ir.Const,
-            ir.Param,
-            ir.Truth,
-            ir.Arith,
-            ir.Neg,
-            ir.Func,
-            ir.Choose,
-            ir.Compare,
-            ir.Not,
-            ir.Connective,
-        ),
-    )
-
-
-def _unary(function: Callable[[Any], Any], i: int) -> Step:
-    return lambda b, v: function(v[i])
-
-
-def _binary(function: Callable[[Any, Any], Any], i: int, j: int) -> Step:
-    return lambda b, v: function(v[i], v[j])
-
-
-def _choose(condition: Value, then: Any, otherwise: Any) -> Any:
-    chosen = np.where(condition.worst.sat, then, otherwise)
-    if condition.best is condition.worst:
-        return chosen
-    return np.where(condition.best.sat & ~condition.worst.sat, np.nan, chosen)
-
-
-def _comparison(op: str, i: int, j: int) -> Step:
-    measure, says = _COMPARE[op]
-
-    def compare(batch: Batch, values: list[Any]) -> Value:
-        x, y = values[i], values[j]
-        margin = measure(x, y)
-        # A sum is finite only if all parts are: the cheapest question whose answer is mostly yes. For a few numbers that of
-        # the squares is cheaper still; for many it would be shared among threads.
-        if math.isfinite(np.vdot(margin, margin) if margin.size < FEW else np.add.reduce(margin, axis=None)):
-            return logic.defined(margin, says)
-        known = np.isfinite(x) & np.isfinite(y)
-        if known.all():
-            return logic.defined(margin, says)
-        return logic.partly(margin, says, known)
-
-    return compare
-
-
-def _flag(batch: Batch, node: ir.Flag) -> Value:
-    if node.axis is not None:
-        assert node.field is not None
-        code = batch.flag(node.axis, node.field, node.offset)
-    else:
-        code = batch.per_case([_code(case.scalars[node.signal][node.field or ""]) for case in batch.cases])
+def flagged(code: Any) -> tuple[Any, Any]:
+    """The worst and the best margin of a Boolean, given as 1, 0 and NaN for a missing value."""
     margin = np.where(code == 1.0, np.inf, -np.inf)
     known = ~np.isnan(code)
-    return logic.defined(margin, logic.BOTH) if known.all() else logic.partly(margin, logic.BOTH, known)
+    return (margin, margin) if known.all() else logic.partly(margin, known)
 
 
-def _code(value: bool | None) -> float:
-    return np.nan if value is None else float(value)
+def inside(mask: Any, guard: Any, rank: int) -> Any:
+    """What is in the range of a quantifier: what is there, and fulfils its guard."""
+    found = guard if mask is None else mask & guard
+    return np.broadcast_to(found, (1,) * rank) if found.ndim == 0 else found
 
 
-def _quantify(node: ir.Quantify, *at: int) -> Step:
-    axis, every = node.axis, node.quantifier == "for all"
-    if node.guard is None:
-        (body,) = at
-
-        def plain(batch: Batch, values: list[Any]) -> Value:
-            mask = batch.mask(axis)
-            return logic.reduce(values[body], every, 1 + axis.level, mask, mask)
-
-        return plain
-    guard, body = at
-
-    def guarded(batch: Batch, values: list[Any]) -> Value:
-        # See the reference evaluator: what may be in range counts against a `for all` in the worst case.
-        mask, range_ = batch.mask(axis), values[guard]
-        in_worst = range_.best.sat if mask is None else mask & range_.best.sat
-        in_best = in_worst
-        if range_.best is not range_.worst:
-            in_best = range_.worst.sat if mask is None else mask & range_.worst.sat
-        if not every:
-            in_worst, in_best = in_best, in_worst
-        if in_worst.ndim == 0:
-            one = in_best is in_worst
-            in_worst = np.broadcast_to(in_worst, (1,) * batch.rank)
-            in_best = in_worst if one else np.broadcast_to(in_best, (1,) * batch.rank)
-        return logic.reduce(values[body], every, 1 + axis.level, in_worst, in_best)
-
-    return guarded
-
-
-def _guarded(guard: Value, body: Value) -> Value:
-    worst = _where(guard.best, body.worst)
-    if guard.best is guard.worst and body.best is body.worst:
-        return Value(worst, worst)
-    return Value(worst, _where(guard.worst, body.best))
-
-
-def _where(guard: logic.Side, body: logic.Side) -> logic.Side:
-    """A side that holds, by any margin, wherever the guard does not."""
-    margin = np.where(guard.sat, body.margin, np.inf)
-    return logic.Side(margin, body.says, None if body.says else body.sat | ~guard.sat)
-
-
-def _first(axis: ir.Axis, body: Value) -> Value:
-    index = (slice(None),) * (1 + axis.level) + (slice(0, 1),)
-
-    def take(side: logic.Side) -> logic.Side:
-        if side.margin.ndim == 0:
-            return side
-        return logic.Side(side.margin[index], side.says, None if side.says else side.sat[index])
-
-    worst = take(body.worst)
-    return Value(worst, worst if body.best is body.worst else take(body.best))
+def first(values: Any, index: tuple[slice, ...]) -> Any:
+    """The values at the first sample."""
+    return values if values.ndim == 0 else values[index]

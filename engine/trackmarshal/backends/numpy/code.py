@@ -1,0 +1,368 @@
+"""Rules as Python source over arrays: straight-line code in which each shared node is computed once for a whole batch.
+
+A number is one variable. A formula is two, its margin in the worst and in the best case, which are the same object where nothing
+is undefined; whether it holds is mostly read off its margin, else it has two more variables for that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from trackmarshal.backends.numpy import logic, places, steps, time
+from trackmarshal.backends.numpy.batch import column_index
+from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
+from trackmarshal.ir import nodes as ir
+
+#: What code may call by name.
+_CALLED: dict[str, Any] = {
+    "where": np.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF,
+    "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
+    "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
+    "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
+    "along": places.along, "predicate": places.predicate, "temporal": time.operator,
+}  # fmt: skip
+
+#: An expression of the best case, or of the worst.
+Side = Callable[[bool], str]
+
+
+class Variables(NamedTuple):
+    """The variables of a formula; those of whether it holds are empty where its margin says it."""
+
+    worst: str
+    best: str
+    says: int
+    worst_sat: str = ""
+    best_sat: str = ""
+
+    def margin(self, best: bool) -> str:
+        """The variable of its margin in the best case, or in the worst."""
+        return self.best if best else self.worst
+
+    def sat(self, best: bool) -> str:
+        """An expression of whether it holds in the best case, or in the worst."""
+        if self.says == NEITHER:
+            return self.best_sat if best else self.worst_sat
+        return f"({self.margin(best)} {'>=' if self.says & AT_LEAST else '>'} 0.0)"
+
+    @property
+    def value(self) -> str:
+        """An expression of it as one object."""
+        if self.says:
+            return f"value({self.worst}, {self.best}, {self.says})"
+        return f"value({self.worst}, {self.best}, {NEITHER}, {self.worst_sat}, {self.best_sat})"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(filter(None, (self.worst, self.best, self.worst_sat, self.best_sat)))
+
+
+class Code:
+    """Source of two functions: of what no case changes unless it overrides a parameter, and of the rest."""
+
+    def __init__(self, roots: Iterable[ir.Formula]) -> None:
+        nodes = _ordered(roots)
+        axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
+        self.rank = max([1, *(axis.level + 2 for axis in axes)])
+        #: Where each formula's variables are.
+        self.formulas: dict[ir.IR, Variables] = {}
+        #: Objects that the source names.
+        self.named: dict[str, Any] = {**_CALLED, **{f"{name}_": f for name, f in steps.FUNCTIONS.items()}}
+        self.fixed: list[str] = []
+        self.varying: list[str] = []
+        #: The variables that `fixed` leaves behind.
+        self.left: list[str] = []
+        self._numbers: dict[ir.IR, str] = {}
+        self._names: dict[Any, str] = {}
+        self._free: list[str] = []
+        self._is_fixed: set[ir.IR] = set()
+        last_use = {child: node for node in nodes for child in _inputs(node)}
+        for node in nodes:
+            self._emit(node)
+            for child in _inputs(node):
+                if last_use[child] is node:
+                    self._release(child)
+
+    def functions(self) -> tuple[Callable[[Any], tuple[Any, ...]], Callable[[Any, Any], tuple[Any, ...]]]:
+        """The compiled functions: of a batch; of a batch and what the first one gave."""
+        made: dict[str, Any] = dict(self.named)
+        exec(compile(self.source, "<rules>", "exec"), made)
+        return made["fixed"], made["varying"]
+
+    @property
+    def source(self) -> str:
+        """The source of both functions."""
+        left = _tuple(self.left)
+        fixed = ["def fixed(b):", *self.fixed, f"return {left}"]
+        varying = ["def varying(b, left):", f"{left} = left", *self.varying, f"return {_tuple(self.outputs)}"]
+        return "\n    ".join(fixed) + "\n\n\n" + "\n    ".join(varying) + "\n"
+
+    @property
+    def outputs(self) -> list[str]:
+        """All variables of formulas."""
+        return list(dict.fromkeys(name for formula in self.formulas.values() for name in formula.names))
+
+    # Variables ------------------------------------------------------------------------------------------------
+
+    def _emit(self, node: ir.IR) -> None:
+        if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(_inputs(node)):
+            self._is_fixed.add(node)
+        if isinstance(node, ir.Num):
+            expression = self._number(node)
+            name = self._numbers[node] = self._new(node)
+            self._line(node, f"{name} = {expression}")
+            if isinstance(node, ir.Choose):
+                condition = self.formulas[node.condition]
+                unknown = f"{condition.sat(True)} & ~{condition.sat(False)}"
+                self._line(
+                    node,
+                    f"if {condition.best} is not {condition.worst}: {name} = where({unknown}, nan, {name})",
+                )
+        elif isinstance(node, ir.Formula):
+            self.formulas[node] = made = self._formula(node, len(self.formulas))
+            if node in self._is_fixed:
+                self.left.extend(made.names)
+        else:
+            raise AssertionError(f"neither a number nor a formula: {type(node).__name__}")
+
+    def _line(self, node: ir.IR, text: str) -> None:
+        (self.fixed if node in self._is_fixed else self.varying).append(text)
+
+    def _new(self, node: ir.IR) -> str:
+        if node not in self._is_fixed and self._free:
+            return self._free.pop()
+        name = f"x{len(self._numbers)}"
+        if node in self._is_fixed:
+            self.left.append(name)
+        return name
+
+    def _release(self, node: ir.IR) -> None:
+        """Nobody needs a number any more: another may have its variable, and its memory is free then."""
+        if node in self._numbers and node not in self._is_fixed and self._numbers[node] not in self._free:
+            self._free.append(self._numbers[node])
+
+    def _hold(self, thing: Any, key: Any = None) -> str:
+        """The name of an object, or of one that is equal by key."""
+        key = ("object", id(thing)) if key is None else key
+        if key not in self._names:
+            self._names[key] = f"k{len(self._names)}"
+            self.named[self._names[key]] = thing
+        return self._names[key]
+
+    def _once(self, prefix: str, key: Any, expression: str) -> str:
+        """A variable of something of the batch, set where it is first needed."""
+        if (prefix, key) not in self._names:
+            self._names[prefix, key] = f"{prefix}{len(self._names)}"
+            self.varying.append(f"{self._names[prefix, key]} = {expression}")
+        return self._names[prefix, key]
+
+    # Numbers --------------------------------------------------------------------------------------------------
+
+    def _number(self, node: ir.Num) -> str:
+        at = [self._numbers[child] for child in _inputs(node) if isinstance(child, ir.Num)]
+        match node:
+            case ir.Const():
+                return self._hold(np.float64(node.value), ("constant", repr(node.value)))
+            case ir.Param():
+                return f"b.param({node.name!r})"
+            case ir.Column():
+                return self._column(node)
+            case ir.Sample():
+                return f"b.sample({node.signal!r}, {node.field!r}, {node.index})"
+            case ir.Scalar():
+                return f"b.scalar({node.signal!r}, {node.field!r})"
+            case ir.Arith():
+                if node.op not in steps.ARITHMETIC:
+                    raise AssertionError(f"unknown operation {node.op}")
+                return f"{at[0]} {node.op} {at[1]}"
+            case ir.Neg():
+                return f"-{at[0]}"
+            case ir.Func():
+                if node.name not in steps.FUNCTIONS:
+                    raise AssertionError(f"unknown function {node.name}")
+                return f"{node.name}_({', '.join(at)})"
+            case ir.Choose():
+                return f"where({self.formulas[node.condition].sat(False)}, {at[0]}, {at[1]})"
+            case ir.Lookup():
+                return f"b.curve({node.table!r})({at[0]})"
+            case ir.Along():
+                return f"along(b, {self._hold(node)}, {_tuple(at)})"
+            case _:
+                raise AssertionError(f"unknown number {type(node).__name__}")
+
+    def _column(self, node: ir.Column) -> str:
+        axis = node.axis
+        key = (axis.signal, node.field)
+        table = self._once("t", key, f"b.table({axis.signal!r}, {node.field!r})")
+        if node.offset < 0:
+            return f"b.before({table}, {self._hold(axis)}, {node.offset})"
+        index = column_index(axis, node.offset, self.rank)
+        return f"{table}[{self._hold(index, ('index', repr(index)))}]"
+
+    # Formulas -------------------------------------------------------------------------------------------------
+
+    def _formula(self, node: ir.Formula, number: int) -> Variables:
+        own = Variables(f"w{number}", f"b{number}", AT_LEAST)
+        both = f"{own.worst}, {own.best}"
+        parts = [self.formulas[child] for child in _inputs(node) if isinstance(child, ir.Formula)]
+        at = [self._numbers[child] for child in _inputs(node) if isinstance(child, ir.Num)]
+        match node:
+            case ir.Truth():
+                self._line(node, f"{own.worst} = {own.best} = {'inf' if node.value else '-inf'}")
+                return own._replace(says=BOTH)
+            case ir.Flag():
+                codes = (
+                    f"b.event({node.signal!r}, {node.field or ''!r})"
+                    if node.axis is None
+                    else f"b.flag({self._hold(node.axis)}, {node.field!r}, {node.offset})"
+                )
+                self._line(node, f"{both} = flagged({codes})")
+                return own._replace(says=BOTH)
+            case ir.Compare():
+                measure, says = steps.COMPARISONS[node.op]
+                x, y = at
+                self._line(node, f"{both} = compared({measure.format(x=x, y=y)}, {x}, {y})")
+                return own._replace(says=says)
+            case ir.Geometry():
+                self._line(node, f"{both} = predicate(b, {self._hold(node)}, {_tuple(at)})")
+                return own
+            case ir.Not():
+                return self._negation(node, number, parts[0])
+            case ir.Connective():
+                return self._connective(node, number, *parts)
+            case ir.Quantify():
+                return self._quantifier(node, number, *parts)
+            case ir.Guarded():
+                return self._guarded(node, number, *parts)
+            case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+                values = _tuple(part.value for part in parts)
+                return self._given(node, number, f"temporal(b, {self._hold(node)}, {values})")
+            case ir.First():
+                (body,) = parts
+                index = self._hold(
+                    (slice(None),) * (1 + node.axis.level) + (slice(0, 1),), ("first", node.axis.level)
+                )
+                return self._sides(
+                    node, number, parts, body.says,
+                    lambda best: f"first({body.margin(best)}, {index})",
+                    lambda best: f"first({body.sat(best)}, {index})",
+                )  # fmt: skip
+            case _:
+                raise AssertionError(f"unknown formula {type(node).__name__}")
+
+    def _sides(
+        self, node: ir.Formula, number: int, parts: Sequence[Variables], says: int, margin: Side, sat: Side
+    ) -> Variables:
+        """A formula whose two cases are made alike, and are one where those of all its parts are."""
+        made = Variables(f"w{number}", f"b{number}", says)
+        same = " and ".join(f"{part.best} is {part.worst}" for part in parts)
+        self._line(node, f"{made.worst} = {margin(False)}")
+        self._line(node, f"{made.best} = {made.worst} if {same} else {margin(True)}")
+        if says:
+            return made
+        made = made._replace(worst_sat=f"ws{number}", best_sat=f"bs{number}")
+        self._line(node, f"{made.worst_sat} = {sat(False)}")
+        self._line(node, f"{made.best_sat} = {made.worst_sat} if {same} else {sat(True)}")
+        return made
+
+    def _given(self, node: ir.Formula, number: int, expression: str) -> Variables:
+        """A formula that is made as one object."""
+        made = Variables(f"w{number}", f"b{number}", NEITHER, f"ws{number}", f"bs{number}")
+        self._line(node, f"{', '.join(made.names)} = parts({expression})")
+        return made
+
+    def _negation(self, node: ir.Formula, number: int, part: Variables) -> Variables:
+        return self._sides(
+            node, number, [part], _denied(part.says),
+            lambda best: f"-{part.margin(not best)}", lambda best: f"~{part.sat(not best)}",
+        )  # fmt: skip
+
+    def _connective(self, node: ir.Connective, number: int, left: Variables, right: Variables) -> Variables:
+        match node.op:
+            case "and":
+                return self._sides(
+                    node, number, [left, right], left.says & right.says,
+                    lambda best: f"minimum({left.margin(best)}, {right.margin(best)})",
+                    lambda best: f"{left.sat(best)} & {right.sat(best)}",
+                )  # fmt: skip
+            case "or":
+                return self._sides(
+                    node, number, [left, right], left.says & right.says,
+                    lambda best: f"maximum({left.margin(best)}, {right.margin(best)})",
+                    lambda best: f"{left.sat(best)} | {right.sat(best)}",
+                )  # fmt: skip
+            case "implies":
+                return self._sides(
+                    node, number, [left, right], _denied(left.says) & right.says,
+                    lambda best: f"maximum(-{left.margin(not best)}, {right.margin(best)})",
+                    lambda best: f"~{left.sat(not best)} | {right.sat(best)}",
+                )  # fmt: skip
+            case "xor":
+                return self._given(node, number, f"differ({left.value}, {right.value})")
+            case "iff":
+                return self._given(node, number, f"negate(differ({left.value}, {right.value}))")
+            case _:
+                raise AssertionError(f"unknown connective {node.op}")
+
+    def _quantifier(self, node: ir.Quantify, number: int, *parts: Variables) -> Variables:
+        if node.quantifier not in ("for all", "exists"):
+            raise AssertionError(f"unknown quantifier {node.quantifier}")
+        every = node.quantifier == "for all"
+        reduce, axis, body = "every" if every else "some", 1 + node.axis.level, parts[-1]
+        maybe = surely = self._once("m", node.axis, f"b.mask({self._hold(node.axis)})")
+        if node.guard is not None:
+            # See the reference evaluator: what may be in range counts against a `for all` in the worst case.
+            guard, mask = parts[0], maybe
+            maybe, surely = f"r{number}", f"q{number}"
+            self._line(node, f"{maybe} = inside({mask}, {guard.sat(True)}, {self.rank})")
+            one = f"{maybe} if {guard.best} is {guard.worst} else "
+            self._line(node, f"{surely} = {one}inside({mask}, {guard.sat(False)}, {self.rank})")
+
+        def inside(best: bool) -> str:
+            return surely if best == every else maybe
+
+        return self._sides(
+            node, number, parts, body.says,
+            lambda best: f"{reduce}({body.margin(best)}, {axis}, {inside(best)})",
+            lambda best: f"{reduce}_sat({body.sat(best)}, {axis}, {inside(best)})",
+        )  # fmt: skip
+
+    def _guarded(self, node: ir.Guarded, number: int, guard: Variables, body: Variables) -> Variables:
+        return self._sides(
+            node, number, [guard, body], body.says,
+            lambda best: f"where({guard.sat(not best)}, {body.margin(best)}, inf)",
+            lambda best: f"{body.sat(best)} | ~{guard.sat(not best)}",
+        )  # fmt: skip
+
+
+def _denied(says: int) -> int:
+    """What a margin's sign says when turned round: what fails at 0 holds there when denied."""
+    return (says & AT_LEAST and ABOVE) | (says & ABOVE and AT_LEAST)
+
+
+def _inputs(node: ir.IR) -> list[ir.IR]:
+    return [child for child in node.children() if isinstance(child, (ir.Num, ir.Formula))]
+
+
+def _ordered(roots: Iterable[ir.Formula]) -> list[ir.IR]:
+    """All nodes below roots, children first; iterative, so depth is no limit."""
+    done: dict[ir.IR, None] = {}
+    stack: list[tuple[ir.IR, bool]] = [(root, False) for root in reversed(list(roots))]
+    while stack:
+        node, ready = stack.pop()
+        if node in done:
+            continue
+        if ready:
+            done[node] = None
+        else:
+            stack.append((node, True))
+            stack.extend((child, False) for child in reversed(_inputs(node)))
+    return list(done)
+
+
+def _tuple(names: Iterable[str]) -> str:
+    """A tuple, to make or to take apart."""
+    return f"({''.join(f'{name}, ' for name in names)})"
