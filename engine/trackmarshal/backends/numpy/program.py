@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from trackmarshal.backends.numpy.batch import Batch
 from trackmarshal.backends.numpy.code import Code
 from trackmarshal.backends.numpy.curves import Curve
-from trackmarshal.backends.numpy.logic import AT_LEAST, Side, Value, value
+from trackmarshal.backends.numpy.logic import AT_LEAST, NEITHER, Side, Value, value
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.results import case_result
 from trackmarshal.ir import nodes as ir
@@ -41,6 +41,8 @@ class Program:
             node: (formula.says, tuple(outputs[name] for name in formula.names))
             for node, formula in self.code.formulas.items()
         }
+        self.outcomes = _Formulas(self.places, [rule.formula for rule in self.rules])
+        self.ranges = _Formulas(self.places, [rule.active for rule in self.rules])
         self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
         with np.errstate(all="ignore"):
             # numpy takes arrays without axes faster than numbers.
@@ -60,6 +62,40 @@ class Program:
 
 def _without_axes(value: Any) -> Any:
     return np.array(value) if isinstance(value, np.float64) else value
+
+
+class _Formulas:
+    """Formulas without free variables, some of them rules: where they are among the values of a run."""
+
+    def __init__(
+        self, places: Mapping[ir.IR, tuple[int, tuple[int, ...]]], formulas: Sequence[ir.Formula | None]
+    ) -> None:
+        #: Which of the rules has such a formula.
+        self.rows = [row for row, formula in enumerate(formulas) if formula is not None]
+        found = [places[formula] for formula in formulas if formula is not None]
+        self._margins = [[at[best] for _, at in found] for best in (0, 1)]
+        self._strict = [[not says & AT_LEAST] for says, _ in found]
+        self._unsaid = [(row, at[2:]) for row, (says, at) in enumerate(found) if says == NEITHER]
+
+    def undefined(self, values: Sequence[Any]) -> bool:
+        """Whether one is undefined in some case."""
+        return any(values[worst] is not values[best] for worst, best in zip(*self._margins))
+
+    def read(
+        self, values: Sequence[Any], best: bool, size: int
+    ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+        """(formulas, cases) of whether they hold, and of their margins."""
+        rows = [_of_cases(values[place], size) for place in self._margins[best]]
+        margins = np.concatenate(rows, axis=None).reshape(len(rows), size)
+        sat = np.where(self._strict, margins > 0.0, margins >= 0.0)
+        for row, places in self._unsaid:
+            sat[row] = _of_cases(values[places[best]], size).ravel()
+        return sat, margins
+
+
+def _of_cases(array: Any, size: int) -> Any:
+    """A value for every case, of an array without other axes or of one value for all."""
+    return array if array.size == size else np.repeat(array, size)
 
 
 class Run:
@@ -92,12 +128,8 @@ class Run:
         return known
 
     def _listed(self, side: Side) -> tuple[list[Any], list[Any]]:
-        return self._per_case(side.sat).tolist(), self._per_case(side.margin).tolist()
-
-    def _per_case(self, array: Any) -> Any:
-        """(cases,) of a closed formula's array."""
-        flat = array.ravel()
-        return flat if flat.size == self.batch.size else np.repeat(flat, self.batch.size)
+        size = self.batch.size
+        return _of_cases(side.sat, size).ravel().tolist(), _of_cases(side.margin, size).ravel().tolist()
 
     def verdicts(self, rule: RuleInfo) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """(cases,) verdict names and (cases,) margins of a rule, without witnesses."""
@@ -108,33 +140,24 @@ class Run:
     @cached_property
     def _verdicts(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """The same of all rules, (rules, cases)."""
-        rules, cases = self.program.rules, self.batch.cases
-        values: list[Value] = [self.of(rule.formula) for rule in rules]  # type: ignore[arg-type]
-        worst = self._sides([value.worst for value in values])
-        best = worst if all(v.best is v.worst for v in values) else self._sides([v.best for v in values])
-        sat, margin = (worst[0], best[0]), (worst[1], best[1])
-        code = np.where(sat[0], _SATISFIED, np.where(sat[1], _UNDEFINED, _VIOLATED))
-        margins = np.where(sat[0], margin[0], np.where(sat[1], np.nan, margin[1]))
-        ranged = [row for row, rule in enumerate(rules) if rule.active is not None]
-        if ranged:
-            active, _ = self._sides([self.of(rules[row].active).best for row in ranged])  # type: ignore[arg-type]
+        rules, values, size = self.program.outcomes, self._values, self.batch.size
+        sat, margins = rules.read(values, False, size)
+        code = np.where(sat, _SATISFIED, _VIOLATED)
+        if rules.undefined(values):
+            possible, best = rules.read(values, True, size)
+            code[possible & ~sat] = _UNDEFINED
+            margins = np.where(sat, margins, np.where(possible, np.nan, best))
+        ranged = self.program.ranges
+        if ranged.rows:
+            active, _ = ranged.read(values, True, size)
             empty = np.zeros(code.shape, dtype=np.bool_)
-            empty[ranged] = ~active
+            empty[ranged.rows] = ~active
             code[empty], margins[empty] = _INACTIVE, np.inf
-        for index, case in enumerate(cases):
+        for index, case in enumerate(self.batch.cases):
             if case.unusable:
-                blocked = [case.blocks(rule.reads) for rule in rules]
+                blocked = [case.blocks(rule.reads) for rule in self.program.rules]
                 code[blocked, index], margins[blocked, index] = _UNDEFINED, np.nan
         return _VERDICTS.take(code), margins
-
-    def _sides(self, sides: Sequence[Side]) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-        """(rules, cases) of whether formulas hold, and of their margins."""
-        margin = np.concatenate([self._per_case(side.margin) for side in sides]).reshape(len(sides), -1)
-        sat = margin >= 0.0
-        for row, side in enumerate(sides):
-            if not side.says & AT_LEAST:
-                sat[row] = self._per_case(side.sat)
-        return sat, margin
 
     def results(self, series: bool = False) -> Iterator[CaseResult]:
         """The results of every case, with witnesses."""
