@@ -22,7 +22,7 @@ _CALLED: dict[str, Any] = {
     "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
-    "along": places.along, "predicate": places.predicate, "temporal": time.operator,
+    "along": places.along, "predicate": places.predicate, "within": places.within, "temporal": time.operator,
 }  # fmt: skip
 
 #: An expression of the best case, or of the worst.
@@ -63,8 +63,10 @@ class Variables(NamedTuple):
 class Code:
     """Source of two functions: of what no case changes unless it overrides a parameter, and of the rest."""
 
-    def __init__(self, roots: Iterable[ir.Formula]) -> None:
-        nodes = _ordered(roots)
+    def __init__(self, formulas: Sequence[ir.Formula], ranges: Sequence[ir.Formula]) -> None:
+        """Of the `ranges`, other than of the `formulas`, only whether they hold is asked."""
+        nodes = _ordered([*formulas, *ranges])
+        self._weighed = _weighed(formulas)
         axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
         self.rank = max([1, *(axis.level + 2 for axis in axes)])
         #: Where each formula's variables are.
@@ -227,6 +229,9 @@ class Code:
                 self._line(node, f"{both} = compared({measure.format(x=x, y=y)}, {x}, {y})")
                 return own._replace(says=says)
             case ir.Geometry():
+                if node.what == "in_area" and node not in self._weighed:
+                    self._line(node, f"{both} = within(b, {self._hold(node)}, {_tuple(at)})")
+                    return own._replace(says=BOTH)
                 self._line(node, f"{both} = predicate(b, {self._hold(node)}, {_tuple(at)})")
                 return own
             case ir.Not():
@@ -345,6 +350,22 @@ def _denied(says: int) -> int:
 
 def _inputs(node: ir.IR) -> list[ir.IR]:
     return [child for child in node.children() if isinstance(child, (ir.Num, ir.Formula))]
+
+
+def _weighed(roots: Iterable[ir.Formula]) -> set[ir.IR]:
+    """Formulas whose margins count. Of guards, and of conditions of numbers, it only counts whether they hold."""
+    found: set[ir.IR] = set()
+    stack: list[ir.IR] = list(roots)
+    while stack:
+        node = stack.pop()
+        if node in found:
+            continue
+        found.add(node)
+        if isinstance(node, (ir.Quantify, ir.Guarded)):
+            stack.append(node.body)
+        else:
+            stack.extend(child for child in _inputs(node) if isinstance(child, ir.Formula))
+    return found
 
 
 def _ordered(roots: Iterable[ir.Formula]) -> list[ir.IR]:

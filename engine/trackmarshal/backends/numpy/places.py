@@ -37,6 +37,18 @@ def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any
     return (margin, margin) if known.all() else logic.partly(margin, known)
 
 
+def within(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any, Any]:
+    """Whether points are in an area, as margins that are infinite; cheap for points that are nowhere near it."""
+    assert node.area is not None
+    shape = np.broadcast(*args).shape
+    if 0 not in shape and not any(area.near(*args) for area in _owners(batch, node.area)):
+        margin = np.full(shape, -np.inf)
+        return margin, margin
+    worst, best = predicate(batch, node, args)
+    decided = np.where(worst >= 0.0, np.inf, -np.inf)
+    return decided, decided if best is worst else np.where(best >= 0.0, np.inf, -np.inf)
+
+
 def along(batch: Batch, node: ir.Along, args: Sequence[Any]) -> Any:
     """A number read off a line."""
     shape = np.broadcast(*args).shape

@@ -31,9 +31,8 @@ class Program:
         self.spec = spec
         self.rules = [rule for rule in rules if rule.formula is not None]
         self.rows = {rule.name: row for row, rule in enumerate(self.rules)}
-        self.code = Code(
-            root for rule in self.rules for root in (rule.formula, rule.active) if root is not None
-        )
+        formulas, ranges = [rule.formula for rule in self.rules], [rule.active for rule in self.rules]
+        self.code = Code([f for f in formulas if f is not None], [f for f in ranges if f is not None])
         self._fixed, self._varying = self.code.functions()
         outputs = {name: place for place, name in enumerate(self.code.outputs)}
         #: By formula: what its margins say, and where they and whether it holds are among the values of a run.
@@ -41,8 +40,8 @@ class Program:
             node: (formula.says, tuple(outputs[name] for name in formula.names))
             for node, formula in self.code.formulas.items()
         }
-        self.outcomes = _Formulas(self.places, [rule.formula for rule in self.rules])
-        self.ranges = _Formulas(self.places, [rule.active for rule in self.rules])
+        self.outcomes = _Formulas(self.places, formulas)
+        self.ranges = _Formulas(self.places, ranges)
         self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
         with np.errstate(all="ignore"):
             # numpy takes arrays without axes faster than numbers.

@@ -48,6 +48,10 @@ class Border:
         self.bend = (turn < -STRAIGHT).astype(np.int8) - (turn > STRAIGHT).astype(np.int8)
         #: Rows ax, ay, ex, ey, square, length: what the distance of a hull takes of a segment, in one read.
         self.table = np.stack([self.ax, self.ay, self.ex, self.ey, self.square, self.length])
+        #: Rows ax, ay, bx, by, ex, ey, square, length: what the distance of a point takes of a segment.
+        self.segments = np.stack(
+            [self.ax, self.ay, self.bx, self.by, self.ex, self.ey, self.square, self.length]
+        )
         self._blocks(firsts)
         for array in (
             self.ax,
@@ -59,6 +63,7 @@ class Border:
             self.square,
             self.length,
             self.table,
+            self.segments,
         ):
             array.flags.writeable = False
 
@@ -77,15 +82,12 @@ class Border:
 
     def distance(self, x: Floats, y: Floats, k: Ints) -> Floats:
         """The distance of points from segments: to the line where the foot lies within, else to the nearer end."""
-        return self.distance_from(x - self.ax[k], y - self.ay[k], x - self.bx[k], y - self.by[k], k)
+        ax, ay, bx, by, ex, ey, square, length = self.segments.take(k, axis=1)
+        return _distance(x - ax, y - ay, x - bx, y - by, ex, ey, square, length)
 
     def distance_from(self, rx: Floats, ry: Floats, sx: Floats, sy: Floats, k: Ints) -> Floats:
         """The same, of points as seen from the segment's start (rx, ry) and from its end (sx, sy)."""
-        ex, ey, square = self.ex[k], self.ey[k], self.square[k]
-        along = ex * rx + ey * ry
-        beside = (along > 0.0) & (along < square)
-        end = np.sqrt(np.minimum(rx * rx + ry * ry, sx * sx + sy * sy))
-        return np.where(beside, np.abs(ex * ry - ey * rx) / self.length[k], end)
+        return _distance(rx, ry, sx, sy, self.ex[k], self.ey[k], self.square[k], self.length[k])
 
     def near(self, x: Floats, y: Floats, reach: float | Floats = 0.0) -> tuple[Ints, Ints, Floats]:
         """All segments that are at most `reach` farther from a point than its nearest one.
@@ -131,3 +133,13 @@ class Border:
         corner = np.where(at_start, rx, sx) * nx + np.where(at_start, ry, sy) * ny
         left: Bools = np.where(beside, ex * ry - ey * rx, corner) > 0.0
         return left
+
+
+def _distance(
+    rx: Floats, ry: Floats, sx: Floats, sy: Floats, ex: Floats, ey: Floats, square: Floats, length: Floats
+) -> Floats:
+    along = ex * rx + ey * ry
+    beside = (along > 0.0) & (along < square)
+    end = np.sqrt(np.minimum(rx * rx + ry * ry, sx * sx + sy * sy))
+    distance: Floats = np.where(beside, np.abs(ex * ry - ey * rx) / length, end)
+    return distance

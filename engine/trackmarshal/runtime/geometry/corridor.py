@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from trackmarshal.runtime.geometry.arrays import (
+    LIMIT,
     SAME,
+    Bools,
     Floats,
     as_points,
     coordinates_fault,
@@ -61,6 +63,15 @@ class Area:
             row[...] = column
         long, wide = (float(size) if size.ndim == 0 else _filled(size, count) for size in sizes)
         return self._region.margin_inside(poses, long, wide)
+
+    def near(self, x: Floats, y: Floats) -> bool:
+        """Whether some of these points may be in the region, or have no answer; False if all are off its bounding box."""
+        if self._region is None:
+            return True
+        left, right, low, high = self._region.box
+        # Points that are none are off no box.
+        off: Bools = (x < left) | (x > right) | (y < low) | (y > high)
+        return not (off & (np.abs(x) <= LIMIT) & (np.abs(y) <= LIMIT)).all()
 
     def signed_distance(self, x: ArrayLike, y: ArrayLike) -> Floats:
         """The distance of points from the border [m], positive inside: (N,)."""

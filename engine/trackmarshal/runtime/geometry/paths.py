@@ -16,21 +16,41 @@ def distance_to_paths(
     `lengths` says how many samples of each path count; the rest is padding. A path with fewer than two distinct points, or
     with an unusable one, has no distance: NaN.
     """
-    points = np.stack([np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)])
-    path = np.stack([np.asarray(path_x, dtype=np.float64), np.asarray(path_y, dtype=np.float64)])
+    points = _pair(x, y)
+    path = _pair(path_x, path_y)
     there: Bools = np.arange(path.shape[2]) < np.asarray(lengths, dtype=np.intp)[:, None]
-    sound: Bools = np.logical_and.reduce(np.abs(path) <= LIMIT, axis=0)
-    fine: Bools = np.logical_and.reduce(sound | ~there, axis=1)
-    usable = np.logical_and.reduce(np.abs(points) <= LIMIT, axis=0) & fine[:, None]
-    points = np.where(usable, points, 0.0)[..., None]
-    path = np.where(there & fine[:, None], path, 0.0)[:, :, None]
+    usable: Bools | None = None
+    # Mostly all paths are equally long and all points are fine; NaN is not.
+    if not (
+        there.all() and np.abs(points).max(initial=0.0) <= LIMIT and np.abs(path).max(initial=0.0) <= LIMIT
+    ):
+        sound: Bools = np.logical_and.reduce(np.abs(path) <= LIMIT, axis=0)
+        fine: Bools = np.logical_and.reduce(sound | ~there, axis=1)
+        usable = np.logical_and.reduce(np.abs(points) <= LIMIT, axis=0) & fine[:, None]
+        points = np.where(usable, points, 0.0)
+        path = np.where(there & fine[:, None], path, 0.0)
+    points, path = points[..., None], path[:, :, None]
     ex, ey = path[..., 1:] - path[..., :-1]
     square = ex * ex + ey * ey
-    real = there[:, None, 1:] & (square > 0.0)
+    real = square > 0.0
+    if usable is not None:
+        real &= there[:, None, 1:]
     (rx, sx), (ry, sy) = ((seen[..., :-1], seen[..., 1:]) for seen in points - path)
     along = ex * rx + ey * ry
-    line = np.abs(ex * ry - ey * rx) / np.sqrt(np.where(real, square, 1.0))
-    ends = np.sqrt(np.minimum(rx * rx + ry * ry, sx * sx + sy * sy))
-    distance = np.where(real, np.where((along > 0.0) & (along < square), line, ends), np.inf)
-    nearest: Floats = distance.min(axis=2, initial=np.inf)
-    return np.where(usable & real.any(axis=2), nearest, np.nan)
+    distance = np.sqrt(np.minimum(rx * rx + ry * ry, sx * sx + sy * sy))
+    beside = (along > 0.0) & (along < square)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.where(beside, np.abs(ex * ry - ey * rx) / np.sqrt(square), distance)
+    if usable is None and real.size and real.all():
+        nearest: Floats = distance.min(axis=2, initial=np.inf)
+        return nearest
+    nearest = np.where(real, distance, np.inf).min(axis=2, initial=np.inf)
+    known = real.any(axis=2)
+    return np.where(known if usable is None else usable & known, nearest, np.nan)
+
+
+def _pair(x: ArrayLike, y: ArrayLike) -> Floats:
+    x = np.asarray(x, dtype=np.float64)
+    pair = np.empty((2, *x.shape))
+    pair[0], pair[1] = x, y
+    return pair

@@ -53,11 +53,11 @@ class Polyline:
             return nan, nan.copy(), nan.copy()
         border = self._border
         k, distance = self._nearest(px, py)
-        ex, ey, length = border.ex[k], border.ey[k], border.length[k]
-        rx, ry = px - border.ax[k], py - border.ay[k]
+        ax, ay, _, _, ex, ey, square, length = border.segments.take(k, axis=1)
+        rx, ry = px - ax, py - ay
         product = ex * rx + ey * ry
         advance, offset = product / length, (ex * ry - ey * rx) / length
-        before, after = product <= 0.0, product >= border.square[k]
+        before, after = product <= 0.0, product >= square
         if not self.closed:
             before &= k > 0
             after &= k < border.size - 1

@@ -25,6 +25,8 @@ PAIRS_AT_ONCE = 5000
 POINTS_AT_ONCE = 6000
 #: A border of at most so many segments has none that are not worth looking at.
 FEW = 16
+#: How far from a region's points its bounding box is drawn [m].
+AROUND = 1e-3
 #: Where the place of a segment that is none lies.
 FAR = 1e15
 
@@ -34,6 +36,11 @@ class Region:
 
     def __init__(self, rings: Sequence[Floats]) -> None:
         self.border = Border(rings, closed=True)
+        #: Beyond these x and y lies no point of the region, however its distance is rounded [m].
+        self.box = (
+            float(self.border.ax.min()) - AROUND, float(self.border.ax.max()) + AROUND,
+            float(self.border.ay.min()) - AROUND, float(self.border.ay.max()) + AROUND,
+        )  # fmt: skip
         perimeter = float(self.border.length.sum())
         # Cells as large as half a corridor is wide: with the neighbours of the border's cells they cover its inside.
         self.cells = Cells(self.border, abs(sum(area(ring) for ring in rings)) / perimeter)
