@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from trackmarshal.runtime.geometry.arrays import Bools, Floats, Ints, starts_of
+from trackmarshal.runtime.geometry.arrays import Bools, Floats, Ints, counts_of, starts_of
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.sweep import Sweeps
+
+#: Farther than any distance is, by itself or divided by the length of a segment; cheaper to put than infinity [m].
+FARTHEST = 1e300
 
 
 class Approach:
@@ -19,9 +22,11 @@ class Approach:
     def __init__(self, border: Border, sweeps: Sweeps, rows: Ints, k: Ints) -> None:
         self.border, self.sweeps, self.rows, self.k = border, sweeps, rows, k
         self.starts = starts_of(rows)
-        cx, cy, gx, gy, square, length = sweeps.sides.take(rows, axis=2)
+        counts = counts_of(self.starts, rows.size)
+        hulls = slice(rows[0], rows[-1] + 1)
+        cx, cy, gx, gy, square, length = sweeps.sides[:, :, hulls].repeat(counts, axis=2)
         ax, ay, ex, ey, segment_square, segment_length = border.table.take(k, axis=1)
-        x, y = sweeps.position.take(rows, axis=1)
+        x, y = sweeps.position[:, hulls].repeat(counts, axis=1)
         cx -= ax - x
         cy -= ay - y
         self.cx, self.cy, self.gx, self.gy, self.length = cx, cy, gx, gy, length
@@ -123,6 +128,8 @@ class Approach:
 
 
 def _least(values: Floats, counted: Bools) -> Floats:
-    """The least absolute value of each column among those that count; infinite where none does."""
-    least: Floats = np.minimum.reduce(np.where(counted, np.abs(values), np.inf), axis=0)
+    """The least absolute value of each column among those that count; farther than anything where none does."""
+    size = np.abs(values)
+    np.fmax(size, np.multiply(~counted, FARTHEST), out=size)  # sides that are none are NaN, and do not count
+    least: Floats = np.minimum.reduce(size, axis=0)
     return least

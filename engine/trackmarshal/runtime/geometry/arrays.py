@@ -79,3 +79,11 @@ def starts_of(rows: Ints) -> Ints:
     begins[:1] = True
     np.not_equal(rows[1:], rows[:-1], out=begins[1:])
     return begins.nonzero()[0]
+
+
+def counts_of(starts: Ints, size: int) -> Ints:
+    """How long each run is, given where runs begin among so many numbers."""
+    counts = np.empty_like(starts)
+    np.subtract(starts[1:], starts[:-1], out=counts[:-1])
+    counts[-1:] = size - starts[-1:]
+    return counts

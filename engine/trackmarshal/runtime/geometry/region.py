@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.runtime.geometry.approach import Approach
-from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, points_of, starts_of
+from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, counts_of, points_of, starts_of
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.cells import SHIFT, WIDTH, Cells
 from trackmarshal.runtime.geometry.sweep import Sweeps
@@ -187,10 +187,7 @@ class Region:
         limit += (excess if runs.size == sweeps.size else excess.take(rows.take(runs))) + self._slack
         limit *= limit
         if runs.size < rows.size:
-            counts = np.empty_like(runs)
-            np.subtract(runs[1:], runs[:-1], out=counts[:-1])
-            counts[-1] = rows.size - runs[-1]
-            limit = limit.repeat(counts)
+            limit = limit.repeat(counts_of(runs, rows.size))
         kept = (best <= limit).T.ravel().nonzero()[0]
         tile = kept >> SHIFT
         place = (kept & (WIDTH - 1)) * rows.size + tile
