@@ -52,7 +52,7 @@ class CasesReader:
                 for columns.case, raw in enumerate(raws[first : first + AT_ONCE], start=first):
                     cases.append(self._plain(raw, columns))
                 read = cases[first : first + AT_ONCE]
-                together = None if None in read else columns.together()
+                together = columns.together() if all(read) else None
                 if together is None:
                     for index in columns.flawed():
                         cases[index] = None
@@ -296,7 +296,7 @@ def _limits(signal: str, kind: FieldType) -> Field:
         -math.inf if kind.lower is None else kind.lower,
         math.inf if kind.upper is None else kind.upper,
     )
-    return Field(signal, kind.name, lower, upper, kind.increasing)
+    return Field((signal, kind.name), lower, upper, kind.increasing)
 
 
 def _door(reader: CaseReader, signal: SignalType | None, needed: set[str]) -> _Door | _Event:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import marshal
-import math
 import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain
+from itertools import accumulate, chain, islice
 from typing import Any
 
 import numpy as np
@@ -37,8 +36,8 @@ def floats(values: list[object]) -> Floats | None:
 class Field:
     """A field that is read: of which signal, and what its values must be like, in SI."""
 
-    signal: str
-    name: str
+    #: Signal and field.
+    place: tuple[str, str]
     lower: float
     upper: float
     increasing: bool
@@ -71,26 +70,29 @@ def checked(fields: Sequence[tuple[Field, Sequence[Any]]]) -> Together | None:
 
     Wrong is a value that is no float, not finite, or out of its field's range, and times that do not increase.
     """
-    values = floats(list(chain.from_iterable(chain.from_iterable(columns for _, columns in fields))))
+    every = list(chain.from_iterable(columns for _, columns in fields))
+    values = floats(list(chain.from_iterable(every)))
     if values is None:
         return None
-    if not math.isfinite(np.add.reduce(values)):  # which it is only if all of them are
+    if not np.isfinite(values).all():
         return None
+    lengths = list(map(len, every))
+    offsets = list(accumulate(lengths, initial=0))
     places: dict[tuple[str, str], tuple[Sequence[Any], int]] = {}
     begins, lower, upper = [], [], []
-    end = 0
+    first = 0
     for field, columns in fields:
-        lengths = list(map(len, columns))
-        begin = end
-        end += sum(lengths)
-        if min(lengths) == max(lengths):
-            places[field.signal, field.name] = columns, begin
+        last = first + len(columns)
+        begin, end, own = offsets[first], offsets[last], lengths[first:last]
+        first = last
         if begin < end:
             begins.append(begin)
             lower.append(field.lower)
             upper.append(field.upper)
-            if field.increasing and not _increasing(values[begin:end], lengths):
+            if field.increasing and not _increasing(values[begin:end], own):
                 return None
+        if own.count(own[0]) == len(own):
+            places[field.place] = columns, begin
     if begins:
         least, greatest = np.minimum.reduceat(values, begins), np.maximum.reduceat(values, begins)
         if (least < lower).any() or (greatest > upper).any():
@@ -125,8 +127,7 @@ def array(
 def _increasing(values: Floats, lengths: Sequence[int]) -> bool:
     """Whether columns of some lengths, one after the other, increase, each in itself."""
     later = values[1:] > values[:-1]
-    if len(lengths) > 1:
-        ends = np.cumsum(lengths)
-        # From the end of one to the beginning of the next is no step.
-        later[ends[(ends > 0) & (ends < values.size)] - 1] = True
+    for end in islice(accumulate(lengths), len(lengths) - 1):
+        if 0 < end < values.size:
+            later[end - 1] = True  # from the end of one to the beginning of the next
     return bool(later.all())
