@@ -33,8 +33,6 @@ class Batch:
         self._sizes: dict[ir.Axis, int] = {}
         self._columns: dict[tuple[str, str], Floats] = {}
         self._masks: dict[ir.Axis, Bools | None] = {}
-        #: Projections onto lines that were made already, with the arguments they belong to.
-        self.projections: dict[tuple[Any, ...], Any] = {}
         #: Borders and lines prepared for this batch, each with the data that it was made from.
         self.prepared: dict[tuple[Any, ...], tuple[Any, Any]] = {}
         #: The prepared object of every case, or one that all share, by the place that it is for.

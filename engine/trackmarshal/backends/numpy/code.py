@@ -22,7 +22,7 @@ _CALLED: dict[str, Any] = {
     "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
-    "along": places.along, "predicate": places.predicate, "within": places.within, "temporal": time.operator,
+    "project": places.project, "distance": places.distance, "gap": places.gap, "predicate": places.predicate, "within": places.within, "temporal": time.operator,
 }  # fmt: skip
 
 #: An expression of the best case, or of the worst.
@@ -78,6 +78,7 @@ class Code:
         #: The variables that `fixed` leaves behind.
         self.left: list[str] = []
         self._numbers: dict[ir.IR, str] = {}
+        self._known: dict[Any, Variables] = {}
         self._names: dict[Any, str] = {}
         self._free: list[str] = []
         self._is_fixed: set[ir.IR] = set()
@@ -124,11 +125,30 @@ class Code:
                     f"if {condition.best} is not {condition.worst}: {name} = where({unknown}, nan, {name})",
                 )
         elif isinstance(node, ir.Formula):
-            self.formulas[node] = made = self._formula(node, len(self.formulas))
-            if node in self._is_fixed:
-                self.left.extend(made.names)
+            key = self._key(node)
+            made = self._known.get(key)
+            if made is None:
+                made = self._known[key] = self._formula(node, len(self._known))
+                if node in self._is_fixed:
+                    self.left.extend(made.names)
+            self.formulas[node] = made
         else:
             raise AssertionError(f"neither a number nor a formula: {type(node).__name__}")
+
+    def _key(self, node: ir.Formula) -> Any:
+        """What formulas have in common that are computed alike, wherever they stand; numbers are shared from the start."""
+        parts = tuple(self.formulas[child] for child in _inputs(node) if isinstance(child, ir.Formula))
+        match node:
+            case ir.Compare():
+                return node.op, node.left, node.right
+            case ir.Not():
+                return "not", *parts
+            case ir.Connective():
+                return node.op, *parts
+            case ir.Quantify():
+                return node.quantifier, node.axis, *parts
+            case _:
+                return node
 
     def _line(self, node: ir.IR, text: str) -> None:
         (self.fixed if node in self._is_fixed else self.varying).append(text)
@@ -191,9 +211,23 @@ class Code:
             case ir.Lookup():
                 return f"b.curve({node.table!r})({at[0]})"
             case ir.Along():
-                return f"along(b, {self._hold(node)}, {_tuple(at)})"
+                return self._along(node, at)
             case _:
                 raise AssertionError(f"unknown number {type(node).__name__}")
+
+    def _along(self, node: ir.Along, at: Sequence[str]) -> str:
+        arguments = f"b, {self._hold(node.line)}, {', '.join(at)}"
+        match node.what:
+            case "station" | "offset" | "direction":
+                # Three numbers of one point: it is projected once.
+                point = self._once("p", (node.line, *node.args), f"project({arguments})")
+                return f"{point}[{('station', 'offset', 'direction').index(node.what)}]"
+            case "distance":
+                return f"distance({arguments})"
+            case "station_gap":
+                return f"gap({arguments})"
+            case _:
+                raise AssertionError(f"unknown number along a line {node.what}")
 
     def _column(self, node: ir.Column) -> str:
         axis = node.axis

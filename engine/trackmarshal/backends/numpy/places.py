@@ -49,27 +49,28 @@ def within(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any, A
     return decided, decided if best is worst else np.where(best >= 0.0, np.inf, -np.inf)
 
 
-def along(batch: Batch, node: ir.Along, args: Sequence[Any]) -> Any:
-    """A number read off a line."""
-    shape = np.broadcast(*args).shape
+def project(batch: Batch, line: ir.Line, x: Any, y: Any) -> tuple[Any, ...]:
+    """Stations, offsets and directions of points along a line."""
+    shape = np.broadcast(x, y).shape
+    if 0 in shape:
+        return (np.empty(shape),) * 3
+    return _ask(batch, line, "project", (x, y), shape)
+
+
+def distance(batch: Batch, line: ir.Line, x: Any, y: Any) -> Any:
+    """Distances of points from a line."""
+    shape = np.broadcast(x, y).shape
     if 0 in shape:
         return np.empty(shape)
-    line = node.line
-    if node.what == "station_gap":
-        return _ask(batch, line, "gap", args, shape)[0]
-    if node.what == "distance":
-        return (
-            _to_paths(batch, line.name, args, shape)
-            if line.kind == "path"
-            else _ask(batch, line, "distance", args, shape)[0]
-        )
-    part = ("station", "offset", "direction").index(node.what)
-    # Station, offset and direction of one point are three nodes; the projection is made once.
-    key = (line, *(id(arg) for arg in args))
-    known = batch.projections.get(key)
-    if known is None:
-        known = batch.projections[key] = (args, _ask(batch, line, "project", args, shape))
-    return known[1][part]
+    if line.kind == "path":
+        return _to_paths(batch, line.name, (x, y), shape)
+    return _ask(batch, line, "distance", (x, y), shape)[0]
+
+
+def gap(batch: Batch, line: ir.Line, start: Any, end: Any) -> Any:
+    """How far stations of a line lie ahead of others."""
+    shape = np.broadcast(start, end).shape
+    return _ask(batch, line, "gap", (start, end), shape)[0] if 0 not in shape else np.empty(shape)
 
 
 def fault(batch: Batch, index: int, area: ir.Area) -> str | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -31,8 +31,9 @@ class Program:
         self.spec = spec
         self.rules = [rule for rule in rules if rule.formula is not None]
         self.rows = {rule.name: row for row, rule in enumerate(self.rules)}
-        formulas, ranges = [rule.formula for rule in self.rules], [rule.active for rule in self.rules]
-        self.code = Code([f for f in formulas if f is not None], [f for f in ranges if f is not None])
+        formulas = [rule.formula for rule in self.rules if rule.formula is not None]
+        ranges = [rule.active for rule in self.rules if rule.active is not None]
+        self.code = Code(formulas, ranges)
         self._fixed, self._varying = self.code.functions()
         outputs = {name: place for place, name in enumerate(self.code.outputs)}
         #: By formula: what its margins say, and where they and whether it holds are among the values of a run.
@@ -40,8 +41,16 @@ class Program:
             node: (formula.says, tuple(outputs[name] for name in formula.names))
             for node, formula in self.code.formulas.items()
         }
-        self.outcomes = _Formulas(self.places, formulas)
-        self.ranges = _Formulas(self.places, ranges)
+        #: Which of the rules has a range that may be empty.
+        self.ranged = [row for row, rule in enumerate(self.rules) if rule.active is not None]
+        of_rules = [self.places[formula] for formula in formulas]
+        #: Where the worst and the best margin of each rule are.
+        self.margins = [(at[0], at[1]) for _, at in of_rules]
+        #: What every verdict needs: each rule in its worst case, each range in its best; and what a doubtful one needs.
+        self.settled = _Cases(
+            [_side(place, 0) for place in of_rules] + [_side(self.places[f], 1) for f in ranges]
+        )
+        self.possible = _Cases([_side(place, 1) for place in of_rules])
         self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
         with np.errstate(all="ignore"):
             # numpy takes arrays without axes faster than numbers.
@@ -63,33 +72,28 @@ def _without_axes(value: Any) -> Any:
     return np.array(value) if isinstance(value, np.float64) else value
 
 
-class _Formulas:
-    """Formulas without free variables, some of them rules: where they are among the values of a run."""
+class _Cases:
+    """Sides of formulas without free variables: where they are among the values of a run."""
 
-    def __init__(
-        self, places: Mapping[ir.IR, tuple[int, tuple[int, ...]]], formulas: Sequence[ir.Formula | None]
-    ) -> None:
-        #: Which of the rules has such a formula.
-        self.rows = [row for row, formula in enumerate(formulas) if formula is not None]
-        found = [places[formula] for formula in formulas if formula is not None]
-        self._margins = [[at[best] for _, at in found] for best in (0, 1)]
-        self._strict = [[not says & AT_LEAST] for says, _ in found]
-        self._unsaid = [(row, at[2:]) for row, (says, at) in enumerate(found) if says == NEITHER]
+    def __init__(self, sides: Sequence[tuple[int, int, int]]) -> None:
+        """By side what the margin says, where it is, and, unless it says it, where whether it holds is."""
+        self._margins = [margin for _, margin, _ in sides]
+        self._strict = [[not says & AT_LEAST] for says, _, _ in sides]
+        self._unsaid = [(row, sat) for row, (says, _, sat) in enumerate(sides) if says == NEITHER]
 
-    def undefined(self, values: Sequence[Any]) -> bool:
-        """Whether one is undefined in some case."""
-        return any(values[worst] is not values[best] for worst, best in zip(*self._margins))
-
-    def read(
-        self, values: Sequence[Any], best: bool, size: int
-    ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-        """(formulas, cases) of whether they hold, and of their margins."""
-        rows = [_of_cases(values[place], size) for place in self._margins[best]]
+    def read(self, values: Sequence[Any], size: int) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+        """(sides, cases) of whether they hold, and of their margins."""
+        rows = [_of_cases(values[place], size) for place in self._margins]
         margins = np.concatenate(rows, axis=None).reshape(len(rows), size)
         sat = np.where(self._strict, margins > 0.0, margins >= 0.0)
-        for row, places in self._unsaid:
-            sat[row] = _of_cases(values[places[best]], size).ravel()
+        for row, place in self._unsaid:
+            sat[row] = _of_cases(values[place], size).ravel()
         return sat, margins
+
+
+def _side(place: tuple[int, tuple[int, ...]], best: int) -> tuple[int, int, int]:
+    says, at = place
+    return says, at[best], at[2 + best] if says == NEITHER else -1
 
 
 def _of_cases(array: Any, size: int) -> Any:
@@ -139,19 +143,18 @@ class Run:
     @cached_property
     def _verdicts(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
         """The same of all rules, (rules, cases)."""
-        rules, values, size = self.program.outcomes, self._values, self.batch.size
-        sat, margins = rules.read(values, False, size)
+        program, values, size = self.program, self._values, self.batch.size
+        rules = len(program.rules)
+        sat, margins = program.settled.read(values, size)
+        empty = np.zeros((rules, size), dtype=np.bool_)
+        empty[program.ranged] = ~sat[rules:]
+        sat, margins = sat[:rules], margins[:rules]
         code = np.where(sat, _SATISFIED, _VIOLATED)
-        if rules.undefined(values):
-            possible, best = rules.read(values, True, size)
+        if any(values[worst] is not values[best] for worst, best in program.margins):
+            possible, best = program.possible.read(values, size)
             code[possible & ~sat] = _UNDEFINED
             margins = np.where(sat, margins, np.where(possible, np.nan, best))
-        ranged = self.program.ranges
-        if ranged.rows:
-            active, _ = ranged.read(values, True, size)
-            empty = np.zeros(code.shape, dtype=np.bool_)
-            empty[ranged.rows] = ~active
-            code[empty], margins[empty] = _INACTIVE, np.inf
+        code[empty], margins[empty] = _INACTIVE, np.inf
         for index, case in enumerate(self.batch.cases):
             if case.unusable:
                 blocked = [case.blocks(rule.reads) for rule in self.program.rules]
