@@ -243,8 +243,6 @@ class _Set(_Door):
         case.counts[name] = len(records)
         case.columns[name] = {
             field.name: columns.add(field, [record.get(field.name, field.default) for record in records])
-            if records
-            else ()
             for field in self.read_fields
         }
 

@@ -87,7 +87,7 @@ def _ask(
     owners = _owners(batch, place)
     if len(owners) == 1:
         answer = getattr(owners[0], method)(*(_flat(arg, shape) for arg in args))
-        return tuple(np.reshape(part, shape) for part in _parts(answer))
+        return tuple(part.reshape(shape) for part in _parts(answer))
     shape = (batch.size, *(shape[1:] or (1,) * (batch.rank - 1)))
     whole = [arg if np.ndim(arg) == 0 else np.broadcast_to(arg, shape) for arg in args]
     rows = []
@@ -99,7 +99,7 @@ def _ask(
 
 def _flat(arg: Any, shape: tuple[int, ...]) -> Any:
     """An argument as a vector; a number stays one."""
-    if np.ndim(arg) == 0:
+    if arg.ndim == 0:
         return arg
     return (arg if arg.shape == shape else np.broadcast_to(arg, shape)).ravel()
 

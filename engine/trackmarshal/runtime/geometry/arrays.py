@@ -61,7 +61,8 @@ def place(x: float, y: float) -> str:
 
 def vector(values: Any) -> Floats:
     """A number or numbers as a one-dimensional array."""
-    return np.atleast_1d(np.asarray(values, dtype=np.float64))
+    array = np.asarray(values, dtype=np.float64)
+    return array if array.ndim else array.reshape(1)
 
 
 def points_of(x: Any, y: Any) -> tuple[Floats, Floats, Bools | None]:

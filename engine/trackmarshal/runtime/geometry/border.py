@@ -111,11 +111,11 @@ class Border:
         dx, dy = x[:, None] - self.disc_x, y[:, None] - self.disc_y
         centre = np.sqrt(dx * dx + dy * dy)
         limit = centre.min(axis=1) + (reach + SLACK)
-        point, run = np.nonzero(centre - self.disc_radius <= limit[:, None])
+        point, run = (centre - self.disc_radius <= limit[:, None]).nonzero()
         k = self.runs[run]
         distance = self.distance(x[point, None], y[point, None], k)
         nearest = np.minimum.reduceat(distance.min(axis=1), starts_of(point)) + (reach + SLACK)
-        kept = np.flatnonzero(distance <= nearest[point, None])
+        kept = (distance <= nearest[point, None]).ravel().nonzero()[0]
         return point[kept // BLOCK], k.ravel()[kept], distance.ravel()[kept]
 
     def left_of(self, x: Floats, y: Floats, k: Ints) -> Bools:

@@ -118,7 +118,7 @@ class Polyline:
         starts = starts_of(rows)
         best = np.minimum.reduceat(distance, starts)
         if starts.size < rows.size:
-            nearest = np.flatnonzero(distance == best[rows])
+            nearest = (distance == best[rows]).nonzero()[0]
             k = k[nearest[starts_of(rows[nearest])]]
         return k, best
 
