@@ -25,6 +25,10 @@ _CALLED: dict[str, Any] = {
     "project": places.project, "distance": places.distance, "gap": places.gap, "predicate": places.predicate, "within": places.within, "temporal": time.operator,
 }  # fmt: skip
 
+#: What a projection onto a line gives, in this order.
+PROJECTIONS = ("station", "offset", "direction")
+#: Numbers that are read from the input as they are.
+_INPUTS = (ir.Column, ir.Sample, ir.Scalar)
 #: An expression of the best case, or of the worst.
 Side = Callable[[bool], str]
 
@@ -83,6 +87,11 @@ class Code:
         self._free: list[str] = []
         self._is_fixed: set[ir.IR] = set()
         last_use = {child: node for node in nodes for child in _inputs(node)}
+        #: Points that are projected onto each line.
+        self._points: dict[ir.Line, list[tuple[ir.Num, ...]]] = {}
+        for node in nodes:
+            if isinstance(node, ir.Along) and node.what in PROJECTIONS:
+                self._points.setdefault(node.line, []).append(node.args)
         for node in nodes:
             self._emit(node)
             for child in _inputs(node):
@@ -111,6 +120,8 @@ class Code:
     # Variables ------------------------------------------------------------------------------------------------
 
     def _emit(self, node: ir.IR) -> None:
+        if node in self._numbers:
+            return
         if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(_inputs(node)):
             self._is_fixed.add(node)
         if isinstance(node, ir.Num):
@@ -216,18 +227,36 @@ class Code:
                 raise AssertionError(f"unknown number {type(node).__name__}")
 
     def _along(self, node: ir.Along, at: Sequence[str]) -> str:
+        if node.what in PROJECTIONS:
+            return f"{self._projected(node)}[{PROJECTIONS.index(node.what)}]"
         arguments = f"b, {self._hold(node.line)}, {', '.join(at)}"
         match node.what:
-            case "station" | "offset" | "direction":
-                # Three numbers of one point: it is projected once.
-                point = self._once("p", (node.line, *node.args), f"project({arguments})")
-                return f"{point}[{('station', 'offset', 'direction').index(node.what)}]"
             case "distance":
                 return f"distance({arguments})"
             case "station_gap":
                 return f"gap({arguments})"
             case _:
                 raise AssertionError(f"unknown number along a line {node.what}")
+
+    def _projected(self, node: ir.Along) -> str:
+        """The variable of a point's projection onto a line. All points that are plain input are projected with the first one."""
+        if ("p", node.line, node.args) not in self._names:
+            plain = [
+                args
+                for args in self._points[node.line]
+                if ("p", node.line, args) not in self._names and all(isinstance(arg, _INPUTS) for arg in args)
+            ]
+            together = list(dict.fromkeys([node.args, *plain]))
+            points = []
+            for args in together:
+                for arg in args:
+                    self._emit(arg)
+                points.append(_tuple(self._numbers[arg] for arg in args))
+            names = [f"p{len(self._names) + k}" for k in range(len(together))]
+            self._names |= {("p", node.line, args): name for args, name in zip(together, names)}
+            line = self._hold(node.line)
+            self.varying.append(f"{_tuple(names)} = project(b, {line}, {', '.join(points)})")
+        return self._names["p", node.line, node.args]
 
     def _column(self, node: ir.Column) -> str:
         axis = node.axis

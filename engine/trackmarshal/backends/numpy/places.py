@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -49,12 +51,26 @@ def within(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any, A
     return decided, decided if best is worst else np.where(best >= 0.0, np.inf, -np.inf)
 
 
-def project(batch: Batch, line: ir.Line, x: Any, y: Any) -> tuple[Any, ...]:
-    """Stations, offsets and directions of points along a line."""
-    shape = np.broadcast(x, y).shape
-    if 0 in shape:
-        return (np.empty(shape),) * 3
-    return _ask(batch, line, "project", (x, y), shape)
+def project(batch: Batch, line: ir.Line, *points: tuple[Any, Any]) -> list[tuple[Any, ...]]:
+    """Stations, offsets and directions along a line, of points x, y: of several arrays of points, asked about at once."""
+    shapes = [np.broadcast(x, y).shape for x, y in points]
+    owners = _owners(batch, line)
+    if len(owners) > 1 or len(points) == 1:
+        return [_projected(batch, line, point, shape) for point, shape in zip(points, shapes)]
+    sizes = list(map(math.prod, shapes))
+    x, y = (np.concatenate([_all(p[k], s) for p, s in zip(points, shapes)]) for k in (0, 1))
+    answers = owners[0].project(x, y)
+    ends = list(accumulate(sizes))
+    return [
+        tuple(part[end - size : end].reshape(shape) for part in answers)
+        for end, size, shape in zip(ends, sizes, shapes)
+    ]
+
+
+def _projected(
+    batch: Batch, line: ir.Line, point: tuple[Any, Any], shape: tuple[int, ...]
+) -> tuple[Any, ...]:
+    return _ask(batch, line, "project", point, shape) if 0 not in shape else (np.empty(shape),) * 3
 
 
 def distance(batch: Batch, line: ir.Line, x: Any, y: Any) -> Any:
@@ -99,9 +115,11 @@ def _ask(
 
 def _flat(arg: Any, shape: tuple[int, ...]) -> Any:
     """An argument as a vector; a number stays one."""
-    if arg.ndim == 0:
-        return arg
-    return (arg if arg.shape == shape else np.broadcast_to(arg, shape)).ravel()
+    return arg if arg.ndim == 0 else _all(arg, shape)
+
+
+def _all(arg: Any, shape: tuple[int, ...]) -> Any:
+    return (arg if arg.shape == shape else np.broadcast_to(arg, shape)).reshape(-1)
 
 
 def _parts(answer: Any) -> tuple[Any, ...]:
