@@ -1,0 +1,135 @@
+"""Generated source: what is computed once, what is not computed, and what is refused."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from support.agreement import compiled, differences, read, results
+from trackmarshal.backends.numpy.code import Code
+from trackmarshal.backends.numpy.program import Program
+from trackmarshal.ir import nodes as ir
+
+SPEC = """
+module code
+signal ego : state { x: m, y: m, v: m/s }
+signal plan : trajectory { t: s increasing, x: m, y: m, v: m/s }
+signal objects : set of object { x: m, y: m }
+signal track : corridor { left: polyline, right: polyline }
+param most : m/s = 3 m/s
+zone pit = polygon (0 m, -1 m) (9 m, -1 m) (9 m, 1 m) (0 m, 1 m)
+"""
+
+
+def source(rules: str) -> str:
+    spec = compiled(SPEC + rules)
+    return Program(spec, spec.rules).code.source
+
+
+def count(text: str, call: str) -> int:
+    return len(re.findall(rf"\b{call}\(", text))
+
+
+def test_formulas_that_are_alike_are_computed_once() -> None:
+    text = source("""
+rule a "moving cars"
+  for all p in plan where p.v > 1 m/s
+  require p.x <= 5 m
+rule b "moving cars again"
+  for all p in plan where p.v > 1 m/s
+  require p.x <= 6 m
+rule c "not quite alike"
+  for all p in plan where p.v >= 1 m/s
+  require p.x <= 6 m
+""")
+    assert count(text, "compared") == 4  # two guards and two conditions
+
+
+def test_points_are_projected_once_onto_a_line() -> None:
+    text = source("""
+rule a "beside"
+  for all o in objects
+  require abs(offset(o, track) - offset(ego, track)) >= 1 m
+rule b "before"
+  for all o in objects
+  require abs(station(o, track) - station(ego, track)) >= 1 m
+""")
+    assert count(text, "project") == 1
+
+
+def test_only_whether_a_guard_holds_is_asked() -> None:
+    text = source("""
+rule a "slow in the pit"
+  for all p in plan where p in zone pit
+  require p.v <= most
+""")
+    assert (count(text, "within"), count(text, "predicate")) == (1, 0)
+    text = source("""
+rule a "to the pit"
+  for all p in plan where p.v <= most
+  require p in zone pit
+""")
+    assert (count(text, "within"), count(text, "predicate")) == (0, 1)
+
+
+def test_variables_are_used_again() -> None:
+    """The memory of a number is free once nobody needs it."""
+    long = " + ".join(f"sin({k}) * p.x" for k in range(1, 40))
+    text = source(f"""
+rule a "a long sum"
+  for all p in plan
+  require {long} <= 5 m
+""")
+    assert count(text, "sin_") == 39
+    assert len(set(re.findall(r"^\s+(x\d+) = ", text.split("def varying")[1], re.MULTILINE))) < 10
+
+
+@pytest.mark.parametrize("speed", [2.0, 5.0])
+@pytest.mark.parametrize("x", [4.0, 9.0, 9.0005, 9.1, 1e6, -0.5, float("nan")])
+def test_in_a_zone_near_it_and_nowhere_near(x: float, speed: float) -> None:
+    spec = compiled(SPEC + """
+rule a "slow in the pit"
+  for all p in plan where p in zone pit
+  require p.v <= most
+""")  # fmt: skip
+    plan = {"t": [0.0, 1.0], "x": [-50.0, x], "y": [0.0, 0.5], "v": [9.0, speed]}
+    cases = read(spec, [{"signals": {"plan": plan}}])
+    (one,), (expected,) = results(spec, cases, "numpy"), results(spec, cases, "reference")
+    assert not differences(one, expected)
+    assert (expected.rules["a"].verdict == "inactive") == (x > 9.0 or x < 0.0)
+
+
+class Unknown(ir.Num):
+    """A node that nobody has taught the generator."""
+
+
+class UnknownFormula(ir.Formula):
+    pass
+
+
+def spec_node(kind: type[ir.IR]) -> ir.Formula:
+    known = compiled(SPEC + 'rule a "b"\n  require ego.v <= 5 m/s\n').rules[0].formula
+    assert isinstance(known, ir.Compare)
+    if kind is Unknown:
+        return ir.Compare("<=", Unknown(), known.right, "m/s", known.span)
+    if kind is UnknownFormula:
+        return UnknownFormula()
+    return ir.Connective("nand", known, known)
+
+
+@pytest.mark.parametrize("kind", [Unknown, UnknownFormula, ir.Connective])
+def test_what_is_unknown_is_refused(kind: type[ir.IR]) -> None:
+    with pytest.raises(AssertionError, match="unknown"):
+        Code([spec_node(kind)], [])
+
+
+def test_a_rule_of_the_spec_can_be_read_in_the_source() -> None:
+    text = source('rule a "b"\n  require ego.v + most <= 5 m/s\n')
+    assert "b.param('code.most')" in text.split("def varying")[0]
+    assert "b.scalar('ego', 'v')" in text.split("def varying")[1]
+    np.testing.assert_array_equal(
+        [line.strip() for line in text.splitlines() if "compared" in line],
+        ["w0, b0 = compared(x3 - x2, x2, x3)"],
+    )
