@@ -553,13 +553,30 @@ def _content(raw: Any) -> object:
     buffer becomes bytes, which says nothing of its type.
     """
     if is_array(raw):
-        return (raw.dtype.str, raw.shape, raw.tobytes()) if raw.dtype.kind in "fiu" else None
+        return _Content((raw.dtype.str, raw.shape), raw.tobytes()) if raw.dtype.kind in "fiu" else None
     if type(raw) not in (list, tuple):
         return None
     try:
-        return marshal.dumps(raw, 2)  # later versions write references: slower, and not in one way only
+        # Later versions write references: slower, and not in one way only.
+        return _Content(None, marshal.dumps(raw, 2))
     except ValueError:
         return None
+
+
+class _Content:
+    """Bytes and what they are of, as a key: compared in full, hashed by a few of them, since hashing takes longer."""
+
+    __slots__ = ("_data", "_kind")
+
+    def __init__(self, kind: object, data: bytes) -> None:
+        self._kind, self._data = kind, data
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Content) and self._kind == other._kind and self._data == other._data
+
+    def __hash__(self) -> int:
+        data, middle = self._data, len(self._data) // 2
+        return hash((len(data), data[:64], data[middle : middle + 64], data[-64:]))
 
 
 def is_array(raw: object) -> bool:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import gc
-import math
 import operator
+import sys
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
@@ -290,10 +290,8 @@ class _Event:
 
 
 def _limits(signal: str, kind: FieldType) -> Field:
-    lower, upper = (
-        -math.inf if kind.lower is None else kind.lower,
-        math.inf if kind.upper is None else kind.upper,
-    )
+    most = sys.float_info.max
+    lower, upper = -most if kind.lower is None else kind.lower, most if kind.upper is None else kind.upper
     return Field((signal, kind.name), lower, upper, kind.increasing)
 
 

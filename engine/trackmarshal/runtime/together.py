@@ -38,6 +38,7 @@ class Field:
 
     #: Signal and field.
     place: tuple[str, str]
+    #: At the most those of the finite numbers.
     lower: float
     upper: float
     increasing: bool
@@ -74,8 +75,6 @@ def checked(fields: Sequence[tuple[Field, Sequence[Any]]]) -> Together | None:
     values = floats(list(chain.from_iterable(every)))
     if values is None:
         return None
-    if not np.isfinite(values).all():
-        return None
     lengths = list(map(len, every))
     offsets = list(accumulate(lengths, initial=0))
     places: dict[tuple[str, str], tuple[Sequence[Any], int]] = {}
@@ -95,7 +94,7 @@ def checked(fields: Sequence[tuple[Field, Sequence[Any]]]) -> Together | None:
             places[field.place] = columns, begin
     if begins:
         least, greatest = np.minimum.reduceat(values, begins), np.maximum.reduceat(values, begins)
-        if (least < lower).any() or (greatest > upper).any():
+        if not ((least >= lower).all() and (greatest <= upper).all()):  # NaN is neither
             return None
     values.flags.writeable = False
     return Together(values, places)
