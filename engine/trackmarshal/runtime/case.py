@@ -9,13 +9,15 @@ from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import FieldType, ParamInfo, PlaceInfo, SignalType, Spec, TableInfo
-from trackmarshal.runtime.together import Together
 from trackmarshal.units import from_si, to_si
+
+if TYPE_CHECKING:
+    from trackmarshal.runtime.together import Together
 
 NAN = math.nan
 Point = tuple[float, float]

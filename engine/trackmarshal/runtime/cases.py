@@ -9,13 +9,15 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import FieldType, SignalType, Spec
 from trackmarshal.runtime.case import KEYS, SI, Case, CaseReader, Held, is_array, name_of, sound, wanted
-from trackmarshal.runtime.together import Field, Together, checked
 from trackmarshal.units import from_si, to_si
+
+if TYPE_CHECKING:
+    from trackmarshal.runtime.together import Together
 
 #: Cases that are checked together, while their numbers are in the processor's cache.
 AT_ONCE = 64
@@ -110,6 +112,18 @@ def _need(condition: bool) -> None:
         raise _FlawedError
 
 
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field that is read: of which signal, and what its values must be like, in SI."""
+
+    #: Signal and field.
+    place: tuple[str, str]
+    #: At the most those of the finite numbers.
+    lower: float
+    upper: float
+    increasing: bool
+
+
 @dataclass(slots=True, eq=False)
 class _Field:
     """A field that is read."""
@@ -159,6 +173,10 @@ class _Columns:
 
     def together(self) -> Together | None:
         """All columns as arrays, when nothing is wrong with any; None when something may be."""
+        from trackmarshal.runtime.together import (
+            checked,
+        )  # with numpy, which whoever reads no data does without
+
         numbers: list[tuple[Field, Sequence[Any]]] = []
         for field, columns in self._columns.items():
             if field.kind.kind == "number":

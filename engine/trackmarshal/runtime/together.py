@@ -5,12 +5,14 @@ from __future__ import annotations
 import marshal
 import operator
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import accumulate, chain, islice
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from trackmarshal.runtime.cases import Field
 
 Floats = NDArray[np.float64]
 #: How Python's own serialisation puts a float: a byte that says so, and the number. Its version 2 has no references.
@@ -30,18 +32,6 @@ def floats(values: list[object]) -> Floats | None:
     if not (records["type"] == _MARK).all():
         return None
     return np.ascontiguousarray(records["value"])
-
-
-@dataclass(frozen=True, slots=True)
-class Field:
-    """A field that is read: of which signal, and what its values must be like, in SI."""
-
-    #: Signal and field.
-    place: tuple[str, str]
-    #: At the most those of the finite numbers.
-    lower: float
-    upper: float
-    increasing: bool
 
 
 class Together:

@@ -99,7 +99,10 @@ class Code:
                     self._release(child)
 
     def functions(self) -> tuple[Callable[[Any], tuple[Any, ...]], Callable[[Any, Any], tuple[Any, ...]]]:
-        """The compiled functions: of a batch; of a batch and what the first one gave."""
+        """The compiled functions: of a batch; of a batch and what the first one gave.
+
+        All that a spec brings into the source are names, as Python writes strings, and numbers, which are held by name.
+        """
         made: dict[str, Any] = dict(self.named)
         exec(compile(self.source, "<rules>", "exec"), made)
         return made["fixed"], made["varying"]
@@ -350,17 +353,12 @@ class Code:
 
     def _connective(self, node: ir.Connective, number: int, left: Variables, right: Variables) -> Variables:
         match node.op:
-            case "and":
+            case "and" | "or":
+                extreme, joined = ("minimum", "&") if node.op == "and" else ("maximum", "|")
                 return self._sides(
                     node, number, [left, right], left.says & right.says,
-                    lambda best: f"minimum({left.margin(best)}, {right.margin(best)})",
-                    lambda best: f"{left.sat(best)} & {right.sat(best)}",
-                )  # fmt: skip
-            case "or":
-                return self._sides(
-                    node, number, [left, right], left.says & right.says,
-                    lambda best: f"maximum({left.margin(best)}, {right.margin(best)})",
-                    lambda best: f"{left.sat(best)} | {right.sat(best)}",
+                    lambda best: f"{extreme}({left.margin(best)}, {right.margin(best)})",
+                    lambda best: f"{left.sat(best)} {joined} {right.sat(best)}",
                 )  # fmt: skip
             case "implies":
                 return self._sides(
