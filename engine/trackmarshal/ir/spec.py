@@ -8,7 +8,7 @@ from trackmarshal.source import Span
 
 
 class FieldType(Node):
-    """One field of a signal. `kind` is number, bool or polyline; numbers come in `unit`, ranges are in that unit."""
+    """One field of a signal. `kind` is number, bool or polyline; numbers come in `unit`, ranges and defaults are in SI."""
 
     name: str
     kind: str

@@ -120,22 +120,10 @@ class Batch:
         numbers = chain.from_iterable(rows)
         return np.fromiter(numbers, np.float64, self.size * longest).reshape(self.size, longest)
 
-    def before(self, table: Floats, axis: ir.Axis, offset: int) -> Floats:
-        """A column for the variable of an axis, so many samples before it, the first one repeated at the start."""
-        return self.on_axis(shifted(table, offset, self.count(axis)), axis)
-
-    def flag(self, axis: ir.Axis, field: str, offset: int) -> Floats:
-        """As `column`, a Boolean field as 1, 0 and NaN for a missing value."""
-        key = (axis.signal, field)
-        if key not in self._columns:
-            self._columns[key] = self._stack(
-                [
-                    [np.nan if v is None else float(v) for v in case.columns[axis.signal][field]]
-                    for case in self.cases
-                ],
-                axis.signal,
-            )
-        return self.on_axis(shifted(self._columns[key], offset, self.count(axis)), axis)
+    def flags(self, signal: str, field: str) -> Floats:
+        """(cases, longest): a column of Booleans as 1, 0 and NaN for a missing value, padded."""
+        rows = [case.columns[signal][field] for case in self.cases]
+        return self._stack([[np.nan if v is None else float(v) for v in row] for row in rows], signal)
 
     # Axes -----------------------------------------------------------------------------------------------------
 
@@ -165,18 +153,16 @@ class Batch:
 
 @lru_cache(maxsize=1024)
 def column_index(axis: ir.Axis, offset: int, rank: int) -> tuple[slice | None, ...]:
-    """What does the work of `shifted` and `on_axis` in one step, for an offset that is not negative."""
+    """Where a table (cases, n) has the values of the variable of an axis, `offset` samples on, shaped for broadcasting."""
     behind = axis.width - 1 - offset
     own = slice(offset, -behind or None)
     return (slice(None), *(None,) * axis.level, own, *(None,) * (rank - 2 - axis.level))
 
 
-def shifted(table: NDArray[Any], offset: int, count: int) -> NDArray[Any]:
-    """Columns offset .. offset + count of a table, the first one repeated for those before the start."""
-    if offset >= 0:
-        return table[:, offset : offset + count]
-    late = min(-offset, count)
-    made = np.empty((len(table), count))
+def before(table: NDArray[Any], steps: int) -> NDArray[Any]:
+    """A table in which every column stands so many places later, the first one repeated at the start."""
+    late = min(steps, table.shape[1])
+    made = np.empty_like(table)
     made[:, :late] = table[:, :1]
-    made[:, late:] = table[:, : count - late]
+    made[:, late:] = table[:, : table.shape[1] - late]
     return made

@@ -12,14 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from trackmarshal.backends.numpy import logic, places, steps, time
-from trackmarshal.backends.numpy.batch import column_index
+from trackmarshal.backends.numpy.batch import before, column_index
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
 from trackmarshal.ir import nodes as ir
 
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
     "where": np.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF,
-    "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
+    "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
     "project": places.project, "distance": places.distance, "gap": places.gap, "predicate": places.predicate, "within": places.within, "temporal": time.operator,
@@ -205,7 +205,7 @@ class Code:
             case ir.Param():
                 return f"b.param({node.name!r})"
             case ir.Column():
-                return self._column(node)
+                return self._column("table", node.axis, node.field, node.offset)
             case ir.Sample():
                 return f"b.sample({node.signal!r}, {node.field!r}, {node.index})"
             case ir.Scalar():
@@ -261,13 +261,12 @@ class Code:
             self.varying.append(f"{_tuple(names)} = project(b, {line}, {', '.join(points)})")
         return self._names["p", node.line, node.args]
 
-    def _column(self, node: ir.Column) -> str:
-        axis = node.axis
-        key = (axis.signal, node.field)
-        table = self._once("t", key, f"b.table({axis.signal!r}, {node.field!r})")
-        if node.offset < 0:
-            return f"b.before({table}, {self._hold(axis)}, {node.offset})"
-        index = column_index(axis, node.offset, self.rank)
+    def _column(self, read: str, axis: ir.Axis, field: str, offset: int) -> str:
+        """A field of the variable of an axis, `offset` samples on; before the start it is that of the first one."""
+        table = self._once("t", (axis.signal, field), f"b.{read}({axis.signal!r}, {field!r})")
+        if offset < 0:
+            table = self._once("s", (axis.signal, field, offset), f"before({table}, {-offset})")
+        index = column_index(axis, max(0, offset), self.rank)
         return f"{table}[{self._hold(index, ('index', repr(index)))}]"
 
     # Formulas -------------------------------------------------------------------------------------------------
@@ -282,11 +281,9 @@ class Code:
                 self._line(node, f"{own.worst} = {own.best} = {'inf' if node.value else '-inf'}")
                 return own._replace(says=BOTH)
             case ir.Flag():
-                codes = (
-                    f"b.event({node.signal!r}, {node.field or ''!r})"
-                    if node.axis is None
-                    else f"b.flag({self._hold(node.axis)}, {node.field!r}, {node.offset})"
-                )
+                codes = f"b.event({node.signal!r}, {node.field or ''!r})"
+                if node.axis is not None and node.field is not None:
+                    codes = self._column("flags", node.axis, node.field, node.offset)
                 self._line(node, f"{both} = flagged({codes})")
                 return own._replace(says=BOTH)
             case ir.Compare():
