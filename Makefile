@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
+# A file's tests stay together: they share what they prepare.
+PARALLEL := -n auto --dist loadfile
 
 .PHONY: assess test acceptance bench lint format clean
 
@@ -10,12 +12,12 @@ assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/in
 	$(BIN)/trackmarshal assess --out out/assess
 
 test: $(STAMP) lint  ## everything that CI runs
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest $(PARALLEL)
 
 acceptance: $(STAMP) lint  ## every "Done when" point that can be a command; takes longer than CI
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt pyarrow  # reads our records independently
 	TRACKMARSHAL_FUZZ_CYCLES=1000000 TRACKMARSHAL_KILLS=200 TRACKMARSHAL_GENERATED=10000 TRACKMARSHAL_FUZZ=1000000 TRACKMARSHAL_CYCLES=100000 \
-		$(BIN)/python -m pytest -m ""
+		$(BIN)/python -m pytest $(PARALLEL) -m ""
 	-TRACKMARSHAL_STEPS=1000000 $(BIN)/trackmarshal bench  # shown, not asserted: how busy the machine is counts too
 
 bench: $(STAMP)  ## CPU times, medians, as ratios where a yardstick is at hand
