@@ -135,3 +135,38 @@ def test_arrays_are_taken_and_not_stacked_again(spec: Spec) -> None:
     assert not table.flags.writeable
     cases[0].columns["plan"]["v"] = (1.0, 2.0)  # equal, but who knows
     assert evaluator.program.run(cases).batch.table("plan", "v").flags.writeable
+
+
+def test_candidates_that_share_their_objects(spec: Spec) -> None:
+    """The objects are read once; what one case makes of them is its own."""
+    evaluator = Evaluator(spec)
+    first, second = case(1.0, 2.0, objects=2), case(3.0, 4.0)
+    second["signals"]["objects"] = first["signals"]["objects"]
+    cases = evaluator.read_all([first, second])
+    assert repr(cases) == repr([evaluator.read(first), evaluator.read(second)])
+    assert cases[0].columns["objects"] is not cases[1].columns["objects"]
+    assert cases[0].names["objects"] is not cases[1].names["objects"]
+    first["signals"]["objects"][1]["x"] = 0.5
+    changed = [
+        result.rules["apart"].margin for result in evaluator.evaluate(evaluator.read_all([first, second]))
+    ]
+    assert changed == [-0.5, -0.5] != [result.rules["apart"].margin for result in evaluator.evaluate(cases)]
+
+
+def test_one_list_in_two_sets() -> None:
+    spec = compiled("""
+module two
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+signal near : set of object { x: m, v: m/s }
+signal far : set of object { x: m default 0 m, w: m }
+rule apart "both"
+  for all n in near
+  for all f in far
+  require n.x - f.w >= 1 m and n.v >= 0 m/s and f.x >= 0 m
+""")
+    shared = [{"x": 3.0, "v": 1.0, "w": 1.0}]
+    evaluator = Evaluator(spec)
+    raw = {"signals": {"near": shared, "far": shared}}
+    cases = evaluator.read_all([raw, raw])
+    assert repr(cases) == repr([evaluator.reader.read(raw)] * 2)
+    assert [result.rules["apart"].margin for result in evaluator.evaluate(cases)] == [1.0, 1.0]

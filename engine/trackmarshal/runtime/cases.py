@@ -143,21 +143,28 @@ class _Columns:
     def __init__(self, held: Held) -> None:
         self.case = 0
         self.held = held
+        #: Sets by the identity of the data that they were read from: who reads them, names and columns.
+        self.sets: dict[int, tuple[_Door, list[str], dict[str, tuple[Any, ...]]]] = {}
         self._columns: dict[_Field, list[tuple[Any, ...]]] = {}
         self._values: dict[_Field, list[Any]] = {}
         self._cases: dict[_Field, list[int]] = {}
 
     def add(self, field: _Field, column: Sequence[Any]) -> tuple[Any, ...]:
+        """A column of the case in SI."""
         if field.converted:
             _need({float}.issuperset(map(type, column)))
             column = [to_si(value, field.kind.unit) for value in column]
         made = tuple(column)
+        self.again(field, made)
+        return made
+
+    def again(self, field: _Field, column: tuple[Any, ...]) -> None:
+        """A column that is in SI already."""
         if field in self._columns:
-            self._columns[field].append(made)
+            self._columns[field].append(column)
             self._cases[field].append(self.case)
         else:
-            self._columns[field], self._cases[field] = [made], [self.case]
-        return made
+            self._columns[field], self._cases[field] = [column], [self.case]
 
     def add_value(self, field: _Field, value: Any) -> Any:
         """A column of one value for each case, all in one list."""
@@ -254,15 +261,22 @@ class _State(_Door):
 
 class _Set(_Door):
     def read(self, case: Case, name: str, raw: Any, columns: _Columns) -> None:
-        _need(type(raw) is list)
-        records = [self.fields(record) for record in raw]
-        names = case.names[name] = [name_of(record, index, name) for index, record in enumerate(records)]
-        _need(len(set(names)) == len(names))
-        case.counts[name] = len(records)
-        case.columns[name] = {
-            field.name: columns.add(field, [record.get(field.name, field.default) for record in records])
-            for field in self.read_fields
-        }
+        known = columns.sets.get(id(raw))
+        if known is None or known[0] is not self:
+            _need(type(raw) is list)
+            records = [self.fields(record) for record in raw]
+            names = [name_of(record, index, name) for index, record in enumerate(records)]
+            _need(len(set(names)) == len(names))
+            made = {
+                field.name: columns.add(field, [record.get(field.name, field.default) for record in records])
+                for field in self.read_fields
+            }
+            columns.sets[id(raw)] = self, names, made
+        else:  # the candidates of a cycle have their objects in common
+            _, names, made = known
+            for field in self.read_fields:
+                columns.again(field, made[field.name])
+        case.names[name], case.counts[name], case.columns[name] = names.copy(), len(names), {**made}
 
 
 class _Timeline(_Door):

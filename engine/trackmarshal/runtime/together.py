@@ -46,11 +46,11 @@ class Together:
         """`places`: columns that are equally long, and where in `values` they begin."""
         self._values, self._places = values, places
 
-    def array(self, field: tuple[str, str], columns: Sequence[object]) -> Floats | None:
-        """The first of some columns as an array (cases, values), if they are those that were read; else None."""
+    def array(self, field: tuple[str, str], columns: Sequence[object], first: int) -> Floats | None:
+        """Columns from the first one on as an array (cases, values), if they are those that were read; else None."""
         read, begin = self._places.get(field, ((), 0))
         count = len(read)
-        if not 0 < count <= len(columns) or not all(map(operator.is_, read, columns)):
+        if not count or not all(map(operator.is_, read, columns[first : first + count])):
             return None
         width = len(read[0])
         return self._values[begin : begin + width * count].reshape(count, width)
@@ -97,20 +97,18 @@ def array(
 
     None where the columns are not those that were read, all and in order, or differ in length.
     """
-    first = together[0]
-    whole = None if first is None else first.array(field, columns)
-    if whole is None or len(whole) == len(columns):
-        return whole
-    found = [whole]
-    end = len(whole)
-    while end < len(columns):
-        part = together[end]
-        values = None if part is None else part.array(field, columns[end:])
-        if values is None or values.shape[1] != whole.shape[1]:
+    found: list[Floats] = []
+    first = 0
+    while first < len(columns):
+        part = together[first]
+        values = None if part is None else part.array(field, columns, first)
+        if values is None:
             return None
         found.append(values)
-        end += len(values)
-    return np.concatenate(found)
+        first += len(values)
+    if first > len(columns) or any(values.shape[1] != found[0].shape[1] for values in found):
+        return None
+    return found[0] if len(found) == 1 else np.concatenate(found)
 
 
 def _increasing(values: Floats, lengths: Sequence[int]) -> bool:

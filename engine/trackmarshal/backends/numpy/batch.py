@@ -30,6 +30,8 @@ class Batch:
         self.rank = rank
         self._curves = curves
         self._counts: dict[str, list[int]] = {}
+        self._together = [case.together for case in cases]
+        self._signals: dict[str, list[dict[str, Sequence[Any]]]] = {}
         self._sizes: dict[ir.Axis, int] = {}
         self._columns: dict[tuple[str, str], Floats] = {}
         self._masks: dict[ir.Axis, Bools | None] = {}
@@ -104,10 +106,17 @@ class Batch:
         """(cases, longest): a column of every case, its last value repeated as padding."""
         table = self._columns.get((signal, field))
         if table is None:
-            rows = [case.columns[signal][field] for case in self.cases]
-            read = array([case.together for case in self.cases], (signal, field), rows)
+            rows = self._rows(signal, field)
+            read = array(self._together, (signal, field), rows)
             table = self._columns[signal, field] = self._stack(rows, signal) if read is None else read
         return table
+
+    def _rows(self, signal: str, field: str) -> list[Sequence[Any]]:
+        """A column of every case."""
+        signals = self._signals.get(signal)
+        if signals is None:
+            signals = self._signals[signal] = [case.columns[signal] for case in self.cases]
+        return [columns[field] for columns in signals]
 
     def _stack(self, rows: list[Sequence[Any]], signal: str) -> Floats:
         """(cases, longest)."""
@@ -122,7 +131,7 @@ class Batch:
 
     def flags(self, signal: str, field: str) -> Floats:
         """(cases, longest): a column of Booleans as 1, 0 and NaN for a missing value, padded."""
-        rows = [case.columns[signal][field] for case in self.cases]
+        rows = self._rows(signal, field)
         return self._stack([[np.nan if v is None else float(v) for v in row] for row in rows], signal)
 
     # Axes -----------------------------------------------------------------------------------------------------
