@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
+# As an installation has it: where Python may not keep what it compiles, every start would compile all modules again.
+COMPILE := $(BIN)/python -m compileall -q engine trace
 # A file's tests stay together: they share what they prepare.
 PARALLEL := -n auto --dist loadfile
 
@@ -21,6 +23,7 @@ acceptance: $(STAMP) lint  ## every "Done when" point that can be a command; tak
 	-TRACKMARSHAL_STEPS=1000000 $(BIN)/trackmarshal bench  # shown, not asserted: how busy the machine is counts too
 
 bench: $(STAMP)  ## CPU times, medians, as ratios where a yardstick is at hand
+	$(COMPILE)
 	$(BIN)/trackmarshal bench
 
 lint: $(STAMP)
@@ -38,9 +41,11 @@ format: $(STAMP)
 
 clean:
 	rm -rf $(VENV) out build dist .mypy_cache .ruff_cache .pytest_cache
+	find engine trace -name __pycache__ -exec rm -rf {} +
 
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or later is needed; set PYTHON=")'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(COMPILE)
 	touch $@
