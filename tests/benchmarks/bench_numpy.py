@@ -22,6 +22,7 @@ SPECS = Path(__file__).resolve().parents[2] / "specs" / "supervisor"
 #: m; a round course, on which the car is somewhere else in every cycle.
 RADIUS, WIDTH = 300.0, 12.0
 POINTS, BORDER, CYCLES = 30, 1500, 1000
+ROUNDS = 5
 
 LIMITS = {
     "numpy: one cycle, verdicts": 2e-3,
@@ -96,28 +97,38 @@ def measure(repeats: int = 15) -> dict[str, float]:
         evaluator.read_all(raw)
 
     ready = [evaluator.read_all(raw) for raw in cycles[: repeats * 10 + 10]]
-    return {
-        "numpy: one cycle, verdicts": median(lambda k: verdicts(cycles[k]), repeats * 10),
-        "numpy: one cycle, borders as lists, verdicts": median(lambda k: verdicts(listed[k]), repeats * 10),
-        "numpy: one cycle, reading alone": median(lambda k: read(cycles[k]), repeats * 10),
-        "numpy: one cycle, program alone": median(lambda k: evaluator.program.run(ready[k]), repeats * 10),
-        "numpy: one cycle, with witnesses": median(lambda k: witnesses(cycles[k]), repeats * 10),
-        "numpy: batch of 1000 cycles, a trajectory": median(lambda k: verdicts(batch), 3) / len(batch),
-        "numpy: batch of 1000 cycles with witnesses, a trajectory": median(lambda k: witnesses(batch), 2)
-        / len(batch),
-    }
+    one = repeats * 10 // ROUNDS
+    return medians(
+        {
+            "numpy: one cycle, verdicts": (lambda k: verdicts(cycles[k]), one, 1),
+            "numpy: one cycle, borders as lists, verdicts": (lambda k: verdicts(listed[k]), one, 1),
+            "numpy: one cycle, reading alone": (lambda k: read(cycles[k]), one, 1),
+            "numpy: one cycle, program alone": (lambda k: evaluator.program.run(ready[k]), one, 1),
+            "numpy: one cycle, with witnesses": (lambda k: witnesses(cycles[k]), one, 1),
+            "numpy: batch of 1000 cycles, a trajectory": (lambda k: verdicts(batch), 1, len(batch)),
+            "numpy: batch of 1000 cycles with witnesses, a trajectory": (
+                lambda k: witnesses(batch),
+                1,
+                len(batch),
+            ),
+        }
+    )
 
 
-def median(work: Callable[[int], object], repeats: int) -> float:
-    """Median CPU seconds of work on one thing after another, after a few runs to warm up."""
-    for k in range(min(repeats, 5)):
-        work(k)
-    spent = []
-    for k in range(repeats):
-        begin = time.process_time()
-        work(k)
-        spent.append(time.process_time() - begin)
-    return statistics.median(spent)
+def medians(works: dict[str, tuple[Callable[[int], object], int, int]]) -> dict[str, float]:
+    """Median CPU seconds of works, each by the share that is asked about, with so many repetitions a round.
+
+    They take turns, so that what slows the machine for a while does not fall on one of them alone; the first round warms up.
+    """
+    spent: dict[str, list[float]] = {name: [] for name in works}
+    for turn in range(ROUNDS + 1):
+        for name, (work, repeats, _) in works.items():
+            for k in range(max(0, turn - 1) * repeats, max(1, turn) * repeats):
+                begin = time.process_time()
+                work(k)
+                if turn:
+                    spent[name].append(time.process_time() - begin)
+    return {name: statistics.median(spent[name]) / share for name, (_, _, share) in works.items()}
 
 
 if __name__ == "__main__":
