@@ -180,9 +180,8 @@ class _Columns:
 
     def together(self) -> Together | None:
         """All columns as arrays, when nothing is wrong with any; None when something may be."""
-        from trackmarshal.runtime.together import (
-            checked,
-        )  # with numpy, which whoever reads no data does without
+        # It brings numpy, which whoever reads no data does without.
+        from trackmarshal.runtime.together import checked
 
         numbers: list[tuple[Field, Sequence[Any]]] = []
         for field, columns in self._columns.items():

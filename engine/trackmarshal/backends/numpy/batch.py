@@ -71,8 +71,7 @@ class Batch:
 
     def event(self, signal: str, field: str) -> Any:
         """A Boolean of every case as 1, 0 and NaN for a missing value."""
-        values = [case.scalars[signal][field] for case in self.cases]
-        return self.per_case([np.nan if value is None else float(value) for value in values])
+        return self.per_case(_codes([case.scalars[signal][field] for case in self.cases]))
 
     def curve(self, name: str) -> Callable[[Any], Any]:
         """A table: one function where all cases have the same."""
@@ -131,8 +130,7 @@ class Batch:
 
     def flags(self, signal: str, field: str) -> Floats:
         """(cases, longest): a column of Booleans as 1, 0 and NaN for a missing value, padded."""
-        rows = self._rows(signal, field)
-        return self._stack([[np.nan if v is None else float(v) for v in row] for row in rows], signal)
+        return self._stack([_codes(row) for row in self._rows(signal, field)], signal)
 
     # Axes -----------------------------------------------------------------------------------------------------
 
@@ -158,6 +156,10 @@ class Batch:
         """(cases, n) shaped so that n lies on the axis's place and the others are 1."""
         before = axis.level
         return table.reshape(self.size, *(1,) * before, table.shape[1], *(1,) * (self.rank - 2 - before))
+
+
+def _codes(values: Sequence[bool | None]) -> list[float]:
+    return [np.nan if value is None else float(value) for value in values]
 
 
 @lru_cache(maxsize=1024)
