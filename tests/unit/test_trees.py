@@ -72,19 +72,19 @@ def test_a_kept_tree_is_the_parsed_one(root: Path, monkeypatch: pytest.MonkeyPat
     assert any(parenthesised(tree))
 
 
-def test_every_flipped_bit_is_noticed(root: Path) -> None:
+def test_a_flipped_bit_in_any_byte_is_noticed(root: Path) -> None:
     path = entry(root)
     whole = path.read_bytes()
     expected = parse(spec())[0]
+    random = Random(1)
     for at in range(len(whole)):
-        for bit in range(8):
-            damaged = bytearray(whole)
-            damaged[at] ^= 1 << bit
-            path.write_bytes(damaged)
-            tree, found = parse_kept(spec())
-            assert not found
-            assert path.read_bytes() == whole  # made anew
-            assert tree == expected
+        damaged = bytearray(whole)
+        damaged[at] ^= 1 << random.randrange(8)
+        path.write_bytes(damaged)
+        tree, found = parse_kept(spec())
+        assert not found
+        assert path.read_bytes() == whole  # made anew
+        assert tree == expected
     assert same(tree)
 
 
@@ -144,7 +144,7 @@ def test_random_trees_with_the_right_hash_never_raise(root: Path) -> None:
     path = entry(root)
     whole = path.read_bytes().partition(b"\n")[2]
     random = Random(2)
-    for _ in range(3000):
+    for _ in range(1000):
         body = bytearray(whole)
         for _ in range(random.randrange(1, 4)):
             at = random.randrange(len(body))
