@@ -13,9 +13,9 @@ from trackmarshal.runtime.contract import EGO, PLAN
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door.door import Admission
+from trackmarshal.runtime.door.lines import line as line_of
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.lines import Line
 from trackmarshal.runtime.program import Judged, Memory
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
@@ -33,7 +33,7 @@ def cycles(recording: Recording, spec: Spec | None = None) -> Iterator[Cycle]:
     spec: what they are for; signals that recordings always have, and fields that they may have, are left out where it declares none.
     """
     track = {
-        name: Line(line) if isinstance(line, list) and line and _is_line(line) else line
+        name: line_of(line) if isinstance(line, list) and line and _is_line(line) else line
         for name, line in recording.track.items()
     }
     for number, cycle in enumerate(recording.cycles):

@@ -10,10 +10,10 @@ from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.columns import ColumnsReader, unknown
+from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
-from trackmarshal.runtime.lines import NOWHERE, LineReader, NoLineError
 
 
 class LinesReader:
@@ -27,6 +27,8 @@ class LinesReader:
     def read(self, raw: Any, frame: Frame, faults: list[Fault]) -> None:
         name = self.signal.name
         before = len(faults)
+        for line in self._readers:
+            frame.lines[name, line] = NOWHERE
         try:
             if "" in self._readers:
                 self._line("", raw, frame, faults)
@@ -54,7 +56,6 @@ class LinesReader:
 
     def _line(self, line: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
         place = self.signal.name, line
-        frame.lines[place] = NOWHERE
         if raw is None:
             faults.append(fault("missing", *place, None, "it is not there"))
             return
