@@ -22,7 +22,8 @@ from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.verdict import CaseResult, RuleResult
+from trackmarshal.runtime.program import Program
+from trackmarshal.runtime.verdict import VERDICTS, CaseResult, RuleResult
 
 #: Functions of which the platform's libm and numpy's own code may give neighbouring doubles.
 INEXACT = frozenset({"sin", "cos", "tan", "exp", "log", "pow", "atan2"})
@@ -82,6 +83,19 @@ def same_trigonometry() -> bool:
 def results(spec: Spec, cases: Sequence[Frame], backend: str, series: bool = True) -> list[CaseResult]:
     """All rules of a spec on all cases."""
     return list(Evaluator(spec, None, backend).evaluate(cases, series))
+
+
+def outcomes(program: Program, frames: Sequence[Frame]) -> list[dict[str, tuple[str, float]]]:
+    """Verdict and margin of every rule on every case, as a program says them without looking for witnesses."""
+    return [
+        {
+            rule.name: (VERDICTS[code], float(margin))
+            for rule, code, margin in zip(
+                program.rules, judged.rated[""].verdicts, judged.rated[""].margins, strict=True
+            )
+        }
+        for judged in program.judge_all(frames)
+    ]
 
 
 def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Frame]:

@@ -16,6 +16,7 @@ from unittest import mock
 
 import pytest
 
+from support.agreement import outcomes
 from support.shared import SUPERVISOR
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c.program import CProgram
@@ -206,8 +207,8 @@ def test_ziglang_is_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     evaluator = Evaluator(spec(), ["turn_radius"], "reference")
     case = evaluator.read({"signals": {"plan": {"t": [0.0, 0.1], "v": [20.0, 20.0], "kappa": [0.05, 0.1]}}})
     expected = next(iter(evaluator.evaluate([case]))).rules["turn_radius"]
-    found = one_rule().run([case]).outcome(0, evaluator.rules[0])
-    assert found == (expected.verdict, expected.margin)
+    (found,) = outcomes(one_rule(), [case])
+    assert found["turn_radius"] == (expected.verdict, expected.margin)
 
 
 @pytest.mark.parametrize(
