@@ -20,12 +20,13 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import FUNCTIONS
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.case import Case
 from trackmarshal.runtime.verdict import CaseResult, RuleResult
 
 #: Functions of which the platform's libm and numpy's own code may give neighbouring doubles.
-INEXACT = frozenset({"sin", "cos", "tan", "exp", "log", "pow", "atan2"})
+INEXACT = frozenset(name for name, function in FUNCTIONS.items() if function.libm)
 
 
 def compiled(text: str) -> Spec:
@@ -45,7 +46,7 @@ def inexact(rule: RuleInfo) -> bool:
 
 
 #: numpy's names of the functions whose last digit is libm's.
-_OF_NUMPY = {"atan2": "arctan2", "pow": "power"}
+_OF_NUMPY = {"atan2": "arctan2", "pow": "power", "asin": "arcsin", "acos": "arccos"}
 
 
 @contextmanager
@@ -54,7 +55,7 @@ def one_libm() -> Iterator[None]:
     with ExitStack() as stack:
         for name in INEXACT:
             function = np.frompyfunc(
-                lambda *args, name=name: arithmetic.apply(name, args), ir.FUNCTIONS[name], 1
+                lambda *args, name=name: arithmetic.apply(name, args), FUNCTIONS[name].arity, 1
             )
 
             def take(*args: Any, out: Any = None, function: Any = function) -> Any:
@@ -69,7 +70,7 @@ def one_libm() -> Iterator[None]:
             # Geometry asks numpy itself, steps have a table of their own (but for `pow`, which does more).
             stack.enter_context(mock.patch.object(np, _OF_NUMPY.get(name, name), take))
             if name != "pow":
-                stack.enter_context(mock.patch.dict(steps.FUNCTIONS, {name: take}))
+                stack.enter_context(mock.patch.dict(steps.CALLS, {name: take}))
         yield
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import assert_never
 
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.ir import nodes as ir
@@ -108,6 +109,24 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         columns.setdefault(node.name, set()).update(("x", "y"))
                     case ir.Line() | ir.Area():
                         shapes[shape_key(node)] = isinstance(node, ir.Area)
+                    case (
+                        ir.Const()
+                        | ir.Arith()
+                        | ir.Neg()
+                        | ir.Func()
+                        | ir.Choose()
+                        | ir.Truth()
+                        | ir.Compare()
+                    ):
+                        pass  # what they are made of is below, too
+                    case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+                        pass
+                    case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not() | ir.Connective():
+                        pass
+                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
+                        pass
+                    case _:
+                        assert_never(node)
     for name in whole:
         columns.setdefault(name, set())
     if whole:

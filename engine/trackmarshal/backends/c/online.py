@@ -5,23 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import assert_never
 
-from trackmarshal.backends.c.expressions import Value, Writer
+from trackmarshal.backends.c.expressions import Value, Writer, extreme, neutral
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.statements import Block, prune, render
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import FieldType, RuleInfo
 
 #: Samples that a monitor holds: as many as fall into its longest window, and a few.
 CAPACITY = 1024
-Timed = ir.Temporal | ir.Until | ir.Shift | ir.Edge
 _POINTWISE = (
     ir.Const, ir.Param, ir.Column, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Truth, ir.Flag, ir.Compare, ir.Not,
     ir.Connective, ir.Guarded, ir.Temporal, ir.Until, ir.Shift, ir.Edge, ir.Axis,
 )  # fmt: skip
-_PAST = ("historically", "once", "since")
 
 
 @dataclass(frozen=True)
@@ -51,22 +51,17 @@ def obstacle(rule: RuleInfo) -> str | None:
             return f"it reads more than the present sample ({type(node).__name__})"
         if isinstance(node, (ir.Column, ir.Flag)) and (node.axis is not rule.formula.axis or node.offset):
             return "it reads more than the present sample"
-        if isinstance(node, (ir.Temporal, ir.Until)) and node.op not in _PAST and node.upper is None:
+        if isinstance(node, (ir.Temporal, ir.Until)) and not node.past and node.upper is None:
             return f"`{node.op}` without an upper bound inside a formula is decided at the end only"
     return None
 
 
-def _top(rule: RuleInfo) -> tuple[str | None, ir.Formula]:
+def _top(rule: RuleInfo) -> tuple[Extreme | None, ir.Formula]:
     """`always` or `eventually` over all of the timeline, if that is what the rule is, and what stands in it."""
     assert isinstance(rule.formula, ir.First)
     operand = rule.formula.operand
-    if (
-        isinstance(operand, ir.Temporal)
-        and operand.op not in _PAST
-        and operand.upper is None
-        and not operand.lower
-    ):
-        return operand.op, operand.operand
+    if isinstance(operand, ir.Temporal) and not operand.past and operand.upper is None and not operand.lower:
+        return operand.extreme, operand.operand
     return None, operand
 
 
@@ -81,7 +76,7 @@ class _OnlineWriter(Writer):
         return f"m->{name}[tm_ring({self.index(node.axis, at)})]"
 
     def _formula(self, node: ir.Formula, at: Block) -> Value:
-        if isinstance(node, Timed):
+        if isinstance(node, ir.Timed):
             index = self.index(node.axis, at)
             texts = []
             for stream in self.streams[node]:
@@ -143,10 +138,10 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
     return Monitor(rule, name, fields, "\n".join(types), "\n".join(prototypes), "\n".join(text))
 
 
-def _inner_first(operand: ir.Formula) -> list[Timed]:
+def _inner_first(operand: ir.Formula) -> list[ir.Timed]:
     """The temporal operators of a formula, those inside others before them."""
-    found: dict[ir.IR, None] = {}
-    stack: list[tuple[ir.IR, bool]] = [(operand, False)]
+    found: dict[ir.Num | ir.Formula, None] = {}
+    stack: list[tuple[ir.Num | ir.Formula, bool]] = [(operand, False)]
     while stack:
         node, ready = stack.pop()
         if node in found:
@@ -155,20 +150,20 @@ def _inner_first(operand: ir.Formula) -> list[Timed]:
             found[node] = None
             continue
         stack.append((node, True))
-        stack += [(child, False) for child in node.children() if isinstance(child, (ir.Num, ir.Formula))]
-    return [node for node in found if isinstance(node, Timed)]
+        stack += [(child, False) for child in ir.operands(node)]
+    return [node for node in found if isinstance(node, ir.Timed)]
 
 
-def _inner(formulas: list[ir.Formula], nodes: list[Timed]) -> list[int]:
+def _inner(formulas: list[ir.Formula], nodes: list[ir.Timed]) -> list[int]:
     """Numbers of the outermost temporal operators inside formulas."""
     found: set[int] = set()
-    stack: list[ir.IR] = list(formulas)
+    stack: list[ir.Num | ir.Formula] = list(formulas)
     while stack:
         node = stack.pop()
-        if isinstance(node, Timed):
+        if isinstance(node, ir.Timed):
             found.add(nodes.index(node))
         else:
-            stack += [child for child in node.children() if isinstance(child, (ir.Num, ir.Formula))]
+            stack += ir.operands(node)
     return sorted(found)
 
 
@@ -181,7 +176,7 @@ def _have(inner: list[int]) -> list[str]:
 
 
 def _stage(
-    writer: _OnlineWriter, axis: ir.Axis, number: int, nodes: list[Timed], operands: list[ir.Formula], inputs: list[tuple[int, int]]
+    writer: _OnlineWriter, axis: ir.Axis, number: int, nodes: list[ir.Timed], operands: list[ir.Formula], inputs: list[tuple[int, int]]
 ) -> list[str]:  # fmt: skip
     """The operands of an operator at every sample for which they are known."""
     loop = Block(f"for (; m->given[{number}] < have; ++m->given[{number}])")
@@ -197,7 +192,7 @@ def _stage(
 
 
 def _step(
-    node: Timed, number: int, flow: str, queue: str, stack: str, time: str, given: list[str], opposite: str, target: str
+    node: ir.Timed, number: int, flow: str, queue: str, stack: str, time: str, given: list[str], opposite: str, target: str
 ) -> str:  # fmt: skip
     have = f"m->given[{number}]"
     match node:
@@ -205,27 +200,27 @@ def _step(
             window = (
                 f"{literal(node.lower or 0.0)}, {literal(math.inf if node.upper is None else node.upper)}"
             )
-            place = f"m->{time}, {have}" if node.op in _PAST else f"m->{time}, {have}, m->count, m->finished"
+            place = f"m->{time}, {have}" if node.past else f"m->{time}, {have}, m->count, m->finished"
             if isinstance(node, ir.Until):
-                name = "tm_online_since" if node.op == "since" else "tm_online_until"
+                name = "tm_online_since" if node.past else "tm_online_until"
                 return (
                     f"{name}({flow}, {queue}, {stack}, {place}, {window}, {given[0]}, {given[1]}, {target});"
                 )
-            name = "tm_online_back" if node.op in _PAST else "tm_online_ahead"
-            least = "true" if node.op in ("always", "historically") else "false"
+            name = "tm_online_back" if node.past else "tm_online_ahead"
+            least = "true" if node.extreme is Extreme.LEAST else "false"
             return f"{name}({flow}, {queue}, {place}, {window}, {least}, {given[0]}, {target});"
         case ir.Shift():
             ahead, weak = ("true" if node.step > 0 else "false"), ("true" if node.weak else "false")
             return f"tm_online_shift({flow}, {have}, m->finished, {ahead}, {weak}, {given[0]}, {target});"
         case ir.Edge():
-            rising = "true" if node.op == "rising" else "false"
+            rising = "true" if node.rising else "false"
             return f"tm_online_edge({flow}, {have}, {rising}, {given[0]}, {opposite}, {target});"
         case _:
-            raise AssertionError(f"unknown temporal operator {type(node).__name__}")
+            assert_never(node)
 
 
 def _results(
-    writer: _OnlineWriter, axis: ir.Axis, nodes: list[Timed], operand: ir.Formula, over: str | None
+    writer: _OnlineWriter, axis: ir.Axis, nodes: list[ir.Timed], operand: ir.Formula, over: Extreme | None
 ) -> list[str]:
     loop = Block("for (; m->done < have; ++m->done)")
     loop.binds[axis] = "m->done"
@@ -233,7 +228,7 @@ def _results(
     arguments = f"{value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin}"
     writer.add(loop, f"tm_decide(&m->result[tm_ring(m->done)], false, {arguments});")
     if over is not None:
-        sign, pick = ("&&", "tm_least") if over == "always" else ("||", "tm_greatest")
+        sign, pick = extreme(over)
         for side, (sat, margin) in zip(("worst", "best"), value.sides):
             writer.add(loop, f"m->{side}_sat = m->{side}_sat {sign} {sat};")
             writer.add(loop, f"m->{side}_margin = {pick}(m->{side}_margin, {margin});")
@@ -273,8 +268,8 @@ def _types(
 
 
 def _functions(
-    rule: RuleInfo, name: str, fields: tuple[tuple[FieldType, str], ...], time: str, nodes: list[Timed], stages: list[str],
-    oldest: list[str], over: str | None, queues: int,
+    rule: RuleInfo, name: str, fields: tuple[tuple[FieldType, str], ...], time: str, nodes: list[ir.Timed], stages: list[str],
+    oldest: list[str], over: Extreme | None, queues: int,
 ) -> Iterator[str]:  # fmt: skip
     flows = 2 * len(nodes)
     yield f"/* Begin a timeline of {comment(rule.name)}. */"
@@ -282,7 +277,7 @@ def _functions(
     yield "{"
     yield "  m->count = 0u;\n  m->done = 0u;\n  m->finished = false;\n  m->broken = false;"
     yield "  m->verdict.verdict = TM_OPEN;\n  m->verdict.margin = TM_NAN;"
-    start, margin = ("true", "TM_INF") if over == "always" else ("false", "-TM_INF")
+    start, margin = neutral(over or Extreme.GREATEST)
     yield f"  m->worst_sat = {start};\n  m->best_sat = {start};\n  m->worst_margin = {margin};\n  m->best_margin = {margin};"
     if flows:
         yield f"  for (size_t i = 0u; i < {flows}u; ++i) {{"
@@ -304,9 +299,9 @@ def _functions(
         yield "  if ((m->verdict.verdict == TM_OPEN) && (m->done > 0u)) { m->verdict = m->result[0]; }"
     else:
         worst, best = ("m->finished && m->worst_sat", "m->best_sat")
-        if over == "eventually":
+        if over is Extreme.GREATEST:
             worst, best = ("m->worst_sat", "!m->finished || m->best_sat")
-        yield f"  if (m->finished || {'!m->best_sat' if over == 'always' else 'm->worst_sat'}) {{"
+        yield f"  if (m->finished || {'!m->best_sat' if over is Extreme.LEAST else 'm->worst_sat'}) {{"
         yield f"    tm_decide(&m->verdict, false, {worst}, {best}, m->worst_margin, m->best_margin);"
         yield "  }"
     yield "}"

@@ -31,7 +31,7 @@ def uses_paths(plan: Layout) -> bool:
 
 def has_geometry(plan: Layout) -> bool:
     formulas = [root for rule in plan.rules for root in (rule.formula, rule.active) if root is not None]
-    return any(isinstance(node, (ir.Geometry, ir.Along)) for root in formulas for node in ir.below(root))
+    return any(isinstance(node, ir.Geometry | ir.Along) for root in formulas for node in ir.below(root))
 
 
 def sources(plan: Layout) -> dict[str, list[Shape]]:
