@@ -148,10 +148,13 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
     result.params = distinct(name for name in spec.params if name in set(params))
     result.tables = distinct(name for name in spec.tables if name in set(tables))
     order = sorted(shapes)
-    c_names = distinct("_".join(part for part in (key[0], key[1], key[2]) if part) for key in order)
-    for key, c_name in zip(order, c_names.values()):
+    c_names = distinct(".".join(part for part in key if part) for key in order)
+    for key, c_name in zip(order, c_names.values(), strict=True):
         result.shapes[key] = Shape(key, c_name, key[0], shapes[key])
-    result.rule_names = distinct(rule.name.casefold() for rule in result.rules)
-    folded = dict(zip([rule.name for rule in result.rules], result.rule_names.values()))
-    result.rule_names = folded
+    rules_ = distinct((rule.name for rule in result.rules), endings=_ENDINGS)
+    result.rule_names = {name: c_name.lower() for name, c_name in rules_.items()}
     return result
+
+
+#: What the names of a rule's functions end in, after the rule's own: no other rule's name may.
+_ENDINGS = ("_known", "_any", "_along", "_start", "_push", "_finish", "_advance")

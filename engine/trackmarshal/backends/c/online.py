@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import assert_never
 
+from trackmarshal.backends.c import parts
 from trackmarshal.backends.c.expressions import Value, Writer, extreme, neutral
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
@@ -73,7 +74,7 @@ class _OnlineWriter(Writer):
     def _column(self, node: ir.Column | ir.Flag, at: Block) -> str:
         assert node.axis is not None
         name = self.plan.field_name(node.axis.signal, node.field or "")
-        return f"m->{name}[tm_ring({self.index(node.axis, at)})]"
+        return f"m->ring.{name}[tm_ring({self.index(node.axis, at)})]"
 
     def _formula(self, node: ir.Formula, at: Block) -> Value:
         if isinstance(node, ir.Timed):
@@ -95,6 +96,11 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
     over, operand = _top(rule)
     axis = rule.formula.axis
     name = plan.rule_names[rule.name]
+    others = set(plan.rule_names.values()) - {name}
+    while (
+        f"tm_online_{name}" in parts.functions() or name in others
+    ):  # a rule called as an operator of ours is
+        name = f"{name}_"
     nodes = _inner_first(operand)
     read = {node.field for node in ir.below(operand) if isinstance(node, (ir.Column, ir.Flag))}
     timed = any(isinstance(node, (ir.Temporal, ir.Until)) for node in nodes)
@@ -200,7 +206,7 @@ def _step(
             window = (
                 f"{literal(node.lower or 0.0)}, {literal(math.inf if node.upper is None else node.upper)}"
             )
-            place = f"m->{time}, {have}" if node.past else f"m->{time}, {have}, m->count, m->finished"
+            place = f"m->ring.{time}, {have}" + ("" if node.past else ", m->count, m->finished")
             if isinstance(node, ir.Until):
                 name = "tm_online_since" if node.past else "tm_online_until"
                 return (
@@ -254,8 +260,11 @@ def _types(
     yield "typedef struct {"
     yield "  size_t count;\n  size_t done;\n  tm_result verdict;\n  bool finished;\n  bool broken; /* a sample did not fit */"
     yield "  bool worst_sat;\n  bool best_sat;\n  double worst_margin;\n  double best_margin;"
-    for info, c_name in fields:
-        yield f"  {'tm_flag' if info.kind == 'bool' else 'double'} {c_name}[TM_MAX_ONLINE];"
+    if fields:
+        yield "  struct {"
+        for info, c_name in fields:
+            yield f"    {'tm_flag' if info.kind == 'bool' else 'double'} {c_name}[TM_MAX_ONLINE];"
+        yield "  } ring; /* the samples */"
     yield "  tm_result result[TM_MAX_ONLINE];"
     if flows:
         yield f"  size_t given[{flows // 2}];\n  tm_flow flow[{flows}];\n  tm_stream stream[{streams}];"
@@ -316,14 +325,14 @@ def _functions(
         yield f"  if ({text} < needed) {{ needed = {text}; }}"
     yield "  m->broken = ((m->count - needed) + 2u) >= TM_MAX_ONLINE;"
     if time:
-        last = f"m->{time}[tm_ring(m->count - 1u)]"
+        last = f"m->ring.{time}[tm_ring(m->count - 1u)]"
         yield f"  m->broken = m->broken || !tm_finite(sample->{time}) || ((m->count > 0u) && !({last} < sample->{time}));"
     yield "  if (m->broken) {"
     yield "    tm_undefined(&m->verdict);"
     yield "    return false;"
     yield "  }"
     for _, c_name in fields:
-        yield f"  m->{c_name}[tm_ring(m->count)] = sample->{c_name};"
+        yield f"  m->ring.{c_name}[tm_ring(m->count)] = sample->{c_name};"
     if not fields:
         yield "  (void)sample;"
     yield "  ++m->count;"
@@ -376,7 +385,7 @@ def glue(found: list[Monitor]) -> Iterator[str]:
     yield "}"
     for item in found:
         name = item.c_name
-        yield f"static size_t tmg_online_{name}(tm_context *c, tm_online_{name} *m, size_t n, const void *const *columns, tm_result *out) {{"
+        yield f"static size_t tmg_pushed_{name}(tm_context *c, tm_online_{name} *m, size_t n, const void *const *columns, tm_result *out) {{"
         yield "  size_t read = 0u;"
         yield f"  tm_online_{name}_start(m);"
         yield "  (void)columns;"
@@ -399,7 +408,7 @@ def glue(found: list[Monitor]) -> Iterator[str]:
     yield "  (void)c; (void)memory; (void)n; (void)columns; (void)out;"
     yield "  switch (monitor) {"
     for i, item in enumerate(found):
-        yield f"    case {i}u: return tmg_online_{item.c_name}(c, (tm_online_{item.c_name} *)memory, n, columns, out);"
+        yield f"    case {i}u: return tmg_pushed_{item.c_name}(c, (tm_online_{item.c_name} *)memory, n, columns, out);"
     yield "    default: return 0u;"
     yield "  }"
     yield "}"
