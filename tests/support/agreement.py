@@ -99,8 +99,8 @@ def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Case]:
 
 
 def same(a: float, b: float) -> bool:
-    """The same double; all NaNs are one, and so are both zeros."""
-    return a == b or (math.isnan(a) and math.isnan(b))
+    """The same double, the sign of zero included; all NaNs are one."""
+    return (a == b and math.copysign(1.0, a) == math.copysign(1.0, b)) or (math.isnan(a) and math.isnan(b))
 
 
 def differences(left: CaseResult, right: CaseResult) -> list[str]:

@@ -11,7 +11,7 @@ from typing import Any, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.numpy import logic
+from trackmarshal.backends.numpy import logic, touching
 from trackmarshal.backends.numpy.batch import Batch
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime import geometry
@@ -26,13 +26,24 @@ _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 def swept_inside(batch: Batch, area: ir.Area, *args: Any) -> tuple[Any, Any]:
     """The worst and the best margin [m] of: a box (two poses, length, width) sweeps nothing but an area."""
     shape = np.broadcast(*args).shape
-    return _sides(_ask(batch, area, "margin_inside", args, shape)[0] if 0 not in shape else np.empty(shape))
+    if 0 in shape:
+        return _sides(np.empty(shape))
+    margin = _ask(batch, area, "margin_inside", args, shape)[0]
+    owners = _owners(batch, area)
+    return _sides(
+        touching.settled(
+            margin, args, lambda at, row: touching.inside(owners[at[0] if len(owners) > 1 else 0].border, row)
+        )
+    )
 
 
 def swept_clear(*args: Any) -> tuple[Any, Any]:
     """The same of: what a box (two poses, length, width) sweeps is clear of another (a pose, length, width)."""
     shape = np.broadcast(*args).shape
-    return _sides(np.asarray(geometry.boxes_clear(*args)) if 0 not in shape else np.empty(shape))
+    if 0 in shape:
+        return _sides(np.empty(shape))
+    margin = np.asarray(geometry.boxes_clear(*args))
+    return _sides(touching.settled(margin, args, lambda at, row: touching.clear(row)))
 
 
 def in_area(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
