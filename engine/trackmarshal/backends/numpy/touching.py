@@ -22,7 +22,7 @@ APART = 1.0
 
 
 def settled(
-    margin: Any, args: Sequence[Any], exactly: Callable[[tuple[int, ...], list[float]], float]
+    margin: Any, args: Sequence[Any], exactly: Callable[[tuple[int, ...], Sequence[float]], float]
 ) -> Any:
     """Margins [m] with those next to zero replaced: `exactly` gives one, of its place and the arguments there."""
     near = np.abs(margin) <= NEAR
@@ -30,9 +30,14 @@ def settled(
         return margin
     margin = np.array(margin)
     whole = [np.broadcast_to(arg, margin.shape) for arg in args]
+    known: dict[tuple[float, ...], float] = {}  # what stands, touches at every sample alike
     for place in np.argwhere(near).tolist():
         at = tuple(place)
-        margin[at] = exactly(at, [float(arg[at]) for arg in whole])
+        row = tuple(float(arg[at]) for arg in whole)
+        key = (float(at[0]) if at else 0.0, *row)
+        if key not in known:
+            known[key] = exactly(at, row)
+        margin[at] = known[key]
     return margin
 
 
