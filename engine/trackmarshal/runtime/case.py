@@ -302,8 +302,8 @@ class CaseReader:
 
     @staticmethod
     def _default(kind: FieldType) -> float | None:
-        """The declared default, in the unit that data comes in."""
-        return None if kind.default is None else from_si(kind.default, kind.unit)
+        """What stands in for a field that is left out."""
+        return stand_in(kind)
 
     def _value(
         self, case: Case, signal: SignalType, kind: FieldType, value: object, index: int | None
@@ -317,6 +317,8 @@ class CaseReader:
                     "D202", f"{place} is true, false or null, not {_type(value)}", help=_MISSING
                 )
             return value
+        if type(value) is Default:
+            return float(value)
         number = _number(value, signal.name, kind.name, index)
         if kind.unit not in SI:
             number = to_si(number, kind.unit)
@@ -339,6 +341,17 @@ class CaseReader:
 KEYS = {"id", "params", "tables", "places", "signals"}
 #: More faults than this are summed up, a few for each field.
 MOST_FAULTS = 20
+
+
+class Default(float):
+    """A declared default among data in another unit: in SI already, and not converted."""
+
+
+def stand_in(kind: FieldType) -> float | None:
+    """What stands in for a field that is left out: its default, marked where data is converted; None without one."""
+    if kind.default is None or kind.unit in SI:
+        return kind.default
+    return Default(kind.default)
 
 
 def sound(kind: FieldType, columns: Sequence[Sequence[Any]]) -> bool:

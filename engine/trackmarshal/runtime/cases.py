@@ -13,8 +13,20 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import FieldType, SignalType, Spec
-from trackmarshal.runtime.case import KEYS, SI, Case, CaseReader, Held, is_array, name_of, sound, wanted
-from trackmarshal.units import from_si, to_si
+from trackmarshal.runtime.case import (
+    KEYS,
+    SI,
+    Case,
+    CaseReader,
+    Default,
+    Held,
+    is_array,
+    name_of,
+    sound,
+    stand_in,
+    wanted,
+)  # fmt: skip
+from trackmarshal.units import to_si
 
 if TYPE_CHECKING:
     from trackmarshal.runtime.together import Together
@@ -132,9 +144,16 @@ class _Field:
     name: str
     #: What a number must be like.
     limits: Field
-    #: What stands in for it where it is left out, in the unit that data comes in.
+    #: What stands in for it where it is left out.
     default: float | None
     converted: bool
+
+
+_NUMBERS = {float, Default}
+
+
+def _in_si(value: float, unit: str) -> float:
+    return float(value) if type(value) is Default else to_si(value, unit)
 
 
 class _Columns:
@@ -152,8 +171,8 @@ class _Columns:
     def add(self, field: _Field, column: Sequence[Any]) -> tuple[Any, ...]:
         """A column of the case in SI."""
         if field.converted:
-            _need({float}.issuperset(map(type, column)))
-            column = [to_si(value, field.kind.unit) for value in column]
+            _need(_NUMBERS.issuperset(map(type, column)))
+            column = [_in_si(value, field.kind.unit) for value in column]
         made = tuple(column)
         self.again(field, made)
         return made
@@ -169,8 +188,8 @@ class _Columns:
     def add_value(self, field: _Field, value: Any) -> Any:
         """A column of one value for each case, all in one list."""
         if field.converted:
-            _need(type(value) is float)
-            value = to_si(value, field.kind.unit)
+            _need(type(value) in _NUMBERS)
+            value = _in_si(value, field.kind.unit)
         if field in self._values:
             self._values[field].append(value)
             self._cases[field].append(self.case)
@@ -228,7 +247,7 @@ class _Door:
                 kind,
                 kind.name,
                 _limits(signal.name, kind),
-                None if kind.default is None else from_si(kind.default, kind.unit),
+                stand_in(kind),
                 kind.kind == "number" and kind.unit not in SI,
             )
             for kind in kinds

@@ -21,7 +21,8 @@ from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.testing.builders import BUILDERS, Builder
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
-from trackmarshal.units import Dimension, from_si, parse_shown, parse_unit, quantity, to_si
+from trackmarshal.testing.si import table_in_si
+from trackmarshal.units import Dimension, parse_shown, parse_unit, quantity
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive")
 #: The units of the columns that builders make.
@@ -42,6 +43,7 @@ class PreparedTest(Node):
 
     rule: RuleInfo
     title: str
+    #: In SI whatever the declared units are: for an evaluator of `spec_in_si`.
     case: dict[str, Any]
     verdict: str
     margin: float | None
@@ -152,7 +154,7 @@ class _Preparation:
                     *(lambda r=row: self._pair(r, table.units) for row in self._list(entry.value))
                 )
                 try:
-                    check_table(table, rows)
+                    check_table(table_in_si(table), rows)
                 except TrackmarshalError as error:
                     self.fail(_span(entry.value), error.message, error.help or "")
                 case["tables"][symbol.qualified] = rows
@@ -176,10 +178,11 @@ class _Preparation:
 
     def _param(self, info: ParamInfo, value: ast.Expr) -> float:
         number = self._number(value, info.unit, f"the parameter `{info.name.rpartition('.')[2]}`")
-        si = to_si(number, info.unit)
-        if not math.isfinite(si):
+        if not math.isfinite(number):
             self.fail(_span(value), "a parameter is finite")
-        if (info.lower is not None and si < info.lower) or (info.upper is not None and si > info.upper):
+        if (info.lower is not None and number < info.lower) or (
+            info.upper is not None and number > info.upper
+        ):
             self.fail(_span(value), "the parameter is outside its range", "", info.span.head)
         return number
 
@@ -232,7 +235,7 @@ class _Preparation:
                             "give the columns yourself, or declare it with this dimension",
                             field.span,
                         )
-                    columns[field.name] = [from_si(number, field.unit) for number in built[field.name]]
+                    columns[field.name] = built[field.name]
             return columns
         if not isinstance(value, ast.RecordValue):
             self.fail(
@@ -248,8 +251,7 @@ class _Preparation:
     def _change(self, signal: SignalType, columns: dict[str, Any], change: ast.Change) -> None:
         field = self._field(signal, change.field, change.span)
         count = max((len(column) for column in columns.values()), default=0)
-        default = None if field.default is None else from_si(field.default, field.unit)
-        column = list(columns.get(change.field, [default] * count))
+        column = list(columns.get(change.field, [field.default] * count))
         value = self._scalar(field, change.value)
         if change.index is None:
             column = [value] * count
@@ -352,11 +354,9 @@ class _Preparation:
         )
 
     def _number(self, value: ast.Expr, unit: str, what: str) -> float:
-        """A constant in the unit that the data comes in; `nan` and `inf` are allowed here and only here."""
+        """A constant of a unit's dimension, in SI; `nan` and `inf` are allowed here and only here."""
         special = _special(value)
-        if special is not None:
-            return special
-        return from_si(self._si(value, parse_unit(unit)[2], what), unit)
+        return self._si(value, parse_unit(unit)[2], what) if special is None else special
 
     def _si(self, value: ast.Expr, dimension: Dimension, what: str) -> float:
         if isinstance(value, (ast.ListValue, ast.RecordValue)):

@@ -11,6 +11,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.verdict import RuleResult
 from trackmarshal.testing.cases import PreparedTest
+from trackmarshal.testing.si import spec_in_si
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,7 @@ def run_tests(
 ) -> Iterator[Outcome]:
     """Run each test with each evaluator; it passes when all of them say what it expects."""
     evaluators: dict[tuple[str, str], Evaluator] = {}
+    spec = spec_in_si(spec)
     for test in tests:
         message = ""
         outcome = "passed"
