@@ -311,13 +311,17 @@ def _with_exceptions(
 
 def margin_unit(formula: ir.Formula | None) -> str:
     """The unit of all of a formula's comparisons; "mixed" where they differ, "1" where there are none."""
-    if formula is None:
-        return "1"
-    units = {n.unit for n in formula_atoms(formula) if isinstance(n, ir.Compare)}
-    units |= {"m" for n in formula_atoms(formula) if isinstance(n, ir.Geometry)}
+    units = set() if formula is None else margin_units(formula)
     if not units:
         return "1"
     return units.pop() if len(units) == 1 else "mixed"
+
+
+def margin_units(formula: ir.Formula) -> set[str]:
+    """The units of a formula's comparisons, one of which is that of its margin."""
+    atoms = formula_atoms(formula)
+    units = {n.unit for n in atoms if isinstance(n, ir.Compare)}
+    return units | {"m" for n in atoms if isinstance(n, ir.Geometry)}
 
 
 def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
@@ -410,4 +414,13 @@ def _last_word(span: Span, word: str) -> Span:
     return Span(span.file, span.end - len(word), span.end) if span.text.endswith(word) else span.head
 
 
-__all__ = ["FormulaValue", "RuleBuilder", "describe", "fingerprint", "formula_atoms", "margin_unit", "reads"]
+__all__ = [
+    "FormulaValue",
+    "RuleBuilder",
+    "describe",
+    "fingerprint",
+    "formula_atoms",
+    "margin_unit",
+    "margin_units",
+    "reads",
+]

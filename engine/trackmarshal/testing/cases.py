@@ -16,13 +16,14 @@ from trackmarshal.semantics import calls
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
 from trackmarshal.semantics.expressions import Context
+from trackmarshal.semantics.rules import margin_units
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.testing.builders import BUILDERS, Builder
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
 from trackmarshal.testing.si import table_in_si
-from trackmarshal.units import Dimension, parse_shown, parse_unit, quantity
+from trackmarshal.units import NUMBER, Dimension, parse_shown, parse_unit, quantity, show
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive")
 #: The units of the columns that builders make.
@@ -48,6 +49,8 @@ class PreparedTest(Node):
     verdict: str
     margin: float | None
     tolerance: float
+    #: Where the comparisons of a rule are in several units: the one in which the margin is expected; None for any.
+    unit: str | None
     binder: str | None
     at: str | None
     span: Span
@@ -116,8 +119,10 @@ class _Preparation:
         )
         if rule is None or rule.formula is None:
             return None
-        verdict, margin, tolerance, binder, at = expect
-        return PreparedTest(rule, item.title, case, verdict, margin, tolerance, binder, at, item.span.head)
+        verdict, margin, tolerance, unit, binder, at = expect
+        return PreparedTest(
+            rule, item.title, case, verdict, margin, tolerance, unit, binder, at, item.span.head
+        )
 
     # What is given --------------------------------------------------------------------------------------------
 
@@ -359,39 +364,49 @@ class _Preparation:
         return self._si(value, parse_unit(unit)[2], what) if special is None else special
 
     def _si(self, value: ast.Expr, dimension: Dimension, what: str) -> float:
+        """A constant of a dimension, in SI."""
+        return self._constant(value, what, dimension)[0]
+
+    def _constant(
+        self, value: ast.Expr, what: str, wanted: Dimension | None = None
+    ) -> tuple[float, Dimension]:
+        """A constant in SI with its dimension, which may be given."""
         if isinstance(value, (ast.ListValue, ast.RecordValue)):
             self.fail(
                 _span(value),
                 f"{what} is one value, not a {'list' if isinstance(value, ast.ListValue) else 'record'}",
             )
         checked = self._x.number(value, self._ctx)
-        if checked.dimension != dimension:
-            problem = f"{what} is {quantity(dimension)}, not {quantity(checked.dimension)}"
-            self.fail(_span(value), problem, calls.unit_hint(checked, dimension))
+        if wanted is not None and checked.dimension != wanted:
+            problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
+            self.fail(_span(value), problem, calls.unit_hint(checked, wanted))
         params = self._spec.params
         if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(checked.node)):
             raise Poison  # a parameter whose declaration was reported
         number = constant_value(checked.node, lambda qualified: params[qualified].value)
         if number is None:
             self.fail(_span(value), "this depends on an input", "a test gives constants")
-        return number
+        return number, checked.dimension
 
     # What is expected -----------------------------------------------------------------------------------------
 
-    def _expectation(
-        self, expect: ast.Expect, rule: RuleInfo | None
-    ) -> tuple[str, float | None, float, str | None, str | None]:
+    def _expectation(self, expect: ast.Expect, rule: RuleInfo | None) -> tuple[Any, ...]:
+        """Verdict, margin, tolerance, unit of the margin, variable and index."""
         self._kind = BadExpectation
-        margin, tolerance, at, _ = self._x.all(
-            lambda: None if expect.margin is None else self._margin(expect.margin, rule),
-            lambda: 0.0 if expect.tolerance is None else self._tolerance(expect.tolerance, rule),
+        (margin, unit), (tolerance, other), at, _ = self._x.all(
+            lambda: (None, None) if expect.margin is None else self._margin(expect.margin, rule),
+            lambda: (0.0, None) if expect.tolerance is None else self._tolerance(expect.tolerance, rule),
             lambda: self._at(expect, rule),
             lambda: self._verdict(expect),
         )
         if margin is not None and expect.verdict == "undefined" and not math.isnan(margin):
             assert expect.margin is not None
             self.fail(_span(expect.margin), "an undefined rule has no margin", "expect the verdict only")
-        return expect.verdict, margin, tolerance, expect.binder, at
+        if unit is not None and other is not None and unit != other:
+            assert expect.tolerance is not None
+            problem = f"a margin in {unit} has no tolerance in {other}"
+            self.fail(_span(expect.tolerance), problem, f"write it in {unit}")
+        return expect.verdict, margin, tolerance, unit or other, expect.binder, at
 
     def _verdict(self, expect: ast.Expect) -> None:
         if expect.verdict not in VERDICTS:
@@ -425,23 +440,32 @@ class _Preparation:
             self.fail(expect.span.word(expect.at), "an index is a whole number, from 0")
         return str(index)
 
-    def _tolerance(self, value: ast.Expr, rule: RuleInfo | None) -> float:
-        tolerance = self._margin(value, rule)
+    def _tolerance(self, value: ast.Expr, rule: RuleInfo | None) -> tuple[float, str | None]:
+        tolerance, unit = self._margin(value, rule)
         if not 0.0 <= tolerance < math.inf:
             self.fail(_span(value), "a tolerance is finite and not negative")
-        return tolerance
+        return tolerance, unit
 
-    def _margin(self, value: ast.Expr, rule: RuleInfo | None) -> float:
+    def _margin(self, value: ast.Expr, rule: RuleInfo | None) -> tuple[float, str | None]:
+        """A margin in SI and, where the rule's comparisons are in several units, its unit; None for 0, which is 0 in any."""
         special = _special(value)
         if special is not None:
-            return special
+            return special, None
         if rule is None or rule.formula is None:
-            return 0.0
-        if rule.unit == "mixed":
-            problem = f"the margins of `{rule.name}` have several dimensions"
-            self.fail(_span(value), problem, "expect the verdict only")
-        dimension = parse_shown(rule.unit)
-        return self._si(value, dimension, f"the margin of `{rule.name}`")
+            return 0.0, None
+        if rule.unit != "mixed":
+            return self._si(value, parse_shown(rule.unit), f"the margin of `{rule.name}`"), None
+        number, dimension = self._constant(value, f"the margin of `{rule.name}`")
+        unit, units = show(dimension), margin_units(rule.formula)
+        if number == 0.0 and dimension == NUMBER:
+            return 0.0, None
+        if unit not in units:
+            listed = " and ".join(sorted(units))
+            problem = (
+                f"no comparison of `{rule.name}` is in {unit if dimension != NUMBER else 'plain numbers'}"
+            )
+            self.fail(_span(value), problem, f"its comparisons are in {listed}; 0 needs no unit")
+        return number, unit
 
 
 _HOW = {

@@ -85,6 +85,8 @@ def mismatch(test: PreparedTest, result: RuleResult) -> str:
     if test.margin is not None and not _close(result.margin, test.margin, test.tolerance):
         within = f" within {test.tolerance:g}" if test.tolerance else ""
         return f"expected margin {test.margin:.9g}{within}, got {result.margin!r} {result.unit}"
+    if test.unit is not None and result.unit != test.unit:
+        return f"expected a margin in {test.unit}, the comparison that decides is in {result.unit}"
     if test.binder is not None:
         binders = result.witness.binders if result.witness is not None else {}
         if str(binders.get(test.binder)) != test.at:
