@@ -168,10 +168,13 @@ class Expressions:
             case ast.IfElse():
                 return self._if_else(expr, ctx)
             case ast.Within():
-                low = ast.Binary("<=", expr.lower, expr.value, span)
-                return self.value(
-                    ast.Binary("and", low, ast.Binary("<=", expr.value, expr.upper, span), span), ctx
+                return self._chained(
+                    (expr.lower, expr.value, expr.upper), ("<=", "<="), (span, span), span, ctx
                 )
+            case ast.Chained():
+                ends = zip(expr.operands, expr.operands[1:])
+                spans = tuple(_span(left).to(_span(right)) for left, right in ends)
+                return self._chained(expr.operands, expr.ops, spans, span, ctx)
             case ast.InZone():
                 return self._in_zone(expr, ctx)
             case ast.Temporal():
@@ -321,14 +324,40 @@ class Expressions:
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
             )
             return NumberValue(self.make(ir.Arith, op, left.node, right.node), dimension, span)
-        self.same("compare" if op in _COMPARISONS else "add" if op == "+" else "subtract", left, right)
-        if op in ("+", "-"):
-            return NumberValue(self.make(ir.Arith, op, left.node, right.node), left.dimension, span)
         if op in _COMPARISONS:
-            return FormulaValue(
-                self.make(ir.Compare, op, left.node, right.node, show(left.dimension), ctx.site or span), span
-            )
+            return self._compare(op, left, right, span, ctx)
+        if op in ("+", "-"):
+            self.same("add" if op == "+" else "subtract", left, right)
+            return NumberValue(self.make(ir.Arith, op, left.node, right.node), left.dimension, span)
         raise AssertionError(f"unknown operator {op}")
+
+    def _chained(
+        self,
+        operands: tuple[ast.Expr, ...],
+        ops: tuple[str, ...],
+        spans: tuple[Span, ...],
+        span: Span,
+        ctx: Context,
+    ) -> FormulaValue:
+        """Neighbours compared, and all of it joined by `and`; every operand stands for one number, however often it is compared."""
+        numbers = self.all(*(lambda o=operand: self.number(o, ctx) for operand in operands))
+        compared = self.all(
+            *(
+                lambda op=op, left=left, right=right, at=at: self._compare(op, left, right, at, ctx)
+                for op, left, right, at in zip(ops, numbers, numbers[1:], spans)
+            )
+        )
+        node = compared[0].node
+        for other in compared[1:]:
+            node = self.make(ir.Connective, "and", node, other.node)
+        return FormulaValue(node, span)
+
+    def _compare(
+        self, op: str, left: NumberValue, right: NumberValue, span: Span, ctx: Context
+    ) -> FormulaValue:
+        self.same("compare", left, right)
+        unit = show(left.dimension)
+        return FormulaValue(self.make(ir.Compare, op, left.node, right.node, unit, ctx.site or span), span)
 
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""

@@ -79,6 +79,14 @@ class Binary(Expr):
     span: Span = NOWHERE
 
 
+class Chained(Expr):
+    """`0 m <= a <= b`: neighbours compared, all in one direction; one operand more than operators."""
+
+    operands: tuple[Expr, ...]
+    ops: tuple[str, ...]
+    span: Span = NOWHERE
+
+
 class IfElse(Expr):
     """`if c then a else b`: a number chosen by a formula."""
 

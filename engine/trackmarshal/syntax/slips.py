@@ -63,7 +63,7 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
         return "write `==` to compare"
     if found in ("<", "<=", ">", ">=", "==", "!=", "≤", "≥", "≠") and text[start - 1 : start + 1] != "<>":
         if expected & {"AND", "OR"} and "COMPARE" not in expected:
-            return "comparisons do not chain: write `a < b and b < c`, or `b in [a, c]`"
+            return "join what must hold together with `and`"
         return ""
     for length in (2, 1):
         hint = _HERE.get(text[start : start + length])
