@@ -97,6 +97,6 @@ def test_the_formatter_keeps_a_row_together() -> None:
     laid = format_text(SourceFile("t.spec", text))
     assert laid == "rule r\n  require   " + "\n              < ".join(operands) + "\n"
     assert format_text(SourceFile("t.spec", laid)) == laid
-    assert format_text(SourceFile("t.spec", "rule r\n  require (a < b) iff ((0 m<= c ) <d)\n")).endswith(
+    assert format_text(SourceFile("t.spec", "rule r\n  require a < b iff (0 m<= c ) <d\n")).endswith(
         "require   a < b iff (0 m <= c) < d\n"
     )
