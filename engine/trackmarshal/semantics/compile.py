@@ -25,7 +25,9 @@ from trackmarshal.ir.spec import (
 )
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal_problem, settled
+from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.errors import BadValue, Duplicate, SignalConflict, WrongDimension
 from trackmarshal.semantics.expressions import Context, Expressions
 from trackmarshal.semantics.modules import Library
@@ -90,6 +92,7 @@ class _Compiler:
         self.constraints: list[ConstraintInfo] = []
         self.x = Expressions(ir.Interner(), self.signals, self.found)
         self.scopes = self.x.scopes
+        self.elsewhere = Elsewhere(library)
 
     def run(self) -> Compiled:
         for module in self.order:
@@ -128,9 +131,7 @@ class _Compiler:
             rulebooks,
             digest.hexdigest(),
         )
-        # Equality of diagnostics ignores where they are; what a definition says wrong is found at each of its uses.
-        distinct = {(d.code, d.span.file.path, d.span.start, d.span.end, d.message): d for d in self.found}
-        found = tuple(sorted(distinct.values(), key=lambda d: (d.span.file.path, d.span.start, d.code)))
+        found = tuple(told_once(self.found))
         return Compiled(
             spec,
             self.library,
@@ -151,7 +152,7 @@ class _Compiler:
         ]
 
     def _scope(self, module: str) -> None:
-        scope = self.scopes[module] = Scope(module, self.found)
+        scope = self.scopes[module] = Scope(module, self.found, self.elsewhere.modules)
         loaded = self.library.modules[module]
         for item in loaded.tree.items:
             if type(item) in KINDS:

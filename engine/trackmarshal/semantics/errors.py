@@ -9,18 +9,22 @@ from trackmarshal.source import Span
 class UnknownName(Diagnostic):
     code = "E201"
     title = "unknown name"
-    text = "unknown {what} `{name}`"
+    text = "unknown {what} `{name}`{more}"
     label = "not declared here or in a used module"
     remedy = "{hint}"
     explanation = (
         "Every name must be declared in the module or in one that it uses (`use module.name`). Names of modules used by a "
-        "used module are not visible."
+        "used module are not visible. What one missing `use` or one missing declaration makes unknown is one error, with all places."
     )
 
     span: Span
     what: str
     name: str
     hint: str = ""
+    #: The modules that declare it, one of which could be used.
+    modules: tuple[str, ...] = ()
+    more: str = ""
+    others: tuple[Span, ...] = ()
 
 
 class Duplicate(Diagnostic):
@@ -105,6 +109,7 @@ class Ambiguous(Diagnostic):
     other: Span
     name: str
     modules: str
+    others: tuple[Span, ...] = ()
 
 
 class WrongArity(Diagnostic):
@@ -137,6 +142,7 @@ class UnknownField(Diagnostic):
     name: str
     known: str
     hint: str = ""
+    others: tuple[Span, ...] = ()
 
 
 class WrongKind(Diagnostic):

@@ -7,7 +7,14 @@ import hashlib
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, SignalType
-from trackmarshal.semantics.errors import Ambiguous, ClauseProblem, RunAxis, UnknownReference
+from trackmarshal.semantics.errors import (
+    Ambiguous,
+    ClauseProblem,
+    RunAxis,
+    UnknownName,
+    UnknownReference,
+    UnusedVariable,
+)  # fmt: skip
 from trackmarshal.semantics.expressions import Context, Expressions
 from trackmarshal.semantics.scope import Symbol
 from trackmarshal.semantics.values import Broken, FormulaValue, Poison, SignalValue
@@ -61,6 +68,10 @@ class RuleBuilder:
                     text["owner"] = clause.text
         for name, span in assuming:
             if name not in assumptions:
+                unknown = self.ctx.scope.unknown(name, span, "assumption", "")
+                if unknown.modules:
+                    self.x.found.append(unknown)
+                    continue
                 problem = f"no assumption `{name}` is declared in what is checked together"
                 hint = (
                     close_matches(name, assumptions)
@@ -68,6 +79,10 @@ class RuleBuilder:
                 )
                 self.x.found.append(UnknownReference(span, problem, hint))
         formula, active, along = self._formula(item)
+        if any(
+            isinstance(d, UnknownName) for d in self.x.found[before:]
+        ):  # which may be the variable, misspelt
+            self.x.found[before:] = [d for d in self.x.found[before:] if not isinstance(d, UnusedVariable)]
         if any(d.level == "error" for d in self.x.found[before:]):
             return None
         if formula is None and kind == "rule":
@@ -167,7 +182,7 @@ class RuleBuilder:
         symbol = scope.look_up(name, span, "reference", set())
         if isinstance(symbol, Symbol) and isinstance(symbol.item, ast.Reference):
             return f"{symbol.item.text}, {clause.locator}" if clause.locator else symbol.item.text
-        if isinstance(symbol, Ambiguous):
+        if isinstance(symbol, Ambiguous) or (isinstance(symbol, UnknownName) and symbol.modules):
             self.x.found.append(symbol)
         elif symbol is not None:
             references = [

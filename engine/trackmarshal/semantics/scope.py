@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
+
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.node import Node
 from trackmarshal.semantics.errors import Ambiguous, Duplicate, UnknownName
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
+from trackmarshal.units import UNIT_PATTERN, UNITS
 
 #: Declarations that put a name into the module's scope, and what messages call them.
 KINDS: dict[type[ast.Item], str] = {
@@ -26,8 +30,11 @@ class Symbol(Node):
 class Scope:
     """The names of one module: its own, then those of the modules that it uses."""
 
-    def __init__(self, module: str, found: list[Diagnostic]) -> None:
+    def __init__(
+        self, module: str, found: list[Diagnostic], elsewhere: Callable[[str, str, str], tuple[str, ...]]
+    ) -> None:
         self.module = module
+        self._elsewhere = elsewhere
         self.own: dict[str, Symbol] = {}
         self.used: dict[str, list[Symbol]] = {}
         #: Names whose declarations have errors of syntax: in this module, and here or in a used one.
@@ -79,7 +86,32 @@ class Scope:
         hint = close_matches(name, self.names() | extra)
         if self.incomplete and not hint:
             return None  # the module that could not be loaded may declare it
-        return UnknownName(span, what, name, hint or "declare it, or `use` the module that declares it")
+        return self.unknown(name, span, what, hint)
+
+    def unknown(self, name: str, span: Span, what: str, hint: str) -> UnknownName:
+        """What is said of a name that is not declared; a module that declares it comes before names that are alike."""
+        modules = self._elsewhere(name, what, self.module)
+        hint = _unit_with_blanks(name, span) or hint or "declare it, or `use` the module that declares it"
+        return UnknownName(span, what, name, hint, modules)
+
+
+_QUOTIENT = re.compile(
+    rf"((?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ \t]*({UNIT_PATTERN}(?:/{UNIT_PATTERN})*)?[ \t]*/[ \t]*\Z"
+)
+_EXPONENT = re.compile(r"\^-?[0-9]+|[²³]")
+
+
+def _unit_with_blanks(name: str, span: Span) -> str:
+    """What to write for the `h` of `60 km / h`; empty where it is no such thing."""
+    if name not in UNITS:
+        return ""
+    text = span.file.text
+    before = _QUOTIENT.search(text, text.rfind("\n", 0, span.start) + 1, span.start)
+    if before is None:
+        return f"`{name}` is a unit, and follows a number"
+    exponent = _EXPONENT.match(text, span.end)
+    unit = f"{before[2] or '1'}/{name}{exponent.group() if exponent else ''}"
+    return f"write `{before[1]} {unit}`: there are no blanks in a unit"
 
 
 def spoken(item: ast.Item) -> str:

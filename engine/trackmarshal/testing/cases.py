@@ -13,6 +13,7 @@ from trackmarshal.ir.spec import FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.node import Node
 from trackmarshal.runtime.case import check_table
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
 from trackmarshal.semantics.expressions import Context
@@ -86,7 +87,7 @@ def prepare(compiled: Compiled) -> tuple[list[PreparedTest], list[Diagnostic]]:
             if test is not None:
                 prepared.append(test)
     reported, found[before:] = found[before:], []
-    return prepared, reported
+    return prepared, told_once(reported, compiled.found)
 
 
 class _Preparation:
@@ -179,6 +180,10 @@ class _Preparation:
                 f"`{entry.name}` is declared in several used modules",
                 "rename one, or use only one of the modules",
             )
+        unknown = self._scope.unknown(entry.name, entry.span.word(entry.name), "name", "")
+        if unknown.modules and entry.name not in symbols:
+            self._found.append(unknown)
+            raise Poison
         self.fail(entry.span.word(entry.name), problem, hint)
 
     def _param(self, info: ParamInfo, value: ast.Expr) -> float:
