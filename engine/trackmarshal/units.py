@@ -131,6 +131,18 @@ def from_si(number: float, unit: str) -> float:
     return near
 
 
+def written(number: float, unit: str) -> str:
+    """An SI number as an author would write it in a unit, `130 km/h`."""
+    return digits(number, unit) + ("" if unit == "1" else f" {unit}")
+
+
+def digits(number: float, unit: str) -> str:
+    """An SI number in a unit, without it, and with all of its digits: numbers that differ look different."""
+    value = from_si(number, unit)
+    short = f"{value:g}"
+    return short if math.isnan(value) or float(short) == value else repr(value)
+
+
 def show(dimension: Dimension) -> str:
     """The SI unit of a dimension, as a rule author would write it."""
     if dimension in _NAMED:

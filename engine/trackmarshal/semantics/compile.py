@@ -37,7 +37,7 @@ from trackmarshal.semantics.scope import KINDS, Scope, Symbol
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, Dimension, name, parse_unit, quantity, to_si
+from trackmarshal.units import NUMBER, Dimension, digits, name, parse_unit, quantity, to_si, written
 
 T = TypeVar("T", bound=ast.Item)
 
@@ -223,9 +223,8 @@ class _Compiler:
                 default = self._finite(field.default, unit, dimension, module)
                 if not _inside(default, lower, upper):
                     at, limits = field.default.__dict__["span"], field.range.span if field.range else None
-                    self.found.append(
-                        BadValue(at, f"the default of `{field.name}` is outside its range", limits)
-                    )
+                    problem = f"the default of `{field.name}`, {written(default, unit)}, is {_outside(lower, upper, unit)}"
+                    self.found.append(BadValue(at, problem, limits))
         return FieldType(field.name, "number", unit, field.increasing, lower, upper, default, field.span)
 
     def _range(
@@ -239,7 +238,10 @@ class _Compiler:
             lambda: self._literal(limits.upper, unit, dimension, module),
         )
         if not lower <= upper:
-            self.x.fail(BadValue(limits.span, "a range runs from low to high", None, "swap the bounds"))
+            problem = (
+                f"a range runs from low to high, not from {written(lower, unit)} to {written(upper, unit)}"
+            )
+            self.x.fail(BadValue(limits.span, problem, None, "swap the bounds"))
         return lower, upper
 
     def _finite(self, expr: ast.Expr, unit: str, dimension: Dimension, module: str) -> float:
@@ -249,7 +251,7 @@ class _Compiler:
             self.x.fail(
                 BadValue(
                     expr.__dict__["span"],
-                    "this value is not finite",
+                    f"this value is {written(value, '1')}, which is not finite",
                     None,
                     "only ranges may be open: `in [0, inf]`",
                 )
@@ -290,8 +292,11 @@ class _Compiler:
         )
         if not _inside(number, lower, upper):
             assert item.range is not None
-            at = item.value.__dict__["span"]
-            self.x.fail(BadValue(at, f"the value of `{item.name}` is outside its range", item.range.span))
+            at, unit = item.value.__dict__["span"], item.unit
+            problem = (
+                f"the value of `{item.name}`, {written(number, unit)}, is {_outside(lower, upper, unit)}"
+            )
+            self.x.fail(BadValue(at, problem, item.range.span))
         qualified = f"{module}.{item.name}"
         self.params.setdefault(
             qualified, ParamInfo(qualified, number, item.unit, lower, upper, item.source, item.span)
@@ -324,7 +329,10 @@ class _Compiler:
         if not math.isfinite(value):
             self.x.fail(
                 BadValue(
-                    span, "this value is not finite", None, "its arithmetic divides by zero or overflows"
+                    span,
+                    f"this value is {written(value, '1')}, which is not finite",
+                    None,
+                    "its arithmetic divides by zero or overflows",
                 )
             )
         return value
@@ -367,7 +375,7 @@ class _Compiler:
                 self.x.fail(
                     BadValue(
                         row.__dict__["span"],
-                        "the knots of a table ascend",
+                        f"the knots of a table ascend; {written(after, item.unit)} is not above {written(before, item.unit)}",
                         above.__dict__["span"],
                         hint,
                         about,
@@ -390,7 +398,8 @@ class _Compiler:
         points = tuple(zip(numbers[::2], numbers[1::2]))
         least = 3 if item.kind == "zone" else 2
         if len(set(points)) < least:
-            self.x.fail(BadValue(item.span.head, f"a {item.kind} has at least {least} different points"))
+            problem = f"a {item.kind} has at least {least} different points, not {len(set(points))}"
+            self.x.fail(BadValue(item.span.head, problem))
         qualified = f"{module}.{item.name}"
         self.places.setdefault(qualified, PlaceInfo(qualified, item.kind, points, item.span))
 
@@ -447,6 +456,13 @@ class _Compiler:
                     rules.append(rule)
                 first.setdefault(item.name, item)
         return rules
+
+
+def _outside(lower: float | None, upper: float | None, unit: str) -> str:
+    """What is said of a value that is outside a range in SI."""
+    low = digits(-math.inf if lower is None else lower, unit)
+    high = digits(math.inf if upper is None else upper, unit)
+    return f"outside its range [{low}, {high}]" + ("" if unit == "1" else f" {unit}")
 
 
 def _inside(value: float, lower: float | None, upper: float | None) -> bool:

@@ -38,7 +38,19 @@ from trackmarshal.semantics.values import (
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, TIME, Dimension, over, parse_unit, power, quantity, show, times, to_si
+from trackmarshal.units import (
+    NUMBER,
+    TIME,
+    Dimension,
+    over,
+    parse_unit,
+    power,
+    quantity,
+    show,
+    times,
+    to_si,
+    written,
+)
 
 
 class Context(Node):
@@ -399,6 +411,8 @@ class Expressions:
                 else "divide the base by a reference quantity first"
             )
             problem = f"the exponent of {quantity(base.dimension)} must be a literal whole number from 1 to 8, or from -8 to -1"
+            if constant is not None:
+                problem += f", not {written(constant, '1')}"
             self.fail(
                 BadValue(exponent.span, problem, base.span, hint, f"this is {quantity(base.dimension)}")
             )
@@ -470,9 +484,11 @@ class Expressions:
         if low < 0:
             past = "`once`, `historically` and `since` look back"
             hint = f"windows count away from the current sample; {past}"
-            self.fail(BadValue(_span(window.lower), "a window starts at zero or later", None, hint))
+            problem = f"a window starts at zero or later, not at {written(low, 's')}"
+            self.fail(BadValue(_span(window.lower), problem, None, hint))
         if high < low:
-            self.fail(BadValue(window.span, "a window runs from low to high", None, "swap the bounds"))
+            problem = f"a window runs from low to high, not from {written(low, 's')} to {written(high, 's')}"
+            self.fail(BadValue(window.span, problem, None, "swap the bounds"))
         return low, high
 
     def _bound(self, bound: ast.Expr, ctx: Context) -> float:

@@ -24,7 +24,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.testing.builders import BUILDERS, Builder
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
 from trackmarshal.testing.si import table_in_si
-from trackmarshal.units import NUMBER, Dimension, parse_shown, parse_unit, quantity, show
+from trackmarshal.units import NUMBER, Dimension, digits, parse_shown, parse_unit, quantity, show, written
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive")
 #: The units of the columns that builders make.
@@ -193,7 +193,13 @@ class _Preparation:
         if (info.lower is not None and number < info.lower) or (
             info.upper is not None and number > info.upper
         ):
-            self.fail(_span(value), "the parameter is outside its range", "", info.span.head)
+            ends = (
+                -math.inf if info.lower is None else info.lower,
+                math.inf if info.upper is None else info.upper,
+            )
+            limits = ", ".join(digits(end, info.unit) for end in ends)
+            problem = f"{written(number, info.unit)} is outside its range [{limits}]{'' if info.unit == '1' else ' ' + info.unit}"
+            self.fail(_span(value), problem, "", info.span.head)
         return number
 
     def _signal(self, signal: SignalType, entry: ast.Given) -> Any:
