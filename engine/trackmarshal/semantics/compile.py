@@ -99,6 +99,7 @@ class _Compiler:
             self._scope(module)
         for module in self.order:  # in a circle of modules, one uses a module that comes later
             self._uses(module)
+            self.scopes[module].check_own()
         for step in (
             self._signals,
             self._params,
@@ -415,6 +416,7 @@ class _Compiler:
                         Duplicate(parameter.span, seen[parameter.name], "parameter", parameter.name)
                     )
                 seen.setdefault(parameter.name, parameter.span)
+                self.scopes[module].check_bound(parameter.name, parameter.span, "parameter")
             symbol = Symbol(item, module, f"{module}.{item.name}")
             check = partial(calls.check_definition, self.x, symbol, item, ctx)
             if not self.x.attempt(check, item.span.head):

@@ -42,6 +42,28 @@ class Duplicate(Diagnostic):
     name: str
 
 
+class Hides(Diagnostic):
+    code = "E222"
+    title = "a name that hides another one"
+    text = "{what} `{name}` hides the {other_what} `{name}`{where}"
+    label = "means something else from here on"
+    other_label = "the {other_what} is declared here"
+    remedy = "{hint}"
+    explanation = (
+        "Whatever is visible where a name is declared or bound has another name: of two declarations of one name, a reader takes "
+        "one for the other, and a limit that was changed in one place stays what it was in the other. Signals and events are the "
+        "same thing in every module, and may be declared again alike."
+    )
+
+    span: Span
+    other: Span | None
+    what: str
+    name: str
+    other_what: str
+    where: str
+    hint: str = "rename one of them"
+
+
 class ModuleNotFound(Diagnostic):
     code = "E203"
     title = "module not found"

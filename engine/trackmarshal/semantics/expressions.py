@@ -549,6 +549,8 @@ class Expressions:
         known = ctx.local.get(name)
         if known is not None and not isinstance(known, Broken):
             self.found.append(Duplicate(span.word(name), known.__dict__["span"].head, "variable", name))
+        else:
+            ctx.scope.check_bound(name, span.word(name), "variable")
 
     def _variable(self, signal: SignalType, axis: ir.Axis, offset: int, name: str, span: Span) -> RecordValue:
         what = f"`{name}` ({'a sample' if signal.sequence else 'an element'} of `{signal.name}`)"

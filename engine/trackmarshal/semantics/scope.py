@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.node import Node
-from trackmarshal.semantics.errors import Ambiguous, Duplicate, UnknownName
+from trackmarshal.semantics.errors import Ambiguous, Duplicate, Hides, UnknownName
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import UNIT_PATTERN, UNITS
@@ -17,6 +17,10 @@ KINDS: dict[type[ast.Item], str] = {
     ast.Signal: "signal", ast.Event: "event", ast.Param: "parameter", ast.Table: "table", ast.Place: "place",
     ast.Define: "definition", ast.Reference: "reference", ast.State: "state", ast.Rulebook: "rulebook",
 }  # fmt: skip
+
+
+#: Names that mean something without being declared, and what.
+BUILT_IN = {"pi": "number", "inf": "number", "nan": "number"}
 
 
 class Symbol(Node):
@@ -49,6 +53,10 @@ class Scope:
         if known is not None:
             self._found.append(Duplicate(_head(item), _head(known.item), spoken(item), name))
             return
+        if name in BUILT_IN:
+            self._found.append(
+                Hides(_head(item), None, spoken(item), name, BUILT_IN[name], " of the language")
+            )
         self.own[name] = Symbol(item, self.module, f"{self.module}.{name}")
 
     def use(self, other: Scope) -> None:
@@ -57,6 +65,23 @@ class Scope:
             symbols = self.used.setdefault(name, [])
             if symbol not in symbols:
                 symbols.append(symbol)
+
+    def check_own(self) -> None:
+        """Report declarations that hide those of used modules."""
+        for name, symbol in self.own.items():
+            for other in self.used.get(name, ()):
+                if not _same_thing(symbol.item, other.item):
+                    hint = "rename one, or remove this one: the other is visible here"
+                    self._found.append(_hides(_head(symbol.item), spoken(symbol.item), name, other, hint))
+
+    def check_bound(self, name: str, span: Span, what: str) -> None:
+        """Report a variable that hides a declaration, or pi."""
+        known = self.own.get(name) or next(iter(self.used.get(name, ())), None)
+        if known is not None:
+            self._found.append(_hides(span, what, name, known, f"give the {what} a name of its own"))
+        elif name in BUILT_IN:
+            hint = f"give the {what} a name of its own"
+            self._found.append(Hides(span, None, what, name, BUILT_IN[name], " of the language", hint))
 
     def names(self) -> set[str]:
         return {*self.own, *self.used}
@@ -121,6 +146,18 @@ def spoken(item: ast.Item) -> str:
     if isinstance(item, ast.Define):
         return "predicate" if item.keyword == "predicate" else "definition"
     return KINDS[type(item)]
+
+
+def _same_thing(item: ast.Item, other: ast.Item) -> bool:
+    """Whether two declarations stand for one thing in the car, or in the library; whether signals agree is checked elsewhere."""
+    if isinstance(item, (ast.Signal, ast.Event)):
+        return type(item) is type(other)
+    return isinstance(item, ast.Reference) and item == other
+
+
+def _hides(span: Span, what: str, name: str, known: Symbol, hint: str) -> Hides:
+    where = f" of `{known.module}`"
+    return Hides(span, _head(known.item), what, name, spoken(known.item), where, hint)
 
 
 def _head(item: ast.Item) -> Span:
