@@ -209,6 +209,7 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
                 unit_hint(value, wanted),
             )
         )
+    self.warn(self.advice.argument(value, kind, parameter.span))
     return value
 
 
@@ -251,6 +252,8 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
                         "divide it by a quantity of its own dimension",
                     )
                 )
+    if function in ("sin", "cos", "tan"):
+        self.warn(self.advice.argument(first, "rad", None))
     return NumberValue(self.make(ir.Func, function, tuple(v.node for v in numbers)), dimension, span)
 
 

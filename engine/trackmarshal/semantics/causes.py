@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from trackmarshal.diagnostics.base import Diagnostic
-from trackmarshal.semantics.errors import Ambiguous, UnknownField, UnknownName
+from trackmarshal.semantics.errors import Ambiguous, BareAngle, UnknownField, UnknownName
 
 
 def told_once(found: Iterable[Diagnostic], before: Iterable[Diagnostic] = ()) -> list[Diagnostic]:
@@ -28,7 +28,7 @@ def place(item: Diagnostic) -> tuple[str, int, str]:
     return _file(item), item.span.start, item.code
 
 
-_FOLDED = (UnknownName, Ambiguous, UnknownField)
+_FOLDED = (UnknownName, Ambiguous, UnknownField, BareAngle)
 
 
 def _file(item: Diagnostic) -> str:
@@ -61,6 +61,8 @@ def _cause(item: Diagnostic) -> object:
         return "ambiguous", _file(item), item.name
     if isinstance(item, UnknownField):
         return "field", _file(item), item.message
+    if isinstance(item, BareAngle) and item.what:
+        return "angle", _file(item), item.what
     return *place(item), item.span.end, item.message
 
 

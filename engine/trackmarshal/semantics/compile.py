@@ -282,6 +282,7 @@ class _Compiler:
         items = self._own(module, ast.Param)
         for item in items:
             self.x.params.setdefault(f"{module}.{item.name}", parse_unit(item.unit)[2])
+            self.x.advice.units.setdefault(f"{module}.{item.name}", item.unit)
         for item in items:
             self.x.attempt(lambda item=item: self._param(item, module), item.span.head)  # type: ignore[misc]
 
@@ -313,6 +314,13 @@ class _Compiler:
             wanted = f"{name(dimension)} [{item.unit}]" if dimension != NUMBER else name(dimension)
             declared = item.span.word(item.unit)
             self.x.fail(WrongDimension(value.span, declared, what, wanted, quantity(value.dimension), hint))
+        if value.bare and item.unit != "1":  # of an angle, or a percentage: which other numbers look like
+            declared = item.span.word(item.unit)
+            if item.unit != "rad":
+                what, wanted = f"parameter `{item.name}`", f"a number in {item.unit}"
+                hint = f"write the unit: `{value.span.text} {item.unit}`"
+                self.x.fail(WrongDimension(value.span, declared, what, wanted, "a bare number", hint))
+            self.x.warn(self.x.advice.bare(value, declared))
         return self._constant(value.node, value.span, module)
 
     def _constant(self, node: ir.Num, span: Span, module: str) -> float:
@@ -383,6 +391,7 @@ class _Compiler:
                     )
                 )
         qualified = f"{module}.{item.name}"
+        self.x.advice.units.setdefault(qualified, item.result)
         self.tables.setdefault(
             qualified, TableInfo(qualified, knots, values, (item.unit, item.result), item.span)
         )
@@ -418,9 +427,11 @@ class _Compiler:
                 seen.setdefault(parameter.name, parameter.span)
                 self.scopes[module].check_bound(parameter.name, parameter.span, "parameter")
             symbol = Symbol(item, module, f"{module}.{item.name}")
-            check = partial(calls.check_definition, self.x, symbol, item, ctx)
+            check, before = partial(calls.check_definition, self.x, symbol, item, ctx), len(self.found)
             if not self.x.attempt(check, item.span.head):
                 self.x.failed.add(symbol.qualified)
+            # Where a rule uses it, they are found again, and the rule may allow them.
+            self.found[before:] = [d for d in self.found[before:] if not d.code.startswith("W")]
         for state in self._own(module, ast.State):
             check_state(state, self.x, ctx)
 

@@ -369,3 +369,55 @@ class UnusedVariable(Diagnostic):
 
     span: Span
     name: str
+
+
+class ExactlyEqual(Diagnostic):
+    code = "W301"
+    title = "measured numbers compared to the last bit"
+    level = "warning"
+    text = "`{op}` compares measured numbers to the last bit"
+    label = "of noise, too"
+    remedy = 'write `{instead}`, or say in the rule why this is meant: `allow W301 because "..."`'
+    explanation = (
+        "Two measurements of one thing hardly ever agree in all 53 bits: `==` is then violated, and `!=` satisfied, whatever the car does. "
+        "Numbers that count something (fields with the unit 1, and what `floor` makes) are compared without this warning."
+    )
+
+    span: Span
+    op: str
+    instead: str
+
+
+class BareAngle(Diagnostic):
+    code = "W302"
+    title = "a bare number used as an angle"
+    level = "warning"
+    text = "a number without a unit is used as an angle"
+    label = "rad or deg?"
+    other_label = "this is an angle"
+    remedy = "{hint}"
+    explanation = (
+        "An angle is a plain number, in rad. A number without a unit is therefore taken for rad where it meets an angle, and `heading <= 90` "
+        "holds for every heading. What a field, a parameter or a function gives in rad or deg is an angle, and so are sums and multiples of it. "
+        "0 needs no unit."
+    )
+
+    span: Span
+    other: Span | None
+    hint: str
+    #: What a test gives without a unit, several times.
+    what: str = ""
+    others: tuple[Span, ...] = ()
+
+
+class AllowsNothing(Diagnostic):
+    code = "W303"
+    title = "an allowance for nothing"
+    level = "warning"
+    text = "`allow {allowed}` allows nothing: there is no such warning here"
+    label = "not needed"
+    remedy = "remove it, so that it does not hide a warning later on"
+    explanation = "A rule allows a warning that it does not give rise to. What was wrong may be mended; the next mistake would go unseen."
+
+    span: Span
+    allowed: str

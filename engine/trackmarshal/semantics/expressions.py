@@ -12,6 +12,7 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.advice import Advice
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
     BadValue,
@@ -94,6 +95,7 @@ class Expressions:
         #: Names of tables -> (dimension of the argument, of the result).
         self.tables: dict[str, tuple[Dimension, Dimension]] = {}
         self.params: dict[str, Dimension] = {}
+        self.advice = Advice(signals)
         #: Definitions (qualified names) whose bodies have errors: nothing more is said about their uses.
         self.failed: set[str] = set()
         #: How many definitions were written out for the declaration at hand.
@@ -114,6 +116,10 @@ class Expressions:
     def too_deep(self, span: Span) -> None:
         """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
         self.found.append(TooLarge(span, "nested too deeply"))
+
+    def warn(self, diagnostic: Diagnostic | None) -> None:
+        if diagnostic is not None:
+            self.found.append(diagnostic)
 
     def fail(self, diagnostic: Diagnostic) -> NoReturn:
         self.found.append(diagnostic)
@@ -157,7 +163,8 @@ class Expressions:
                 if problem:
                     self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
                 value = to_si(float(expr.text), expr.unit or "1")
-                return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span)
+                bare = not expr.unit and value != 0.0
+                return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span, bare)
             case ast.Boolean():
                 return FormulaValue(self.make(ir.Truth, expr.value), span)
             case ast.Name():
@@ -173,7 +180,8 @@ class Expressions:
                     return FormulaValue(self.make(ir.Not, self.formula(expr.operand, ctx).node), span)
                 operand = self.number(expr.operand, ctx)
                 if isinstance(operand.node, ir.Const):
-                    return NumberValue(self.make(ir.Const, -operand.node.value), operand.dimension, span)
+                    negated = self.make(ir.Const, -operand.node.value)
+                    return NumberValue(negated, operand.dimension, span, operand.bare)
                 return NumberValue(self.make(ir.Neg, operand.node), operand.dimension, span)
             case ast.Binary():
                 return self._binary(expr, ctx)
@@ -335,12 +343,14 @@ class Expressions:
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
             )
-            return NumberValue(self.make(ir.Arith, op, left.node, right.node), dimension, span)
+            bare = left.bare and right.bare
+            return NumberValue(self.make(ir.Arith, op, left.node, right.node), dimension, span, bare)
         if op in _COMPARISONS:
             return self._compare(op, left, right, span, ctx)
         if op in ("+", "-"):
             self.same("add" if op == "+" else "subtract", left, right)
-            return NumberValue(self.make(ir.Arith, op, left.node, right.node), left.dimension, span)
+            bare = left.bare and right.bare
+            return NumberValue(self.make(ir.Arith, op, left.node, right.node), left.dimension, span, bare)
         raise AssertionError(f"unknown operator {op}")
 
     def _chained(
@@ -368,12 +378,14 @@ class Expressions:
         self, op: str, left: NumberValue, right: NumberValue, span: Span, ctx: Context
     ) -> FormulaValue:
         self.same("compare", left, right)
+        self.warn(self.advice.compared(op, left, right, span))
         unit = show(left.dimension)
         return FormulaValue(self.make(ir.Compare, op, left.node, right.node, unit, ctx.site or span), span)
 
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
+            self.warn(self.advice.joined(left, right))
             return
         sides = (
             ("left side", "right side")

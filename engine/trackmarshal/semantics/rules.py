@@ -7,7 +7,9 @@ import hashlib
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, SignalType
+from trackmarshal.semantics.advice import warnings
 from trackmarshal.semantics.errors import (
+    AllowsNothing,
     Ambiguous,
     ClauseProblem,
     RunAxis,
@@ -83,6 +85,7 @@ class RuleBuilder:
             isinstance(d, UnknownName) for d in self.x.found[before:]
         ):  # which may be the variable, misspelt
             self.x.found[before:] = [d for d in self.x.found[before:] if not isinstance(d, UnusedVariable)]
+        self._allow(item, before)
         if any(d.level == "error" for d in self.x.found[before:]):
             return None
         if formula is None and kind == "rule":
@@ -92,6 +95,24 @@ class RuleBuilder:
             tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], reads(formula),
             fingerprint(item, formula), item.span.head,
         )  # fmt: skip
+
+    def _allow(self, item: ast.Rule | ast.Assume, before: int) -> None:
+        """Leave out the warnings that the rule allows, and report what it allows for nothing."""
+        known = warnings() - {"W303"}
+        allowed = [code for clause in item.clauses if isinstance(clause, ast.Allow) for code in clause.codes]
+        names = {code.name for code in allowed}
+        given = {d.code for d in self.x.found[before:] if d.level == "warning"}
+        self.x.found[before:] = [
+            d for d in self.x.found[before:] if d.level != "warning" or d.code not in names & known
+        ]
+        for code in allowed:
+            if code.name not in known:
+                hint = close_matches(code.name, known) or f"the warnings are {', '.join(sorted(known))}"
+                self.x.found.append(
+                    UnknownReference(code.span, f"`{code.name}` is no warning that can be allowed", hint)
+                )
+            elif code.name not in given and not any(d.level == "error" for d in self.x.found[before:]):
+                self.x.found.append(AllowsNothing(code.span, code.name))
 
     def _placement(self, item: ast.Rule | ast.Assume, kind: str) -> None:
         """Which clauses may stand here, how often, and in what order."""

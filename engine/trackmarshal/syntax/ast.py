@@ -209,6 +209,14 @@ class Severity(Clause):
     span: Span = NOWHERE
 
 
+class Allow(Clause):
+    """`allow W301 because "why"`: warnings that are not given for this rule."""
+
+    codes: tuple[Name, ...]
+    reason: str
+    span: Span = NOWHERE
+
+
 class Evidence(Clause):
     """`evidence "path"`, of an assumption."""
 

@@ -202,6 +202,9 @@ class Builder:
     def severity(self, meta: Meta, c: list[Any]) -> ast.Severity:
         return ast.Severity(spelled(c[0]), self._span(meta))
 
+    def allow(self, meta: Meta, c: list[Any]) -> ast.Allow:
+        return ast.Allow(tuple(self._name(code) for code in c[:-1]), unquoted(c[-1]), self._span(meta))
+
     def evidence(self, meta: Meta, c: list[Any]) -> ast.Evidence:
         return ast.Evidence(unquoted(c[0]), self._span(meta))
 

@@ -53,10 +53,10 @@ class Wrapping:
                 flat = handler(self, node, inside, tail + parentheses)
         return f"({flat})" if parentheses else flat
 
-    def append(self, text: str, column: int, more: str, indent: int) -> str:
-        """A text, and two blanks and more if that fits, else more on a line of its own."""
-        if end_column(text, column) + 2 + len(more) <= WIDTH:
-            return f"{text}  {more}"
+    def append(self, text: str, column: int, more: str, indent: int, blanks: int = 2) -> str:
+        """A text, and blanks and more if that fits, else more on a line of its own."""
+        if end_column(text, column) + blanks + len(more) <= WIDTH:
+            return f"{text}{' ' * blanks}{more}"
         return f"{text.rstrip()}{new_line(indent)}{more}"
 
     def fill(

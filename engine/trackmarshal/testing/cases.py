@@ -16,6 +16,7 @@ from trackmarshal.semantics import calls
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
+from trackmarshal.semantics.errors import BareAngle
 from trackmarshal.semantics.expressions import Context
 from trackmarshal.semantics.rules import margin_units
 from trackmarshal.semantics.values import Poison
@@ -372,7 +373,16 @@ class _Preparation:
     def _number(self, value: ast.Expr, unit: str, what: str) -> float:
         """A constant of a unit's dimension, in SI; `nan` and `inf` are allowed here and only here."""
         special = _special(value)
-        return self._si(value, parse_unit(unit)[2], what) if special is None else special
+        if special is not None:
+            return special
+        number = self._si(value, parse_unit(unit)[2], what)
+        literal = value.operand if isinstance(value, ast.Unary) else value
+        if number != 0.0 and isinstance(literal, ast.Number) and not literal.unit and unit != "1":
+            text = _span(value).text
+            if unit != "rad":  # of an angle, or a percentage: which other numbers look like
+                self.fail(_span(value), f"{what} is a number in {unit}", f"write the unit: `{text} {unit}`")
+            self._found.append(BareAngle(_span(value), None, f"write `{text} deg` or `{text} rad`", what))
+        return number
 
     def _si(self, value: ast.Expr, dimension: Dimension, what: str) -> float:
         """A constant of a dimension, in SI."""

@@ -235,6 +235,7 @@ def clauses() -> SearchStrategy[ast.Clause]:
         _source_clauses(),
         st.builds(ast.Because, strings()),
         st.builds(ast.Severity, names()),
+        st.builds(ast.Allow, st.lists(name_nodes(), min_size=1, max_size=9).map(tuple), strings()),
         st.builds(ast.Evidence, strings()),
         st.builds(ast.Owner, strings()),
         st.builds(ast.Bind, *binder, expr, st.one_of(st.none(), expr)),
