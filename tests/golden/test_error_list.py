@@ -25,6 +25,7 @@ GROUPS = (
     ("E1", "Syntax"),
     ("E2", "Names and clauses"),
     ("E3", "Dimensions and values"),
+    ("W", "Warnings"),
     ("E4", "Tests, projects and commands"),
     ("D1", "Recordings and data files"),
     ("D2", "Cases: the input contract"),

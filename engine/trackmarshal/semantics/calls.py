@@ -211,6 +211,7 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
                 unit_hint(value, wanted),
             )
         )
+    self.warn(self.advice.argument(value, kind, parameter.span))
     return value
 
 
@@ -230,6 +231,8 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         raise Poison
     numbers = [v for v in values if isinstance(v, NumberValue)]
     dimension = _dimension(self, function, dimensions, numbers)
+    if function in ("sin", "cos", "tan"):
+        self.warn(self.advice.argument(numbers[0], "rad", None))
     if not more:
         return NumberValue(self.make(ir.Func, called, tuple(v.node for v in numbers)), dimension, span)
     node = numbers[0].node

@@ -21,6 +21,7 @@ from trackmarshal.ir.operators import (
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.advice import Advice
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
     BadValue,
@@ -47,7 +48,19 @@ from trackmarshal.semantics.values import (
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, TIME, Dimension, over, parse_unit, power, quantity, show, times, to_si
+from trackmarshal.units import (
+    NUMBER,
+    TIME,
+    Dimension,
+    over,
+    parse_unit,
+    power,
+    quantity,
+    show,
+    times,
+    to_si,
+    written,
+)
 
 
 class Context(Node):
@@ -91,6 +104,7 @@ class Expressions:
         #: Names of tables -> (dimension of the argument, of the result).
         self.tables: dict[str, tuple[Dimension, Dimension]] = {}
         self.params: dict[str, Dimension] = {}
+        self.advice = Advice(signals)
         #: Definitions (qualified names) whose bodies have errors: nothing more is said about their uses.
         self.failed: set[str] = set()
         #: How many definitions were written out for the declaration at hand.
@@ -111,6 +125,10 @@ class Expressions:
     def too_deep(self, span: Span) -> None:
         """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
         self.found.append(TooLarge(span, "nested too deeply"))
+
+    def warn(self, diagnostic: Diagnostic | None) -> None:
+        if diagnostic is not None:
+            self.found.append(diagnostic)
 
     def fail(self, diagnostic: Diagnostic) -> NoReturn:
         self.found.append(diagnostic)
@@ -154,7 +172,8 @@ class Expressions:
                 if problem:
                     self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
                 value = to_si(float(expr.text), expr.unit or "1")
-                return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span)
+                bare = not expr.unit and value != 0.0
+                return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span, bare)
             case ast.Boolean():
                 return FormulaValue(self.make(ir.Truth, expr.value), span)
             case ast.Name():
@@ -170,17 +189,21 @@ class Expressions:
                     return FormulaValue(self.make(ir.Not, self.formula(expr.operand, ctx).node), span)
                 operand = self.number(expr.operand, ctx)
                 if isinstance(operand.node, ir.Const):
-                    return NumberValue(self.make(ir.Const, -operand.node.value), operand.dimension, span)
+                    negated = self.make(ir.Const, -operand.node.value)
+                    return NumberValue(negated, operand.dimension, span, operand.bare)
                 return NumberValue(self.make(ir.Neg, operand.node), operand.dimension, span)
             case ast.Binary():
                 return self._binary(expr, ctx)
             case ast.IfElse():
                 return self._if_else(expr, ctx)
             case ast.Within():
-                low = ast.Binary("<=", expr.lower, expr.value, span)
-                return self.value(
-                    ast.Binary("and", low, ast.Binary("<=", expr.value, expr.upper, span), span), ctx
+                return self._chained(
+                    (expr.lower, expr.value, expr.upper), ("<=", "<="), (span, span), span, ctx
                 )
+            case ast.Chained():
+                ends = zip(expr.operands, expr.operands[1:])
+                spans = tuple(_span(left).to(_span(right)) for left, right in ends)
+                return self._chained(expr.operands, expr.ops, spans, span, ctx)
             case ast.InZone():
                 return self._in_zone(expr, ctx)
             case ast.Temporal():
@@ -329,23 +352,52 @@ class Expressions:
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
             )
-            return NumberValue(
-                self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node), dimension, span
-            )
-        self.same("compare" if op in COMPARISONS else "add" if op == "+" else "subtract", left, right)
+            bare = left.bare and right.bare
+            arith = self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node)
+            return NumberValue(arith, dimension, span, bare)
         if op in COMPARISONS:
-            unit = show(left.dimension)
-            compared = self.make(
-                ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span
-            )
-            return FormulaValue(compared, span)
+            return self._compare(op, left, right, span, ctx)
+        self.same("add" if op == "+" else "subtract", left, right)
+        bare = left.bare and right.bare
         return NumberValue(
-            self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node), left.dimension, span
+            self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node), left.dimension, span, bare
+        )
+
+    def _chained(
+        self,
+        operands: tuple[ast.Expr, ...],
+        ops: tuple[str, ...],
+        spans: tuple[Span, ...],
+        span: Span,
+        ctx: Context,
+    ) -> FormulaValue:
+        """Neighbours compared, and all of it joined by `and`; every operand stands for one number, however often it is compared."""
+        numbers = self.all(*(lambda o=operand: self.number(o, ctx) for operand in operands))
+        compared = self.all(
+            *(
+                lambda op=op, left=left, right=right, at=at: self._compare(op, left, right, at, ctx)
+                for op, left, right, at in zip(ops, numbers, numbers[1:], spans)
+            )
+        )
+        node = compared[0].node
+        for other in compared[1:]:
+            node = self.make(ir.Connective, "and", node, other.node)
+        return FormulaValue(node, span)
+
+    def _compare(
+        self, op: str, left: NumberValue, right: NumberValue, span: Span, ctx: Context
+    ) -> FormulaValue:
+        self.same("compare", left, right)
+        self.warn(self.advice.compared(op, left, right, span))
+        unit = show(left.dimension)
+        return FormulaValue(
+            self.make(ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span), span
         )
 
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
+            self.warn(self.advice.joined(left, right))
             return
         sides = (
             ("left side", "right side")
@@ -383,6 +435,8 @@ class Expressions:
                 else "divide the base by a reference quantity first"
             )
             problem = f"the exponent of {quantity(base.dimension)} must be a literal whole number from 1 to 8, or from -8 to -1"
+            if constant is not None:
+                problem += f", not {written(constant, '1')}"
             self.fail(
                 BadValue(exponent.span, problem, base.span, hint, f"this is {quantity(base.dimension)}")
             )
@@ -456,9 +510,11 @@ class Expressions:
         if low < 0:
             past = "`once`, `historically` and `since` look back"
             hint = f"windows count away from the current sample; {past}"
-            self.fail(BadValue(_span(window.lower), "a window starts at zero or later", None, hint))
+            problem = f"a window starts at zero or later, not at {written(low, 's')}"
+            self.fail(BadValue(_span(window.lower), problem, None, hint))
         if high < low:
-            self.fail(BadValue(window.span, "a window runs from low to high", None, "swap the bounds"))
+            problem = f"a window runs from low to high, not from {written(low, 's')} to {written(high, 's')}"
+            self.fail(BadValue(window.span, problem, None, "swap the bounds"))
         return low, high
 
     def _bound(self, bound: ast.Expr, ctx: Context) -> float:
@@ -519,6 +575,8 @@ class Expressions:
         known = ctx.local.get(name)
         if known is not None and not isinstance(known, Broken):
             self.found.append(Duplicate(span.word(name), known.__dict__["span"].head, "variable", name))
+        else:
+            ctx.scope.check_bound(name, span.word(name), "variable")
 
     def _variable(self, signal: SignalType, axis: ir.Axis, offset: int, name: str, span: Span) -> RecordValue:
         what = f"`{name}` ({'a sample' if signal.sequence else 'an element'} of `{signal.name}`)"

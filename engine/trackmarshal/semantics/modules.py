@@ -113,9 +113,9 @@ class Library:
             self._by_path[_real(current)] = module
             if module is None:
                 continue
-            root = _root(module)
+            root = root_of(module)
             for use in module.uses:
-                target = _module_path(use.name, root)
+                target = module_path(use.name, root)
                 if target.is_file():
                     pending.append(target)
                     used.append((use, target))
@@ -167,9 +167,8 @@ class Library:
         return module
 
     def _missing(self, use: ast.Use, target: Path, root: Path) -> None:
-        known = [*_modules_below(root), *(f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec"))]
         hint = (
-            close_matches(use.name, known)
+            close_matches(use.name, modules_near(root))
             or "`use a.b` reads a/b.spec, from the folder in which this module's own name starts"
         )
         self.found.append(ModuleNotFound(use.span, use.name, self._shown(target), hint))
@@ -195,9 +194,19 @@ def _broken(file: SourceFile, tree: ast.Module) -> dict[str, str]:
     return {match[2]: match[1] for match in _DECLARED.finditer(file.text) if match.start() not in parsed}
 
 
+def declared(text: str) -> dict[str, str]:
+    """What the lines of a text that start in column 1 declare: name -> keyword."""
+    return {spelled(match[2]): match[1] for match in _DECLARED.finditer(text)}
+
+
 def _named(tree: ast.Module, otherwise: Span) -> Span:
     """Where a file says which module it is."""
     return next((item.span for item in tree.items if isinstance(item, ast.ModuleName)), otherwise)
+
+
+def modules_near(root: Path) -> list[str]:
+    """Names of the modules that can be used from a folder: those in it, and the prelude's."""
+    return [*_modules_below(root), *(f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec"))]
 
 
 def _modules_below(root: Path, most: int = 2000) -> list[str]:
@@ -228,7 +237,7 @@ def spec_files(path: Path) -> list[Path]:
     return [path]
 
 
-def _root(module: LoadedModule) -> Path:
+def root_of(module: LoadedModule) -> Path:
     """The folder in which module names start: module a.b in X/a/b.spec starts in X; else the file's own folder."""
     parts = module.name.split(".")
     path = _real(module.path)
@@ -237,7 +246,7 @@ def _root(module: LoadedModule) -> Path:
     return path.parent
 
 
-def _module_path(name: str, root: Path) -> Path:
+def module_path(name: str, root: Path) -> Path:
     parts = name.split(".")
     if parts[0] == "prelude":
         return (

@@ -29,6 +29,8 @@ class NumberValue(Value):
     node: ir.Num
     dimension: Dimension
     span: Span
+    #: Whether it is a literal other than 0 without a unit, or arithmetic on such literals.
+    bare: bool = False
 
     @property
     def spoken(self) -> str:

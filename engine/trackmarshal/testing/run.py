@@ -11,6 +11,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.verdict import RuleResult
 from trackmarshal.testing.cases import PreparedTest
+from trackmarshal.testing.si import spec_in_si
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,7 @@ def run_tests(
 ) -> Iterator[Outcome]:
     """Run each test with each evaluator; it passes when all of them say what it expects."""
     evaluators: dict[tuple[str, str], Evaluator] = {}
+    spec = spec_in_si(spec)
     for test in tests:
         message = ""
         outcome = "passed"
@@ -83,6 +85,8 @@ def mismatch(test: PreparedTest, result: RuleResult) -> str:
     if test.margin is not None and not _close(result.margin, test.margin, test.tolerance):
         within = f" within {test.tolerance:g}" if test.tolerance else ""
         return f"expected margin {test.margin:.9g}{within}, got {result.margin!r} {result.unit}"
+    if test.unit is not None and result.unit != test.unit:
+        return f"expected a margin in {test.unit}, the comparison that decides is in {result.unit}"
     if test.binder is not None:
         binders = result.witness.binders if result.witness is not None else {}
         if str(binders.get(test.binder)) != test.at:
