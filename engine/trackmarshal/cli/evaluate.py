@@ -19,6 +19,7 @@ from trackmarshal.cli.output import dump, number, rule_json, table
 from trackmarshal.cli.project import optional_project
 from trackmarshal.diagnostics.excerpt import printable
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import open_regular
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
@@ -135,7 +136,7 @@ def _lines(path: str) -> Iterator[bytes]:
             "D102", "there is no standard input", file=path, help="name a file with --data"
         )
     try:
-        with nullcontext(sys.stdin.buffer) if path == "-" else Path(path).open("rb") as stream:
+        with nullcontext(sys.stdin.buffer) if path == "-" else open_regular(Path(path)) as stream:
             while line := stream.readline(MAX_LINE):
                 yield line
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.output import dump, number, progress, rule_json
+from trackmarshal.files import read_regular
 from trackmarshal.runtime.case import Fault
 
 if TYPE_CHECKING:
@@ -25,9 +26,8 @@ def is_record(path: str) -> bool:
     from trackmarshal.runtime import record
 
     try:
-        with Path(path).open("rb") as file:
-            return record.is_record(file.read(4))
-    except OSError:
+        return record.is_record(read_regular(Path(path), 4))
+    except (OSError, ValueError):
         return False  # said by whoever reads it as a recording
 
 
