@@ -75,7 +75,7 @@ def below(folder: Path, suffixes: Container[str]) -> tuple[list[Path], list[OSEr
         for entry in entries:
             path = current / entry.name
             named = path.suffix.lower() in suffixes
-            if entry.is_dir() and not named:
+            if not named and path.is_dir():
                 (links if entry.is_symlink() else waiting).append(path)
             elif named:
                 found.append(path)

@@ -1,5 +1,7 @@
 """Evaluate rules of a spec on given data: one case a line of JSON in, one result a line out, in order.
 
+The exit status is 1 when a case is not safe, 2 when a line could not be read.
+
 trackmarshal eval specs/supervisor --data cases.jsonl --rule friction --format jsonl
 """
 
@@ -152,7 +154,10 @@ def _flush(
     broken: list[str],
     args: argparse.Namespace,
 ) -> int:
-    """Evaluate and print a chunk; `broken` are constraints that do not hold as configured; 2 when a line could not be read, else 0."""
+    """Evaluate and print a chunk; `broken` are constraints that do not hold as configured.
+
+    The status is 2 when a line could not be read, 1 when a case is not safe, else 0.
+    """
     cases = [case for _, case in pending if not isinstance(case, TrackmarshalError)]
     results = iter(evaluator.evaluate(cases, args.series))
     status = 0
@@ -162,8 +167,12 @@ def _flush(
             print(_error_line(identity, case, args.format))
         else:
             own = evaluator.broken_constraints(case) if case.params or case.tables else broken
+            result = next(results)
+            # Where a constraint is broken, the rules are unsound: whatever they say, it is not known to be safe.
+            safe = result.safe and not own
             show = _json_line if args.format == "jsonl" else _text
-            print(show(next(results), own))
+            print(show(result, safe, own))
+            status = max(status, 0 if safe else 1)
     return status
 
 
@@ -177,9 +186,7 @@ def _error_line(identity: object, error: TrackmarshalError, format_: str) -> str
     )
 
 
-def _json_line(result: CaseResult, broken: list[str]) -> str:
-    # Where a constraint is broken, the rules are unsound: whatever they say, it is not known to be safe.
-    safe = result.safe and not broken
+def _json_line(result: CaseResult, safe: bool, broken: list[str]) -> str:
     line: dict[str, Any] = {
         "id": result.id,
         "safe": safe,
@@ -192,7 +199,7 @@ def _json_line(result: CaseResult, broken: list[str]) -> str:
     return dump(line)
 
 
-def _text(result: CaseResult, broken: list[str]) -> str:
+def _text(result: CaseResult, safe: bool, broken: list[str]) -> str:
     rows = []
     for name, rule in result.rules.items():
         where = printable(
@@ -210,7 +217,6 @@ def _text(result: CaseResult, broken: list[str]) -> str:
                 span,
             ]
         )
-    safe = result.safe and not broken
     lines = [
         printable(f"case {result.id}: {'safe' if safe else 'UNSAFE'}"),
         table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"]),

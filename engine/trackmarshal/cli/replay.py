@@ -1,8 +1,8 @@
 """Run the rules over recordings: both candidates of every cycle, what is driven, and the ground truth.
 
 Recordings are `.tmrec.jsonl` (this tool's own format) or `.saa` (ScenarioArchitect). With --out, results are kept as
-evidence for the traceability matrix. A record of a run (`.arrows`) is run again at the recorded times: the exit status says
-whether every decision is the recorded one.
+evidence for the traceability matrix. The exit status is 1 when a run is outside of its ground truth, or unsafe where it has
+none. A record of a run (`.arrows`) is run again at the recorded times: the exit status is 1 when a decision is not the recorded one.
 """
 
 from __future__ import annotations
@@ -72,8 +72,8 @@ def run(args: argparse.Namespace) -> int:
             from trackmarshal.cli.evidence import write_run
 
             write_run(Path(args.out), outcome, evaluator, json_lines(outcome))
-        if outcome.fired:
-            status = 1
+        if not outcome.met:
+            status = max(status, 1)
     return status
 
 
@@ -238,6 +238,11 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
             lines.append(
                 f"ground truth, {truth.kind}: OUTSIDE ({judged}); missed at {_list(truth.missed)}, false alarm at {_list(truth.false_alarms)}"
             )
+    if outcome.truths and outcome.unexpected:
+        spans = ", ".join(
+            f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(outcome.unexpected, times)
+        )
+        lines.append(f"no ground truth says that it may be unsafe at {spans} s")
     return "\n".join(lines)
 
 
