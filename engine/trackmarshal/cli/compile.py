@@ -38,7 +38,13 @@ def run(args: argparse.Namespace) -> int:
             help="letters, digits and _, no digit first; not `main`",
         )
     spec = load([Path(args.spec)], [Path(path) for path in args.settings], optional_project(args))
-    rules = Evaluator(spec, args.rule, "reference").rules
+    evaluator = Evaluator(spec, args.rule, "reference")
+    broken = evaluator.broken_constraints()
+    if broken:
+        raise TrackmarshalError(
+            "E403", broken[0], help="change the parameters in the spec or the configuration"
+        )
+    rules = evaluator.rules
     source = generate(spec, rules, args.name, online=True, doored=has_door(spec))
     texts = {
         f"{args.name}.h": source.header, f"{args.name}.c": source.source, "CMakeLists.txt": cmake(source),

@@ -69,16 +69,17 @@ def _code(code: str) -> int:
 def _verdict(args: argparse.Namespace) -> int:
     from trackmarshal.backends.reference.evaluator import Reference
     from trackmarshal.backends.results import rule_result
-    from trackmarshal.cli.replay import default_spec, evaluator_for
+    from trackmarshal.cli.replay import default_spec, evaluator_for, overruled
     from trackmarshal.scenarios import load
     from trackmarshal.scenarios.replay import known_tables
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
-    recording = load(args.what)
+    settings = [Path(p) for p in args.settings]
+    recording = overruled(load(args.what), spec_path, settings)
     evaluator = evaluator_for(
         recording,
         spec_path,
-        [Path(p) for p in args.settings],
+        settings,
         optional_project(args),
         [args.rule],
         "reference",

@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.record import is_record, replay_record
-    from trackmarshal.evaluation import load, setting_names
+    from trackmarshal.evaluation import load
     from trackmarshal.scenarios import load as load_recording
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
@@ -58,9 +58,8 @@ def run(args: argparse.Namespace) -> int:
             status = max(status, replay_record(path, spec, args.backend, args.format, args.quiet, args.mcap))
             if not args.out:
                 continue
-        recording = load_recording(path)
+        recording = overruled(load_recording(path), spec_path, settings)
         evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend or "numpy")
-        recording = _without(recording, setting_names(settings))
         outcome = run_one(recording, evaluator, args.quiet)
         lines = json_lines(outcome)
         if args.format == "jsonl":
@@ -77,8 +76,11 @@ def run(args: argparse.Namespace) -> int:
     return status
 
 
-def _without(recording: Recording, names: set[str]) -> Recording:
+def overruled(recording: Recording, spec_path: Path, settings: list[Path]) -> Recording:
     """The recording without the vehicle values that the command line sets: what a person says now counts more."""
+    from trackmarshal.evaluation import setting_names
+
+    names = setting_names([spec_path], settings)
     params = {name: value for name, value in recording.params.items() if name not in names}
     tables = {name: rows for name, rows in recording.tables.items() if name not in names}
     return replace(recording, params=params, tables=tables)

@@ -21,6 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.cli.check import unconstrained
     from trackmarshal.diagnostics.text import render
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
@@ -30,6 +31,7 @@ def run(args: argparse.Namespace) -> int:
     compiled = compile_paths(paths, optional_project(args))
     compiled.raise_errors()
     tests, found = prepare(compiled)
+    found = [*found, *unconstrained(compiled)]
     if found:
         print(render(found, colour=sys.stderr.isatty()), file=sys.stderr)
     outcomes = list(run_tests(compiled.spec, tests))

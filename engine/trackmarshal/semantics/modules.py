@@ -278,6 +278,11 @@ def _module_path(name: str, root: Path) -> Path:
     return root.joinpath(*parts).with_suffix(".spec")
 
 
+def from_prelude(module: LoadedModule) -> bool:
+    """Whether a module comes with the tool."""
+    return module.path.is_relative_to(_PRELUDE)
+
+
 def load_or_raise(paths: Iterable[Path], shown_from: Path | None = None) -> tuple[Library, tuple[str, ...]]:
     """A library and the names asked for; raises what is wrong with reading or syntax."""
     library = Library(shown_from)
