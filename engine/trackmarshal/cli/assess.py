@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from trackmarshal import __version__
+from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project
 
 
@@ -73,8 +74,8 @@ def run(args: argparse.Namespace) -> int:
             f"{len(made.fault_results) - len(faults)} of {len(made.fault_results)} faults found as expected, {len(gaps)} gaps"
         )
         for scenario in unlike:
-            print(f"{scenario} is not as its ground truth says")
-        print(page)
+            say(f"{scenario} is not as its ground truth says")
+        say(str(page))
     errors = any(d.level == "error" for d in found)
     if matrix.unusable:
         return 2

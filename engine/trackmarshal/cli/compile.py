@@ -9,6 +9,7 @@ import argparse
 from pathlib import Path
 
 from trackmarshal.cli.options import choose_rules
+from trackmarshal.cli.output import say
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -60,7 +61,7 @@ def run(args: argparse.Namespace) -> int:
             "E474", f"cannot write to {folder}: {error.strerror}", help="choose another folder with --out"
         ) from error
     if not args.quiet:
-        print(
+        say(
             f"{len(source.rules)} rules, {len(source.source.splitlines())} lines of C in {folder}: {', '.join(texts)}"
         )
     return 0

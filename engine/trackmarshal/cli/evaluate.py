@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.options import choose_rules
-from trackmarshal.cli.output import dump, number, rule_json, table
+from trackmarshal.cli.output import dump, number, rule_json, say, table
 from trackmarshal.cli.project import optional_project
-from trackmarshal.diagnostics.excerpt import printable
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import open_regular
 
@@ -164,26 +163,23 @@ def _flush(
     for identity, case in pending:
         if isinstance(case, TrackmarshalError):
             status = 2
-            print(_error_line(identity, case, args.format))
+            say(*_error_lines(identity, case, args.format))
         else:
             own = evaluator.broken_constraints(case) if case.params or case.tables else broken
             result = next(results)
             # Where a constraint is broken, the rules are unsound: whatever they say, it is not known to be safe.
             safe = result.safe and not own
-            show = _json_line if args.format == "jsonl" else _text
-            print(show(result, safe, own))
+            say(*([_json_line(result, safe, own)] if args.format == "jsonl" else _text(result, safe, own)))
             status = max(status, 0 if safe else 1)
     return status
 
 
-def _error_line(identity: object, error: TrackmarshalError, format_: str) -> str:
+def _error_lines(identity: object, error: TrackmarshalError, format_: str) -> list[str]:
     if format_ == "jsonl":
         found = {"code": error.code, "message": error.message, "line": error.line, "help": error.help}
-        return dump({"id": identity, "error": found})
+        return [dump({"id": identity, "error": found})]
     lines = [f"case {identity}: error[{error.code}]: {error.message}", f"  --> {error.file}:{error.line}"]
-    return "\n".join(
-        printable(line) for line in [*lines, *([f"  = help: {error.help}"] if error.help else [])]
-    )
+    return [*lines, *([f"  = help: {error.help}"] if error.help else [])]
 
 
 def _json_line(result: CaseResult, safe: bool, broken: list[str]) -> str:
@@ -199,10 +195,10 @@ def _json_line(result: CaseResult, safe: bool, broken: list[str]) -> str:
     return dump(line)
 
 
-def _text(result: CaseResult, safe: bool, broken: list[str]) -> str:
+def _text(result: CaseResult, safe: bool, broken: list[str]) -> list[str]:
     rows = []
     for name, rule in result.rules.items():
-        where = printable(
+        where = (
             ", ".join(f"{k}={v}" for k, v in rule.witness.binders.items()) if rule.witness else rule.reason
         )
         span = str(rule.witness.span) if rule.witness and rule.witness.span else ""
@@ -218,10 +214,8 @@ def _text(result: CaseResult, safe: bool, broken: list[str]) -> str:
             ]
         )
     lines = [
-        printable(f"case {result.id}: {'safe' if safe else 'UNSAFE'}"),
-        table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"]),
+        f"case {result.id}: {'safe' if safe else 'UNSAFE'}",
+        *table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"]),
     ]
-    lines += [printable(f"input: {fault}") for fault in result.faults] + [
-        f"constraint: {text}" for text in broken
-    ]
-    return "\n".join(lines)
+    lines += [f"input: {fault}" for fault in result.faults]
+    return lines + [f"constraint: {' '.join(text.split())}" for text in broken]

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.options import configure_with
+from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -95,9 +96,7 @@ def _verdict(args: argparse.Namespace) -> int:
         case = evaluator.read({"params": recording.params, "tables": tables, "signals": signals})
         values = Reference(evaluator.spec, case)
         result = rule_result(evaluator.rules[0], case, values)
-        print(
-            "\n".join(_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}"))
-        )
+        say(*_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}"))
     return 0
 
 

@@ -82,7 +82,9 @@ def _guarded(arguments: list[str]) -> int:
     except Exception as error:
         if os.environ.get("TRACKMARSHAL_DEBUG"):
             raise
-        print(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
+        from trackmarshal.cli.output import say
+
+        say(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
         print(
             "  This is a defect of trackmarshal. Set TRACKMARSHAL_DEBUG=1 for the details and report it.",
             file=sys.stderr,
@@ -159,7 +161,9 @@ def _overview(verb: str | None, arguments: list[str]) -> int:
     from trackmarshal.diagnostics.base import close_matches
 
     hint = close_matches(verb, VERBS)
-    print(f"error: unknown verb `{verb}`" + (f"; {hint}" if hint else ""), file=sys.stderr)
+    from trackmarshal.cli.output import say
+
+    say(f"error: unknown verb `{verb}`" + (f"; {hint}" if hint else ""), file=sys.stderr)
     print("\n".join(lines), file=sys.stderr)
     return UNUSABLE
 

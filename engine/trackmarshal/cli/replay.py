@@ -8,15 +8,16 @@ none. A record of a run (`.arrows`) is run again at the recorded times: the exit
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.options import choose_rules
-from trackmarshal.cli.output import dump, number, progress, rule_json, table
-from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.cli.output import dump, number, plain, progress, rule_json, say, table
+from trackmarshal.cli.project import find_project, optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
@@ -28,6 +29,19 @@ if TYPE_CHECKING:
 
 CODES = {
     "E431": ("a configuration that a recording names is not there", "A recording's `use` names configuration modules (a vehicle, a track) by their path from the project, or from the recording's own folder."),
+    "E432": (
+        "a recording names what is not its to name",
+        "Recordings come from elsewhere, so what they name is not simply opened: `use` holds relative paths of .spec files inside the project "
+        "(without a project: inside the recording's folder), whatever links lie on the way, and nothing else.",
+    ),
+    "E433": (
+        "a name that is no file name",
+        "`replay --out` calls its files by the recording's name, which has to be one that stays in that folder, and another one for each run.",
+    ),
+    "E434": (
+        "nothing to export",
+        "`--mcap` exports the record of a run of the Supervisor, which has every decision and its reasons; a recording has none yet.",
+    ),
 }  # fmt: skip
 
 
@@ -52,13 +66,24 @@ def run(args: argparse.Namespace) -> int:
     project = optional_project(args)
     status = 0
     settings = [Path(p) for p in args.settings]
+    written: set[str] = set()
     for path in args.scenarios:
         if is_record(path):
             spec = load([spec_path], settings, project)
             status = max(status, replay_record(path, spec, args.backend, args.format, args.quiet, args.mcap))
             if not args.out:
                 continue
+        elif args.mcap:
+            raise TrackmarshalError(
+                "E434",
+                "`--mcap` exports the record of a run, and this is none",
+                file=path,
+                help='run it under a Supervisor that records (`tm.supervisor(spec, record="run.arrows")`, docs/supervisor.md), then '
+                "`trackmarshal replay run.arrows --mcap FILE`",
+            )
         recording = overruled(load_recording(path), spec_path, settings)
+        if args.out:
+            _claim(recording, written)
         evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend or "numpy")
         outcome = run_one(recording, evaluator, args.quiet)
         lines = json_lines(outcome)
@@ -66,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
             for line in lines:
                 print(line)
         else:
-            print(summary(outcome, evaluator))
+            say(*summary(outcome, evaluator))
         if args.out:
             from trackmarshal.cli.evidence import write_run
 
@@ -135,15 +160,54 @@ def evaluator_for(
 
 
 def _setting(name: str, recording: Recording, near: Path, project: Path | None) -> Path:
-    folders = [near, *([project] if project else [])]
-    for folder in folders:
-        if (folder / name).is_file():
-            return folder / name
-    message, help_ = (
+    """The configuration that a recording names: a spec of its project, or of the project at hand; raises E431 and E432."""
+    roots = [os.path.realpath(root) for root in (project, project_of(near) or near) if root is not None]
+    folders = [] if PurePath(name).is_absolute() or "\0" in name else [near, project]
+    places = [Path(os.path.realpath(folder / name)) for folder in folders if folder is not None]
+    inside = [place for place in places if any(place.is_relative_to(root) for root in roots)]
+    fitting = [place for place in inside if name.endswith(".spec") and place.suffix == ".spec"]
+    found = next((place for place in fitting if place.is_file()), None)
+    if found is not None:
+        return found
+    if len(fitting) < len(places) or not places:
+        raise TrackmarshalError(
+            "E432",
+            f"`use` names `{name}`, which is no spec of the project",
+            file=recording.source,
+            help="name a .spec file inside the project, by a relative path; another one is given with --with",
+        )
+    raise TrackmarshalError(
+        "E431",
         f"`{name}` is neither beside the recording nor in the project",
-        "correct the recording's `use`, or its place",
+        file=recording.source,
+        help="correct the recording's `use`, or its place",
     )
-    raise TrackmarshalError("E431", message, file=recording.source, help=help_)
+
+
+def _claim(recording: Recording, written: set[str]) -> None:
+    """Take a recording's name for the files of its run; raises E433."""
+    name = recording.name
+    problem = ""
+    if (
+        not name.strip(" .")
+        or name != plain(name)
+        or name.startswith(".")
+        or set(name) & {"/", "\\"}
+        or len(name.encode()) > 200
+    ):
+        problem = "is no file name"
+    elif name.casefold() in written:
+        problem = (
+            "is the name of another one of these recordings too: one run would be written over the other"
+        )
+    if problem:
+        raise TrackmarshalError(
+            "E433",
+            f"the recording's name `{name}` {problem}",
+            file=recording.source,
+            help="rename it in the recording's first line: a word without slashes, that begins with no dot",
+        )
+    written.add(name.casefold())
 
 
 def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
@@ -153,7 +217,7 @@ def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
     outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet))
     for name in outcome.ignored:
         if not quiet:
-            print(f"note: {recording.name}: its table `{name}` is unknown to the spec", file=sys.stderr)
+            say(f"note: {recording.name}: its table `{name}` is unknown to the spec", file=sys.stderr)
     return outcome
 
 
@@ -177,8 +241,8 @@ def json_lines(outcome: Replay) -> list[str]:
     return lines
 
 
-def summary(outcome: Replay, evaluator: Evaluator) -> str:
-    """Which rules fired when, what was driven, and how that compares with the ground truth."""
+def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
+    """Lines: which rules fired when, what was driven, and how that compares with the ground truth."""
     from trackmarshal.scenarios.recording import CANDIDATES
     from trackmarshal.scenarios.replay import ACTIONS, intervals
 
@@ -218,8 +282,8 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
         + ", ".join(f"{n} {kind}" for kind, n in count.items() if n)
     ]
     if rows:
-        lines.append(
-            table(rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"])
+        lines += table(
+            rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"]
         )
     elif not outcome.fired:
         lines.append("every trajectory is safe")
@@ -245,7 +309,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
             f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(outcome.unexpected, times)
         )
         lines.append(f"no ground truth says that it may be unsafe at {spans} s")
-    return "\n".join(lines)
+    return lines
 
 
 def _badness(result: RuleResult) -> tuple[bool, float]:

@@ -9,7 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from trackmarshal.cli.output import dump, table
+from trackmarshal.cli.output import dump, say, table
 from trackmarshal.cli.project import find_project, optional_project
 
 
@@ -47,8 +47,9 @@ def run(args: argparse.Namespace) -> int:
         }))  # fmt: skip
     else:
         for outcome in bad:
-            print(
-                f"{outcome.outcome}: {outcome.test.span}: {outcome.test.rule.name}: {outcome.test.title}\n  {outcome.message}"
+            say(
+                f"{outcome.outcome}: {outcome.test.span}: {outcome.test.rule.name}: {outcome.test.title}",
+                f"  {outcome.message}",
             )
         rows = [
             [
@@ -61,9 +62,9 @@ def run(args: argparse.Namespace) -> int:
             for c in partial
         ]
         if rows:
-            print(
-                "rules whose boundary is not covered:\n"
-                + table(rows, ["rule", "tests", "inside", "outside", "on it"])
+            say(
+                "rules whose boundary is not covered:",
+                *table(rows, ["rule", "tests", "inside", "outside", "on it"]),
             )
         print(
             f"{len(outcomes) - len(bad)} passed, {len(bad)} failed; {len(covered) - len(partial)} of {len(covered)} rules covered"
