@@ -169,7 +169,7 @@ ACTS = "\x1b[2J\x1b[31m\x07\r\x9b5m\u202eevil\nground truth, static: inside"
 
 
 def test_a_name_cannot_act_on_the_terminal(project: Path) -> None:
-    path = write("run.tmrec.jsonl", name=ACTS, tables={ACTS: [[0, 1]]})
+    path = write("run.tmrec.jsonl", name=ACTS, tables={ACTS: [[0, 1]]}, extra={"tables": [ACTS]})
     for arguments in (
         ("replay", path, "--spec", "specs/small.spec"),
         ("replay", path, "--spec", "specs/small.spec", "--format", "jsonl"),

@@ -128,6 +128,7 @@ def evaluator_for(
     With `known`, recordings with the same specs and configuration share an evaluator.
     """
     from trackmarshal.evaluation import Evaluator, load
+    from trackmarshal.scenarios.fields import check_fields
     from trackmarshal.scenarios.replay import known_tables
 
     near = folder or Path(recording.source).parent
@@ -145,6 +146,7 @@ def evaluator_for(
         evaluator = Evaluator(spec, rules, backend)
         if known is not None:
             known[made_of] = evaluator
+    check_fields(recording, evaluator.spec, lambda: _project_specs(project or project_of(near)))
     tables, _ = known_tables(recording, evaluator.spec)
     try:
         configured = evaluator.read({"params": recording.params, "tables": tables})
@@ -182,6 +184,17 @@ def _setting(name: str, recording: Recording, near: Path, project: Path | None) 
         file=recording.source,
         help="correct the recording's `use`, or its place",
     )
+
+
+def _project_specs(project: Path | None) -> list[Spec]:
+    """All specs of a project, for what they declare; whatever is wrong with them is said elsewhere."""
+    from trackmarshal.semantics.compile import compile_paths
+    from trackmarshal.trace import requirements
+
+    if project is None:
+        return []
+    named = requirements.load(project, []).specs
+    return [compile_paths([project / str(path) for path in named] or [project / "specs"], project).spec]
 
 
 def _claim(recording: Recording, written: set[str]) -> None:
