@@ -171,7 +171,7 @@ def test_limits_and_capacities_are_the_callers() -> None:
 
 def test_the_two_doors_agree() -> None:
     """The Supervisor's door refuses just the cycles that the generated one does, and knows its reason too."""
-    doors = pytest.importorskip("trackmarshal.runtime.door")
+    from trackmarshal.runtime import door as doors
     from trackmarshal.runtime.contract import contract_of
     from trackmarshal.runtime.cycle import Cycle as Given
     from trackmarshal.runtime.cycle import Limits
