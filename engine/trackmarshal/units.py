@@ -120,6 +120,21 @@ def from_si(number: float, unit: str) -> float:
     return number * divisor / multiplier
 
 
+def written(value: float, unit: str, shown: str = "", digits: int = 4) -> str:
+    """An SI value as people read it: in the unit `shown` where there is one, else in `unit`, which is SI: -12.4 km/h."""
+    number = (from_si(value, shown) if shown else value) + 0.0  # no minus before a zero
+    text = f"{number:.{digits}g}"
+    return text if (shown or unit) == "1" else f"{text} {shown or unit}"
+
+
+def beside(value: float, unit: str, shown: str = "", digits: int = 4) -> str:
+    """The same, with the SI value beside it where that is another number: -12.4 km/h (-3.444 m/s)."""
+    text = written(value, unit, shown, digits)
+    if not shown or not math.isfinite(value) or parse_unit(shown)[:2] == (1.0, 1.0):
+        return text
+    return f"{text} ({written(value, unit, '', digits)})"
+
+
 def show(dimension: Dimension) -> str:
     """The SI unit of a dimension, as a rule author would write it."""
     if dimension in _NAMED:

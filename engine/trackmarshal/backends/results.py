@@ -10,7 +10,7 @@ from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.case import Case
-from trackmarshal.runtime.verdict import CaseResult, RuleResult, Truth
+from trackmarshal.runtime.verdict import CaseResult, RuleResult, Truth, Witness
 
 
 class CaseValues(Values, Protocol):
@@ -60,8 +60,20 @@ def rule_result(rule: RuleInfo, case: Case, values: CaseValues, series: bool = F
     if truth.verdict == "undefined":
         reason = values.geometry_fault(formula) or ""
     return RuleResult(
-        rule.name, truth.verdict, truth.margin, unit, witness, reason, _series(rule, values, series)
+        rule.name,
+        truth.verdict,
+        truth.margin,
+        unit,
+        witness,
+        reason,
+        _series(rule, values, series),
+        shown_unit(witness, unit),
     )
+
+
+def shown_unit(witness: Witness | None, unit: str) -> str:
+    """The unit in which a rule's margin is shown: the one of the limit that decided, where it measures the same."""
+    return witness.shown if witness is not None and witness.unit == unit else ""
 
 
 def _series(rule: RuleInfo, values: CaseValues, wanted: bool) -> tuple[list[str], list[float]] | None:

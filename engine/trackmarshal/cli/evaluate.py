@@ -17,10 +17,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.options import choose_rules
-from trackmarshal.cli.output import dump, number, rule_json, say, table
+from trackmarshal.cli.output import dump, rule_json, say, table
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import open_regular
+from trackmarshal.units import written
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
@@ -202,20 +203,12 @@ def _text(result: CaseResult, safe: bool, broken: list[str]) -> list[str]:
             ", ".join(f"{k}={v}" for k, v in rule.witness.binders.items()) if rule.witness else rule.reason
         )
         span = str(rule.witness.span) if rule.witness and rule.witness.span else ""
-        shown = number(rule.margin)
-        rows.append(
-            [
-                name,
-                rule.verdict,
-                f"{shown:.6g}" if isinstance(shown, float) else shown,
-                rule.unit,
-                where,
-                span,
-            ]
-        )
+        margin = written(rule.margin, rule.unit, rule.shown, 6)
+        si = written(rule.margin, rule.unit, "", 6)
+        rows.append([name, rule.verdict, margin, "" if si == margin else si, where, span])
     lines = [
         f"case {result.id}: {'safe' if safe else 'UNSAFE'}",
-        *table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"]),
+        *table(rows, ["rule", "verdict", "margin", "in SI", "at", "decided by"]),
     ]
     lines += [f"input: {fault}" for fault in result.faults]
     return lines + [f"constraint: {' '.join(text.split())}" for text in broken]

@@ -17,6 +17,7 @@ from trackmarshal.cli.options import configure_with
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.units import beside
 
 if TYPE_CHECKING:
     from trackmarshal.backends.reference.evaluator import Reference
@@ -108,7 +109,7 @@ def _told(evaluator: Evaluator, result: RuleResult, values: Reference, heading: 
     lines = [
         heading,
         f"{rule.name}: {rule.title}",
-        f"  {result.verdict}, margin {_figure(result.margin)} {result.unit}",
+        f"  {result.verdict}, margin {beside(result.margin, result.unit, result.shown, 9)}",
     ]
     lines.append(
         f"  satisfies {', '.join(name for name, _ in rule.satisfies) or 'nothing'}; declared at {rule.span}"
@@ -126,17 +127,18 @@ def _told(evaluator: Evaluator, result: RuleResult, values: Reference, heading: 
         )
     if witness.span is not None:
         lines.append(f"  by {witness.span}: {' '.join(witness.span.text.split())}")
-    lines += [f"    {text} = {_figure(value)}" for text, value in _numbers(node, env, values)]
+    lines += [f"    {text} = {shown}" for text, shown in _numbers(node, env, values)]
     return lines
 
 
-def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[tuple[str, float]]:
+def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[tuple[str, str]]:
     """Both sides of a comparison, and each input, parameter and table value in them."""
     from trackmarshal.ir import nodes as ir
 
-    rows: list[tuple[str, float]] = []
+    rows: list[tuple[str, str]] = []
     if isinstance(node, ir.Compare):
-        rows += [("left side", values.number(node.left, env)), ("right side", values.number(node.right, env))]
+        for name, side in (("left side", node.left), ("right side", node.right)):
+            rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     leaves: dict[str, float] = {}
     for part in ir.below(node):
         if isinstance(part, ir.Column):
@@ -156,7 +158,7 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
         elif isinstance(part, ir.Along):
             inside = ", ".join(_figure(values.number(arg, env)) for arg in part.args)
             leaves[f"{part.what} along {part.line.name} of ({inside})"] = values.number(part, env)
-    return rows + sorted(leaves.items())
+    return rows + [(name, _figure(value)) for name, value in sorted(leaves.items())]
 
 
 def _figure(value: float) -> str:

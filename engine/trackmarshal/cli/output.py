@@ -12,6 +12,7 @@ from typing import Any, TextIO, TypeVar
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.units import written
 
 
 def number(value: float) -> float | str:
@@ -23,13 +24,19 @@ def number(value: float) -> float | str:
 
 def rule_json(result: RuleResult) -> dict[str, Any]:
     """A rule's result as `eval` and `replay` write it."""
-    entry: dict[str, Any] = {"verdict": result.verdict, "margin": number(result.margin), "unit": result.unit}
+    entry: dict[str, Any] = {
+        "verdict": result.verdict,
+        "margin": number(result.margin),
+        "unit": result.unit,
+        "shown": written(result.margin, result.unit, result.shown),
+    }
     witness = result.witness
     entry["witness"] = witness.binders if witness is not None else {}
     if witness is not None:
         if witness.span is not None:
             entry["span"] = str(witness.span)
-        entry["decides"] = {"margin": number(witness.margin), "unit": witness.unit}
+        shown = written(witness.margin, witness.unit, witness.shown)
+        entry["decides"] = {"margin": number(witness.margin), "unit": witness.unit, "shown": shown}
     if result.reason:
         entry["reason"] = result.reason
     if result.series is not None:

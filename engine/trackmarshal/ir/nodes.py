@@ -151,13 +151,14 @@ class Flag(Formula):
 
 
 class Compare(Formula):
-    """A comparison; `unit` is the SI unit of its margin."""
+    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI)."""
 
     op: str
     left: Num
     right: Num
     unit: str
     span: Span
+    shown: str = ""
 
 
 class Geometry(Formula):

@@ -29,6 +29,9 @@ from trackmarshal.semantics.values import (
     RegionValue,
     SignalValue,
     Value,
+    common,
+    own_unit,
+    written_unit,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -152,7 +155,7 @@ def expand(
             self.fail(
                 WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension))
             )
-    return NumberValue(value.node, value.dimension, span)
+    return NumberValue(value.node, value.dimension, span, value.written or own_unit(item.result))
 
 
 def check_definition(self: Expressions, symbol: Symbol, item: ast.Define, ctx: Context) -> None:
@@ -233,7 +236,9 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         node = first.node
         for other in numbers[1:]:
             node = self.make(ir.Func, function, (node, other.node))
-        return NumberValue(node, NUMBER if function == "atan2" else first.dimension, span)
+        if function == "atan2":
+            return NumberValue(node, NUMBER, span)
+        return NumberValue(node, first.dimension, span, common(*numbers))
     dimension = first.dimension
     if function == "sqrt":
         dimension = power(dimension, Fraction(1, 2))
@@ -251,7 +256,8 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
                         "divide it by a quantity of its own dimension",
                     )
                 )
-    return NumberValue(self.make(ir.Func, function, tuple(v.node for v in numbers)), dimension, span)
+    made = self.make(ir.Func, function, tuple(v.node for v in numbers))
+    return NumberValue(made, dimension, span, first.written if function == "abs" else "")
 
 
 def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Value], span: Span) -> Value:
@@ -264,7 +270,8 @@ def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Valu
         self.fail(
             WrongDimension(value.__dict__["span"], declared, what, quantity(argument), _spoken(value), hint)
         )
-    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span)
+    unit = written_unit((row for _, row in item.rows), item.result)
+    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span, unit)
 
 
 def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:

@@ -35,6 +35,11 @@ from trackmarshal.semantics.values import (
     RecordValue,
     SignalValue,
     Value,
+    common,
+    of_limit,
+    own_unit,
+    product,
+    written_unit,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -145,7 +150,9 @@ class Expressions:
                 if problem:
                     self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
                 value = to_si(float(expr.text), expr.unit or "1")
-                return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span)
+                return NumberValue(
+                    self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span, own_unit(expr.unit)
+                )
             case ast.Boolean():
                 return FormulaValue(self.make(ir.Truth, expr.value), span)
             case ast.Name():
@@ -161,8 +168,10 @@ class Expressions:
                     return FormulaValue(self.make(ir.Not, self.formula(expr.operand, ctx).node), span)
                 operand = self.number(expr.operand, ctx)
                 if isinstance(operand.node, ir.Const):
-                    return NumberValue(self.make(ir.Const, -operand.node.value), operand.dimension, span)
-                return NumberValue(self.make(ir.Neg, operand.node), operand.dimension, span)
+                    node: ir.Num = self.make(ir.Const, -operand.node.value)
+                else:
+                    node = self.make(ir.Neg, operand.node)
+                return NumberValue(node, operand.dimension, span, operand.written)
             case ast.Binary():
                 return self._binary(expr, ctx)
             case ast.IfElse():
@@ -226,7 +235,10 @@ class Expressions:
             case ast.Param():
                 if symbol.qualified not in self.params:
                     raise Poison  # its declaration was reported
-                return NumberValue(self.make(ir.Param, symbol.qualified), self.params[symbol.qualified], span)
+                param = self.make(ir.Param, symbol.qualified)
+                return NumberValue(
+                    param, self.params[symbol.qualified], span, written_unit((item.value,), item.unit)
+                )
             case ast.Place():
                 if item.kind == "zone":
                     return AreaValue(self.make(ir.Area, "zone", symbol.qualified), span)
@@ -282,7 +294,8 @@ class Expressions:
             if isinstance(node, ir.Formula):
                 return FormulaValue(node, span)
             assert dimension is not None
-            return NumberValue(node, dimension, span)
+            field = None if value.signal is None else value.signal.field(expr.name)
+            return NumberValue(node, dimension, span, "" if field is None else own_unit(field.unit))
         if isinstance(value, SignalValue):
             signal = value.signal
             if signal.sequence and expr.name in ("first", "last"):
@@ -320,13 +333,16 @@ class Expressions:
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
             )
-            return NumberValue(self.make(ir.Arith, op, left.node, right.node), dimension, span)
+            made = self.make(ir.Arith, op, left.node, right.node)
+            return NumberValue(made, dimension, span, product(op, left, right))
         self.same("compare" if op in _COMPARISONS else "add" if op == "+" else "subtract", left, right)
         if op in ("+", "-"):
-            return NumberValue(self.make(ir.Arith, op, left.node, right.node), left.dimension, span)
+            made = self.make(ir.Arith, op, left.node, right.node)
+            return NumberValue(made, left.dimension, span, common(left, right))
         if op in _COMPARISONS:
+            unit, shown = show(left.dimension), of_limit(left, right)
             return FormulaValue(
-                self.make(ir.Compare, op, left.node, right.node, show(left.dimension), ctx.site or span), span
+                self.make(ir.Compare, op, left.node, right.node, unit, ctx.site or span, shown), span
             )
         raise AssertionError(f"unknown operator {op}")
 
@@ -382,9 +398,8 @@ class Expressions:
             lambda: self.number(expr.otherwise, ctx),
         )
         self.same("choose between", then, otherwise)
-        return NumberValue(
-            self.make(ir.Choose, condition.node, then.node, otherwise.node), then.dimension, expr.span
-        )
+        node = self.make(ir.Choose, condition.node, then.node, otherwise.node)
+        return NumberValue(node, then.dimension, expr.span, common(then, otherwise))
 
     def _in_zone(self, expr: ast.InZone, ctx: Context) -> Value:
         at = Span(expr.span.file, _span(expr.value).end, expr.span.end).word(expr.zone)

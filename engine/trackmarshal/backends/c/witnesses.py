@@ -37,4 +37,5 @@ def _rule_result(
     witness = Descent(view).find(rule.formula)
     unit = rule.unit if rule.unit != "mixed" else witness.unit if witness is not None else "1"
     reason = (view.geometry_fault(rule.formula) or "") if verdict == "undefined" else ""
-    return RuleResult(rule.name, verdict, margin, unit, witness, reason, points)
+    shown = results.shown_unit(witness, unit)
+    return RuleResult(rule.name, verdict, margin, unit, witness, reason, points, shown)
