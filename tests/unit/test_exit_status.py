@@ -208,3 +208,80 @@ def test_an_option_before_the_verb_is_not_lost() -> None:
     assert run_command("--project", "nowhere")[0] == 2
     assert run_command("--nonsense", "check", "small.spec")[0] == 2
     assert run_command("--version")[0] == 0
+
+
+V_MODEL = """document: v-model
+title: small
+project:
+  name: small
+  specs: [specs]
+  default_spec: specs/small.spec
+  scenarios: [{path: run.tmrec.jsonl, title: a run, stage: S-4-A, expect: EXPECT, origin: synthetic}]
+stages: [{id: S-4-A, title: validation, shows: That it works., applies_to: [R-*], counts: [run]}]
+gate: [{stage: S-4-A, requirements: [R-*], at_least: partial}]
+"""
+REQUIREMENT = """document: requirements
+title: small
+source: nobody
+requirements:
+  - id: R-1
+    title: Speed
+    statement: The vehicle shall never drive faster than 108 km/h.
+    rationale: Speed is dangerous.
+    adopted: somebody said so
+    status: approved
+    asil: D
+    verification: [test]
+    metrics: [fast]
+    source: nobody
+"""
+TESTS = "".join(
+    f'\n\ntest fast "at {v} km/h"\n  given  plan = line(v: {v} km/h)\n  expect {verdict}'
+    for v, verdict in ((36, "satisfied"), (144, "violated"), (108, "satisfied, margin 0 m/s"))
+)
+
+
+def assessed(expect: str, *cycles: dict[str, Any], more: str = "") -> tuple[int, str]:
+    """`assess` of a project with this one scenario, of which a declared demand is met in any case."""
+    for folder in ("requirements", "specs"):
+        Path(folder).mkdir(exist_ok=True)
+    Path("requirements/v-model.yaml").write_text(V_MODEL.replace("EXPECT", expect))
+    Path("requirements/r.yaml").write_text(REQUIREMENT)
+    rule = SPEC.partition("\nrule near")[0].replace('"Not too fast"\n', '"Not too fast"\n  satisfies R-1\n')
+    Path("specs/small.spec").write_text(rule + TESTS + "\n" + more)
+    recorded(*cycles)
+    status, out, err = run_command("assess", "--quiet")
+    loud, _, _ = run_command("trace", "--gate", "--as-is", "--quiet")
+    assert loud in (status, 0), "the gate may demand less, never more"
+    return status, out + err
+
+
+SAFE, UNSAFE = {"static": True}, {"static": False}
+
+
+@pytest.mark.parametrize(
+    ("expect", "cycles", "status"),
+    [
+        ("ground_truth", [cycle(0, truth=SAFE), cycle(1, truth=SAFE)], 0),
+        ("ground_truth", [cycle(0, truth=SAFE), cycle(1, v=40.0, truth=UNSAFE)], 0),
+        ("ground_truth", [cycle(0, truth=SAFE), cycle(1, v=40.0, truth=SAFE)], 1),
+        ("ground_truth", [cycle(0, truth=SAFE), cycle(1, truth=UNSAFE)], 1),
+        # Its ground truth is about other vehicles, and says nothing of what fires.
+        ("ground_truth", [cycle(0, truth={"dynamic": True}), cycle(1, v=40.0, truth={"dynamic": True})], 1),
+        ("no_fire", [cycle(0), cycle(1, v=40.0)], 1),
+        ("fire, by: [fast]", [cycle(0), cycle(1, v=40.0)], 0),
+        ("fire, by: [fast]", [cycle(0), cycle(1)], 1),
+    ],
+)
+def test_assess_holds_runs_against_what_was_declared(expect: str, cycles: list[Any], status: int) -> None:
+    found, text = assessed(expect, *cycles)
+    assert found == status, text
+
+
+def test_assess_and_trace_see_a_constraint_that_does_not_hold() -> None:
+    cycles = (cycle(0, truth=SAFE), cycle(1, truth=SAFE))
+    more = "\nparam a : m = 2 m\nparam b : m = {} m\n\nconstrain a <= b\n"
+    assert assessed("ground_truth", *cycles, more=more.format(3))[0] == 0
+    status, text = assessed("ground_truth", *cycles, more=more.format(1))
+    assert status == 1
+    assert "error[E307]" in text

@@ -129,7 +129,7 @@ def listening(path: Path) -> None:
 
 
 def device(path: Path) -> None:
-    path.symlink_to("/dev/zero")
+    path.symlink_to("/dev/null")
 
 
 @pytest.mark.parametrize("make", [pipe, listening, device])

@@ -112,6 +112,21 @@ def test_a_shipped_recording_is_used_from_anywhere(tmp_path: Path, monkeypatch: 
     assert (status, err) == (0, "")
 
 
+@pytest.mark.parametrize(
+    "track", ["{outside}/secret", "../secret", "../../secret", "{outside}/track.yaml", "/etc/passwd"]
+)
+def test_a_declaration_does_not_open_any_file_either(track: str, project: Path) -> None:
+    text = (REPOSITORY / "specs" / "scenarios" / "free_lap.yaml").read_text("utf-8")
+    given = "../tracks/northfield.yaml"
+    assert given in text
+    path = Path("recordings/near/run.yaml")
+    path.write_text(text.replace(given, track.replace("{outside}", str(project.parent))), "utf-8")
+    status, out, err = run_command("replay", str(path), "--spec", "specs/small.spec")
+    assert status == 2
+    assert "error[D151]" in err
+    assert "root:" not in out + err
+
+
 # Names of files ------------------------------------------------------------------------------------------------
 
 NAMES = [
