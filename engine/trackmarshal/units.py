@@ -131,8 +131,8 @@ def from_si(number: float, unit: str) -> float:
     return near
 
 
-def written(number: float, unit: str) -> str:
-    """An SI number as an author would write it in a unit, `130 km/h`."""
+def in_full(number: float, unit: str) -> str:
+    """An SI number as an author would write it in a unit, `130 km/h`, with all of its digits."""
     return digits(number, unit) + ("" if unit == "1" else f" {unit}")
 
 
@@ -141,6 +141,21 @@ def digits(number: float, unit: str) -> str:
     value = from_si(number, unit)
     short = f"{value:g}"
     return short if math.isnan(value) or float(short) == value else repr(value)
+
+
+def written(value: float, unit: str, shown: str = "", digits: int = 4) -> str:
+    """An SI value as people read it: in the unit `shown` where there is one, else in `unit`, which is SI: -12.4 km/h."""
+    number = (from_si(value, shown) if shown else value) + 0.0  # no minus before a zero
+    text = f"{number:.{digits}g}"
+    return text if (shown or unit) == "1" else f"{text} {shown or unit}"
+
+
+def beside(value: float, unit: str, shown: str = "", digits: int = 4) -> str:
+    """The same, with the SI value beside it where that is another number: -12.4 km/h (-3.444 m/s)."""
+    text = written(value, unit, shown, digits)
+    if not shown or not math.isfinite(value) or parse_unit(shown)[:2] == (1.0, 1.0):
+        return text
+    return f"{text} ({written(value, unit, '', digits)})"
 
 
 def show(dimension: Dimension) -> str:

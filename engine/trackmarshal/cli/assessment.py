@@ -65,6 +65,7 @@ def read_specs(root: Path) -> tuple[Project, Compiled, list[PreparedTest], list[
 
     A rule with an error is left out, so whatever it was to cover is a gap, beside the error itself.
     """
+    from trackmarshal.cli.check import unconstrained
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
     from trackmarshal.trace import requirements
@@ -74,7 +75,7 @@ def read_specs(root: Path) -> tuple[Project, Compiled, list[PreparedTest], list[
     if compiled.failures:
         raise compiled.failures[0]
     prepared, found = prepare(compiled)
-    return project, compiled, prepared, [*compiled.found, *found]
+    return project, compiled, prepared, [*compiled.found, *found, *unconstrained(compiled)]
 
 
 def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = True) -> Assessment:

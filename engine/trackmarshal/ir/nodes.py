@@ -210,13 +210,14 @@ class Flag(IR):
 
 
 class Compare(IR):
-    """A comparison; `unit` is the SI unit of its margin."""
+    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI)."""
 
     op: ComparisonOp
     left: Num
     right: Num
     unit: str
     span: Span
+    shown: str = ""
 
 
 # Geometric predicates: the margin is a signed distance in metres, and they hold where that is not negative.

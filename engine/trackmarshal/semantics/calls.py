@@ -30,6 +30,9 @@ from trackmarshal.semantics.values import (
     RegionValue,
     SignalValue,
     Value,
+    common,
+    own_unit,
+    written_unit,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -154,7 +157,7 @@ def expand(
             self.fail(
                 WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension))
             )
-    return NumberValue(value.node, value.dimension, span)
+    return NumberValue(value.node, value.dimension, span, written=value.written or own_unit(item.result))
 
 
 def check_definition(self: Expressions, symbol: Symbol, item: ast.Define, ctx: Context) -> None:
@@ -233,12 +236,14 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     dimension = _dimension(self, function, dimensions, numbers)
     if function in ("sin", "cos", "tan"):
         self.warn(self.advice.argument(numbers[0], "rad", None))
+    kept = common(*numbers) if dimensions is Dimensions.KEPT else ""
     if not more:
-        return NumberValue(self.make(ir.Func, called, tuple(v.node for v in numbers)), dimension, span)
+        made = self.make(ir.Func, called, tuple(v.node for v in numbers))
+        return NumberValue(made, dimension, span, written=kept)
     node = numbers[0].node
     for other in numbers[1:]:
         node = self.make(ir.Func, called, (node, other.node))
-    return NumberValue(node, dimension, span)
+    return NumberValue(node, dimension, span, written=kept)
 
 
 def _dimension(
@@ -274,7 +279,8 @@ def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Valu
         self.fail(
             WrongDimension(value.__dict__["span"], declared, what, quantity(argument), _spoken(value), hint)
         )
-    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span)
+    unit = written_unit((row for _, row in item.rows), item.result)
+    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span, written=unit)
 
 
 def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:

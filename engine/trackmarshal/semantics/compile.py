@@ -37,7 +37,7 @@ from trackmarshal.semantics.scope import KINDS, Scope, Symbol
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, Dimension, digits, name, parse_unit, quantity, to_si, written
+from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, to_si
 
 T = TypeVar("T", bound=ast.Item)
 
@@ -224,7 +224,7 @@ class _Compiler:
                 default = self._finite(field.default, unit, dimension, module)
                 if not _inside(default, lower, upper):
                     at, limits = field.default.__dict__["span"], field.range.span if field.range else None
-                    problem = f"the default of `{field.name}`, {written(default, unit)}, is {_outside(lower, upper, unit)}"
+                    problem = f"the default of `{field.name}`, {in_full(default, unit)}, is {_outside(lower, upper, unit)}"
                     self.found.append(BadValue(at, problem, limits))
         return FieldType(field.name, "number", unit, field.increasing, lower, upper, default, field.span)
 
@@ -240,7 +240,7 @@ class _Compiler:
         )
         if not lower <= upper:
             problem = (
-                f"a range runs from low to high, not from {written(lower, unit)} to {written(upper, unit)}"
+                f"a range runs from low to high, not from {in_full(lower, unit)} to {in_full(upper, unit)}"
             )
             self.x.fail(BadValue(limits.span, problem, None, "swap the bounds"))
         return lower, upper
@@ -252,7 +252,7 @@ class _Compiler:
             self.x.fail(
                 BadValue(
                     expr.__dict__["span"],
-                    f"this value is {written(value, '1')}, which is not finite",
+                    f"this value is {in_full(value, '1')}, which is not finite",
                     None,
                     "only ranges may be open: `in [0, inf]`",
                 )
@@ -296,7 +296,7 @@ class _Compiler:
             assert item.range is not None
             at, unit = item.value.__dict__["span"], item.unit
             problem = (
-                f"the value of `{item.name}`, {written(number, unit)}, is {_outside(lower, upper, unit)}"
+                f"the value of `{item.name}`, {in_full(number, unit)}, is {_outside(lower, upper, unit)}"
             )
             self.x.fail(BadValue(at, problem, item.range.span))
         qualified = f"{module}.{item.name}"
@@ -339,7 +339,7 @@ class _Compiler:
             self.x.fail(
                 BadValue(
                     span,
-                    f"this value is {written(value, '1')}, which is not finite",
+                    f"this value is {in_full(value, '1')}, which is not finite",
                     None,
                     "its arithmetic divides by zero or overflows",
                 )
@@ -384,7 +384,7 @@ class _Compiler:
                 self.x.fail(
                     BadValue(
                         row.__dict__["span"],
-                        f"the knots of a table ascend; {written(after, item.unit)} is not above {written(before, item.unit)}",
+                        f"the knots of a table ascend; {in_full(after, item.unit)} is not above {in_full(before, item.unit)}",
                         above.__dict__["span"],
                         hint,
                         about,

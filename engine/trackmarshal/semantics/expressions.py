@@ -45,6 +45,11 @@ from trackmarshal.semantics.values import (
     RecordValue,
     SignalValue,
     Value,
+    common,
+    of_limit,
+    own_unit,
+    product,
+    written_unit,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -52,6 +57,7 @@ from trackmarshal.units import (
     NUMBER,
     TIME,
     Dimension,
+    in_full,
     over,
     parse_unit,
     power,
@@ -59,7 +65,6 @@ from trackmarshal.units import (
     show,
     times,
     to_si,
-    written,
 )
 
 
@@ -172,8 +177,9 @@ class Expressions:
                 if problem:
                     self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
                 value = to_si(float(expr.text), expr.unit or "1")
-                bare = not expr.unit and value != 0.0
-                return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span, bare)
+                bare, unit = not expr.unit and value != 0.0, own_unit(expr.unit)
+                dimension = parse_unit(expr.unit or "1")[2]
+                return NumberValue(self.make(ir.Const, value), dimension, span, bare, unit)
             case ast.Boolean():
                 return FormulaValue(self.make(ir.Truth, expr.value), span)
             case ast.Name():
@@ -189,9 +195,10 @@ class Expressions:
                     return FormulaValue(self.make(ir.Not, self.formula(expr.operand, ctx).node), span)
                 operand = self.number(expr.operand, ctx)
                 if isinstance(operand.node, ir.Const):
-                    negated = self.make(ir.Const, -operand.node.value)
-                    return NumberValue(negated, operand.dimension, span, operand.bare)
-                return NumberValue(self.make(ir.Neg, operand.node), operand.dimension, span)
+                    node: ir.Num = self.make(ir.Const, -operand.node.value)
+                    return NumberValue(node, operand.dimension, span, operand.bare, operand.written)
+                node = self.make(ir.Neg, operand.node)
+                return NumberValue(node, operand.dimension, span, False, operand.written)
             case ast.Binary():
                 return self._binary(expr, ctx)
             case ast.IfElse():
@@ -258,7 +265,10 @@ class Expressions:
             case ast.Param():
                 if symbol.qualified not in self.params:
                     raise Poison  # its declaration was reported
-                return NumberValue(self.make(ir.Param, symbol.qualified), self.params[symbol.qualified], span)
+                param = self.make(ir.Param, symbol.qualified)
+                return NumberValue(
+                    param, self.params[symbol.qualified], span, written=written_unit((item.value,), item.unit)
+                )
             case ast.Place():
                 if item.kind == "zone":
                     return AreaValue(self.make(ir.Area, "zone", symbol.qualified), span)
@@ -314,7 +324,8 @@ class Expressions:
             if isinstance(node, ir.Formula):
                 return FormulaValue(node, span)
             assert dimension is not None
-            return NumberValue(node, dimension, span)
+            field = None if value.signal is None else value.signal.field(expr.name)
+            return NumberValue(node, dimension, span, written="" if field is None else own_unit(field.unit))
         if isinstance(value, SignalValue):
             signal = value.signal
             if signal.sequence and expr.name in ("first", "last"):
@@ -354,13 +365,17 @@ class Expressions:
             )
             bare = left.bare and right.bare
             arith = self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node)
-            return NumberValue(arith, dimension, span, bare)
+            return NumberValue(arith, dimension, span, bare, product(op, left, right))
         if op in COMPARISONS:
             return self._compare(op, left, right, span, ctx)
         self.same("add" if op == "+" else "subtract", left, right)
         bare = left.bare and right.bare
         return NumberValue(
-            self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node), left.dimension, span, bare
+            self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node),
+            left.dimension,
+            span,
+            bare,
+            common(left, right),
         )
 
     def _chained(
@@ -389,10 +404,11 @@ class Expressions:
     ) -> FormulaValue:
         self.same("compare", left, right)
         self.warn(self.advice.compared(op, left, right, span))
-        unit = show(left.dimension)
-        return FormulaValue(
-            self.make(ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span), span
+        unit, shown = show(left.dimension), of_limit(left, right)
+        node = self.make(
+            ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span, shown
         )
+        return FormulaValue(node, span)
 
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""
@@ -436,7 +452,7 @@ class Expressions:
             )
             problem = f"the exponent of {quantity(base.dimension)} must be a literal whole number from 1 to 8, or from -8 to -1"
             if constant is not None:
-                problem += f", not {written(constant, '1')}"
+                problem += f", not {in_full(constant, '1')}"
             self.fail(
                 BadValue(exponent.span, problem, base.span, hint, f"this is {quantity(base.dimension)}")
             )
@@ -449,9 +465,8 @@ class Expressions:
             lambda: self.number(expr.otherwise, ctx),
         )
         self.same("choose between", then, otherwise)
-        return NumberValue(
-            self.make(ir.Choose, condition.node, then.node, otherwise.node), then.dimension, expr.span
-        )
+        node = self.make(ir.Choose, condition.node, then.node, otherwise.node)
+        return NumberValue(node, then.dimension, expr.span, written=common(then, otherwise))
 
     def _in_zone(self, expr: ast.InZone, ctx: Context) -> Value:
         at = Span(expr.span.file, _span(expr.value).end, expr.span.end).word(expr.zone)
@@ -510,10 +525,10 @@ class Expressions:
         if low < 0:
             past = "`once`, `historically` and `since` look back"
             hint = f"windows count away from the current sample; {past}"
-            problem = f"a window starts at zero or later, not at {written(low, 's')}"
+            problem = f"a window starts at zero or later, not at {in_full(low, 's')}"
             self.fail(BadValue(_span(window.lower), problem, None, hint))
         if high < low:
-            problem = f"a window runs from low to high, not from {written(low, 's')} to {written(high, 's')}"
+            problem = f"a window runs from low to high, not from {in_full(low, 's')} to {in_full(high, 's')}"
             self.fail(BadValue(window.span, problem, None, "swap the bounds"))
         return low, high
 

@@ -453,6 +453,8 @@ def describe(root: ir.IR) -> str:
         parts = []
         for name in node.compared:
             value = node.__dict__[name]
+            if name == "shown":
+                continue  # how a margin is shown is no part of what a formula means
             if isinstance(value, ir.IR):
                 parts.append(f"#{visit(value)}")
             elif isinstance(value, tuple):

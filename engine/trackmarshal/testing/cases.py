@@ -25,7 +25,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.testing.builders import BUILDERS, Builder
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
 from trackmarshal.testing.si import table_in_si
-from trackmarshal.units import NUMBER, Dimension, digits, parse_shown, parse_unit, quantity, show, written
+from trackmarshal.units import NUMBER, Dimension, digits, in_full, parse_shown, parse_unit, quantity, show
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive")
 #: The units of the columns that builders make.
@@ -199,7 +199,7 @@ class _Preparation:
                 math.inf if info.upper is None else info.upper,
             )
             limits = ", ".join(digits(end, info.unit) for end in ends)
-            problem = f"{written(number, info.unit)} is outside its range [{limits}]{'' if info.unit == '1' else ' ' + info.unit}"
+            problem = f"{in_full(number, info.unit)} is outside its range [{limits}]{'' if info.unit == '1' else ' ' + info.unit}"
             self.fail(_span(value), problem, "", info.span.head)
         return number
 
