@@ -202,11 +202,11 @@ def _signatures(plan: Layout) -> Iterator[tuple[str, str, str]]:
         )
 
 
-def prototypes(plan: Layout) -> Iterator[str]:
-    """Declarations of the header."""
+def prototypes(plan: Layout, supervised: bool = False) -> Iterator[str]:
+    """Declarations of the header; in a Supervisor, borders and lines come with each cycle."""
     done: set[str] = set()
     for name, signature, what in _signatures(plan):
-        if name not in done:
+        if name not in done and not (supervised and name in plan.spec.signals):
             done.add(name)
             yield f"/* {what}. TM_UNUSABLE, TM_UNSUPPORTED: rules that need it are undefined. */"
             yield f"{signature};"

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from trackmarshal.backends.c import door, parts
+from trackmarshal.backends.c import parts
+from trackmarshal.backends.c.contract import Supervised, supervised_layout
 from trackmarshal.backends.c.header import header
 from trackmarshal.backends.c.layout import Layout, layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.online import Monitor, monitors
 from trackmarshal.backends.c.rules import GroupCode, RuleCode, group_codes, rule_code
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.contract import EGO, PLAN
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class Source:
     source: str
     name: str
     monitors: tuple[Monitor, ...]
-    #: Whether cycles have to pass the door before rules count.
-    doored: bool
+    #: The input contract, where the program is a whole Supervisor and not the rules alone.
+    supervised: Supervised | None
 
     @property
     def series(self) -> int:
@@ -42,16 +42,20 @@ def generate(
 ) -> Source:
     """C for the chosen rules; raises TrackmarshalError E470 for a rule that has no C counterpart.
 
-    online: with a monitor, a sample at a time, of every rule along a timeline that can have one. doored: with the input
-    contract of the Supervisor's cycles, for specs that `door.has_door`.
+    online: with a monitor, a sample at a time, of every rule along a timeline that can have one. doored: the whole Supervisor around
+    the rules; raises E482 for a spec that cannot be supervised with.
     """
-    plan = layout(spec, rules, (PLAN, EGO) if doored else ())
+    supervised: Supervised | None = None
+    if doored:
+        plan, supervised = supervised_layout(spec, rules)
+    else:
+        plan = layout(spec, rules)
     codes = tuple(rule_code(plan, rule) for rule in plan.rules)
     series = max((code.series for code in codes), default=0)
     found = tuple(monitors(plan)) if online else ()
     return Source(
-        plan, codes, header(plan, codes, series, name, found, doored),
-        "\n".join([*_source(plan, codes, name, found, doored), ""]), name, found, doored,
+        plan, codes, header(plan, codes, series, name, found, supervised),
+        "\n".join([*_source(plan, codes, name, found, supervised), ""]), name, found, supervised,
     )  # fmt: skip
 
 
