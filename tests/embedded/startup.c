@@ -28,9 +28,12 @@ void _fini(void);
 
 static volatile uint32_t wraps; /* how often SysTick came to zero */
 
-static const void *const vectors[16] __attribute__((section(".vectors"), used)) = {
-  stack_top, (void *)reset, (void *)stuck, (void *)stuck, (void *)stuck, (void *)stuck, (void *)stuck, NULL,
-  NULL,      NULL,          NULL,          (void *)stuck, (void *)stuck, NULL,          (void *)stuck, (void *)tick,
+static const struct {
+  uint32_t *stack;
+  void (*exceptions[15])(void); /* from reset to SysTick; NULL where there is none */
+} vectors __attribute__((section(".vectors"), used)) = {
+  stack_top,
+  {reset, stuck, stuck, stuck, stuck, stuck, NULL, NULL, NULL, NULL, stuck, stuck, NULL, stuck, tick},
 };
 
 static int host(uint32_t operation, const void *argument) {

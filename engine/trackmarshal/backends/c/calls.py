@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 
+from trackmarshal.backends.c.layout import roots, shape_key
 from trackmarshal.backends.c.places import _make
 from trackmarshal.backends.c.rules import RuleCode
 from trackmarshal.backends.c.source import Source
-from trackmarshal.backends.c.layout import roots, shape_key
 from trackmarshal.ir import nodes as ir
 
 #: Functions of libm that every C library computes to the same last bit, as IEEE 754 defines them.

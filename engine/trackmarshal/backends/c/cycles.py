@@ -24,7 +24,6 @@ from trackmarshal.runtime.faults import Fault, name_of
 
 if TYPE_CHECKING:
     from trackmarshal.runtime.frame import Columns, Frame, Settings
-    from trackmarshal.runtime.lines import Line
 
 FORMAT, VERSION = "trackmarshal-cycles", 1
 #: The most letters of a name in a file; longer ones are cut.
