@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import statistics
+import struct
 import subprocess
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -41,6 +42,13 @@ class Difference:
     rule: str
     here: str
     there: str
+    #: Whether it is a margin among the reasons, which stands with all margins too.
+    of_reason: bool = False
+
+    @property
+    def size(self) -> float:
+        """How far a margin is from the other."""
+        return abs(double(self.here) - double(self.there))
 
 
 def missing_tools() -> list[str]:
@@ -109,16 +117,16 @@ def differences(here: Ran, there: Ran, rules: Sequence[str]) -> Iterator[Differe
                 if x != y:
                     yield Difference(number, rule, x, y)
         elif a[:1] == ["rule"] and a[:-1] == b[:-1]:
-            yield Difference(number, a[2], a[-1], b[-1])
+            yield Difference(number, a[2], a[-1], b[-1], True)
         else:
             yield Difference(number, "", one, other)
 
 
-def steps(x: str, y: str) -> int:
-    """How many doubles lie between two of the same sign, given by their bits."""
-    a, b = int(x, 16), int(y, 16)
-    assert a >> 63 == b >> 63
-    return abs(a - b)
+def double(bits: str) -> float:
+    """The number that the example printed."""
+    (value,) = struct.unpack("<d", int(bits, 16).to_bytes(8, "little"))
+    assert isinstance(value, float)
+    return value
 
 
 def figures(folder: Path, image: Path, runs: Sequence[Ran], name: str = "supervisor") -> dict[str, int]:
