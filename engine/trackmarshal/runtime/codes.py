@@ -28,6 +28,7 @@ CODES = {
     "D233": ("the verdict came too late", "From the arrival of the cycle to its verdict more time went by than `budget` allows. A late verdict is unsafe, whatever it says (S-1-B-2)."),
     "D234": ("the clock is wrong", "The Supervisor's clock raised an error, was not a finite number, or went back. Nothing can be said in time; the cycle is unsafe."),
     "D235": ("the Supervisor failed", "Its own code raised an error. The cycle is unsafe, and nothing that was stored is relied on where that is where it failed."),
+    "D236": ("not configured", "The parameters or limits that were put into a generated Supervisor were refused, or none were put in. It admits no cycle until they are valid."),
     "D241": ("nothing is stored", "No cycle was safe so far, or the emergency trajectory that was stored has been lost. Nothing can be driven that is known to be safe."),
     "D242": ("the stored emergency trajectory is at its end", "Now is after its last sample: the car stands. It is not driven any more."),
     "D243": ("the car left the stored emergency trajectory", "The pose of the car is further from it, or more turned, than the limits `apart` and `turned` allow. What starts elsewhere says nothing about what the car would drive. It is dropped for good."),

@@ -33,6 +33,7 @@ FAULTS = {
     "overrun": "D233",
     "bad_clock": "D234",
     "internal": "D235",
+    "not_configured": "D236",
     "none_stored": "D241",
     "expired": "D242",
     "apart": "D243",

@@ -22,6 +22,7 @@ class Supervised:
     """
 
     contract: Contract
+    layout: Layout
     plan: Input
     signals: dict[str, str]
     lines: dict[tuple[str, str], str]
@@ -74,7 +75,7 @@ def supervised_layout(spec: Spec, rules: Sequence[RuleInfo]) -> tuple[Layout, Su
         if signal.form == LINES:
             members = distinct(["closed", "id", *(field.name or "line" for field in signal.lines)])
             lines |= {(signal.name, field.name): members[field.name or "line"] for field in signal.lines}
-    return plan, Supervised(contract, plan.input(PLAN), {s.name: names[s.name] for s in contract.signals}, lines)
+    return plan, Supervised(contract, plan, plan.input(PLAN), {s.name: names[s.name] for s in contract.signals}, lines)
 
 
 def _constrain(plan: Layout) -> None:

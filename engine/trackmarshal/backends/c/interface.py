@@ -31,7 +31,9 @@ _MEANING = {
     "turned": "rad, how far it may be turned against it",
     "blind": "s, how long no pose may confirm it",
 }
-#: Members of the context that hold what was stored; lists of numbers each.
+#: Names of faults by their number in C.
+FAULT_NAMES = ("none", *FAULTS)
+#: The member of what is stored that says when each sample is due.
 DUE = "due"
 
 
@@ -160,7 +162,7 @@ def memory(plan: Layout, given: Supervised) -> Iterator[str]:
 
 
 #: Parts of a step, each of which leaves the step's serial when it ran to its end.
-MARKS = ("begin", "clock", "door", "judge", "watchdog", "sound", "store", "machine")
+MARKS = ("door", "judge", "watchdog", "sound", "store", "machine")
 
 
 def members(plan: Layout, given: Supervised) -> list[str]:

@@ -1,34 +1,84 @@
-"""One cycle at a time through the generated door and rules, from numpy arrays."""
+"""A Supervisor in C as Python calls it: one context and its buffers, one call a cycle, numbers in SI."""
 
 from __future__ import annotations
 
 import ctypes
 import math
-from collections import Counter
+import struct
 from collections.abc import Callable, Mapping, Sequence
-from operator import itemgetter
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.c.door import FAULTS, LIMITS
-from trackmarshal.backends.c.layout import Input
-from trackmarshal.backends.c.places import sources
-from trackmarshal.backends.c.program import CProgram
+from trackmarshal.backends.c.binding import HEAD, SAID, words
+from trackmarshal.backends.c.build import library
+from trackmarshal.backends.c.header import CAPACITIES, capacities
+from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
+from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.runtime.case import Case, Fault
-from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
-from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
-from trackmarshal.runtime.faults import fault
 
 Floats = NDArray[np.float64]
-Points = Sequence[tuple[float, float]]
-_DOUBLE = np.dtype(np.float64)
-_DOUBLES = {_DOUBLE}
+#: Statuses of a configuration by number, those that can be.
+STATUSES = {3: "unusable", 5: "limit", 6: "parameter", 7: "table", 8: "constraint"}
+_NOWHERE = ctypes.c_size_t(-1).value
+_CLOCK = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p)
 
 
-class _CFault(ctypes.Structure):
+class Entry(NamedTuple):
+    """A signal of columns: (numbers, count) float64 and (flags, count) int8 in C's order; None for one that is missing."""
+
+    numbers: Floats
+    flags: NDArray[np.int8] | None
+    count: int
+
+
+class Border(NamedTuple):
+    """A line: (n, 2) float64 in C's order, and the number that tells it from others, 0 for one to be looked at anew each time."""
+
+    points: Floats
+    id: int
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """A fault (`rule` None) by its name and place, or a rule's number with the candidate."""
+
+    name: str
+    signal: str
+    field: str
+    index: int | None
+    rule: int | None
+    candidate: int
+    lost: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A decision as C gives it; see tm_decision in the header. verdicts, margins: (2, rules), driving first."""
+
+    serial: int
+    state: int
+    safe: int
+    driven: int
+    first: int
+    driven_number: int
+    driven_t: float
+    stored: int
+    stored_number: int
+    stored_t: float
+    lost: int
+    now: float
+    finished: float
+    valid_until: float
+    judged: int
+    fault_count: int
+    reason_count: int
+    more: int
+
+
+class _Fault(ctypes.Structure):
     """A `tm_fault`."""
 
     _fields_ = [
@@ -39,371 +89,201 @@ class _CFault(ctypes.Structure):
     ]
 
 
-class Refused(Exception):
-    """Data that is none: a column is missing, no array of numbers, or not as long as the others."""
+class _Result(ctypes.Structure):
+    """A `tm_result`."""
 
-    def __init__(self, name: str, signal: str, field: str = "", index: int | None = None) -> None:
-        super().__init__(name, signal, field, index)
-        self.fault = _fault(name, signal, field, index)
+    _fields_ = [("margin", ctypes.c_double), ("verdict", ctypes.c_int)]
+
+
+class _Reason(ctypes.Structure):
+    """A `tm_reason`."""
+
+    _fields_ = [
+        ("kind", ctypes.c_int),
+        ("fault", _Fault),
+        ("rule", ctypes.c_size_t),
+        ("candidate", ctypes.c_int),
+        ("result", _Result),
+    ]
 
 
 class Stepper:
-    """One context and one set of buffers: `step` takes a cycle through the door and, where it passes, all rules on both candidates.
+    """One context. limits: by name, the capacities `samples`, `elements` and `border` among them; parameters and tables by their
+    qualified names, in SI, in place of the spec's. clock: s, called when the rules are done; NaN is put in where it raises.
 
-    program: made with `doored=True`. samples, elements, border: the declared capacities. limits: those of the door by name.
-    Parameters and tables are the spec's own, or those of `settings`, a case as its reader makes them.
+    Raises TrackmarshalError E471 or E472 without a compiler, E473 for a configuration that C refuses.
     """
 
     def __init__(
-        self, program: CProgram, samples: int = 64, elements: int = 32, border: int = 2048, settings: Case | None = None,
-        **limits: float,
+        self, source: Source, limits: Mapping[str, float], clock: Callable[[], float], params: Mapping[str, float] | None = None,
+        tables: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
     ) -> None:  # fmt: skip
-        if not program.source.doored:
-            raise ValueError("the program has no door")
-        self._program = program
-        self._library = program.new_library(samples, elements, border, settings)
-        self._dll, self._context = self._library.dll, self._library.context
-        self._tracks = list(sources(program.source.plan))
-        order = program.order
-        inputs = program.source.plan.inputs
-        places = {(name, field): i for i, (name, field, _) in enumerate(order.columns)}
-        width = len(order.columns)
-        # Everything twice: the driving trajectory's input, then the emergency one's, which shares all but the candidate.
-        self._counts = np.zeros((2, max(1, len(order.counts))), dtype=np.uint64)
-        self._pointers = np.zeros((2, max(1, width)), dtype=np.uint64)
-        self._numbers = np.full(max(1, len(order.numbers)), np.nan)
-        self._flags = np.full((2, max(1, len(order.flags))), -1, dtype=np.int8)
-        self._candidates: list[_Block] = []
-        self._shared: list[_Block] = []
-        for number, name in enumerate(order.counts):
-            capacity = samples if program.spec.signals[name].sequence else elements
-            sides = ((0,), (1,)) if name == PLAN else ((0, 1),)
-            for own in sides:
-                label = (DRIVING, EMERGENCY)[own[0]] if name == PLAN else name
-                block = _Block(
-                    inputs[name], label, capacity, places, self._pointers, self._counts, number, own
-                )
-                (self._candidates if name == PLAN else self._shared).append(block)
-        self._records = [
-            (inputs[name], name, _picker([f for n, f in order.numbers if n == name]))
-            for name in dict.fromkeys(n for n, _ in order.numbers)
-        ]
-        self._defaults = {
-            (name, info.name): info.default
-            for name, item in inputs.items()
-            for info, _ in item.fields
-            if info.default is not None
-        }
-        self._events = [
-            (i, name, field) for i, (name, field) in enumerate(order.flags) if name != IS_EMERGENCY
-        ]
-        for i, (name, _) in enumerate(order.flags):
-            if name == IS_EMERGENCY:
-                self._flags[:, i] = (0, 1)
-        count = len(program.rules)
+        given = source.supervised
+        if given is None:
+            raise ValueError("the program is the rules alone")
+        self.source = source
+        self.words = words(given)
+        knots = max((len(rows[0]) for rows in (tables or {}).values()), default=0)
+        self.sizes = self._sizes(source, limits, knots)
+        self._dll = dll = ctypes.CDLL(str(library(source, self.sizes)))
+        size, pointer = ctypes.c_size_t, ctypes.c_void_p
+        for name, kinds, result in (
+            ("tmg_size", [], size), ("tmg_decision_size", [], size), ("tmg_reasons", [], size), ("tmg_reason_size", [], size),
+            ("tmg_stored", [size], size), ("tmg_init", [pointer], ctypes.c_int),
+            ("tmg_configure", [pointer] * 7, ctypes.c_int),
+            ("tmg_step", [pointer, pointer, _CLOCK, pointer, pointer, pointer, pointer, pointer], None),
+        ):  # fmt: skip
+            getattr(dll, name).argtypes, getattr(dll, name).restype = kinds, result
+        if dll.tmg_reason_size() != ctypes.sizeof(_Reason):
+            raise AssertionError("the compiler lays structs out differently than ctypes")
+        self._memory = ctypes.create_string_buffer(dll.tmg_size() + 64)
+        self.context = (ctypes.addressof(self._memory) + 63) & ~63
+        self._place = self.context - ctypes.addressof(self._memory)
+        self._decision = ctypes.create_string_buffer(dll.tmg_decision_size() + 64)
+        decision = (ctypes.addressof(self._decision) + 63) & ~63
+        self._reasons = decision + dll.tmg_reasons()
+        self._format = struct.Struct(self.words.format)
+        self._in = ctypes.create_string_buffer(self._format.size)
+        self._said = struct.Struct("=" + "".join(kind for _, kind in SAID))
+        self._out = ctypes.create_string_buffer(self._said.size)
+        count = len(source.rules)
         #: (2, rules) margins and verdict codes (places in runtime.verdict.VERDICTS) of the last step; driving first.
         self.margins = np.full((2, count), np.nan)
         self.verdicts = np.full((2, count), 2, dtype=np.int8)
-        self._number = np.zeros(1, dtype=np.int64)
-        self._times = np.zeros(2)
-        self._found = _CFault()
-        self._run = self._dll.tmg_step
+        self._numbers = np.zeros(4096)
+        self._flags = np.zeros(256, dtype=np.int8)
+        self._bases = self._numbers.ctypes.data, self._flags.ctypes.data
+        self._lines: list[tuple[Any, int, int, int]] = [(None, 0, 0, 0)] * len(self.words.lines)
+        self._texts: dict[int, str] = {}
+
+        def reading(_: object) -> float:
+            try:
+                return float(clock())
+            except Exception:
+                return math.nan
+
+        self._clock = _CLOCK(reading)
         self._arguments = (
-            self._context, self._number.ctypes.data, self._times.ctypes.data, self._counts.ctypes.data, self._pointers.ctypes.data,
-            self._numbers.ctypes.data, self._flags.ctypes.data, self.margins.ctypes.data, self.verdicts.ctypes.data,
-            ctypes.addressof(self._found),
+            self.context, ctypes.addressof(self._in), self._clock, None, decision, ctypes.addressof(self._out),
+            self.margins.ctypes.data, self.verdicts.ctypes.data,
         )  # fmt: skip
-        known = {name: default for name, default, _ in LIMITS}
-        if limits.keys() - known.keys():
-            raise ValueError(f"unknown limits: {', '.join(sorted(limits.keys() - known.keys()))}")
-        values = np.array([limits.get(name, default) for name, default in known.items()])
-        self._dll.tmg_limits(self._context, values.ctypes.data)
-
-    def track(self, signal: str, left: Points, right: Points = (), closed: bool = False) -> Fault | None:
-        """Set the borders of a corridor, or the points of a line, once for many steps; what breaks the contract, if anything.
-
-        A border that crosses itself is for the rules to find: they are undefined. Raises TrackmarshalError E473 for one that
-        generated code does not hold.
-        """
-        a, b = (np.ascontiguousarray(points, dtype=np.float64).reshape(-1, 2) for points in (left, right))
-        place = (self._tracks.index(signal), a.ctypes.data, len(a), b.ctypes.data, len(b))
-        if self._dll.tmg_admit_place(self._context, *place, ctypes.addressof(self._found)) != 1:
-            return self._said()
-        if self._dll.tmg_set_place(self._context, *place, int(closed)) == _UNSUPPORTED:
-            raise TrackmarshalError(
-                "E473", f"the C geometry refuses `{signal}`", help="choose another backend"
-            )
-        return None
-
-    def refuse(self, number: int, t: float) -> None:
-        """Let the door know of a cycle, with a stamp in order, that is refused for what it cannot be shown."""
-        self._number[0] = number
-        self._times[:] = t
-        self._dll.tmg_refuse(self._context, *self._arguments[1:3], self._arguments[-1])
-
-    def candidate(self, side: int) -> tuple[tuple[str, ...], Floats]:
-        """Names and a copy of the columns (fields, samples) of a candidate as the last step took it in: 0 driving, 1 emergency."""
-        return self._candidates[side].columns()
-
-    def step(
-        self, number: int, t: float, now: float, driving: Mapping[str, Any], emergency: Mapping[str, Any], signals: Mapping[str, Any]
-    ) -> Fault | None:  # fmt: skip
-        """One cycle: None, with `verdicts` and `margins` of all rules; or the fault for which it is refused, all rules undefined.
-
-        number, t: the cycle's number and stamp, now: when it arrived, in s. driving, emergency: columns by field; signals: what
-        they have in common: columns by field for timelines and sets, numbers by field for records, True or False for events.
-        All in SI; arrays of float64 are fastest.
-        """
-        try:
-            self._number[0] = number
-            self._times[0], self._times[1] = t, now
-        except (TypeError, ValueError, OverflowError):
-            return self._none(Refused("wrong_type", "cycle"))
-        try:
-            for block, given in zip(self._candidates, (driving, emergency)):
-                block.fill(given)
-            if not isinstance(signals, Mapping):
-                raise Refused("missing" if signals is None else "wrong_type", "signals")
-            for block in self._shared:
-                block.fill(signals.get(block.label))
-            self._fill_records(signals)
-            for place, name, field in self._events:
-                self._flags[:, place] = self._flag(signals, name, field)
-        except Refused as refused:
-            self._dll.tmg_refuse(self._context, *self._arguments[1:3], self._arguments[-1])
-            return self._said() or self._none(refused)
-        self._run(*self._arguments)
-        return self._said() if self._found.name else None
-
-    def _fill_records(self, signals: Mapping[str, Any]) -> None:
-        values: list[Any] = []
-        for item, name, pick in self._records:
-            given = signals.get(name)
-            if type(given) is dict:
-                try:
-                    numbers = pick(given)
-                    if set(map(type, numbers)) == _FLOATS:
-                        values += numbers
-                        continue
-                except KeyError:
-                    pass
-            if not isinstance(given, Mapping):
-                raise Refused("missing" if given is None else "wrong_type", name)
-            for info, _ in item.fields:
-                if info.kind == "number":
-                    value = given.get(info.name, self._defaults.get((name, info.name)))
-                    if value is None and info.name not in given:
-                        raise Refused("missing", name, info.name)
-                    values.append(math.nan if value is None else _number(value, name, info.name))
-        self._numbers[: len(values)] = values
+        self._run = dll.tmg_step
+        self.status = int(dll.tmg_init(self.context))
+        self._configure(limits, params or {}, tables or {})
 
     @staticmethod
-    def _flag(signals: Mapping[str, Any], name: str, field: str) -> int:
-        given = signals.get(name)
-        if field:
-            if not isinstance(given, Mapping):
-                raise Refused("missing" if given is None else "wrong_type", name)
-            given = given.get(field)
-        if given is None:
-            raise Refused("missing", name, field)
-        if not isinstance(given, bool | np.bool_):
-            raise Refused("wrong_type", name, field)
-        return int(given)
+    def _sizes(source: Source, limits: Mapping[str, float], knots: int) -> dict[str, int]:
+        spec = source.plan.spec
+        declared = {
+            "TM_MAX_SAMPLES": int(limits["samples"]),
+            "TM_MAX_ELEMENTS": int(limits["elements"]),
+            "TM_MAX_BORDER": int(limits["border"]),
+            "TM_MAX_PLACE": max(CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0),
+            "TM_MAX_KNOTS": max(CAPACITIES["TM_MAX_KNOTS"][0], knots, *(len(t.knots) for t in spec.tables.values()), 0),
+        }
+        return {name: declared[name] for name in capacities(source.plan, source.supervised)}
 
-    def _said(self) -> Fault | None:
-        """The fault that C has found last."""
-        found = self._found
-        if not found.name:
-            return None
-        index = None if found.index == _NOWHERE else int(found.index)
-        self._undefined()
-        return _fault(FAULTS[found.name], found.signal.decode(), found.field.decode(), index)
+    def _configure(
+        self, limits: Mapping[str, float], params: Mapping[str, float], tables: Mapping[str, tuple[Sequence[float], Sequence[float]]]
+    ) -> None:
+        spec, plan = self.source.plan.spec, self.source.plan
+        held = np.array([limits[name] for name in LIMITS], dtype=np.float64)
+        values = np.array([params.get(name, spec.params[name].value) for name in plan.params] or [0.0])
+        rows = [tables.get(name, (spec.tables[name].knots, spec.tables[name].values)) for name in plan.tables]
+        columns = [[np.array(row[i], dtype=np.float64) for row in rows] for i in (0, 1)]
+        addresses = [np.array([column.ctypes.data for column in each] or [0], dtype=np.uint64) for each in columns]
+        counts = np.array([len(column) for column in columns[0]] or [0], dtype=np.uint64)
+        which = ctypes.c_char_p()
+        given = (held, values, *addresses, counts)
+        status = self._dll.tmg_configure(self.context, *(each.ctypes.data for each in given), ctypes.addressof(which))
+        if status:
+            what = STATUSES.get(status, "value")
+            name = (which.value or b"").decode()
+            raise TrackmarshalError("E473", f"the generated Supervisor refuses the {what} `{name}`", help="change it")
 
-    def _none(self, refused: Refused) -> Fault:
-        self._undefined()
-        return refused.fault
+    # A cycle ---------------------------------------------------------------------------------------------------
 
-    def _undefined(self) -> None:
-        self.margins[:] = np.nan
-        self.verdicts[:] = 2
+    def step(
+        self, number: int | None, t: float | None, now: float, columns: Sequence[Entry | None], lines: Sequence[Border],
+        closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
+    ) -> Said:  # fmt: skip
+        """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`; what is wrong with
+        it already, as (name, signal, field, index)."""
+        given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
+        kept = self._found(found, given) if found else None
+        self._columns(columns, given)
+        self._bordered(lines, given)
+        given += closed
+        given += events
+        self._format.pack_into(self._in, 0, *given)
+        self._run(*self._arguments)
+        del kept
+        return Said(*self._said.unpack_from(self._out))
 
+    def none_came(self, now: float) -> Said:
+        """A cycle was due and did not come."""
+        width = len(self._format.unpack(bytes(self._format.size))) - len(HEAD)
+        self._format.pack_into(self._in, 0, 0, 0, 0, 0, 0.0, now, 0, 0, *[0] * width)
+        self._run(*self._arguments)
+        return Said(*self._said.unpack_from(self._out))
 
-class _Block:
-    """The columns of one signal, copied into memory of their own one after the other; `own`: whose inputs point there."""
+    def reasons(self, said: Said) -> list[Reason]:
+        """Why the cycle of the last step is not safe."""
+        listed = (_Reason * said.reason_count).from_address(self._reasons)
+        result = []
+        for one in listed:
+            found = one.fault
+            index = None if found.index == _NOWHERE else int(found.index)
+            rule = int(one.rule) if one.kind == 1 else None
+            signal, field = (found.signal or b"").decode(), (found.field or b"").decode()
+            result.append(Reason(FAULT_NAMES[found.name], signal, field, index, rule, int(one.candidate), one.kind == 2))
+        return result
 
-    def __init__(
-        self, item: Input, label: str, capacity: int, places: Mapping[tuple[str, str], int], pointers: NDArray[np.uint64],
-        counts: NDArray[np.uint64], number: int, own: tuple[int, ...],
-    ) -> None:  # fmt: skip
-        self.label = label
-        self._capacity = capacity
-        numbers = [info for info, _ in item.fields if info.kind == "number"]
-        self._fields = [
-            (i.name, None if i.default is None else np.full(capacity, i.default)) for i in numbers
-        ]
-        self.names = tuple(info.name for info in numbers)
-        self._memory = np.zeros(max(1, len(numbers)) * capacity)
-        self._columns = np.array([places[item.name, info.name] for info in numbers], dtype=np.intp)
-        self._flags = [
-            (info.name, np.zeros(capacity, dtype=np.int8), places[item.name, info.name])
-            for info, _ in item.fields if info.kind == "bool"
-        ]  # fmt: skip
-        self._pointers, self._counts, self._number, self._own = pointers, counts, number, own
-        for _, row, place in self._flags:
-            for side in own:
-                pointers[side, place] = row.ctypes.data
-        self._count = -1
-        #: Whether the signal is more than one column of numbers and nothing else.
-        self._simple = len(numbers) > 1 and not self._flags
-        self._pick = itemgetter(*[info.name for info in numbers] or [""])
+    def stored(self, place: int) -> Floats:
+        """(samples,) of a number of `plan`, in the context's memory: the stored trajectory's first `count` are in use."""
+        offset = self._place + self._dll.tmg_stored(place)
+        return np.frombuffer(self._memory, np.float64, self.sizes["TM_MAX_SAMPLES"], offset)
 
-    def fill(self, given: Any) -> None:
-        """Take a signal's columns. Raises Refused for what is no set of equally long columns of numbers."""
-        if not self._simple or type(given) is not dict or "id" in given:
-            self._fill(given)
+    def _columns(self, columns: Sequence[Entry | None], given: list[Any]) -> None:
+        """Copy the columns one after the other into memory whose address is known."""
+        numbers, flags = [], []
+        place, mark = self._bases
+        for entry in columns:
+            if entry is None:
+                given += (0, 0, 0)
+                continue
+            given += (place, mark, entry.count)
+            numbers.append(entry.numbers.ravel())
+            place += 8 * entry.numbers.size
+            if entry.flags is not None:
+                flags.append(entry.flags.ravel())
+                mark += entry.flags.size
+        total, marks = (place - self._bases[0]) // 8, mark - self._bases[1]
+        if total > len(self._numbers) or marks > len(self._flags):
+            self._numbers, self._flags = np.zeros(2 * total), np.zeros(2 * marks + 256, dtype=np.int8)
+            self._bases = self._numbers.ctypes.data, self._flags.ctypes.data
+            del given[len(HEAD) :]
+            self._columns(columns, given)
             return
-        try:  # almost always, it is arrays of float64 of one length, which a few calls tell
-            columns = self._pick(given)
-            (n,) = set(map(len, columns))
-            if n <= self._capacity and {column.dtype for column in columns} == _DOUBLES:
-                np.concatenate(columns, out=self._memory[: n * len(columns)])
-                if n != self._count:
-                    self._point(n)
-                return
-        except (KeyError, ValueError, TypeError, AttributeError):
-            pass
-        self._fill(given)
+        if numbers:
+            np.concatenate(numbers, out=self._numbers[:total])
+        if flags:
+            np.concatenate(flags, out=self._flags[:marks])
 
-    def columns(self) -> tuple[tuple[str, ...], Floats]:
-        """Names and a copy of the columns of numbers, (fields, samples)."""
-        width, n = len(self.names), self._count
-        return self.names, self._memory[: width * n].reshape(width, n).copy()
+    def _bordered(self, lines: Sequence[Border], given: list[Any]) -> None:
+        for place, line in enumerate(lines):
+            known = self._lines[place]
+            if known[0] is not line.points:
+                known = (line.points, line.points.ctypes.data if len(line.points) else 0, len(line.points), line.id)
+                self._lines[place] = known
+            given += (known[1], known[2], line.id)
 
-    def _point(self, n: int) -> None:
-        """Let the inputs point at columns of this length."""
-        self._count = n
-        base = self._memory.ctypes.data
-        for side in self._own:
-            self._pointers[side, self._columns] = base + 8 * n * np.arange(len(self._columns))
-            self._counts[side, self._number] = n
-
-    def _fill(self, given: Any) -> None:
-        if type(given) is not dict and not isinstance(given, Mapping):
-            raise Refused("missing" if given is None else "wrong_type", self.label)
-        columns: list[Any] = []
-        n = -1
-        for name, default in self._fields:
-            column = given.get(name)
-            if column is None:
-                if default is None or name in given:
-                    raise Refused("missing", self.label, name)
-                column = default
-            elif type(column) is not np.ndarray or column.dtype is not _DOUBLE:
-                column = _floats(column, self.label, name)
-            if column is not default:
-                if len(column) != n:
-                    if n >= 0 or column.ndim != 1:
-                        raise self._unequal(given)
-                    n = len(column)
-                    if n > self._capacity:
-                        raise Refused("over_capacity", self.label, name, self._capacity)
-            columns.append(column)
-        for name, row, _ in self._flags:
-            n = self._take_flags(given, n, name, row)
-        n = max(n, 0)
-        for k, (_, default) in enumerate(self._fields):
-            if columns[k] is default:
-                columns[k] = default[:n]
-        if columns:
-            try:
-                np.concatenate(columns, out=self._memory[: n * len(columns)])
-            except ValueError as error:
-                raise Refused("wrong_type", self.label) from error
-        if "id" in given and given["id"] is not None:
-            self._check_ids(given["id"], n)
-        if n != self._count:
-            self._point(n)
-
-    def _unequal(self, given: Mapping[str, Any]) -> Refused:
-        """Which column has not the length that most have."""
-        lengths: dict[str, int] = {}
-        for name in (*(name for name, _ in self._fields), *(name for name, _, _ in self._flags)):
-            column = given.get(name)
-            if column is not None:
-                if getattr(column, "ndim", 1) != 1 or not hasattr(column, "__len__"):
-                    return Refused("wrong_type", self.label, name)
-                lengths[name] = len(column)
-        usual = Counter(lengths.values()).most_common(1)[0][0]
-        name = next(name for name, length in lengths.items() if length != usual)
-        if lengths[name] > self._capacity:
-            return Refused("over_capacity", self.label, name, self._capacity)
-        return Refused("wrong_length", self.label, name, min(lengths[name], usual))
-
-    def _take_flags(self, given: Mapping[str, Any], n: int, name: str, row: NDArray[np.int8]) -> int:
-        column = given.get(name)
-        if column is None:
-            raise Refused("missing", self.label, name)
-        values = column.tolist() if type(column) is np.ndarray else column
-        if not isinstance(values, list | tuple) or any(v is not None and type(v) is not bool for v in values):
-            raise Refused("wrong_type", self.label, name)
-        if n >= 0 and len(values) != n:
-            raise self._unequal(given)
-        n = len(values)
-        if n > self._capacity:
-            raise Refused("over_capacity", self.label, name, self._capacity)
-        row[:n] = [-1 if value is None else int(value) for value in values]
-        return n
-
-    def _check_ids(self, ids: Any, n: int) -> None:
-        if not hasattr(ids, "__len__") or len(ids) != n:
-            raise Refused("wrong_length", self.label, "id")
-        names = [str(name) for name in ids]
-        if len(set(names)) < n:
-            raise Refused(
-                "duplicate", self.label, "id", next(i for i, s in enumerate(names) if s in names[:i])
-            )
-
-
-#: The status of a track that generated code does not hold; the index that says that there is none.
-_UNSUPPORTED = 4
-_NOWHERE = ctypes.c_size_t(-1).value
-
-
-_FLOATS = {float}
-
-
-def _picker(names: Sequence[str]) -> Callable[[Mapping[str, Any]], tuple[Any, ...]]:
-    """A function that takes these entries of a mapping, in order; it raises KeyError where one is missing."""
-    pick = itemgetter(*names)
-    return pick if len(names) > 1 else lambda given: (pick(given),)
-
-
-def _fault(name: str, signal: str, field: str, index: int | None) -> Fault:
-    return fault(name, signal, field, index, name.replace("_", " "))
-
-
-def _floats(column: Any, label: str, name: str) -> Floats:
-    """A column of numbers, None as NaN; raises Refused for anything else."""
-    kinds = {type(value) for value in column} if isinstance(column, list | tuple) else {bool}
-    if type(column) is np.ndarray:
-        kinds = {bool} if column.dtype.kind not in "iuf" else {float}
-    if not kinds <= {int, float, type(None), np.float64}:
-        raise Refused("wrong_type", label, name)
-    try:
-        return np.array(
-            [math.nan if v is None else v for v in column] if type(None) in kinds else column,
-            dtype=np.float64,
-        )
-    except OverflowError:
-        return np.array([math.inf if abs(value) > 1e308 else value for value in column], dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise Refused("wrong_type", label, name) from error
-
-
-def _number(value: Any, signal: str, field: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        raise Refused("wrong_type", signal, field)
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf
+    @staticmethod
+    def _found(found: Sequence[tuple[str, str, str, int | None]], given: list[Any]) -> Any:
+        """Faults as C reads them; they live as long as what is returned."""
+        texts = [(signal.encode(), field.encode()) for _, signal, field, _ in found]
+        listed = (_Fault * len(found))()
+        for place, ((name, _, _, index), (signal, field)) in enumerate(zip(found, texts)):
+            listed[place] = _Fault(FAULT_NAMES.index(name), signal, field, _NOWHERE if index is None else index)
+        given[6:8] = (ctypes.addressof(listed), len(found))
+        return listed, texts
