@@ -15,7 +15,7 @@ from support import embedded
 from support.embedded import Difference, Ran
 from support.emitted import SCENARIOS, emit, name_of
 from support.shared import REPOSITORY, SUPERVISOR
-from trackmarshal.backends.c.calls import EXACT, libm
+from trackmarshal.backends.c.calls import inexact
 from trackmarshal.backends.c.contract import can_be_supervised
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.evaluation import Evaluator, load
@@ -55,12 +55,6 @@ def runs(folder: Path) -> dict[str, tuple[Ran, Ran]]:
 
 def names(source: Source) -> list[str]:
     return [code.rule.name for code in source.rules]
-
-
-def inexact(source: Source) -> dict[str, list[str]]:
-    """Rules that call what each C library computes in its own way, and what it is."""
-    found = {code.rule.name: sorted(set(libm(source, code)) - EXACT) for code in source.rules}
-    return {name: functions for name, functions in found.items() if functions}
 
 
 def different(source: Source, runs: dict[str, tuple[Ran, Ran]]) -> list[Difference]:
