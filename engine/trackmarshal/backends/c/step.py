@@ -178,28 +178,41 @@ class Stepper:
             "TM_MAX_SAMPLES": int(limits["samples"]),
             "TM_MAX_ELEMENTS": int(limits["elements"]),
             "TM_MAX_BORDER": int(limits["border"]),
-            "TM_MAX_PLACE": max(CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0),
-            "TM_MAX_KNOTS": max(CAPACITIES["TM_MAX_KNOTS"][0], knots, *(len(t.knots) for t in spec.tables.values()), 0),
+            "TM_MAX_PLACE": max(
+                CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0
+            ),
+            "TM_MAX_KNOTS": max(
+                CAPACITIES["TM_MAX_KNOTS"][0], knots, *(len(t.knots) for t in spec.tables.values()), 0
+            ),
         }
         return {name: declared[name] for name in capacities(source.plan, source.supervised)}
 
     def _configure(
-        self, limits: Mapping[str, float], params: Mapping[str, float], tables: Mapping[str, tuple[Sequence[float], Sequence[float]]]
+        self,
+        limits: Mapping[str, float],
+        params: Mapping[str, float],
+        tables: Mapping[str, tuple[Sequence[float], Sequence[float]]],
     ) -> None:
         spec, plan = self.source.plan.spec, self.source.plan
         held = np.array([limits[name] for name in LIMITS], dtype=np.float64)
         values = np.array([params.get(name, spec.params[name].value) for name in plan.params] or [0.0])
         rows = [tables.get(name, (spec.tables[name].knots, spec.tables[name].values)) for name in plan.tables]
         columns = [[np.array(row[i], dtype=np.float64) for row in rows] for i in (0, 1)]
-        addresses = [np.array([column.ctypes.data for column in each] or [0], dtype=np.uint64) for each in columns]
+        addresses = [
+            np.array([column.ctypes.data for column in each] or [0], dtype=np.uint64) for each in columns
+        ]
         counts = np.array([len(column) for column in columns[0]] or [0], dtype=np.uint64)
         which = ctypes.c_char_p()
         given = (held, values, *addresses, counts)
-        status = self._dll.tmg_configure(self.context, *(each.ctypes.data for each in given), ctypes.addressof(which))
+        status = self._dll.tmg_configure(
+            self.context, *(each.ctypes.data for each in given), ctypes.addressof(which)
+        )
         if status:
             what = STATUSES.get(status, "value")
             name = (which.value or b"").decode()
-            raise TrackmarshalError("E473", f"the generated Supervisor refuses the {what} `{name}`", help="change it")
+            raise TrackmarshalError(
+                "E473", f"the generated Supervisor refuses the {what} `{name}`", help="change it"
+            )
 
     # A cycle ---------------------------------------------------------------------------------------------------
 
@@ -236,7 +249,9 @@ class Stepper:
             index = None if found.index == _NOWHERE else int(found.index)
             rule = int(one.rule) if one.kind == 1 else None
             signal, field = (found.signal or b"").decode(), (found.field or b"").decode()
-            result.append(Reason(FAULT_NAMES[found.name], signal, field, index, rule, int(one.candidate), one.kind == 2))
+            result.append(
+                Reason(FAULT_NAMES[found.name], signal, field, index, rule, int(one.candidate), one.kind == 2)
+            )
         return result
 
     def stored(self, place: int) -> Floats:
@@ -274,7 +289,12 @@ class Stepper:
         for place, line in enumerate(lines):
             known = self._lines[place]
             if known[0] is not line.points:
-                known = (line.points, line.points.ctypes.data if len(line.points) else 0, len(line.points), line.id)
+                known = (
+                    line.points,
+                    line.points.ctypes.data if len(line.points) else 0,
+                    len(line.points),
+                    line.id,
+                )
                 self._lines[place] = known
             given += (known[1], known[2], line.id)
 
@@ -284,6 +304,8 @@ class Stepper:
         texts = [(signal.encode(), field.encode()) for _, signal, field, _ in found]
         listed = (_Fault * len(found))()
         for place, ((name, _, _, index), (signal, field)) in enumerate(zip(found, texts)):
-            listed[place] = _Fault(FAULT_NAMES.index(name), signal, field, _NOWHERE if index is None else index)
+            listed[place] = _Fault(
+                FAULT_NAMES.index(name), signal, field, _NOWHERE if index is None else index
+            )
         given[6:8] = (ctypes.addressof(listed), len(found))
         return listed, texts
