@@ -13,7 +13,7 @@ from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.machine import ego_of
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.runtime.contract import EGO, EVENT, LINES, RECORD, Check, Field, Kind, Signal
-from trackmarshal.runtime.contract.cycles import END, NUMBER, START, STAMP, TIMELY, Demand
+from trackmarshal.runtime.contract.cycles import END, NUMBER, STAMP, START, TIMELY, Demand
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 
 #: What capacities of limits are called in C.
