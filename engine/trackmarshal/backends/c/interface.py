@@ -92,7 +92,7 @@ def _borders(given: Supervised) -> Iterator[str]:
 def _cycle(given: Supervised) -> Iterator[str]:
     yield "/* One cycle as it came. Its memory is read in tm_step and not afterwards. A pointer that is NULL: the signal is missing. */"
     yield "typedef struct {"
-    yield "  bool came; /* false: a cycle was due and did not come; of the rest, `now` alone counts */"
+    yield "  bool came; /* false: a cycle was due and did not come, or it is none for what was `found`; else only `now` counts then */"
     yield "  bool numbered; /* `number` is one */"
     yield "  bool stamped; /* `t` is a stamp */"
     yield "  int64_t number; /* one more than in the cycle before */"
@@ -109,7 +109,7 @@ def _cycle(given: Supervised) -> Iterator[str]:
         for signal in given.events:
             yield f"    tm_flag {given.signals[signal.name]}; /* event {comment(signal.name)} */"
         yield "  } signals;"
-    yield "  const tm_fault *found; /* faults that whoever received the cycle has found already: what they name is not looked at again */"
+    yield "  const tm_fault *found; /* faults that whoever received the cycle has found: the signals that they name are not looked at */"
     yield "  size_t found_count;"
     yield "} tm_cycle;"
     yield ""

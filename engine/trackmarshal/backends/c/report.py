@@ -153,7 +153,7 @@ def _lines(source: Source) -> Iterator[str]:
         span = code.rule.span
         yield f"| {code.rule.name} | {span.file.path}:{span.line} | {total} | {', '.join(dict.fromkeys(loops)) or 'nothing'} |"
     yield ""
-    if source.doored:
+    if source.supervised is not None:
         yield "The door passes over every column once (twice where it increases)."
     yield "A rule is computed once, taking everything for known; only where something is not known, a second time with worst and best"
     yield "cases (about twice the values). Geometry adds at most one pass over all segments of a line or border for each pose or point;"

@@ -27,18 +27,18 @@ _CLOCK = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p)
 
 
 class Entry(NamedTuple):
-    """A signal of columns: (numbers, count) float64 and (flags, count) int8 in C's order; None for one that is missing."""
+    """A signal of columns: (numbers, size) float64 and (flags, size) int8 in C's order; None for one that is missing."""
 
     numbers: Floats
     flags: NDArray[np.int8] | None
-    count: int
+    size: int
 
 
 class Border(NamedTuple):
     """A line: (n, 2) float64 in C's order, and the number that tells it from others, 0 for one to be looked at anew each time."""
 
     points: Floats
-    id: int
+    number: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +154,8 @@ class Stepper:
         self._flags = np.zeros(256, dtype=np.int8)
         self._bases = self._numbers.ctypes.data, self._flags.ctypes.data
         self._lines: list[tuple[Any, int, int, int]] = [(None, 0, 0, 0)] * len(self.words.lines)
-        self._texts: dict[int, str] = {}
+        #: Texts of faults that were found before; reasons speak of them up to the next step.
+        self._kept: Any = None
 
         def reading(_: object) -> float:
             try:
@@ -223,22 +224,28 @@ class Stepper:
         """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`; what is wrong with
         it already, as (name, signal, field, index)."""
         given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
-        kept = self._found(found, given) if found else None
+        self._kept = self._found(found, given) if found else None
         self._columns(columns, given)
         self._bordered(lines, given)
         given += closed
         given += events
         self._format.pack_into(self._in, 0, *given)
         self._run(*self._arguments)
-        del kept
         return Said(*self._said.unpack_from(self._out))
 
-    def none_came(self, now: float) -> Said:
-        """A cycle was due and did not come."""
+    def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said:
+        """A cycle was due and did not come, or what came is none, for what was `found`."""
+        given: list[Any] = [0, 0, 0, 0, 0.0, now, 0, 0]
+        self._kept = self._found(found, given) if found else None
         width = len(self._format.unpack(bytes(self._format.size))) - len(HEAD)
-        self._format.pack_into(self._in, 0, 0, 0, 0, 0, 0.0, now, 0, 0, *[0] * width)
+        self._format.pack_into(self._in, 0, *given, *[0] * width)
         self._run(*self._arguments)
         return Said(*self._said.unpack_from(self._out))
+
+    @staticmethod
+    def lost(said: Said) -> str:
+        """Why nothing stored is driven; empty where it is, or need not be."""
+        return FAULT_NAMES[said.lost] if said.lost else ""
 
     def reasons(self, said: Said) -> list[Reason]:
         """Why the cycle of the last step is not safe."""
@@ -257,7 +264,10 @@ class Stepper:
     def stored(self, place: int) -> Floats:
         """(samples,) of a number of `plan`, in the context's memory: the stored trajectory's first `count` are in use."""
         offset = self._place + self._dll.tmg_stored(place)
-        return np.frombuffer(self._memory, np.float64, self.sizes["TM_MAX_SAMPLES"], offset)
+        seen: Floats = np.frombuffer(
+            memoryview(self._memory), np.float64, self.sizes["TM_MAX_SAMPLES"], offset
+        )
+        return seen
 
     def _columns(self, columns: Sequence[Entry | None], given: list[Any]) -> None:
         """Copy the columns one after the other into memory whose address is known."""
@@ -267,7 +277,7 @@ class Stepper:
             if entry is None:
                 given += (0, 0, 0)
                 continue
-            given += (place, mark, entry.count)
+            given += (place, mark, entry.size)
             numbers.append(entry.numbers.ravel())
             place += 8 * entry.numbers.size
             if entry.flags is not None:
@@ -293,10 +303,10 @@ class Stepper:
                     line.points,
                     line.points.ctypes.data if len(line.points) else 0,
                     len(line.points),
-                    line.id,
+                    line.number,
                 )
                 self._lines[place] = known
-            given += (known[1], known[2], line.id)
+            given += (known[1], known[2], line.number)
 
     @staticmethod
     def _found(found: Sequence[tuple[str, str, str, int | None]], given: list[Any]) -> Any:

@@ -28,9 +28,13 @@ static void tm_arrive(tm_context *c, const tm_cycle *cycle, tm_look *look) {
     ++look->breaches;
     tm_add(look->out, TM_FAULT_NOT_CONFIGURED, "supervisor", "", TM_NOWHERE);
   }
-  if ((cycle == NULL) || !cycle->came) {
+  if ((cycle != NULL) && !cycle->came && (cycle->found_count > 0u)) {
+    tm_found(cycle, look);
+  } else if ((cycle == NULL) || !cycle->came) {
     ++look->breaches;
     tm_add(look->out, TM_FAULT_MISSING_CYCLE, "cycle", "", TM_NOWHERE);
+  } else {
+    /* the door looks at it */
   }
   ++look->parts;
 }
