@@ -103,8 +103,7 @@ def evaluator_for(
     from trackmarshal.evaluation import Evaluator, load
     from trackmarshal.scenarios.replay import known_tables
 
-    near = folder or Path(recording.source).parent
-    used = [_setting(name, recording, near, project).resolve() for name in recording.use]
+    used = configuration(recording, project, folder)
     made_of = (
         (spec_path, *more),
         (*used, *settings),
@@ -131,6 +130,12 @@ def evaluator_for(
             help="change the parameters in the spec, the configuration or the recording",
         )
     return evaluator
+
+
+def configuration(recording: Recording, project: Path | None, folder: Path | None = None) -> list[Path]:
+    """The configuration modules that a recording names, such as a track; raises E431."""
+    near = folder or Path(recording.source).parent
+    return [_setting(name, recording, near, project).resolve() for name in recording.use]
 
 
 def _setting(name: str, recording: Recording, near: Path, project: Path | None) -> Path:
