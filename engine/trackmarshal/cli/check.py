@@ -76,10 +76,10 @@ def unconstrained(compiled: Compiled) -> list[Diagnostic]:
     if not spec.constraints:
         return []
     from trackmarshal.backends.reference.evaluator import Reference
-    from trackmarshal.runtime.case import Case
+    from trackmarshal.runtime.frame import Frame
     from trackmarshal.units import from_si
 
-    values = Reference(spec, Case())
+    values = Reference(spec, Frame())
     found: list[Diagnostic] = []
     for constraint in spec.constraints:
         nodes = list(ir.below(constraint.formula))

@@ -22,7 +22,7 @@ from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
-    from trackmarshal.runtime.case import Case
+    from trackmarshal.runtime.frame import Frame
     from trackmarshal.runtime.verdict import CaseResult
 
 #: The longest line of data that is read, in characters.
@@ -61,20 +61,19 @@ def run(args: argparse.Namespace) -> int:
     spec = load([Path(args.spec)], [Path(p) for p in args.settings], optional_project(args))
     evaluator = Evaluator(spec, args.rule, args.backend)
     status = 0
-    broken = evaluator.broken_constraints()
-    pending: list[tuple[object, Case | TrackmarshalError]] = []
+    pending: list[tuple[object, Frame | TrackmarshalError]] = []
     read = 0
     for read, item in enumerate(_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
         pending.append(item)
         if len(pending) == CHUNK:
-            status = max(status, _flush(pending, evaluator, broken, args))
+            status = max(status, _flush(pending, evaluator, args))
             pending = []
     if read == 0:
         raise TrackmarshalError("D103", "there is no case in the data", file=args.data, help=_HELP)
-    return max(status, _flush(pending, evaluator, broken, args))
+    return max(status, _flush(pending, evaluator, args))
 
 
-def _cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Case | TrackmarshalError]]:
+def _cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Frame | TrackmarshalError]]:
     """Every line's id and case, or what is wrong with the line."""
     for line_number, line in enumerate(_lines(path), start=1):
         if not line.strip():
@@ -146,12 +145,11 @@ def _lines(path: str) -> Iterator[bytes]:
 
 
 def _flush(
-    pending: list[tuple[object, Case | TrackmarshalError]],
+    pending: list[tuple[object, Frame | TrackmarshalError]],
     evaluator: Evaluator,
-    broken: list[str],
     args: argparse.Namespace,
 ) -> int:
-    """Evaluate and print a chunk; `broken` are constraints that do not hold as configured; 2 when a line could not be read, else 0."""
+    """Evaluate and print a chunk; 2 when a line could not be read, else 0."""
     cases = [case for _, case in pending if not isinstance(case, TrackmarshalError)]
     results = iter(evaluator.evaluate(cases, args.series))
     status = 0
@@ -160,9 +158,8 @@ def _flush(
             status = 2
             print(_error_line(identity, case, args.format))
         else:
-            own = evaluator.broken_constraints(case) if case.params or case.tables else broken
             show = _json_line if args.format == "jsonl" else _text
-            print(show(next(results), own))
+            print(show(next(results)))
     return status
 
 
@@ -176,22 +173,20 @@ def _error_line(identity: object, error: TrackmarshalError, format_: str) -> str
     )
 
 
-def _json_line(result: CaseResult, broken: list[str]) -> str:
-    # Where a constraint is broken, the rules are unsound: whatever they say, it is not known to be safe.
-    safe = result.safe and not broken
+def _json_line(result: CaseResult) -> str:
     line: dict[str, Any] = {
         "id": result.id,
-        "safe": safe,
+        "safe": result.safe,
         "rules": {n: rule_json(r) for n, r in result.rules.items()},
     }
     if result.faults:
         line["faults"] = list(result.faults)
-    if broken:
-        line["constraints"] = broken
+    if result.broken:
+        line["constraints"] = list(result.broken)
     return dump(line)
 
 
-def _text(result: CaseResult, broken: list[str]) -> str:
+def _text(result: CaseResult) -> str:
     rows = []
     for name, rule in result.rules.items():
         where = printable(
@@ -209,12 +204,11 @@ def _text(result: CaseResult, broken: list[str]) -> str:
                 span,
             ]
         )
-    safe = result.safe and not broken
     lines = [
-        printable(f"case {result.id}: {'safe' if safe else 'UNSAFE'}"),
+        printable(f"case {result.id}: {'safe' if result.safe else 'UNSAFE'}"),
         table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"]),
     ]
     lines += [printable(f"input: {fault}") for fault in result.faults] + [
-        f"constraint: {text}" for text in broken
+        f"constraint: {text}" for text in result.broken
     ]
     return "\n".join(lines)

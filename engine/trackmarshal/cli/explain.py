@@ -68,7 +68,7 @@ def _code(code: str) -> int:
 
 def _verdict(args: argparse.Namespace) -> int:
     from trackmarshal.backends.reference.evaluator import Reference
-    from trackmarshal.backends.results import rule_result
+    from trackmarshal.backends.results import outcome, rule_result
     from trackmarshal.cli.replay import default_spec, evaluator_for
     from trackmarshal.scenarios import load
     from trackmarshal.scenarios.replay import known_tables
@@ -93,7 +93,8 @@ def _verdict(args: argparse.Namespace) -> int:
         signals = recording.signals(cycle, candidate)
         case = evaluator.read({"params": recording.params, "tables": tables, "signals": signals})
         values = Reference(evaluator.spec, case)
-        result = rule_result(evaluator.rules[0], case, values)
+        rule = evaluator.rules[0]
+        result = rule_result(rule, case, values, outcome(rule, case, values))
         print(
             "\n".join(_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}"))
         )
@@ -116,7 +117,9 @@ def _told(evaluator: Evaluator, result: RuleResult, values: Reference, heading: 
     if result.reason:
         lines.append(f"  {result.reason}")
     descent = Descent(values)
-    witness = None if rule.formula is None or values.case.blocks(rule.reads) else descent.find(rule.formula)
+    witness = (
+        None if rule.formula is None or values.frame.unusable(rule.reads) else descent.find(rule.formula)
+    )
     if witness is None or descent.decisive is None:
         return lines
     node, env = descent.decisive

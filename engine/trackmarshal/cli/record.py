@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.output import dump, number, progress, rule_json
-from trackmarshal.runtime.case import Fault
+from trackmarshal.runtime.faults import Fault
 
 if TYPE_CHECKING:
     from trackmarshal.ir.spec import RuleInfo, Spec
@@ -37,19 +37,19 @@ def replay_record(
     """Print what became of it; 0 when every decision is the recorded one, else 1. Raises D120, D124, D161, D162, E484."""
     from trackmarshal.runtime.record import read
     from trackmarshal.scenarios import content
-    from trackmarshal.supervision import judge_of, rerun
+    from trackmarshal.supervision import box_of, rerun
 
     run = read(content.read(Path(path), path), path)
-    judge = judge_of(run, spec, backend)
+    box = box_of(run, spec, backend)
     recorded = run.identity.get("fingerprint")
-    if recorded != judge.identity["fingerprint"] and not quiet:
+    if recorded != box.identity["fingerprint"] and not quiet:
         print(
             f"note: {path}: another spec was in force than the one given here; its decisions may differ",
             file=sys.stderr,
         )
     decisions: list[Decision] = []
     found: list[Difference] = []
-    steps = rerun(run, spec, judge)
+    steps = rerun(run, box)
     for _ in progress(range(len(run.cycles)), path, quiet):
         decision, differing = next(steps)
         decisions.append(decision)
@@ -61,7 +61,7 @@ def replay_record(
     if format_ == "jsonl":
         places = {difference.place for difference in found}
         for place, decision in enumerate(decisions):
-            for line in _lines(path, decision, judge.rules, place not in places):
+            for line in _lines(path, decision, box.evaluator.rules, place not in places):
                 print(line)
     else:
         print(_summary(path, run, decisions, found))
@@ -91,20 +91,18 @@ def _summary(path: str, run: Run, decisions: Sequence[Decision], found: Sequence
 def _lines(path: str, decision: Decision, rules: Sequence[RuleInfo], same: bool) -> list[str]:
     """One line a candidate, as for other recordings, and whether the decision is the recorded one."""
     from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
-    from trackmarshal.runtime.judge import SAFE_CODES
 
     lines = []
-    for place, candidate in enumerate((DRIVING, EMERGENCY)):
-        judged = None if decision.judged is None else decision.judged[place]
-        known = judged is not None and judged.result is not None
+    for candidate in (DRIVING, EMERGENCY):
+        rated = None if decision.judged is None else decision.judged.rated[candidate]
         entry: dict[str, Any] = {
             "scenario": path,
             "t": number(decision.t),
             "candidate": candidate,
-            "safe": judged is not None and not decision.faults and not judged.verdicts.translate(None, SAFE_CODES),
-            "rules": {rule.name: rule_json(judged.result(i)) for i, rule in enumerate(rules)}  # type: ignore[union-attr,misc]
-            if known
-            else {},
+            "safe": rated is not None and not decision.faults and rated.safe,
+            "rules": {}
+            if rated is None
+            else {rule.name: rule_json(rated.explain(i, False)) for i, rule in enumerate(rules)},
             "decision": decision.action,
             "decision_from": None if decision.driven is None else decision.driven.t,
             "same": same,

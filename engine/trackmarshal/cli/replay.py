@@ -119,14 +119,15 @@ def evaluator_for(
             known[made_of] = evaluator
     tables, _ = known_tables(recording, evaluator.spec)
     try:
-        configured = evaluator.read({"params": recording.params, "tables": tables})
+        configured = evaluator.reader.settings({"params": recording.params, "tables": tables})
     except TrackmarshalError as error:
         error.file = error.file or recording.source
         raise
-    broken = evaluator.broken_constraints(configured)
-    if broken:
+    if configured.broken:
         raise TrackmarshalError(
-            "E403", broken[0], help="change the parameters in the spec, the configuration or the recording"
+            "E403",
+            configured.broken[0],
+            help="change the parameters in the spec, the configuration or the recording",
         )
     return evaluator
 

@@ -14,6 +14,7 @@ CODES = {
     "D218": ("an id that stands twice", "Elements of a set are told apart by their ids; with two of one id, reports could not say which one decided. The case is not safe."),
     "D217": ("unusable geometry", "A border has too few or non-finite points, or crosses itself or the other one. The rules that read it are undefined."),
     "D219": ("over capacity", "More samples, elements or border points than the Supervisor was set up for. Its memory does not grow while it drives: the cycle is not safe. Give it larger limits at the start."),
+    "D220": ("a key that nothing declares", "A signal or a field has a name that the spec does not declare: probably it is misspelt, and what it stands for would silently be left out or take its default. What is declared and read by no rule may be there."),
     "D221": ("no cycle came", "The caller says (`step(None)`) that a cycle was due and did not come. Nothing is known of the present, so the stored emergency trajectory is driven."),
     "D222": ("a cycle came again", "Its number or its stamp is that of the cycle before: a message was sent twice, or the sender hangs. The cycle is not safe."),
     "D223": ("a cycle out of order", "Its number or its stamp is smaller than that of the cycle before. The cycle is not safe."),

@@ -23,13 +23,12 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir.spec import SignalType
 from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Column, Layout, layout_of
-from trackmarshal.runtime.contract import PLAN, Contract
+from trackmarshal.runtime.contract import EVENT, LINES, RECORD, SET, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
-from trackmarshal.runtime.door import Door
 from trackmarshal.runtime.faults import name_of
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
@@ -49,18 +48,24 @@ class Record:
     nothing either way). Raises E483 where the file cannot be made or is there already.
     """
 
-    def __init__(self, path: str | Path, door: Door, identity: Mapping[str, Any], sync: bool = False) -> None:
-        self._door = door
+    def __init__(
+        self,
+        path: str | Path,
+        contract: Contract,
+        limits: Limits,
+        identity: Mapping[str, Any],
+        sync: bool = False,
+    ) -> None:
         self._sync = sync
-        self._inputs = _inputs(door.contract)
+        self._inputs = _inputs(contract)
         #: Numbers come in as they are kept: then what passed the door is what came in.
-        self._plain = _all_si(door.contract)
+        self._plain = _all_si(contract)
         self._kept: dict[tuple[str, str], Any] = {}
         head = {
             "format": FORMAT,
             "version": VERSION,
             "identity": dict(identity),
-            "limits": {name: _spelt(value) for name, value in asdict(door.limits).items()},
+            "limits": {name: _spelt(value) for name, value in asdict(limits).items()},
         }
         head["inputs"] = [list(one) for one in self._inputs]
         self._layout = Layout(_columns(self._inputs), head)
@@ -74,20 +79,17 @@ class Record:
                 "E483", message, file=str(path), help="records are never overwritten; name a new file"
             ) from error
 
-    def append(self, cycle: object, decision: Decision, readings: tuple[float, float]) -> None:
+    def append(
+        self, cycle: object, frame: Frame | None, decision: Decision, readings: tuple[float, float]
+    ) -> None:
         """One more row. Raises OSError where the disk refuses it."""
         number = -1 if decision.number is None else decision.number
         times = [number, decision.t, *readings]
         outcome = decided(decision)
         row = b""
-        if type(cycle) is Cycle and self._plain and not decision.faults:
-            try:
-                self._door.hold(cycle)
-                row = self._layout.batch([*times, "", *self._passed(), *outcome])
-            except ValueError:  # an id that is no text; JSON can spell it
-                row = b""
-            else:
-                self._kept = {place: border.points for place, border in self._door.lines().items()}
+        if frame is not None and self._plain and not decision.faults:
+            row = self._layout.batch([*times, "", *self._passed(frame), *outcome])
+            self._kept = frame.lines
         if not row:
             row = self._layout.batch([*times, json.dumps(_plain(cycle)), *_empty(self._inputs), *outcome])
         self._write(row)
@@ -106,26 +108,27 @@ class Record:
         if self._sync:
             os.fsync(self._file)
 
-    def _passed(self) -> Iterator[Any]:
-        """The columns of what the door holds."""
-        driving, emergency = self._door.signals()
-        ids = self._door.ids()
-        borders = self._door.lines()
+    def _passed(self, frame: Frame) -> Iterator[Any]:
+        """The columns of what passed the door."""
         for part, signal, field, _ in self._inputs:
             if part == "plan":
-                yield (driving if signal == DRIVING else emergency)[PLAN][field]
+                yield frame.candidates[signal].column(field)
             elif part == "ids":
-                yield ids[signal]
+                yield frame.columns[signal].ids
             elif part in ("x", "y"):
-                points = borders[signal, field].points
-                same = points is self._kept.get((signal, field))
-                yield _NOTHING if same else points[:, 0 if part == "x" else 1]
+                line = frame.line(signal, field)
+                same = line is self._kept.get((signal, field))
+                yield _NOTHING if same else line.points[:, 0 if part == "x" else 1]
             elif part == "closed":
-                yield int(self._door.closed[signal])
+                yield int(frame.closed.get(signal, False))
             elif part == "event":
-                yield int(driving[signal])
+                yield frame.events[signal]
+            elif part == "number":
+                yield frame.value(signal, field)
+            elif part == "column":
+                yield frame.columns[signal].column(field)
             else:
-                yield driving[signal][field]
+                raise AssertionError(f"unknown part {part}")
 
 
 _NOTHING = np.zeros(0)
@@ -139,13 +142,13 @@ def decided(decision: Decision) -> list[Any]:
     violations = [
         {
             "rule": v.rule, "requirements": list(v.requirements), "candidate": v.candidate, "verdict": v.verdict,
-            "margin": _spelt(v.margin), "unit": v.unit, "reason": v.reason,
-            "witness": None if v.witness is None else v.witness.binders,
+            "margin": _spelt(v.margin), "unit": v.unit,
         }
         for v in decision.violations
     ]  # fmt: skip
-    verdicts = [_letters(one.verdicts) for one in judged] if judged else ["", ""]
-    margins = [one.margins for one in judged] if judged else [_NOTHING, _NOTHING]
+    rated = [judged.rated[name] for name in (DRIVING, EMERGENCY)] if judged else []
+    verdicts = [_letters(one.verdicts) for one in rated] or ["", ""]
+    margins = [one.margins for one in rated] or [(), ()]
     return [
         decision.state, int(decision.safe), "" if driven is None else driven.candidate, -1 if driven is None else driven.number,
         math.nan if driven is None else driven.t, decision.lost, json.dumps(faults), json.dumps(violations), *verdicts, *margins,
@@ -284,32 +287,32 @@ _Input = tuple[str, str, str, str]
 
 def _inputs(contract: Contract) -> list[_Input]:
     found: list[_Input] = []
+    assert contract.plan is not None
     for candidate in (DRIVING, EMERGENCY):
         found += [("plan", candidate, name, FLOATS) for name in _numbers(contract.plan)]
-    for signal in contract.shared:
-        if signal.many or signal.sequence:
-            found += [("ids", signal.name, "id", TEXTS)] if signal.many else []
-            found += [("column", signal.name, name, FLOATS) for name in _numbers(signal)]
-        elif signal.kind == "state":
+    for signal in contract.signals:
+        if signal.form == LINES:
+            found += [(axis, signal.name, line.name, FLOATS) for line in signal.lines for axis in ("x", "y")]
+            found += [] if signal.lines[0].name == "" else [("closed", signal.name, "closed", INT)]
+        elif signal.form == RECORD:
             found += [("number", signal.name, name, FLOAT) for name in _numbers(signal)]
-        else:
-            lines = [k.name for k in signal.fields_ if k.kind == "polyline"]
-            lines = [""] if signal.kind == "polyline" else list(dict.fromkeys((*lines, "left", "right")))
-            found += [(axis, signal.name, line, FLOATS) for line in lines for axis in ("x", "y")]
-            found += [] if signal.kind == "polyline" else [("closed", signal.name, "closed", INT)]
-    return found + [("event", name, "", INT) for name in contract.events]
+        elif signal.form != EVENT:
+            found += [("ids", signal.name, "id", TEXTS)] if signal.form == SET else []
+            found += [("column", signal.name, name, FLOATS) for name in _numbers(signal)]
+    return found + [("event", signal.name, "", INT) for signal in contract.signals if signal.form == EVENT]
 
 
-def _numbers(signal: SignalType) -> list[str]:
-    return [kind.name for kind in signal.fields_ if kind.kind == "number"]
+def _numbers(signal: Signal) -> list[str]:
+    return [field.name for field in signal.numbers]
 
 
 def _all_si(contract: Contract) -> bool:
     """Whether all fields are numbers in SI units, or borders; anything else is kept as it came in, in `raw`."""
-    kinds = [kind for signal in (contract.plan, *contract.shared) for kind in signal.fields_]
+    assert contract.plan is not None
+    fields = [f for s in (contract.plan, *contract.signals) if s.form != EVENT for f in s.fields_]
     return all(
-        kind.kind == "polyline" or (kind.kind == "number" and parse_unit(kind.unit)[:2] == (1.0, 1.0))
-        for kind in kinds
+        field.kind == "polyline" or (field.kind == "number" and parse_unit(field.unit)[:2] == (1.0, 1.0))
+        for field in fields
     )
 
 

@@ -75,12 +75,20 @@ class RuleResult:
 
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """All chosen rules on one case; safe only when none is violated or undefined and the input contract holds."""
+    """All chosen rules on one case; safe only when none is violated or undefined, the input contract holds, and so does every
+    constraint of the spec: where one is broken, the rules are unsound, whatever they say."""
 
     id: object
     rules: dict[str, RuleResult]
     faults: tuple[str, ...] = field(default=())
+    #: Constraints that do not hold with the case's parameters.
+    broken: tuple[str, ...] = field(default=())
 
     @property
     def safe(self) -> bool:
-        return not self.faults and not any(result.unsafe for result in self.rules.values())
+        return (
+            bool(self.rules)
+            and not self.faults
+            and not self.broken
+            and not any(result.unsafe for result in self.rules.values())
+        )

@@ -8,11 +8,11 @@ from typing import Any
 
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.case import Fault
+from trackmarshal.runtime.faults import Fault
 from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY
 from trackmarshal.runtime.verdict import CaseResult
 from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording
-from trackmarshal.scenarios.supervised import decisions
+from trackmarshal.scenarios.supervised import supervised
 
 #: What is driven: the planned trajectory, the last safe emergency trajectory, or nothing safe is known.
 ACTIONS = (DRIVE, PREVIOUS_EMERGENCY, NO_SAFE_TRAJECTORY)
@@ -78,40 +78,20 @@ def replay(
     """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar)."""
     spec = evaluator.spec
     tables, ignored = known_tables(recording, spec)
-    inputs: list[tuple[int, str]] = []
-    cases = []
-    for number, cycle in enumerate(recording.cycles):
-        for candidate in CANDIDATES:
-            if candidate not in cycle.candidates:
-                continue
-            raw = {"id": f"{cycle.t:g} {candidate}", "params": recording.params, "tables": tables,
-                   "signals": recording.signals(cycle, candidate)}  # fmt: skip
-            inputs.append((number, candidate))
-            cases.append(evaluator.read(raw))
-    results: list[CaseResult] = []
-    chunks = [cases[i : i + _CHUNK] for i in range(0, len(cases), _CHUNK)]
-    for chunk in watch(chunks):
-        results += evaluator.evaluate(chunk)
-    by_cycle: list[dict[str, CaseResult]] = [{} for _ in recording.cycles]
-    for (number, candidate), result in zip(inputs, results):
-        by_cycle[number][candidate] = result
     cycles = tuple(
         CycleOutcome(
-            cycle.t,
-            found,
+            t,
+            {
+                name: evaluator.result(judged.about, rated, candidate=name)
+                for name, rated in judged.rated.items()
+            },
             decision.action,
             None if decision.driven is None else decision.driven.t,
             decision.faults,
         )
-        for cycle, found, decision in zip(
-            recording.cycles, by_cycle, decisions(recording, evaluator, by_cycle)
-        )
+        for t, judged, decision in supervised(recording, evaluator, tables, watch)
     )
     return Replay(recording, cycles, tuple(_truths(recording, cycles, evaluator.rules, spec)), ignored)
-
-
-#: Cases that are evaluated together.
-_CHUNK = 250
 
 
 def known_tables(recording: Recording, spec: Spec) -> tuple[dict[str, Any], tuple[str, ...]]:

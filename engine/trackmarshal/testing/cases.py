@@ -11,7 +11,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.node import Node
-from trackmarshal.runtime.case import check_table
+from trackmarshal.runtime.settings import check_table
 from trackmarshal.semantics import calls
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value

@@ -76,7 +76,9 @@ def glue(given: Supervised) -> Iterator[str]:
     yield "  (void)params; (void)knots; (void)values; (void)counts;"
     yield "  tm_defaults(&given);"
     yield from (f"  given.limits.{name} = limits[{place}];" for place, name in enumerate(LIMITS))
-    yield from (f"  given.params.{name} = params[{place}];" for place, name in enumerate(plan.params.values()))
+    yield from (
+        f"  given.params.{name} = params[{place}];" for place, name in enumerate(plan.params.values())
+    )
     for place, name in enumerate(plan.tables.values()):
         yield f"  given.tables.{name}.knots = knots[{place}];"
         yield f"  given.tables.{name}.values = values[{place}];"

@@ -10,7 +10,16 @@ from trackmarshal.backends.c.names import distinct
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.contract import EVENT, IS_EMERGENCY, LINES, PLAN, Contract, Signal, of_cycles, supervised
+from trackmarshal.runtime.contract import (
+    EVENT,
+    IS_EMERGENCY,
+    LINES,
+    PLAN,
+    Contract,
+    Signal,
+    of_cycles,
+    supervised,
+)
 
 
 @dataclass(frozen=True)
@@ -66,7 +75,10 @@ def supervised_layout(spec: Spec, rules: Sequence[RuleInfo]) -> tuple[Layout, Su
         if signal.form != LINES and signal.lines:
             span = spec.signals[signal.name].span
             raise TrackmarshalError(
-                "E470", f"the signal `{signal.name}` has lines inside of it", file=span.file.path, line=span.line
+                "E470",
+                f"the signal `{signal.name}` has lines inside of it",
+                file=span.file.path,
+                line=span.line,
             )
     _constrain(plan)
     names = distinct(dict.fromkeys([*plan.inputs, *(signal.name for signal in contract.signals)]))
@@ -75,7 +87,9 @@ def supervised_layout(spec: Spec, rules: Sequence[RuleInfo]) -> tuple[Layout, Su
         if signal.form == LINES:
             members = distinct(["closed", "id", *(field.name or "line" for field in signal.lines)])
             lines |= {(signal.name, field.name): members[field.name or "line"] for field in signal.lines}
-    return plan, Supervised(contract, plan, plan.input(PLAN), {s.name: names[s.name] for s in contract.signals}, lines)
+    return plan, Supervised(
+        contract, plan, plan.input(PLAN), {s.name: names[s.name] for s in contract.signals}, lines
+    )
 
 
 def _constrain(plan: Layout) -> None:

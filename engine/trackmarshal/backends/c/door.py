@@ -13,7 +13,7 @@ from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.machine import ego_of
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.runtime.contract import EGO, EVENT, LINES, RECORD, Check, Field, Kind, Signal
-from trackmarshal.runtime.contract.cycles import END, NUMBER, START, STAMP, TIMELY, Demand
+from trackmarshal.runtime.contract.cycles import END, NUMBER, STAMP, START, TIMELY, Demand
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 
 #: What capacities of limits are called in C.
@@ -55,12 +55,18 @@ class Door:
     def _helper(self, sort: str, checks: Sequence[Check]) -> str:
         """The function for a column of numbers or flags, or a line, that has to pass these kinds of checks."""
         kinds = [check.kind for check in checks]
-        bounds = tuple(next((name for name, value in check.constants if isinstance(value, str)), "") for check in checks)
+        bounds = tuple(
+            next((name for name, value in check.constants if isinstance(value, str)), "") for check in checks
+        )
         key = (sort, bounds, *map(id, kinds))
         if key not in self._columns:
             self._columns[key] = name = f"tm_{sort}_{len(self._columns)}"
             constants = [[each for each, _ in check.constants] for check in checks]
-            made = _line(name, kinds, constants, bounds) if sort == "line" else _column(name, sort, kinds, constants)
+            made = (
+                _line(name, kinds, constants, bounds)
+                if sort == "line"
+                else _column(name, sort, kinds, constants)
+            )
             self._helpers += [*made, ""]
         return self._columns[key]
 
@@ -81,8 +87,14 @@ class Door:
         for field in (*signal.numbers, *signal.flags):
             sort = "flags" if field.kind == "bool" else "numbers"
             helper = self._helper(sort, field.checks)
-            place = f"&in->{fields[field.name]}, 1u, false" if record else f"in->{fields[field.name]}, in->count, true"
-            constants = "".join(f", {value}" for check in field.checks for value in _constants(check).values())
+            place = (
+                f"&in->{fields[field.name]}, 1u, false"
+                if record
+                else f"in->{fields[field.name]}, in->count, true"
+            )
+            constants = "".join(
+                f", {value}" for check in field.checks for value in _constants(check).values()
+            )
             yield f"    {helper}({place}, signal, {text(field.name)}, look{constants});"
         yield "  }"
         yield "  ++look->parts;"
@@ -108,7 +120,9 @@ class Door:
         yield "  } else {"
         for field in signal.lines:
             member = self._given.lines[signal.name, field.name]
-            constants = "".join(f", {value}" for check in field.checks for value in _constants(check).values())
+            constants = "".join(
+                f", {value}" for check in field.checks for value in _constants(check).values()
+            )
             helper = self._helper("line", field.checks)
             yield f"    {helper}(&in->{member}, &{kept}.{member}, &{kept}.set, signal, {text(field.name)}, look{constants});"
         changed = f"!{kept}.set" + (f" || ({kept}.closed != in->closed)" if closed else "")
@@ -209,13 +223,8 @@ class Door:
         yield "static void tm_door(tm_context *c, const tm_cycle *cycle, tm_look *look)"
         yield "{"
         yield "  size_t before;"
-        yield "  for (size_t i = 0u; (cycle->found != NULL) && (i < cycle->found_count); ++i) {"
-        yield "    const tm_fault *found = &cycle->found[i];"
-        yield "    ++look->breaches;"
-        yield "    tm_add(look->out, found->name, found->signal, found->field, found->index);"
-        yield "  }"
-        yield "  if ((cycle->found == NULL) && (cycle->found_count > 0u)) {"
-        yield f"    {breach('missing', text('found'), _NO_FIELD)}"
+        yield "  if (cycle->found_count > 0u) {"
+        yield "    tm_found(cycle, look);"
         yield "  }"
         yield "  tm_door_order(c, cycle, look);"
         yield "  before = look->breaches;"
@@ -239,7 +248,9 @@ class Door:
         yield f"  if (!tm_named(cycle, {name}, NULL)) {{"
         if signal.form == EVENT:
             for field in signal.fields_:
-                constants = "".join(f", {value}" for check in field.checks for value in _constants(check).values())
+                constants = "".join(
+                    f", {value}" for check in field.checks for value in _constants(check).values()
+                )
                 yield f"    {self._helper('flags', field.checks)}(&{place}, 1u, false, {name}, {text(field.name)}, look{constants});"
         elif signal.form == LINES:
             yield f"    tm_signal_{c_name}(c, {place}, {name}, look);"
@@ -270,7 +281,8 @@ def _chain(demands: Sequence[Demand], names: Mapping[str, str], before: str) -> 
 def _constants(check: Check) -> dict[str, str]:
     """C of a check's constants, by name."""
     return {
-        name: f"(double){CAPACITIES[value]}" if isinstance(value, str) else literal(value) for name, value in check.constants
+        name: f"(double){CAPACITIES[value]}" if isinstance(value, str) else literal(value)
+        for name, value in check.constants
     }
 
 
@@ -300,7 +312,11 @@ def _column(name: str, sort: str, kinds: Sequence[Kind], constants: Sequence[Seq
     for index, kind in enumerate(kinds):
         by_sort[kind.of].append(index)
     yield f"/* {'Numbers' if sort == 'numbers' else 'Flags'}: {', '.join(kind.fault for kind in kinds) or 'whether they are there'}. */"
-    yield _signature(name, f"const {'double' if sort == 'numbers' else 'tm_flag'} *column, size_t count, bool indexed", constants)
+    yield _signature(
+        name,
+        f"const {'double' if sort == 'numbers' else 'tm_flag'} *column, size_t count, bool indexed",
+        constants,
+    )
     yield "{"
     for index in range(len(kinds)):
         yield f"  size_t first{index} = TM_NOWHERE;"
@@ -334,7 +350,9 @@ def _column(name: str, sort: str, kinds: Sequence[Kind], constants: Sequence[Seq
     yield "}"
 
 
-def _line(name: str, kinds: Sequence[Kind], constants: Sequence[Sequence[str]], bounds: Sequence[str]) -> Iterator[str]:
+def _line(
+    name: str, kinds: Sequence[Kind], constants: Sequence[Sequence[str]], bounds: Sequence[str]
+) -> Iterator[str]:
     """A function that looks at a line unless it is the one that passed last; `set` tells whether what is prepared is made of it.
 
     bounds: for each kind, which constant is a capacity."""

@@ -24,7 +24,11 @@ CAPACITIES = {
 
 
 def header(
-    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor],
+    plan: Layout,
+    codes: Sequence[RuleCode],
+    series: int,
+    name: str,
+    monitors: Sequence[Monitor],
     supervised: Supervised | None,
 ) -> str:
     """The text of the header file."""
@@ -52,7 +56,11 @@ def capacities(plan: Layout, supervised: Supervised | None = None) -> list[str]:
 
 
 def _lines(
-    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor],
+    plan: Layout,
+    codes: Sequence[RuleCode],
+    series: int,
+    name: str,
+    monitors: Sequence[Monitor],
     supervised: Supervised | None,
 ) -> Iterator[str]:
     guard = f"TM_{name.upper()}_H"

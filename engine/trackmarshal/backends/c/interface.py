@@ -15,7 +15,9 @@ from trackmarshal.runtime.machine import STATES
 
 #: Limits that are numbers; capacities are macros in C.
 LIMITS: dict[str, float] = {
-    field.name: getattr(Limits(), field.name) for field in fields(Limits) if field.name not in ("samples", "elements", "border")
+    field.name: getattr(Limits(), field.name)
+    for field in fields(Limits)
+    if field.name not in ("samples", "elements", "border")
 }
 _MEANING = {
     "shortest_gap": "s, stamps that are nearer to each other are one",
@@ -90,7 +92,7 @@ def _borders(given: Supervised) -> Iterator[str]:
 def _cycle(given: Supervised) -> Iterator[str]:
     yield "/* One cycle as it came. Its memory is read in tm_step and not afterwards. A pointer that is NULL: the signal is missing. */"
     yield "typedef struct {"
-    yield "  bool came; /* false: a cycle was due and did not come; of the rest, `now` alone counts */"
+    yield "  bool came; /* false: a cycle was due and did not come, or it is none for what was `found`; else only `now` counts then */"
     yield "  bool numbered; /* `number` is one */"
     yield "  bool stamped; /* `t` is a stamp */"
     yield "  int64_t number; /* one more than in the cycle before */"
@@ -107,7 +109,7 @@ def _cycle(given: Supervised) -> Iterator[str]:
         for signal in given.events:
             yield f"    tm_flag {given.signals[signal.name]}; /* event {comment(signal.name)} */"
         yield "  } signals;"
-    yield "  const tm_fault *found; /* faults that whoever received the cycle has found already: what they name is not looked at again */"
+    yield "  const tm_fault *found; /* faults that whoever received the cycle has found: the signals that they name are not looked at */"
     yield "  size_t found_count;"
     yield "} tm_cycle;"
     yield ""
@@ -162,7 +164,7 @@ def memory(plan: Layout, given: Supervised) -> Iterator[str]:
 
 
 #: Parts of a step, each of which leaves the step's serial when it ran to its end.
-MARKS = ("door", "judge", "watchdog", "sound", "store", "machine")
+MARKS = ("door", "judge", "rating", "watchdog", "sound", "store", "machine")
 
 
 def members(plan: Layout, given: Supervised) -> list[str]:
@@ -238,7 +240,7 @@ def results(given: Supervised) -> Iterator[str]:
     yield "  tm_output driving;"
     yield "  tm_output emergency;"
     yield "  size_t fault_count; /* all faults, also those that found no room */"
-    yield "  size_t reason_count; /* faults first, then rules (of the driving trajectory, then of the emergency one), then `lost` */"
+    yield "  size_t reason_count; /* the door's faults, rules (of the driving trajectory, then of the emergency one), later faults, `lost` */"
     yield "  bool more; /* there were more reasons than there is room */"
     yield "  tm_reason reasons[TM_MAX_REASONS];"
     yield "} tm_decision;"

@@ -45,7 +45,9 @@ def calls(codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[st
             yield f"  tm_rule_{code.c_name}(c, in, &out->rule[{constant(code)}]); /* {comment(code.rule.name)} */"
 
 
-def judge(plan: Layout, given: Supervised, codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
+def judge(
+    plan: Layout, given: Supervised, codes: Sequence[RuleCode], groups: Sequence[GroupCode]
+) -> Iterator[str]:
     """Definition of the judge: a cycle that has passed the door, and all rules' results in the decision."""
     mine = [code for code in codes if of_candidate(code.rule)]
     own = [group for group in groups if all(of_candidate(rule) for rule in group.rules)]

@@ -25,6 +25,8 @@ def types(given: Supervised, parts: int) -> Iterator[str]:
     yield "  tm_decision *out;"
     yield "  size_t parts; /* that ran */"
     yield "  size_t breaches; /* all faults, counted beside the decision's */"
+    yield "  size_t expected; /* candidates whose results were made ready for the rules */"
+    yield "  size_t against; /* rules */"
     yield "  bool in_order; /* the stamp is */"
     yield "  tm_pose car;"
     yield "  double car_t; /* s, when it was there */"

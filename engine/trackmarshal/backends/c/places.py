@@ -11,7 +11,8 @@ from trackmarshal.backends.c.layout import Layout, Shape
 from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.runtime.case import Case
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.lines import Line
 
 if TYPE_CHECKING:
     from trackmarshal.backends.c.program import Library
@@ -307,7 +308,7 @@ class PlaceSetter:
         self._now: list[tuple[Any, ...] | None] = [None] * len(self._names)
         self._status = [0] * len(self._names)
 
-    def put(self, case: Case) -> None:
+    def put(self, case: Frame) -> None:
         """Raises TrackmarshalError E473 for a track that the C geometry refuses."""
         for index, name in enumerate(self._names):
             given = self._given(case, name)
@@ -322,13 +323,12 @@ class PlaceSetter:
                     help="choose another backend",
                 )
 
-    def _given(self, case: Case, name: str) -> tuple[Any, ...]:
+    def _given(self, case: Frame, name: str) -> tuple[Any, ...]:
         if name not in self._plan.spec.signals:
-            return (case.places.get(name, self._plan.spec.places[name].points), (), False)
+            return (case.settings.places.get(name, self._plan.spec.places[name].points), (), False)
         if _bordered(self._plan, name):
-            left, right = case.lines.get((name, "left"), ()), case.lines.get((name, "right"), ())
-            return (left, right, case.closed.get(name, False))
-        return (case.lines[name, ""], (), False)
+            return case.corridor(name)
+        return (case.line(name, ""), (), False)
 
     def _put(self, index: int, given: tuple[Any, ...]) -> int:
         left, right = _flat(given[0]), _flat(given[1])
@@ -344,5 +344,7 @@ class PlaceSetter:
         return status
 
 
-def _flat(points: Sequence[tuple[float, float]]) -> array[float]:
+def _flat(points: Line | Sequence[tuple[float, float]]) -> array[float]:
+    if isinstance(points, Line):
+        return array("d", points.points.tobytes()) or array("d", [0.0])
     return array("d", chain.from_iterable(points)) or array("d", [0.0])

@@ -78,7 +78,11 @@ _COMPILER = (
 
 
 def _source(
-    plan: Layout, codes: Sequence[RuleCode], name: str, found: Sequence[Monitor], supervised: Supervised | None
+    plan: Layout,
+    codes: Sequence[RuleCode],
+    name: str,
+    found: Sequence[Monitor],
+    supervised: Supervised | None,
 ) -> Iterator[str]:
     groups = group_codes(plan)
     data = list(_data(plan))

@@ -27,18 +27,18 @@ _CLOCK = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p)
 
 
 class Entry(NamedTuple):
-    """A signal of columns: (numbers, count) float64 and (flags, count) int8 in C's order; None for one that is missing."""
+    """A signal of columns: (numbers, size) float64 and (flags, size) int8 in C's order; None for one that is missing."""
 
     numbers: Floats
     flags: NDArray[np.int8] | None
-    count: int
+    size: int
 
 
 class Border(NamedTuple):
     """A line: (n, 2) float64 in C's order, and the number that tells it from others, 0 for one to be looked at anew each time."""
 
     points: Floats
-    id: int
+    number: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +154,8 @@ class Stepper:
         self._flags = np.zeros(256, dtype=np.int8)
         self._bases = self._numbers.ctypes.data, self._flags.ctypes.data
         self._lines: list[tuple[Any, int, int, int]] = [(None, 0, 0, 0)] * len(self.words.lines)
-        self._texts: dict[int, str] = {}
+        #: Texts of faults that were found before; reasons speak of them up to the next step.
+        self._kept: Any = None
 
         def reading(_: object) -> float:
             try:
@@ -178,28 +179,41 @@ class Stepper:
             "TM_MAX_SAMPLES": int(limits["samples"]),
             "TM_MAX_ELEMENTS": int(limits["elements"]),
             "TM_MAX_BORDER": int(limits["border"]),
-            "TM_MAX_PLACE": max(CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0),
-            "TM_MAX_KNOTS": max(CAPACITIES["TM_MAX_KNOTS"][0], knots, *(len(t.knots) for t in spec.tables.values()), 0),
+            "TM_MAX_PLACE": max(
+                CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0
+            ),
+            "TM_MAX_KNOTS": max(
+                CAPACITIES["TM_MAX_KNOTS"][0], knots, *(len(t.knots) for t in spec.tables.values()), 0
+            ),
         }
         return {name: declared[name] for name in capacities(source.plan, source.supervised)}
 
     def _configure(
-        self, limits: Mapping[str, float], params: Mapping[str, float], tables: Mapping[str, tuple[Sequence[float], Sequence[float]]]
+        self,
+        limits: Mapping[str, float],
+        params: Mapping[str, float],
+        tables: Mapping[str, tuple[Sequence[float], Sequence[float]]],
     ) -> None:
         spec, plan = self.source.plan.spec, self.source.plan
         held = np.array([limits[name] for name in LIMITS], dtype=np.float64)
         values = np.array([params.get(name, spec.params[name].value) for name in plan.params] or [0.0])
         rows = [tables.get(name, (spec.tables[name].knots, spec.tables[name].values)) for name in plan.tables]
         columns = [[np.array(row[i], dtype=np.float64) for row in rows] for i in (0, 1)]
-        addresses = [np.array([column.ctypes.data for column in each] or [0], dtype=np.uint64) for each in columns]
+        addresses = [
+            np.array([column.ctypes.data for column in each] or [0], dtype=np.uint64) for each in columns
+        ]
         counts = np.array([len(column) for column in columns[0]] or [0], dtype=np.uint64)
         which = ctypes.c_char_p()
         given = (held, values, *addresses, counts)
-        status = self._dll.tmg_configure(self.context, *(each.ctypes.data for each in given), ctypes.addressof(which))
+        status = self._dll.tmg_configure(
+            self.context, *(each.ctypes.data for each in given), ctypes.addressof(which)
+        )
         if status:
             what = STATUSES.get(status, "value")
             name = (which.value or b"").decode()
-            raise TrackmarshalError("E473", f"the generated Supervisor refuses the {what} `{name}`", help="change it")
+            raise TrackmarshalError(
+                "E473", f"the generated Supervisor refuses the {what} `{name}`", help="change it"
+            )
 
     # A cycle ---------------------------------------------------------------------------------------------------
 
@@ -210,22 +224,28 @@ class Stepper:
         """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`; what is wrong with
         it already, as (name, signal, field, index)."""
         given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
-        kept = self._found(found, given) if found else None
+        self._kept = self._found(found, given) if found else None
         self._columns(columns, given)
         self._bordered(lines, given)
         given += closed
         given += events
         self._format.pack_into(self._in, 0, *given)
         self._run(*self._arguments)
-        del kept
         return Said(*self._said.unpack_from(self._out))
 
-    def none_came(self, now: float) -> Said:
-        """A cycle was due and did not come."""
+    def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said:
+        """A cycle was due and did not come, or what came is none, for what was `found`."""
+        given: list[Any] = [0, 0, 0, 0, 0.0, now, 0, 0]
+        self._kept = self._found(found, given) if found else None
         width = len(self._format.unpack(bytes(self._format.size))) - len(HEAD)
-        self._format.pack_into(self._in, 0, 0, 0, 0, 0, 0.0, now, 0, 0, *[0] * width)
+        self._format.pack_into(self._in, 0, *given, *[0] * width)
         self._run(*self._arguments)
         return Said(*self._said.unpack_from(self._out))
+
+    @staticmethod
+    def lost(said: Said) -> str:
+        """Why nothing stored is driven; empty where it is, or need not be."""
+        return FAULT_NAMES[said.lost] if said.lost else ""
 
     def reasons(self, said: Said) -> list[Reason]:
         """Why the cycle of the last step is not safe."""
@@ -236,13 +256,18 @@ class Stepper:
             index = None if found.index == _NOWHERE else int(found.index)
             rule = int(one.rule) if one.kind == 1 else None
             signal, field = (found.signal or b"").decode(), (found.field or b"").decode()
-            result.append(Reason(FAULT_NAMES[found.name], signal, field, index, rule, int(one.candidate), one.kind == 2))
+            result.append(
+                Reason(FAULT_NAMES[found.name], signal, field, index, rule, int(one.candidate), one.kind == 2)
+            )
         return result
 
     def stored(self, place: int) -> Floats:
         """(samples,) of a number of `plan`, in the context's memory: the stored trajectory's first `count` are in use."""
         offset = self._place + self._dll.tmg_stored(place)
-        return np.frombuffer(self._memory, np.float64, self.sizes["TM_MAX_SAMPLES"], offset)
+        seen: Floats = np.frombuffer(
+            memoryview(self._memory), np.float64, self.sizes["TM_MAX_SAMPLES"], offset
+        )
+        return seen
 
     def _columns(self, columns: Sequence[Entry | None], given: list[Any]) -> None:
         """Copy the columns one after the other into memory whose address is known."""
@@ -252,7 +277,7 @@ class Stepper:
             if entry is None:
                 given += (0, 0, 0)
                 continue
-            given += (place, mark, entry.count)
+            given += (place, mark, entry.size)
             numbers.append(entry.numbers.ravel())
             place += 8 * entry.numbers.size
             if entry.flags is not None:
@@ -274,9 +299,14 @@ class Stepper:
         for place, line in enumerate(lines):
             known = self._lines[place]
             if known[0] is not line.points:
-                known = (line.points, line.points.ctypes.data if len(line.points) else 0, len(line.points), line.id)
+                known = (
+                    line.points,
+                    line.points.ctypes.data if len(line.points) else 0,
+                    len(line.points),
+                    line.number,
+                )
                 self._lines[place] = known
-            given += (known[1], known[2], line.id)
+            given += (known[1], known[2], line.number)
 
     @staticmethod
     def _found(found: Sequence[tuple[str, str, str, int | None]], given: list[Any]) -> Any:
@@ -284,6 +314,8 @@ class Stepper:
         texts = [(signal.encode(), field.encode()) for _, signal, field, _ in found]
         listed = (_Fault * len(found))()
         for place, ((name, _, _, index), (signal, field)) in enumerate(zip(found, texts)):
-            listed[place] = _Fault(FAULT_NAMES.index(name), signal, field, _NOWHERE if index is None else index)
+            listed[place] = _Fault(
+                FAULT_NAMES.index(name), signal, field, _NOWHERE if index is None else index
+            )
         given[6:8] = (ctypes.addressof(listed), len(found))
         return listed, texts

@@ -15,6 +15,7 @@ from trackmarshal.backends.numpy import logic
 from trackmarshal.backends.numpy.batch import Batch
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime import geometry
+from trackmarshal.runtime.lines import Line
 
 Floats = NDArray[np.float64]
 
@@ -154,11 +155,10 @@ def _keep(batch: Batch, key: tuple[Any, ...], owner: Any, make: Callable[[], Any
 
 
 def _corridor(batch: Batch, index: int, name: str) -> geometry.Corridor:
-    case = batch.cases[index]
-    left, right, closed = case.lines[name, "left"], case.lines[name, "right"], case.closed.get(name, False)
+    left, right, closed = batch.cases[index].corridor(name)
     key = ("corridor", id(left), id(right), closed)
     corridor: geometry.Corridor = _keep(
-        batch, key, (left, right), lambda: geometry.Corridor(_points(left), _points(right), closed)
+        batch, key, (left, right), lambda: geometry.Corridor(left.points, right.points, closed)
     )
     return corridor
 
@@ -166,7 +166,7 @@ def _corridor(batch: Batch, index: int, name: str) -> geometry.Corridor:
 def _area(batch: Batch, index: int, area: ir.Area) -> geometry.Polygon | geometry.Corridor:
     if area.kind == "corridor":
         return _corridor(batch, index, area.name)
-    points = batch.cases[index].places.get(area.name, batch.spec.places[area.name].points)
+    points = batch.cases[index].settings.places.get(area.name, batch.spec.places[area.name].points)
     polygon: geometry.Polygon = _keep(
         batch, ("polygon", id(points)), points, lambda: geometry.Polygon(_points(points))
     )
@@ -178,14 +178,12 @@ def _line(batch: Batch, index: int, line: ir.Line) -> geometry.Polyline:
     points: Any
     match line.kind:
         case "place":
-            points, closed = case.places.get(line.name, batch.spec.places[line.name].points), False
+            points, closed = case.settings.places.get(line.name, batch.spec.places[line.name].points), False
         case "signal":
-            points, closed = case.lines[line.name, line.field], case.closed.get(line.name, False)
+            points, closed = case.line(line.name, line.field), case.closed.get(line.name, False)
         case "path":
             columns = case.columns[line.name]
-            points = np.stack(
-                [np.asarray(columns["x"], dtype=float), np.asarray(columns["y"], dtype=float)], axis=1
-            )
+            points = np.stack([columns.column("x"), columns.column("y")], axis=1)
             return geometry.Polyline(points, False)
         case "centre":
             centre: geometry.Polyline = _corridor(batch, index, line.name).centre
@@ -199,7 +197,7 @@ def _line(batch: Batch, index: int, line: ir.Line) -> geometry.Polyline:
 
 
 def _points(points: Any) -> Floats:
-    return np.asarray(points, dtype=np.float64).reshape(-1, 2)
+    return points.points if isinstance(points, Line) else np.asarray(points, dtype=np.float64).reshape(-1, 2)
 
 
 def _to_paths(batch: Batch, signal: str, args: Sequence[Any], shape: tuple[int, ...]) -> Any:

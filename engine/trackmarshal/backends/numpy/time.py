@@ -23,7 +23,7 @@ def operator(
     pairs = [(value.worst, value.best) for value in operands]
     single = all(worst is best for worst, best in pairs)
     timed = isinstance(node, (ir.Temporal, ir.Until))
-    blocked = [timed and case.blocks([(node.axis.signal, "t")]) for case in batch.cases]
+    blocked = [timed and case.unusable([(node.axis.signal, "t")]) is not None for case in batch.cases]
     worst = _side(batch, node, [w for w, _ in pairs], [b for _, b in pairs], blocked, False)
     if single and not any(blocked):
         return Value(worst, worst)

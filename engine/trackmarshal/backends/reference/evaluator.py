@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
+from functools import cache, partial
 
 from trackmarshal.backends import witness
 from trackmarshal.backends.reference import geometry, temporal
-from trackmarshal.backends.results import case_result
+from trackmarshal.backends.results import Stateless, rated
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.case import Case, Point
+from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, known, least, negate
-from trackmarshal.runtime.verdict import Bound, CaseResult, Truth
+from trackmarshal.runtime.lines import Point
+from trackmarshal.runtime.program import Rated
+from trackmarshal.runtime.verdict import Bound, Truth
 
 #: The index of the variable of each axis that is bound, by the axis's level.
 Env = dict[int, int]
@@ -22,9 +25,9 @@ Env = dict[int, int]
 class Reference:
     """Values of the nodes of a spec for one case; each (node, indices) is computed once."""
 
-    def __init__(self, spec: Spec, case: Case) -> None:
+    def __init__(self, spec: Spec, frame: Frame) -> None:
         self.spec = spec
-        self.case = case
+        self.frame = frame
         self._truths: dict[tuple[int, tuple[tuple[int, int], ...]], Truth] = {}
         self._series: dict[tuple[int, tuple[tuple[int, int], ...]], list[Truth]] = {}
         self._lines: dict[int, tuple[list[Point], bool]] = {}
@@ -37,14 +40,14 @@ class Reference:
             case ir.Const():
                 return node.value
             case ir.Param():
-                return self.case.params.get(node.name, self.spec.params[node.name].value)
+                return self.frame.settings.params.get(node.name, self.spec.params[node.name].value)
             case ir.Column():
-                column = self.case.columns[node.axis.signal][node.field]
+                column = self.frame.columns[node.axis.signal].listed(node.field)
                 return float(column[max(0, env[node.axis.level] + node.offset)])
             case ir.Sample():
-                return float(self.case.columns[node.signal][node.field][node.index])
+                return float(self.frame.columns[node.signal].listed(node.field)[node.index])
             case ir.Scalar():
-                return float(self.case.scalars[node.signal][node.field])
+                return self.frame.value(node.signal, node.field)
             case ir.Arith():
                 return arithmetic.arith(node.op, self.number(node.left, env), self.number(node.right, env))
             case ir.Neg():
@@ -58,7 +61,7 @@ class Reference:
                 return self.number(node.then if verdict == "satisfied" else node.otherwise, env)
             case ir.Lookup():
                 table = self.spec.tables[node.table]
-                knots, values = self.case.tables.get(node.table, (table.knots, table.values))
+                knots, values = self.frame.settings.tables.get(node.table, (table.knots, table.values))
                 return arithmetic.interpolate(knots, values, self.number(node.argument, env))
             case ir.Along():
                 return self._along(node, [self.number(arg, env) for arg in node.args])
@@ -81,15 +84,15 @@ class Reference:
         return self._lines[id(line)]
 
     def _line(self, line: ir.Line) -> tuple[list[Point], bool]:
-        case = self.case
+        frame = self.frame
         match line.kind:
             case "place":
-                return list(case.places.get(line.name, self.spec.places[line.name].points)), False
+                return list(frame.settings.places.get(line.name, self.spec.places[line.name].points)), False
             case "signal":
-                return list(case.lines[line.name, line.field]), case.closed.get(line.name, False)
+                return list(frame.line(line.name, line.field).tuples), frame.closed.get(line.name, False)
             case "path":
-                columns = case.columns[line.name]
-                return list(zip(columns["x"], columns["y"])), False
+                columns = frame.columns[line.name]
+                return list(zip(columns.listed("x"), columns.listed("y"))), False
             case "centre":
                 left, right, closed = self.corridor(line.name)
                 return geometry.centre_line(left, right, closed), closed
@@ -97,11 +100,8 @@ class Reference:
                 raise AssertionError(f"unknown line {line.kind}")
 
     def corridor(self, name: str) -> tuple[Sequence[Point], Sequence[Point], bool]:
-        return (
-            self.case.lines[name, "left"],
-            self.case.lines[name, "right"],
-            self.case.closed.get(name, False),
-        )
+        left, right, closed = self.frame.corridor(name)
+        return left.tuples, right.tuples, closed
 
     # Formulas -------------------------------------------------------------------------------------------------
 
@@ -148,9 +148,10 @@ class Reference:
     def _flag(self, node: ir.Flag, env: Env) -> Truth:
         if node.axis is not None:
             assert node.field is not None
-            value = self.case.columns[node.signal][node.field][max(0, env[node.axis.level] + node.offset)]
+            column = self.frame.columns[node.signal].listed(node.field)
+            value = column[max(0, env[node.axis.level] + node.offset)]
         else:
-            value = self.case.scalars[node.signal][node.field or ""]
+            value = self.frame.flag(node.signal, node.field or "")
         if value is None:
             return UNDEFINED
         return TRUE if value else FALSE
@@ -174,11 +175,11 @@ class Reference:
         raise AssertionError(f"unknown predicate {node.what}")
 
     def zone(self, area: ir.Area) -> Sequence[Point]:
-        return self.case.places.get(area.name, self.spec.places[area.name].points)
+        return self.frame.settings.places.get(area.name, self.spec.places[area.name].points)
 
     def count(self, axis: ir.Axis) -> int:
         """How many values the variable of an axis takes."""
-        return max(0, self.case.counts[axis.signal] - axis.width + 1)
+        return max(0, self.frame.count(axis.signal) - axis.width + 1)
 
     def _quantify(self, node: ir.Quantify, env: Env) -> Truth:
         join = least if node.quantifier == "for all" else greatest
@@ -241,7 +242,7 @@ class Reference:
 
     def times(self, axis: ir.Axis) -> Sequence[float]:
         """The times of a timeline's samples."""
-        return self.case.columns[axis.signal]["t"]
+        return self.frame.columns[axis.signal].listed("t")
 
     def sides(self, node: ir.Formula, axis: ir.Axis, env: Env) -> witness.Sides:
         """The values of a formula for all values of the variable of an axis."""
@@ -250,7 +251,7 @@ class Reference:
 
     def name(self, axis: ir.Axis, index: int) -> int | str:
         """What reports call a sample or an element: its number, or an object's id."""
-        return self.case.names[axis.signal][index] if axis.kind == "elements" else index
+        return self.frame.columns[axis.signal].name(index)
 
     def geometry_fault(self, formula: ir.Formula) -> str | None:
         """What makes a corridor or zone that a formula reads unusable."""
@@ -266,12 +267,13 @@ class Reference:
         return None
 
 
-def evaluate(
-    spec: Spec, rules: Sequence[RuleInfo], cases: Iterable[Case], series: bool = False
-) -> Iterator[CaseResult]:
-    """Evaluate rules on cases, one after the other."""
-    for case in cases:
-        yield case_result(rules, case, Reference(spec, case), series)
+class ReferenceProgram(Stateless):
+    """Rules of a spec, evaluated by the reference."""
+
+    backend = "reference"
+
+    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+        return [rated(self.rules, frame, cache(partial(Reference, self.spec, frame))) for frame in frames]
 
 
 def _worst(values: list[Truth]) -> tuple[list[bool], list[float]]:

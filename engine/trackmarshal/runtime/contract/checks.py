@@ -48,7 +48,11 @@ def _flag(info: FieldType | SignalType) -> Constants | None:
 
 
 def _range(info: FieldType | SignalType) -> Constants | None:
-    if not isinstance(info, FieldType) or info.kind != "number" or (info.lower is None and info.upper is None):
+    if (
+        not isinstance(info, FieldType)
+        or info.kind != "number"
+        or (info.lower is None and info.upper is None)
+    ):
         return None
     return (
         ("low", -MOST if info.lower is None else info.lower),

@@ -44,8 +44,12 @@ NUMBER = (
 )
 #: Of the first samples of both candidates: `dx`, `dy` [m], `turn` [rad] and `faster` [m/s], driving minus emergency; each by itself.
 START = (
-    _demand("starts_elsewhere", "x", "(sqrt((dx * dx) + (dy * dy)) <= start_distance) | (fabs(dx) < fabs(dy))"),
-    _demand("starts_elsewhere", "y", "(sqrt((dx * dx) + (dy * dy)) <= start_distance) | (fabs(dx) >= fabs(dy))"),
+    _demand(
+        "starts_elsewhere", "x", "(sqrt((dx * dx) + (dy * dy)) <= start_distance) | (fabs(dx) < fabs(dy))"
+    ),
+    _demand(
+        "starts_elsewhere", "y", "(sqrt((dx * dx) + (dy * dy)) <= start_distance) | (fabs(dx) >= fabs(dy))"
+    ),
     _demand("starts_elsewhere", "heading", f"fabs(remainder(turn, {6.283185307179586!r})) <= start_turn"),
     _demand("starts_elsewhere", "v", "fabs(faster) <= start_speed"),
 )

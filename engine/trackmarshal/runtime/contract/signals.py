@@ -92,12 +92,12 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
     """
     spec = supervised(spec)
     read = {signal for rule in rules for signal, _ in rule.reads} | {EGO}
-    signals = [
-        _signal(info, None) for name, info in spec.signals.items() if name in read and name != PLAN
-    ]
+    signals = [_signal(info, None) for name, info in spec.signals.items() if name in read and name != PLAN]
     events = [_event(name) for name in spec.events if name in read and name != IS_EMERGENCY]
     plan = _signal(spec.signals[PLAN], None)
-    return Contract(plan, (*signals, *events), IS_EMERGENCY in read and IS_EMERGENCY in spec.events, _names(spec))
+    return Contract(
+        plan, (*signals, *events), IS_EMERGENCY in read and IS_EMERGENCY in spec.events, _names(spec)
+    )
 
 
 def supervised(spec: Spec) -> Spec:

@@ -43,6 +43,19 @@ static bool tm_named(const tm_cycle *cycle, const char *signal, const char *fiel
   return false;
 }
 
+/** The faults that were found before, as the first ones. */
+static void tm_found(const tm_cycle *cycle, tm_look *look) {
+  if (cycle->found == NULL) {
+    ++look->breaches;
+    tm_add(look->out, TM_FAULT_MISSING, "found", "", TM_NOWHERE);
+  }
+  for (size_t i = 0u; (cycle->found != NULL) && (i < cycle->found_count); ++i) {
+    const tm_fault *found = &cycle->found[i];
+    ++look->breaches;
+    tm_add(look->out, found->name, found->signal, found->field, found->index);
+  }
+}
+
 /** Whether a reading of the clock can follow the last one: finite, and not before it. */
 static void tm_read(tm_context *c, double reading, tm_look *look, double *now) {
   *now = TM_NAN;

@@ -1,5 +1,4 @@
-/** The outcome of a step of which nothing more is known: unsafe, nothing is driven. Every rule is undefined, by a margin that no
-   rule gives: where it stands at the end, the rule did not run. */
+/** The outcome of a step of which nothing more is known: every rule is undefined. */
 static void tm_begin(tm_look *look) {
   tm_decision *out = look->out;
   out->now = TM_NAN;
@@ -14,9 +13,9 @@ static void tm_begin(tm_look *look) {
   out->more = false;
   for (size_t i = 0u; i < TM_RULES; ++i) {
     out->driving.rule[i].verdict = TM_UNDEFINED;
-    out->driving.rule[i].margin = TM_DID_NOT_RUN;
+    out->driving.rule[i].margin = TM_NAN;
     out->emergency.rule[i].verdict = TM_UNDEFINED;
-    out->emergency.rule[i].margin = TM_DID_NOT_RUN;
+    out->emergency.rule[i].margin = TM_NAN;
   }
   ++look->parts;
 }
@@ -29,9 +28,13 @@ static void tm_arrive(tm_context *c, const tm_cycle *cycle, tm_look *look) {
     ++look->breaches;
     tm_add(look->out, TM_FAULT_NOT_CONFIGURED, "supervisor", "", TM_NOWHERE);
   }
-  if ((cycle == NULL) || !cycle->came) {
+  if ((cycle != NULL) && !cycle->came && (cycle->found_count > 0u)) {
+    tm_found(cycle, look);
+  } else if ((cycle == NULL) || !cycle->came) {
     ++look->breaches;
     tm_add(look->out, TM_FAULT_MISSING_CYCLE, "cycle", "", TM_NOWHERE);
+  } else {
+    /* the door looks at it */
   }
   ++look->parts;
 }
@@ -52,55 +55,97 @@ static void tm_watch(tm_context *c, tm_clock clock, void *user, tm_look *look) {
 }
 
 /** A part of the step did not run. */
-static void tm_incomplete(tm_look *look, const char *part, const char *candidate) {
+static void tm_incomplete(tm_look *look, const char *part) {
   ++look->breaches;
-  tm_add(look->out, TM_FAULT_INCOMPLETE, part, candidate, TM_NOWHERE);
+  tm_add(look->out, TM_FAULT_INCOMPLETE, "supervisor", part, TM_NOWHERE);
 }
 
-/** How many rules make a candidate unsafe; a rule that did not run is undefined, and the judge incomplete. */
-static void tm_rate(tm_look *look, tm_output *output, const char *candidate, size_t *against) {
-  bool whole = true;
-  *against = 0u;
+/** Results as they are before rules run: undefined, by a margin that no rule gives. */
+static void tm_expect(tm_output *output, tm_look *look) {
   for (size_t i = 0u; i < TM_RULES; ++i) {
-    tm_result *result = &output->rule[i];
-    const bool known = (result->verdict == TM_SATISFIED) || (result->verdict == TM_VIOLATED) ||
-                       (result->verdict == TM_INACTIVE) || (result->verdict == TM_OPEN);
-    if ((result->verdict != TM_SATISFIED) && (result->verdict != TM_INACTIVE)) {
-      ++*against;
-    }
-    if (!known) {
-      whole = whole && (result->verdict == TM_UNDEFINED) && !(result->margin == TM_DID_NOT_RUN);
-      result->verdict = TM_UNDEFINED;
-      result->margin = TM_NAN;
+    output->rule[i].verdict = TM_UNDEFINED;
+    output->rule[i].margin = TM_DID_NOT_RUN;
+  }
+  ++look->expected;
+}
+
+/** Whether a rule ran, and whether it makes a candidate unsafe. */
+static void tm_weigh(const tm_result *result, size_t *known, size_t *against) {
+  const bool safe = (result->verdict == TM_SATISFIED) || (result->verdict == TM_INACTIVE);
+  const bool undefined = (result->verdict == TM_UNDEFINED) && !(result->margin == TM_DID_NOT_RUN);
+  if (safe || undefined || (result->verdict == TM_VIOLATED) || (result->verdict == TM_OPEN)) {
+    ++*known;
+  }
+  if (!safe) {
+    ++*against;
+  }
+}
+
+/** A rule that makes a candidate unsafe, as a reason. */
+static void tm_blame(tm_decision *out, size_t rule, tm_candidate candidate, const tm_result *result) {
+  if (out->reason_count < TM_MAX_REASONS) {
+    tm_reason *reason = &out->reasons[out->reason_count];
+    reason->kind = TM_REASON_RULE;
+    reason->fault.name = TM_FAULT_NONE;
+    reason->fault.signal = "";
+    reason->fault.field = "";
+    reason->fault.index = TM_NOWHERE;
+    reason->rule = rule;
+    reason->candidate = candidate;
+    reason->result = *result;
+    ++out->reason_count;
+  } else {
+    out->more = true;
+  }
+}
+
+/** What the rules say: whether all of them ran, for both candidates, and how many are against the cycle. */
+static void tm_rate(tm_context *c, tm_look *look) {
+  tm_decision *out = look->out;
+  tm_output *outputs[2] = {&out->driving, &out->emergency};
+  size_t known = 0u;
+  size_t against = 0u;
+  for (size_t k = 0u; k < 2u; ++k) {
+    for (size_t i = 0u; i < TM_RULES; ++i) {
+      const size_t before = against;
+      tm_weigh(&outputs[k]->rule[i], &known, &against);
+      if (against != before) {
+        tm_blame(out, i, (k == 0u) ? TM_DRIVING : TM_EMERGENCY, &outputs[k]->rule[i]);
+      }
     }
   }
-  if (look->out->judged && !whole) {
-    tm_incomplete(look, "judge", candidate);
+  if ((known == (2u * TM_RULES)) && (look->expected == 2u) && (c->marks.judge == c->serial)) {
+    look->against = against;
+    c->marks.rating = c->serial;
+  } else { /* not one known verdict a rule: there are none at all */
+    out->judged = false;
+    out->reason_count = 0u;
+    out->more = false;
+    for (size_t i = 0u; i < TM_RULES; ++i) {
+      for (size_t k = 0u; k < 2u; ++k) {
+        outputs[k]->rule[i].verdict = TM_UNDEFINED;
+        outputs[k]->rule[i].margin = TM_NAN;
+      }
+    }
+    tm_incomplete(look, "judge");
   }
 }
 
 /** Whether the cycle is safe: no fault, every part of the step ran, and no rule is against either candidate. */
-static void tm_sound(tm_context *c, tm_look *look) {
-  size_t driving = TM_RULES;
-  size_t emergency = TM_RULES;
-  const bool refused = look->breaches != 0u;
-  if (!refused && ((c->marks.door != c->serial) || (look->parts != TM_PARTS))) {
-    tm_incomplete(look, "door", "");
-  } else if (!refused && !look->out->judged) {
-    tm_incomplete(look, "judge", "");
-  } else if (look->out->judged && (c->marks.judge != c->serial)) {
-    tm_incomplete(look, "judge", "");
-  } else if (look->out->judged && (c->marks.watchdog != c->serial)) {
-    tm_incomplete(look, "watchdog", "");
-  } else {
-    /* all that was begun is done */
+static void tm_sound(tm_context *c, tm_look *look, bool asked) {
+  if ((look->breaches == 0u) && ((c->marks.door != c->serial) || (look->parts != TM_PARTS))) {
+    tm_incomplete(look, "door");
   }
-  tm_rate(look, &look->out->driving, "driving", &driving);
-  tm_rate(look, &look->out->emergency, "emergency", &emergency);
+  if (asked && look->out->judged && (c->marks.rating != c->serial)) {
+    tm_incomplete(look, "judge");
+  }
+  if (asked && (c->marks.watchdog != c->serial)) {
+    tm_incomplete(look, "watchdog");
+  }
   if (look->breaches != look->out->fault_count) {
-    tm_incomplete(look, "supervisor", "");
+    tm_incomplete(look, "supervisor");
   }
-  if ((look->breaches == 0u) && (driving == 0u) && (emergency == 0u)) {
+  if (asked && (look->breaches == 0u) && (look->against == 0u) && (c->marks.rating == c->serial)) {
     c->marks.sound = c->serial;
   }
 }
@@ -125,10 +170,7 @@ static void tm_advance(tm_context *c, const tm_cycle *cycle, tm_look *look) {
   if ((size_t)c->state < TM_STATES) {
     next = tm_next[c->state][so];
   }
-  if (next < 0) {
-    ++look->breaches;
-    tm_add(out, TM_FAULT_INTERNAL, "supervisor", "", TM_NOWHERE);
-  } else {
+  if (next >= 0) {
     c->state = (tm_state)next;
     c->stored.confirmed = confirmed;
     if (so == TM_SO_LOST) {
@@ -168,50 +210,19 @@ static void tm_choose(tm_context *c, const tm_cycle *cycle, tm_look *look) {
   }
 }
 
-/** The rules that are against a candidate, as reasons. */
-static void tm_name_rules(tm_decision *out, const tm_output *output, tm_candidate candidate) {
-  for (size_t i = 0u; i < TM_RULES; ++i) {
-    const tm_result *result = &output->rule[i];
-    if ((result->verdict == TM_SATISFIED) || (result->verdict == TM_INACTIVE)) {
-      /* nothing against it */
-    } else if (out->reason_count < TM_MAX_REASONS) {
-      tm_reason *reason = &out->reasons[out->reason_count];
-      reason->kind = TM_REASON_RULE;
-      reason->fault.name = TM_FAULT_NONE;
-      reason->fault.signal = "";
-      reason->fault.field = "";
-      reason->fault.index = TM_NOWHERE;
-      reason->rule = i;
-      reason->candidate = candidate;
-      reason->result = *result;
-      ++out->reason_count;
-    } else {
-      out->more = true;
-    }
-  }
-}
-
-/** All reasons but the faults, which are there. */
-static void tm_explain(tm_decision *out) {
-  if (out->judged) {
-    tm_name_rules(out, &out->driving, TM_DRIVING);
-    tm_name_rules(out, &out->emergency, TM_EMERGENCY);
-  }
-  if (out->lost != TM_FAULT_NONE) {
-    const size_t faults = out->fault_count;
-    const size_t count = out->reason_count;
+/** Why nothing stored is driven, as the last reason; where there is no room for it, `lost` says it alone. */
+static void tm_mourn(tm_decision *out) {
+  if ((out->lost != TM_FAULT_NONE) && (out->reason_count < TM_MAX_REASONS)) {
     tm_add(out, out->lost, "supervisor", "", TM_NOWHERE);
-    out->fault_count = faults;
-    if (out->reason_count > count) {
-      out->reasons[count].kind = TM_REASON_LOST;
-    }
+    out->reasons[out->reason_count - 1u].kind = TM_REASON_LOST;
+    --out->fault_count;
   }
 }
 
 void tm_step(tm_context *c, const tm_cycle *cycle, tm_clock clock, void *user, tm_decision *out)
 {
   tm_look look = {0};
-  size_t before;
+  bool asked = false;
   look.out = out;
   /* Whatever does not run after this, nothing is driven. */
   out->serial = 0u;
@@ -238,12 +249,16 @@ void tm_step(tm_context *c, const tm_cycle *cycle, tm_clock clock, void *user, t
     tm_door(c, cycle, &look);
   }
   if ((look.breaches == 0u) && (look.parts == TM_PARTS) && (c->marks.door == c->serial)) {
+    asked = true;
     out->judged = true;
+    look.against = 2u * TM_RULES;
+    tm_expect(&out->driving, &look);
+    tm_expect(&out->emergency, &look);
     tm_judge(c, cycle, &look);
+    tm_rate(c, &look);
     tm_watch(c, clock, user, &look);
   }
-  tm_sound(c, &look);
-  before = look.breaches;
+  tm_sound(c, &look, asked);
   tm_advance(c, cycle, &look);
   if ((c->marks.machine == c->serial) && (look.breaches == out->fault_count)) {
     tm_choose(c, cycle, &look);
@@ -251,9 +266,7 @@ void tm_step(tm_context *c, const tm_cycle *cycle, tm_clock clock, void *user, t
   if ((out->driven == TM_DRIVE_NOTHING) &&
       ((c->marks.machine != c->serial) || (c->state == TM_STATE_DRIVE) || (c->state == TM_STATE_PREVIOUS_EMERGENCY))) {
     /* The machine did not run to its end: nothing that it keeps is relied on. */
-    if (look.breaches == before) {
-      tm_incomplete(&look, "machine", "");
-    }
+    tm_incomplete(&look, "machine");
     c->state = TM_STATE_NO_SAFE_TRAJECTORY;
     c->stored.serial = 0u;
     out->state = c->state;
@@ -261,6 +274,6 @@ void tm_step(tm_context *c, const tm_cycle *cycle, tm_clock clock, void *user, t
     out->lost = TM_FAULT_NONE_STORED;
   }
   if (!out->safe) {
-    tm_explain(out);
+    tm_mourn(out);
   }
 }
