@@ -155,6 +155,34 @@ def test_what_is_no_such_file_is_refused_with_its_line(folder: Path, tmp_path: P
     assert "nothing may follow" in refused(folder, "\n".join([*lines[:first], "end", "end", ""]), tmp_path)
 
 
+def test_whatever_stands_in_a_file_the_example_keeps_to_its_memory(folder: Path, tmp_path: Path) -> None:
+    """Words exchanged, lost, doubled or made up: it decides or refuses. The sanitizers end it with another status."""
+    rng = random.Random(3)
+    lines = (folder / "wrong_way.cycles").read_text(encoding="utf-8").splitlines()
+    starts = [number for number, line in enumerate(lines) if line.startswith("cycle ")]
+    short = [*lines[: starts[2]], "end"]
+    path = tmp_path / "spoilt.cycles"
+    statuses = []
+    for _ in range(150):
+        words = [line.split(" ") for line in short]
+        for _ in range(rng.randint(1, 3)):
+            row = (
+                words[rng.randrange(len(words))]
+                if rng.random() < 0.3
+                else rng.choice([w for w in words if len(w) < 12])
+            )
+            place = rng.randrange(len(row))
+            made = rng.choice(
+                ["-", "=", ":", "0", "ffffffffffffffff", "7ff0000000000000", "ffffff", "x" * 63, "end"]
+            )
+            row[place : place + rng.randint(0, 1)] = rng.choice([[], [made], [row[place]] * 2])
+        path.write_text("\n".join([*map(" ".join, words), ""]), encoding="utf-8")
+        done = subprocess.run([folder / "example", path], capture_output=True, text=True, check=False)
+        statuses.append(done.returncode)
+        assert done.returncode in (0, 1, 2), done.stderr
+    assert {0, 2} <= set(statuses)
+
+
 def test_a_configuration_that_cannot_stand_is_refused(folder: Path, tmp_path: Path) -> None:
     lines = (folder / "debris.cycles").read_text(encoding="utf-8").splitlines()
     place = next(number for number, line in enumerate(lines) if line.startswith("vehicles.devbot.mass "))

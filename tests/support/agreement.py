@@ -15,13 +15,13 @@ import numpy as np
 from trackmarshal import evaluation
 from trackmarshal.backends.numpy import steps
 from trackmarshal.backends.reference.evaluator import Reference
-from trackmarshal.backends.results import case_result
+from trackmarshal.backends.results import outcome
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.case import Case
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import CaseResult, RuleResult
 
 #: Functions of which the platform's libm and numpy's own code may give neighbouring doubles.
@@ -79,12 +79,12 @@ def same_trigonometry() -> bool:
     return all(np.sin(a) == math.sin(a) and np.cos(a) == math.cos(a) for a in angles)
 
 
-def results(spec: Spec, cases: Sequence[Case], backend: str, series: bool = True) -> list[CaseResult]:
+def results(spec: Spec, cases: Sequence[Frame], backend: str, series: bool = True) -> list[CaseResult]:
     """All rules of a spec on all cases."""
     return list(Evaluator(spec, None, backend).evaluate(cases, series))
 
 
-def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Case]:
+def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Frame]:
     """Cases that a spec can read; those that are refused are left out, as `eval` reports them and goes on."""
     reader = Evaluator(spec)
     cases = []
@@ -129,7 +129,7 @@ TOLERANCE = 1e-11
 class Measured(Reference):
     """The reference evaluator, which also keeps the magnitude of the largest finite number of any step."""
 
-    def __init__(self, spec: Spec, case: Case) -> None:
+    def __init__(self, spec: Spec, case: Frame) -> None:
         super().__init__(spec, case)
         self.largest = 0.0
 
@@ -140,7 +140,7 @@ class Measured(Reference):
         return value
 
 
-def near_differences(spec: Spec, case: Case, left: CaseResult, right: CaseResult) -> list[str]:
+def near_differences(spec: Spec, case: Frame, left: CaseResult, right: CaseResult) -> list[str]:
     """As `differences`, where libm's last digit counts: margins within `TOLERANCE`, verdicts where margins are beyond it."""
     found = []
     for rule in spec.rules:
@@ -151,7 +151,7 @@ def near_differences(spec: Spec, case: Case, left: CaseResult, right: CaseResult
             )
             continue
         values = Measured(spec, case)
-        case_result([rule], case, values)
+        outcome(rule, case, values)
         reach = TOLERANCE * values.largest
         near = same(one.margin, other.margin) or abs(one.margin - other.margin) <= reach
         doubtful = abs(one.margin) <= reach and {one.verdict, other.verdict} <= {"satisfied", "violated"}
@@ -180,10 +180,10 @@ def same_series(one: RuleResult, other: RuleResult) -> bool:
     )
 
 
-def check_sound(case: Case, result: CaseResult) -> list[str]:
+def check_sound(case: Frame, result: CaseResult) -> list[str]:
     """What no result may be, whatever the rules: safe on broken data, NaN on a verdict that has a margin."""
     found = []
-    if result.safe and (case.faults or case.unusable):
+    if result.safe and (case.faults or case.settings.broken):
         found.append(f"case {case.id} is rated safe with faults {case.faults}")
     for rule in result.rules.values():
         if math.isnan(rule.margin) != (rule.verdict == "undefined"):

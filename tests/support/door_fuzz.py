@@ -76,7 +76,8 @@ static double *column_of(size_t most) { /* on the heap, ending where it ends */
 }
 static int64_t last_number;
 static double last_t;
-static bool begun;
+static bool numbered;
+static bool stamped;
 
 static double reading;
 static tm_in_ego ego;
@@ -119,8 +120,8 @@ static void fresh(tm_cycle *c) {
   track.left.id = track.right.id = 0u;
   track.closed = false;
   c->came = c->numbered = c->stamped = true;
-  c->number = begun ? (last_number + 1) : 0;
-  c->t = begun ? (last_t + 0.1) : 0.0;
+  c->number = numbered ? (last_number + 1) : 0;
+  c->t = stamped ? (last_t + 0.1) : 0.0;
   c->now = fmax(c->t + 0.01, reading);
   c->driving = &plans[0];
   c->emergency = &plans[1];
@@ -197,13 +198,14 @@ static bool clock_broken(const tm_cycle *c) { return !isfinite(c->now) || c->now
 
 /* Whether the stamp follows the last one; a clock that is wrong says nothing about it. */
 static bool in_order(const tm_cycle *c) {
-  return c->came && c->stamped && isfinite(c->t) && (!begun || c->t - last_t > 0.001) && (clock_broken(c) || !(c->t - c->now > 0.01));
+  return c->came && c->stamped && isfinite(c->t) && (!stamped || c->t - last_t > 0.001) && (clock_broken(c) || !(c->t - c->now > 0.01));
 }
 
 static bool broken(const tm_cycle *c) {
   bool bad = clock_broken(c) || !c->came || !c->numbered || !in_order(c);
   if (bad || c->now - c->t > 0.1) { return true; }
-  if (begun) { bad = (c->t - last_t > 0.15) || (last_number == INT64_MAX) || (c->number != last_number + 1); }
+  if (stamped) { bad = c->t - last_t > 0.15; }
+  if (numbered) { bad = bad || (last_number == INT64_MAX) || (c->number != last_number + 1); }
   if (c->driving == NULL || c->emergency == NULL || c->signals.ego == NULL || c->signals.objects == NULL || c->signals.track == NULL) { return true; }
   for (int side = 0; side < 2; ++side) {
     const size_t n = plans[side].count;
@@ -272,13 +274,15 @@ int main(int argc, char **argv) {
     if (!clock_broken(&cycle)) { reading = cycle.now; }
     if (ordered) {
       last_t = cycle.t;
+      stamped = true;
       if (cycle.numbered) {
         last_number = cycle.number;
-        begun = true;
+        numbered = true;
       }
     }
     if (!(fabs(last_t) < 1e6) || reading > 1e6 || last_number == INT64_MAX) { /* far away, or the last number: start anew */
-      begun = false;
+      stamped = false;
+      numbered = false;
       last_t = 0.0;
       reading = -DBL_MAX;
       last_number = 0;

@@ -9,7 +9,7 @@ import pytest
 
 from support.agreement import compiled, differences, read, results
 from trackmarshal.backends.numpy.code import Code
-from trackmarshal.backends.numpy.program import Program
+from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.ir import nodes as ir
 
 SPEC = """
@@ -25,7 +25,7 @@ zone pit = polygon (0 m, -1 m) (9 m, -1 m) (9 m, 1 m) (0 m, 1 m)
 
 def source(rules: str) -> str:
     spec = compiled(SPEC + rules)
-    return Program(spec, spec.rules).code.source
+    return NumpyProgram(spec, spec.rules).code.source
 
 
 def count(text: str, call: str) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from support.agreement import compiled, differences, read, results
-from trackmarshal.backends.numpy.program import Program
+from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
 
@@ -120,7 +120,7 @@ def test_a_closed_track_with_borders_of_unequally_many_points(spec: Spec) -> Non
 
 
 def test_what_no_case_changes_is_computed_before(spec: Spec) -> None:
-    program = Program(spec, spec.rules)
+    program = NumpyProgram(spec, spec.rules)
     cases = read(spec, [case([1.0, 2.0])])
     assert "b.param('made.limit')" in "".join(program.code.fixed)
     assert not any("b.param" in line for line in program.code.varying)

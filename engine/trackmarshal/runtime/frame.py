@@ -34,10 +34,10 @@ class Columns:
     """A timeline or set, one entry a sample or element, or a record, of one entry.
 
     values: (numbers, count) float64, NaN for a missing number; flags: (flags, count) int8: 1, 0, and -1 for a missing one. ids: what
-    the elements of a set are called. `stack`: what many frames' values were put into, and the place of these, or None.
+    the elements of a set are called. absent: columns that are not there, and need not be. `stack`: what many frames' values were put into, and the place of these, or None.
     """
 
-    __slots__ = ("_listed", "count", "flags", "ids", "names", "stack", "values")
+    __slots__ = ("_listed", "absent", "count", "flags", "ids", "names", "stack", "values")
 
     def __init__(
         self, names: Names, values: Floats, flags: Flags | None = None, ids: tuple[str, ...] = ()
@@ -47,6 +47,7 @@ class Columns:
         self.flags = flags
         self.count: int = values.shape[1] if flags is None or names.numbers else flags.shape[1]
         self.ids = ids
+        self.absent: frozenset[str] = frozenset()
         self.stack: tuple[Floats, int] | None = None
         self._listed: dict[str, list[Any]] = {}
 

@@ -33,7 +33,7 @@ def cycles(recording: Recording, spec: Spec | None = None) -> Iterator[Cycle]:
     spec: what they are for; signals that recordings always have, and fields that they may have, are left out where it declares none.
     """
     track = {
-        name: Line(line) if isinstance(line, list) and _is_line(line) else line
+        name: Line(line) if isinstance(line, list) and line and _is_line(line) else line
         for name, line in recording.track.items()
     }
     for number, cycle in enumerate(recording.cycles):

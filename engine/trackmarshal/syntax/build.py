@@ -1,22 +1,23 @@
-"""Parse tree to syntax tree: one method a grammar rule."""
+"""What the parser finds to syntax tree: one method a grammar rule, called from the leaves up."""
 
 from __future__ import annotations
 
 import re
 from typing import Any
 
-from lark import Token, Tree
-from lark.tree import Meta
-
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.errors import TooDeep, UnknownClause
 from trackmarshal.syntax.keywords import CLAUSES
+from trackmarshal.syntax.lalr import Token
 from trackmarshal.syntax.names import spelled
 
 #: All words that start a clause.
 CLAUSE_WORDS = tuple(dict.fromkeys(word for words in CLAUSES.values() for word in words))
+
+#: Where a node starts and ends in its declaration, in characters.
+Meta = tuple[int, int]
 
 _NUMBER = re.compile(r"(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
@@ -58,20 +59,14 @@ class Builder:
         self._base = base
         self._limit = limit
 
-    def build(self, tree: Tree[Token], depth: int = 0) -> Any:
-        """The node of a parse tree; raises Refused."""
-        if depth > self._limit:
-            raise Refused(TooDeep(self._span(tree.meta), self._limit))
-        children = [self.build(c, depth + 1) if isinstance(c, Tree) else c for c in tree.children]
-        return getattr(self, tree.data)(tree.meta, children)
+    def too_high(self, meta: Meta) -> None:
+        raise Refused(TooDeep(self._span(meta).head, self._limit))
 
     def _span(self, meta: Meta) -> Span:
-        if meta.empty:
-            return Span(self._file, self._base, self._base)
-        return Span(self._file, self._base + meta.start_pos, self._base + meta.end_pos)
+        return Span(self._file, self._base + meta[0], self._base + meta[1])
 
     def _at(self, token: Token) -> Span:
-        start = self._base + (token.start_pos or 0)
+        start = self._base + token.start_pos
         return Span(self._file, start, start + len(token))
 
     def _name(self, token: Token) -> ast.Name:
@@ -293,6 +288,9 @@ class Builder:
 
     def name(self, meta: Meta, c: list[Any]) -> ast.Name:
         return self._name(c[0])
+
+    def parenthesised(self, meta: Meta, c: list[Any]) -> ast.Expr:
+        return ast.parenthesised(c[0])
 
     def true(self, meta: Meta, c: list[Any]) -> ast.Boolean:
         return ast.Boolean(True, self._span(meta))

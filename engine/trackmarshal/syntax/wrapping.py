@@ -45,7 +45,8 @@ class Wrapping:
         return self._lay(node, level_of(node) < level, column, tail)
 
     def _lay(self, node: ast.Expr, parentheses: bool, column: int, tail: int) -> str:
-        flat = self.notation.expr(node)
+        parentheses = parentheses or ast.is_parenthesised(node)
+        flat = self.notation.bare(node)
         if column + len(flat) + 2 * parentheses + tail > WIDTH:
             handler = _HANDLERS.get(type(node))
             if handler is not None:
@@ -159,7 +160,7 @@ class Wrapping:
                 lines.append(word + self.lay(node.condition, EXPRESSION, column + len(word)))
                 inner = column + 2
                 lines.append("  then " + self._operand(node.then, SUM, False, inner + len("then ")))
-            if not isinstance(node.otherwise, ast.IfElse):
+            if not isinstance(node.otherwise, ast.IfElse) or ast.is_parenthesised(node.otherwise):
                 break
             node, word = node.otherwise, "else if "
         lines.append("else " + self.lay(node.otherwise, SUM, column + len("else "), tail))
@@ -234,20 +235,22 @@ def _chain(node: ast.Binary) -> tuple[ast.Expr, list[tuple[str, ast.Expr]]]:
     rest: list[tuple[str, ast.Expr]] = []
     if level == IMPLICATION:
         first: ast.Expr = node.left
-        tree: ast.Expr = node
-        while isinstance(tree, ast.Binary) and tree.op == node.op:
-            following = tree.right
-            chained = isinstance(following, ast.Binary) and following.op == node.op
-            rest.append(
-                (tree.op, following.left if isinstance(following, ast.Binary) and chained else following)
-            )
-            tree = following
-        return first, rest
+        while True:
+            following = node.right
+            if (
+                not isinstance(following, ast.Binary)
+                or following.op != node.op
+                or ast.is_parenthesised(following)
+            ):
+                rest.append((node.op, following))
+                return first, rest
+            rest.append((node.op, following.left))
+            node = following
     first = node
     while isinstance(first, ast.Binary) and LEVELS[first.op][0] == level:
         rest.append((first.op, first.right))
         first = first.left
-        if left != level or open_ended(first):
+        if left != level or open_ended(first) or ast.is_parenthesised(first):
             break
     return first, rest[::-1]
 

@@ -154,17 +154,18 @@ class Door:
 
     def _order(self) -> Iterator[str]:
         """Number and stamp."""
-        stamp = {"t": "t", "now": "now", "since": "since", "begun": "begun", **_LIMITS}
-        number = {"number": "number", "last": "last", "begun": "begun"}
+        stamp = {"t": "t", "now": "now", "since": "since", "begun": "stamped", **_LIMITS}
+        number = {"number": "number", "last": "last", "begun": "numbered"}
         yield "/* Whether number and stamp go on from those of the last cycle whose stamp was in order, and the stamp is in time. */"
         yield "static void tm_door_order(tm_context *c, const tm_cycle *cycle, tm_look *look)"
         yield "{"
-        yield "  const int begun = c->begun ? 1 : 0;"
+        yield "  const int stamped = c->stamped ? 1 : 0;"
+        yield "  const int numbered = c->numbered ? 1 : 0;"
         yield "  const int64_t number = cycle->number;"
         yield "  const int64_t last = c->number;"
         yield "  const double t = cycle->t;"
         yield "  const double now = look->out->now;"
-        yield "  const double since = c->begun ? (t - c->stamp) : TM_INF;"
+        yield "  const double since = c->stamped ? (t - c->stamp) : 0.0;"
         yield "  if (!cycle->stamped) {"
         yield f'    if (!tm_named(cycle, "cycle", "t")) {{ {breach("missing", _CYCLE, text("t"))} }}'
         yield from _chain(STAMP, stamp, "} else ")
@@ -181,9 +182,10 @@ class Door:
         yield "  }"
         yield "  if (look->in_order) {"
         yield "    c->stamp = t;"
+        yield "    c->stamped = true;"
         yield "    if (cycle->numbered) {"
         yield "      c->number = number;"
-        yield "      c->begun = true;"
+        yield "      c->numbered = true;"
         yield "    }"
         yield "  }"
         yield "  ++look->parts;"

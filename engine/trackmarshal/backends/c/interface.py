@@ -176,9 +176,10 @@ def members(plan: Layout, given: Supervised) -> list[str]:
         "  tm_marks marks;",
         "  tm_limits limits;",
         "  double reading; /* s, the clock's last */",
-        "  double stamp; /* s, the last in order, and its number */",
-        "  int64_t number;",
-        "  bool begun; /* there are such */",
+        "  double stamp; /* s, the last in order */",
+        "  int64_t number; /* the last that came with a stamp in order */",
+        "  bool stamped; /* there is such a stamp */",
+        "  bool numbered; /* there is such a number */",
         "  tm_state state;",
         "  tm_stored stored;",
     ]

@@ -23,7 +23,7 @@ def _demand(fault: str, field: str, holds: str) -> Demand:
     return Demand(fault, field, Condition(holds))
 
 
-#: Of the stamp `t` [s]; `since`: the time from the last stamp in order, infinite where there is none; `now`: the clock at the
+#: Of the stamp `t` [s]; `begun`: 1 once a stamp was in order, else 0; `since`: the time from that one, else 0; `now`: the clock at the
 #: arrival, NaN where it is wrong. A chain. A stamp is in order where all hold; only then it is remembered, and the number with it.
 STAMP = (
     _demand("not_finite", "t", f"(t >= -{MOST!r}) & (t <= {MOST!r})"),
@@ -36,7 +36,8 @@ TIMELY = (
     _demand("late", "t", "(begun == 0) | (since <= longest_gap)"),
     _demand("stale", "t", "((now - t) <= oldest) | (now != now)"),
 )
-#: Of the cycle's `number` and the `last` one, whole numbers of 64 bits. A chain, whatever the stamp is.
+#: Of the cycle's `number` and the `last` one that came with a stamp in order (`begun` 1 once there is one, else `last` is 0), whole
+#: numbers of 64 bits. A chain, whatever the stamp is.
 NUMBER = (
     _demand("repeated", "number", "(begun == 0) | (number != last)"),
     _demand("out_of_order", "number", "(begun == 0) | (number > last)"),

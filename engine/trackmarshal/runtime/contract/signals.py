@@ -20,13 +20,17 @@ TIMELINE, SET, RECORD, LINES, EVENT = "timeline", "set", "record", "lines", "eve
 
 
 class Field(Node):
-    """A field that has to be there: `kind` number, bool or polyline; numbers come in `unit`; the default is in SI."""
+    """A field: `kind` number, bool or polyline; numbers come in `unit`; the default is in SI.
+
+    needed: whether it has to be there; one that only orders samples need not.
+    """
 
     name: str
     kind: str
     unit: str
     default: float | None
     checks: tuple[Check, ...]
+    needed: bool
 
     def checked(self, of: str) -> tuple[Check, ...]:
         """Its checks of values, steps, counts or points."""
@@ -133,7 +137,7 @@ def _signal(info: SignalType, wanted: set[str] | None) -> Signal:
         given = {kind.name for kind in kinds}
         missing = ["left", "right"] if info.kind == "corridor" else [""]
         kinds += [_line(name, info.span) for name in missing if name not in given]
-    fields = tuple(_field(kind) for kind in kinds)
+    fields = tuple(_field(kind, wanted is None or kind.name in wanted or form == LINES) for kind in kinds)
     checks = () if form == LINES else checks_of(info)
     return Signal(info.name, form, fields, checks, frozenset(kind.name for kind in info.fields_))
 
@@ -142,8 +146,8 @@ def _line(name: str, span: Span) -> FieldType:
     return FieldType(name, "polyline", "m", False, None, None, None, span)
 
 
-def _field(kind: FieldType) -> Field:
-    return Field(kind.name, kind.kind, kind.unit, kind.default, checks_of(kind))
+def _field(kind: FieldType, needed: bool = True) -> Field:
+    return Field(kind.name, kind.kind, kind.unit, kind.default, checks_of(kind), needed)
 
 
 def _part(spec: Spec, name: str, kind: str, needed: dict[str, str]) -> SignalType:

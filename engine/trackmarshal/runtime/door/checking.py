@@ -90,6 +90,8 @@ class ColumnsChecker:
                 return
         record = self.signal.form == "record"
         for field, checks in self._fields:
+            if field.name in columns.absent:
+                continue
             values = columns.column(field.name)
             failed = np.zeros(len(values), dtype=bool)
             for check in checks:

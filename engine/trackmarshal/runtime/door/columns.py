@@ -43,6 +43,7 @@ class ColumnsReader:
             for row, field in enumerate(self._numbers)
             if parse_unit(field.unit)[:2] != (1.0, 1.0)
         ]
+        self._spared = {f.name for f in signal.fields_ if not f.needed}
         self._defaults = {f.name: f.default for f in signal.fields_ if f.default is not None}
         #: Whether there is nothing but numbers, of which all are in SI: then they can be taken as they come.
         self._plain = len(self._numbers) > 1 and not self._flags and not self._scaled
@@ -158,9 +159,11 @@ class ColumnsReader:
             if name in read:
                 own = read[name][:count]
                 marks[row, : len(own)] = own
-        return self._columns(
+        made = self._columns(
             numbers, marks, self._counted(count) if ids is None else (*ids, *["?"] * count)[:count]
         )
+        made.absent = frozenset(self._spared - read.keys())
+        return made
 
     def _row(self, name: str, column: NDArray[Any] | None, count: int, data: dict[Any, Any]) -> Any:
         if column is None:  # a null is a missing value, not the wish for a default
@@ -176,7 +179,8 @@ class ColumnsReader:
         """A column by its name, unless it is missing or of the wrong type."""
         record = self.signal.form == RECORD
         if column is None:
-            faults.append(fault("missing", self.label, name, None, "it is not there"))
+            if name not in self._spared:
+                faults.append(fault("missing", self.label, name, None, "it is not there"))
             return {}
         if record and column[0] is None and name in self._flags:
             faults.append(fault("missing", self.label, name, None, "it is not there"))

@@ -83,9 +83,9 @@ class Door:
         self.reader = CycleReader(contract, settings)
         self._checker = FrameChecker(contract, limits)
         self._demands = _Demands(limits)
-        self._begun = False
-        self._number = 0
-        self._stamp = 0.0
+        #: Those of the last cycle in order; None where there was none.
+        self._number: int | None = None
+        self._stamp: float | None = None
 
     def admit(self, about: int, cycle: Cycle, now: float) -> Admission:
         """What there is to say of a cycle that arrived now (NaN: the clock is wrong)."""
@@ -108,21 +108,22 @@ class Door:
 
     def _in_order(self, stamp: Stamp, now: float, faults: list[Fault]) -> bool:
         """Number and stamp against the last cycle in order and the clock; whether the stamp can be relied on."""
-        number, t, begun = stamp.number, stamp.t, int(self._begun)
+        number, t = stamp.number, stamp.t
         in_order = False
         if t is not None:
-            given: dict[str, Any] = {"t": t, "now": now, "begun": begun, "since": t - self._stamp}
+            begun, since = (0, 0.0) if self._stamp is None else (1, t - self._stamp)
+            given: dict[str, Any] = {"t": t, "now": now, "begun": begun, "since": since}
             in_order = self._demands.chain(STAMP, given, faults, f"{t!r} s at {now!r} s")
             if in_order:
                 self._demands.each(TIMELY, given, faults, f"{t!r} s at {now!r} s")
         if number is not None:
-            given = {"number": number, "last": self._number, "begun": begun}
+            last = self._number
+            given = {"number": number, "last": 0 if last is None else last, "begun": int(last is not None)}
             self._demands.chain(NUMBER, given, faults, f"number {number}")
         if in_order and t is not None:
             self._stamp = t
             if number is not None:
                 self._number = number
-                self._begun = True
         return in_order
 
     def _fit(self, frame: Frame, faults: list[Fault]) -> None:
