@@ -12,6 +12,8 @@ from pathlib import Path
 
 from support.shared import REPOSITORY
 from trackmarshal.backends.c.build import EXACT, FAST
+from trackmarshal.backends.c.report import deepest
+from trackmarshal.backends.c.source import Source
 
 #: Start-up, linker script and probe of the board.
 TARGET = REPOSITORY / "tests" / "embedded"
@@ -70,7 +72,18 @@ def cross_build(
     mine = [f"{out}-{source}.o" for source in (name, "main", "cycles")]
     for source, made in zip((name, "main", "cycles"), mine):
         _call(
-            [*CORTEX_M7, *flags, *STRICT, "-DTM_PROBE", f"-I{TARGET}", "-c", f"{source}.c", "-o", made],
+            [
+                *CORTEX_M7,
+                *flags,
+                *STRICT,
+                "-DTM_PROBE",
+                f"-I{TARGET}",
+                "-fstack-usage",
+                "-c",
+                f"{source}.c",
+                "-o",
+                made,
+            ],
             folder,
         )
     board = [str(TARGET / source) for source in ("startup.c", "probe.c")]
@@ -129,32 +142,31 @@ def double(bits: str) -> float:
     return value
 
 
-def figures(folder: Path, image: Path, runs: Sequence[Ran], name: str = "supervisor") -> dict[str, int]:
-    """What a step costs on the board, over all runs, and what the program takes there; bytes and instructions.
+def instructions(runs: Sequence[Ran]) -> dict[str, int]:
+    """What steps cost on the board: how many there were, and the instructions of the median one and of the longest."""
+    found = [n for one in runs for n in one.instructions]
+    return {"steps": len(found), "median": round(statistics.median(found)), "most": max(found)}
 
-    flash: of the generated program alone; image: with example, start-up and the C library. context, decision: what the caller has to
-    provide. stack: the most that a step took, interrupts of the probe's clock included.
-    """
-    instructions = [n for one in runs for n in one.instructions]
-    size = _call(["arm-none-eabi-size", f"{image.stem}-{name}.o", image.name], folder).splitlines()
-    own, whole = ([int(word) for word in line.split()[:3]] for line in size[1:3])
+
+def sizes(folder: Path, image: Path, source: Source) -> dict[str, int]:
+    """Bytes on the board. generated: code and constants of what was generated; context, decision: what a caller provides for it;
+    image_flash, image_ram: with the example's own memory, the C library and start-up. stack_bound: the most that the generated
+    functions can take together, from the compiler's figures of each, without those of libm."""
+    name = source.name
+    lines = _call(["arm-none-eabi-size", f"{image.stem}-{name}.o", image.name], folder).splitlines()
+    own, whole = ([int(word) for word in line.split()[:3]] for line in lines[1:3])
     assert own[1:] == [0, 0], "generated code has no memory of its own"
     symbols = {
         words[3]: int(words[1], 16)
         for line in _call(["arm-none-eabi-nm", "-S", image.name], folder).splitlines()
         if len(words := line.split()) == 4
     }
+    rows = [line.split("\t") for line in (folder / f"{image.stem}-{name}.su").read_text("utf-8").splitlines()]
+    usage = {row[0].rpartition(":")[2].partition(".")[0]: int(row[1]) for row in rows}
     return {
-        "steps": len(instructions),
-        "instructions_median": round(statistics.median(instructions)),
-        "instructions_most": max(instructions),
-        "stack": max(n for one in runs for n in one.stack),
-        "flash": own[0],
-        "context": symbols["context"],
-        "decision": symbols["decision"],
-        "image_flash": whole[0] + whole[1],
-        "image_ram": whole[1] + whole[2],
-    }
+        "generated": own[0], "context": symbols["context"], "decision": symbols["decision"],
+        "image_flash": whole[0] + whole[1], "image_ram": whole[1] + whole[2], "stack_bound": deepest(source, usage)[0],
+    }  # fmt: skip
 
 
 def _call(command: Sequence[str], folder: Path) -> str:

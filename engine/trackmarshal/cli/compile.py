@@ -8,6 +8,7 @@ With --cycles, a recording or the record of a run is written as a file that the 
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -110,7 +111,7 @@ def _used(given: list[tuple[str, Recording | Run]], project: Path | None) -> lis
         raise TrackmarshalError(
             "E475", f"two recordings have the name `{twice}`", help="compile once for each of them"
         )
-    named = {name: configuration(one, project) if isinstance(one, Recording) else [] for name, one in given}
+    named = {name: configuration(one, project) for name, one in given if isinstance(one, Recording)}
     first, *others = named or [""]
     for name in others:
         if named[name] != named[first]:
@@ -133,5 +134,9 @@ def _cycles(one: Recording | Run, source: Source, evaluator: Evaluator) -> Itera
         tables, _ = known_tables(one, evaluator.spec)
         return cycle_file.of_recording(one, source, rulebox(evaluator, one.params, tables).settings)
     identity = one.identity
+    if identity.get("fingerprint") != evaluator.spec.fingerprint:
+        print(
+            "note: a run was under another spec than is compiled; its decisions may differ", file=sys.stderr
+        )
     box = rulebox(evaluator, identity.get("params"), identity.get("tables"))
     return cycle_file.of_run(one, source, box.settings)

@@ -41,10 +41,18 @@ def reached(graph: dict[str, set[str]], *functions: str) -> set[str]:
     return known
 
 
-def libm(source: Source, code: RuleCode) -> list[str]:
-    """Functions of libm that a rule's verdict and margin depend on, those included that prepare the lines and areas that it
-    asks about."""
+def inexact(source: Source) -> dict[str, list[str]]:
+    """Rules whose verdict and margin depend on what each C library computes in its own way: by rule, these functions of libm.
+
+    Functions that prepare the lines and areas that a rule asks about count too. Raises AssertionError where the code of a rule
+    is not found.
+    """
     graph = calls(source)
+    found = {code.rule.name: sorted(_libm(source, graph, code) - EXACT) for code in source.rules}
+    return {name: functions for name, functions in found.items() if functions}
+
+
+def _libm(source: Source, graph: dict[str, set[str]], code: RuleCode) -> set[str]:
     begun = [f"tm_rule_{code.c_name}"]
     for root in roots(code.rule):
         for node in ir.below(root):
@@ -53,4 +61,4 @@ def libm(source: Source, code: RuleCode) -> list[str]:
     missing = [name for name in begun if name not in graph]
     if missing:
         raise AssertionError(f"{', '.join(missing)} not found in the generated code")
-    return sorted(name for name in reached(graph, *begun) | set(begun) if not name.startswith("tm_"))
+    return {name for name in reached(graph, *begun) if not name.startswith("tm_")}

@@ -20,6 +20,7 @@ from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.source import Source
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
+from trackmarshal.runtime.decision import MOST_REASONS
 from trackmarshal.runtime.faults import Fault, name_of
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 FORMAT, VERSION = "trackmarshal-cycles", 1
 #: The most letters of a name in a file; longer ones are cut.
 LETTERS = 63
+#: The most faults of one cycle in a file: one more than a decision has room for, so that it says that there are more.
+FOUND = MOST_REASONS + 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +103,9 @@ class CycleWriter:
         ])  # fmt: skip
         if frame is None:
             return
-        yield f"found {len(arrival.found):x}"
-        for fault in arrival.found:
+        found = arrival.found[:FOUND]
+        yield f"found {len(found):x}"
+        for fault in found:
             index = "-" if fault.index is None else integer(fault.index)
             yield f" {name_of(fault)} {label(fault.signal)} {label(fault.field)} {index}"
         spoilt = {fault.signal for fault in arrival.found}

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.cycles import FORMAT, LETTERS, VERSION, digest, label
+from trackmarshal.backends.c.cycles import FORMAT, FOUND, LETTERS, VERSION, digest, label
 from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.names import comment
@@ -72,7 +72,7 @@ def _supervisor(source: Source, given: Supervised) -> dict[str, Any]:
     signals = [*candidates, *(_signal(source, given, signal) for signal in contract.signals)]
     return {
         "name": source.name,
-        "format": FORMAT, "version": VERSION, "letters": LETTERS, "digest": digest(source),
+        "format": FORMAT, "version": VERSION, "letters": LETTERS, "found": FOUND, "digest": digest(source),
         "plan": candidates[0],
         "signals": signals,
         "limits": list(LIMITS),

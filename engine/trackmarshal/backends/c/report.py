@@ -10,6 +10,7 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from trackmarshal.backends.c import calls
 from trackmarshal.backends.c.build import EXACT, library
 from trackmarshal.backends.c.header import CAPACITIES, capacities
 from trackmarshal.backends.c.online import CAPACITY
@@ -131,6 +132,8 @@ def _lines(source: Source) -> Iterator[str]:
         most, chain = deepest(source, usage)
         yield f"- Stack: at most {most} bytes, libm's own left out (no recursion; {' > '.join(f'`{name}`' for name in chain)})."
     yield f"- libm: {', '.join(libm(source)) or 'nothing'}."
+    own = [f"{name} ({', '.join(functions)})" for name, functions in calls.inexact(source).items()]
+    yield f"- Margins whose last digits depend on the C library: {', '.join(own) or 'none'}."
     yield ""
     if limits:
         yield "| capacity | default | bounds |"
