@@ -12,7 +12,6 @@ from typing import Any
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
-from trackmarshal.runtime.door.cases import CasesReader
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import Judged, Program, Rated
 from trackmarshal.runtime.verdict import CaseResult
@@ -59,6 +58,7 @@ class Evaluator:
         declared: Callable[[], frozenset[str]] = frozenset,
     ) -> None:  # fmt: skip
         from trackmarshal.backends.results import chosen_rules
+        from trackmarshal.runtime.door.cases import CasesReader
 
         if backend not in BACKENDS:
             help_ = close_matches(str(backend), BACKENDS) or f"there are {', '.join(BACKENDS)}"

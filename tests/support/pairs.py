@@ -95,6 +95,18 @@ def planned(plan: Plan | None) -> tuple[Any, ...] | None:
     return None if plan is None else (plan.candidate, plan.number, bits(plan.t), plan.names, plan.matrix.tobytes())
 
 
+def declared(given: Cycle, spec: Spec) -> Cycle:
+    """A cycle without what the spec does not declare: then it gets as far as the rules."""
+    signals = dict(given.signals)
+    for name, value in signals.items():
+        known = {field.name for field in spec.signals[name].fields_} | {"id", "closed"}
+        if isinstance(value, dict):
+            signals[name] = {field: own for field, own in value.items() if field in known}
+        elif isinstance(value, list):
+            signals[name] = [{field: own for field, own in one.items() if field in known} for one in value]
+    return replace(given, signals=signals)
+
+
 # Generated runs --------------------------------------------------------------------------------------------------
 
 Step = tuple[Any, tuple[float | None, ...]]
@@ -117,7 +129,7 @@ def generated(seed: int, steps: int = 50) -> Iterator[Step]:
             given, arrival, taken = event(rng, given, arrival, taken)
             shift = rng.choice((0.0, 0.0, 1.0, 30.0)) if event is _leave else 0.0
         yield given, (arrival, taken)
-        number += rng.choice((1,) * 30 + (0, 2, 3))
+        number += rng.choice((1,) * 60 + (0, 0, 2, 2, 3, 3, 40))
         late = rng.choice((0.0,) * 20 + (0.05, 0.2))
 
 
@@ -191,8 +203,14 @@ def _junk(rng: random.Random, given: Cycle, arrival: Any, taken: Any) -> tuple[A
     return replace(given, **{place: Odd(getattr(given, place))}), arrival, taken
 
 
+def _misspelt(rng: random.Random, given: Cycle, arrival: Any, taken: Any) -> tuple[Any, Any, Any]:
+    place = rng.choice((given.driving, given.signals, given.signals["ego"], given.signals["objects"]))
+    place["headnig"] = 1.0
+    return given, arrival, taken
+
+
 _EVENTS: tuple[Event, ...] = (
-    _broken, _broken, _broken, _broken, _violating, _near, _none, _clock, _slow, _leave, _leave, _border, _junk,
+    _broken, _broken, _broken, _broken, _violating, _near, _none, _clock, _slow, _leave, _leave, _border, _junk, _misspelt,
 )  # fmt: skip
 
 

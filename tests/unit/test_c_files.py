@@ -292,7 +292,7 @@ def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
     track = {"left": [[-9.0, 5.0], [nearly_zero, 5.0], [9.0, 5.0]], "right": [[-9.0, -5.0], [9.0, -5.0]]}
     plan = {"t": [0.0, 0.1], "x": [0.0, 1.0], "y": [0.0, 0.0], "heading": [0.0, 0.0]}
     rules = ["static_collision"]
-    by_numpy, by_c = Evaluator(spec(), rules, "numpy"), Evaluator(spec(), rules, "c")
+    by_numpy, by_c = Evaluator(spec(), rules, "numpy"), Evaluator(spec(), rules, "auto")
     raw = [{"id": i, "signals": {"plan": plan, "track": track}} for i in range(CHUNK + 1)]
     expected = [result.rules for result in by_numpy.evaluate([by_numpy.read(case) for case in raw])]
     assert [result.rules for result in by_c.evaluate([by_c.read(case) for case in raw])] == expected
@@ -301,6 +301,10 @@ def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
     assert len(said_lines) == 1
     assert said_lines[0].startswith("note: numpy evaluates instead of generated C: ")
     assert said_lines[0].endswith(said)
+    asked = Evaluator(spec(), rules, "c")  # who asks for it gets it, or an error
+    with pytest.raises(TrackmarshalError) as caught:
+        list(asked.evaluate([asked.read(raw[0])]))
+    assert f"[{caught.value.code}]" in said
 
 
 @needs_compiler

@@ -34,7 +34,7 @@ def is_record(path: str) -> bool:
 def replay_record(
     path: str, spec: Spec, backend: str | None, format_: str, quiet: bool, mcap: str | None = None
 ) -> int:
-    """Print what became of it; 0 when every decision is the recorded one, else 1. Raises D120, D124, D161, D162, E484."""
+    """Print what became of it; 0 when every decision is the recorded one and none is missing, else 1. Raises D120, D124, D161, D162, E484."""
     from trackmarshal.runtime.record import read
     from trackmarshal.scenarios import content
     from trackmarshal.supervision import box_of, rerun
@@ -65,7 +65,7 @@ def replay_record(
                 print(line)
     else:
         print(_summary(path, run, decisions, found))
-    return 1 if found else 0
+    return 1 if found or run.missed else 0
 
 
 def _summary(path: str, run: Run, decisions: Sequence[Decision], found: Sequence[Difference]) -> str:
@@ -76,6 +76,8 @@ def _summary(path: str, run: Run, decisions: Sequence[Decision], found: Sequence
         + ", ".join(f"{count} {action}" for action, count in counts.items())
         + ending
     ]
+    if run.missed:
+        lines.append(f"{run.missed} cycles could not be written; what was decided in them is not known")
     if not found:
         return "\n".join([*lines, "same decisions, bit for bit"])
     places = {difference.place for difference in found}

@@ -5,18 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
 from trackmarshal.runtime.cycle import EMERGENCY
 from trackmarshal.runtime.faults import UNUSABLE, Fault, name_of
-from trackmarshal.runtime.lines import NOWHERE, Line
+from trackmarshal.runtime.lines import Line
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.int8]
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Flags = NDArray[np.int8]
+
 NAN = math.nan
 
 
@@ -149,7 +151,7 @@ class Frame:
 
     def line(self, signal: str, name: str) -> Line:
         """A border or line; one of no points where it is missing."""
-        return self.lines.get((signal, name), NOWHERE)
+        return self.lines[signal, name]
 
     def corridor(self, signal: str) -> tuple[Line, Line, bool]:
         """Left and right border, and whether they are closed."""

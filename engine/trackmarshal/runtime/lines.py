@@ -1,39 +1,31 @@
-"""Borders and lines: points that never change, read anew only when a caller's data may be other than last time."""
+"""Borders and lines: points that never change."""
 
 from __future__ import annotations
 
 import itertools
-import marshal
-from collections import OrderedDict
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+    Floats = NDArray[np.float64]
 Point = tuple[float, float]
-#: Lines that a reader remembers: more than one run's tracks have, few enough to hold.
-KEPT = 32
 _numbers = itertools.count(1)
-_FLOAT = np.dtype(np.float64)
 
 
 class Line:
     """A polyline that nobody can change: `points` (n, 2) in m. Whoever has the same one need not look at its points again.
 
-    Made from an array or a list of points [x, y]. Raises ValueError for anything else. Hand it in as a border of each cycle: a
-    border that is the same object as in the last cycle costs nothing.
+    Made by `door.lines.line`, from points in memory that nobody can write to. Hand one in as a border of each cycle: a border that is
+    the same object as in the last cycle costs nothing.
     """
 
     __slots__ = ("__dict__", "number", "points")
 
-    def __init__(self, points: Any) -> None:
-        array = np.array(points, dtype=np.float64)
-        if array.ndim != 2 or array.shape[1] != 2:
-            raise ValueError(f"a line is a list of points [x, y], not of shape {array.shape}")
-        #: The points, in memory that is bytes: numpy lets nobody write there.
-        self.points: Floats = np.frombuffer(array.tobytes(), dtype=np.float64).reshape(-1, 2)
+    def __init__(self, points: Floats) -> None:
+        self.points = points
         #: What tells lines apart in generated code; no two have the same.
         self.number = next(_numbers)
 
@@ -44,98 +36,3 @@ class Line:
     def tuples(self) -> tuple[Point, ...]:
         """The points as pairs of Python's numbers."""
         return tuple(map(tuple, self.points.tolist()))
-
-
-NOWHERE = Line(np.zeros((0, 2)))
-
-
-class NoLineError(Exception):
-    """What was given is no line: the name of the fault, the index of the point, and what is wrong."""
-
-    def __init__(self, name: str, index: int | None, message: str) -> None:
-        super().__init__(name, index, message)
-        self.name, self.index, self.message = name, index, message
-
-
-class LineReader:
-    """Reads the lines of one place. Equal data gives the same line, so that evaluators prepare it once."""
-
-    def __init__(self) -> None:
-        self._last: Line = NOWHERE
-        #: The object that the last line was read from, where nothing in it can have changed since.
-        self._frozen: object = None
-        self._content: bytes = b""
-        self._known: OrderedDict[Any, Line] = OrderedDict()
-
-    def read(self, raw: Any) -> Line:
-        """The line that data stands for; raises NoLineError."""
-        if raw is self._frozen and raw is not None:
-            return self._last
-        kind = type(raw)
-        if kind is Line:
-            return self._remember(raw, raw)
-        if kind is np.ndarray:
-            if raw.dtype == _FLOAT and raw.ndim == 2 and raw.shape[1] == 2:
-                content = raw.tobytes()
-                if content != self._content:
-                    self._last, self._content = self._known_as(("array", content), raw), content
-                self._frozen = raw if _frozen(raw) else None
-                return self._last
-            raw = raw.tolist()
-        if not isinstance(raw, list | tuple):
-            raise NoLineError("wrong_type", None, "not a list of points")
-        self._frozen, self._content = None, b""
-        self._last = self._known_as(_content(raw), raw)
-        return self._last
-
-    def _remember(self, line: Line, frozen: object) -> Line:
-        self._last, self._frozen, self._content = line, frozen, b""
-        return line
-
-    def _known_as(self, content: Any, raw: Any) -> Line:
-        line = None if content is None else self._known.get(content)
-        if line is None:
-            line = Line(raw if type(raw) is np.ndarray else points_of(raw))
-            if content is not None:
-                self._known[content] = line
-                while len(self._known) > KEPT:
-                    self._known.popitem(last=False)
-        return line
-
-
-def points_of(raw: Any) -> Floats:
-    """(n, 2) of a list of points; raises NoLineError."""
-    from trackmarshal.runtime.door.values import number
-
-    rows = np.zeros((len(raw), 2))
-    for index, point in enumerate(raw):
-        pair = point.tolist() if type(point) is np.ndarray else point
-        if not isinstance(pair, list | tuple) or len(pair) != 2:
-            raise NoLineError("wrong_type", index, "not a point [x, y]")
-        for axis, value in enumerate(pair):
-            coordinate = number(value)
-            if coordinate is None:
-                raise NoLineError("wrong_type", index, "not a number")
-            rows[index, axis] = coordinate
-    return rows
-
-
-def _frozen(array: NDArray[Any]) -> bool:
-    """Whether an array's memory is Python's bytes, which nobody can write to."""
-    base: Any = array
-    while type(base) is np.ndarray:
-        base = base.base
-    return type(base) is bytes
-
-
-def _content(raw: Any) -> object:
-    """A key for plain lists and tuples of plain numbers, the same only for the same types and bits; None for anything else.
-
-    `marshal` writes each type of plain data in a way of its own, so there is one way only to read it.
-    """
-    if type(raw) not in (list, tuple) or not all(
-        type(row) in (list, tuple) and {float, int}.issuperset(map(type, row)) for row in raw
-    ):
-        return None
-    # Later versions write references: slower, and not in one way only.
-    return marshal.dumps(raw, 2)

@@ -9,7 +9,6 @@ from typing import Any
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, Spec, TableInfo
-from trackmarshal.runtime.door.values import number, worded
 from trackmarshal.runtime.frame import Settings
 from trackmarshal.runtime.lines import Point
 from trackmarshal.units import to_si
@@ -85,6 +84,8 @@ def check_place(info: PlaceInfo, points: object) -> tuple[Point, ...]:
 
 def _given(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     """The overrides of one kind; null and absent mean none."""
+    from trackmarshal.runtime.door.values import worded
+
     value = data.get(key)
     if value is None:
         return {}
@@ -124,6 +125,8 @@ def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
 
 
 def _number(value: object, where: str) -> float:
+    from trackmarshal.runtime.door.values import number, worded
+
     found = number(value, spelt=True)
     if found is None:
         raise TrackmarshalError("D202", f"{where} is a number or null, not {worded(value)}", help=_MISSING)
@@ -131,6 +134,10 @@ def _number(value: object, where: str) -> float:
 
 
 def _points(raw: Any, what: str) -> list[Point]:
+    from trackmarshal.runtime.door.values import (
+        worded,
+    )  # with numpy, which whoever reads no data does without
+
     rows = raw.tolist() if hasattr(raw, "tolist") else raw
     if not isinstance(rows, list | tuple):
         raise TrackmarshalError("D202", f"{what} is a list, not {worded(raw)}", help="write it as [...]")

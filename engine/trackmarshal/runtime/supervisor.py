@@ -180,7 +180,7 @@ class Supervisor:
         except Exception:
             value = math.nan
         readings[which] = value
-        if not self._last <= value < math.inf:
+        if not (math.isfinite(value) and value >= self._last):
             faults.append(fault("bad_clock", "clock", "", None, f"{value!r} after {self._last!r}"))
             return math.nan
         self._last = value

@@ -90,6 +90,7 @@ class CSupervisor:
             decision = self._decision(said, frame, stamp, now, found)
         except Exception as error:
             decision = self._nothing(said, stamp, internal(error))
+        self._words.read(said)
         if self.recorder is not None:
             try:
                 self.recorder.append(cycle, frame, decision, (now, decision.finished))

@@ -22,6 +22,7 @@ class Wording:
     def __init__(self, contract: Contract, limits: Limits) -> None:
         self._checker = FrameChecker(contract, limits)
         self._limits = limits
+        #: The clock's last reading that could be one.
         self._last = -math.inf
 
     def faults(
@@ -48,6 +49,12 @@ class Wording:
             made.append(known.get(key) or fault(*key, self._message(reason, frame, stamp, now, said)))
         return tuple(made)
 
+    def read(self, said: Said) -> None:
+        """Note the clock's readings of a step."""
+        for reading in (said.now, said.finished):
+            if math.isfinite(reading) and reading >= self._last:
+                self._last = reading
+
     def _values(self, frame: Frame, found: list[Fault]) -> list[Fault]:
         faults: list[Fault] = []
         named = {one.signal for one in found}
@@ -56,8 +63,13 @@ class Wording:
         return faults
 
     def _message(self, one: Reason, frame: Frame | None, stamp: Stamp, now: float, said: Said) -> str:
+        arrived = not math.isnan(said.now)
+        if one.name == "bad_clock":
+            value, last = (said.finished, said.now) if arrived else (now, self._last)
+            return f"{value!r} after {last!r}"
         if one.name == "overrun":
-            took = said.finished - said.now
+            known = math.isfinite(said.finished) and said.finished >= said.now
+            took = (said.finished if known else math.nan) - said.now
             return f"{took:g} s, the budget is {self._limits.budget:g} s"
         if one.name == "starts_elsewhere" and frame is not None:
             return _apart(frame)

@@ -10,10 +10,10 @@ from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.columns import ColumnsReader, unknown
+from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.values import WrongTypeError
-from trackmarshal.runtime.faults import Fault, fault
+from trackmarshal.runtime.faults import Fault, fault, name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
-from trackmarshal.runtime.lines import NOWHERE, LineReader, NoLineError
 
 
 class LinesReader:
@@ -27,6 +27,8 @@ class LinesReader:
     def read(self, raw: Any, frame: Frame, faults: list[Fault]) -> None:
         name = self.signal.name
         before = len(faults)
+        for line in self._readers:
+            frame.lines[name, line] = NOWHERE
         try:
             if "" in self._readers:
                 self._line("", raw, frame, faults)
@@ -46,15 +48,12 @@ class LinesReader:
                 self._line(line, data.get(line), frame, faults)
         except WrongTypeError as error:
             faults.append(fault("wrong_type", name, "", None, error.message))
-        except Exception as error:  # what was handed in has a say in how it is read
+        except Exception:  # what was handed in has a say in how it is read
             del faults[before:]
-            faults.append(
-                fault("wrong_type", name, "", None, f"reading it failed: {type(error).__name__:.40}")
-            )
+            faults.append(fault("wrong_type", name, "", None, "it cannot be read"))
 
     def _line(self, line: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
         place = self.signal.name, line
-        frame.lines[place] = NOWHERE
         if raw is None:
             faults.append(fault("missing", *place, None, "it is not there"))
             return
@@ -130,7 +129,15 @@ class CycleReader:
         else:
             self.shared.refuse_unknown(signals, faults, self._known)
         self.shared.read(signals, frame, faults)
+        if cycle.also and type(cycle.also) is frozenset:
+            faults = [fault for fault in faults if not _known(fault, cycle.also)]
         return frame, faults
+
+
+def _known(fault: Fault, also: frozenset[str]) -> bool:
+    """Whether it is the fault of a name that is known after all."""
+    name = fault.field if fault.signal == "signals" else f"{fault.signal}.{fault.field}"
+    return name_of(fault) == "unknown" and name in also
 
 
 def whole(value: object) -> int | None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from trackmarshal.runtime.cycle import Cycle
+from trackmarshal.runtime.lines import Line
 
 #: Time that a verdict takes when nothing is wrong, s.
 USUAL_DELAY = 0.005
@@ -30,6 +31,7 @@ class Moment:
     lost: bool = False
     silent: bool = False
     judge: str = ""
+    also: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, cycle: Cycle) -> Moment:
@@ -43,15 +45,20 @@ class Moment:
             "ego": dict(cycle.signals["ego"]),
             "objects": [dict(each) for each in cycle.signals["objects"]],
             "obstacles": [dict(each) for each in cycle.signals["obstacles"]],
-            "track": dict(cycle.signals["track"]),
+            "track": {
+                name: line.points.tolist() if isinstance(line, Line) else line
+                for name, line in cycle.signals["track"].items()
+            },
         }
-        return cls(cycle.number, cycle.t, candidates, signals, cycle.t)
+        return cls(cycle.number, cycle.t, candidates, signals, cycle.t, also=cycle.also)
 
     @property
     def cycle(self) -> Cycle:
         """What the Supervisor gets."""
         plans = self.candidates
-        return Cycle(self.number, self.t, plans.get("driving"), plans.get("emergency"), self.signals)
+        return Cycle(
+            self.number, self.t, plans.get("driving"), plans.get("emergency"), self.signals, self.also
+        )
 
     def beside_the_car(self, ahead: float, left: float, turn: float) -> dict[str, float]:
         """A pose relative to the car's: m ahead, m to the left, rad turned."""
