@@ -49,7 +49,7 @@ def python_says(recording: Path, spec: Spec, backend: str) -> list[str]:
         tables=known_tables(found, spec)[0],
     )  # fmt: skip
     lines = []
-    for given in tm.cycles(found, spec):
+    for given in tm.cycles(found):
         now = given.t
         lines += decision_lines(supervisor.step(given))
     return lines
