@@ -209,18 +209,30 @@ def _signatures(plan: Layout) -> Iterator[tuple[str, str, str]]:
         )
 
 
-def prototypes(plan: Layout) -> Iterator[str]:
-    """Declarations of the header."""
+def prototypes(plan: Layout, supervised: bool = False) -> Iterator[str]:
+    """Declarations of the header; in a Supervisor, borders and lines come with each cycle."""
     done: set[str] = set()
     for name, signature, what in _signatures(plan):
-        if name not in done:
+        if name not in done and not (supervised and name in plan.spec.signals):
             done.add(name)
             yield f"/* {what}. TM_UNUSABLE, TM_UNSUPPORTED: rules that need it are undefined. */"
             yield f"{signature};"
 
 
-def setters(plan: Layout) -> Iterator[str]:
-    """Definitions of the functions that set shapes."""
+def calls(plan: Layout, members: dict[tuple[str, str], str]) -> dict[str, str]:
+    """By signal: C of the call that sets its shapes from `in`, whose members lines are."""
+    names = _setters(plan)
+    found = {}
+    for name in sources(plan):
+        lines = ("left", "right") if _bordered(plan, name) else ("",)
+        given = [f"in->{members[name, line]}" for line in lines]
+        args = ", ".join(f"{line}.points, {line}.count" for line in given)
+        found[name] = f"{names[name]}(c, {args}{', in->closed' if _bordered(plan, name) else ''})"
+    return found
+
+
+def setters(plan: Layout, supervised: bool = False) -> Iterator[str]:
+    """Definitions of the functions that set shapes; those of signals are the Supervisor's own, where there is one."""
     done: set[str] = set()
     for name, signature, _ in _signatures(plan):
         if name in done:
@@ -230,7 +242,7 @@ def setters(plan: Layout) -> Iterator[str]:
         bordered = name in plan.spec.signals and _bordered(plan, name)
         limit = "TM_MAX_PLACE" if name not in plan.spec.signals else "TM_MAX_BORDER"
         yield ""
-        yield signature
+        yield ("static " if supervised and name in plan.spec.signals else "") + signature
         yield "{"
         yield "  tm_status worst = TM_OK;"
         yield "  tm_status status;"
@@ -270,8 +282,8 @@ def _ordered(plan: Layout) -> list[str]:
     return [*sources(plan), *dict.fromkeys(shape.key[1] for shape in own_places(plan))]
 
 
-def glue(plan: Layout, doored: bool = False) -> Iterator[str]:
-    """The binding: shapes by number; a second list of points for corridors. With a door, the admission of lines first."""
+def glue(plan: Layout) -> Iterator[str]:
+    """The binding: shapes by number; a second list of points for corridors."""
     names = _setters(plan)
     yield "int tmg_set_place(void *context, size_t index, const double *left, size_t left_count, const double *right,"
     yield "                  size_t right_count, int closed) {"
@@ -285,19 +297,6 @@ def glue(plan: Layout, doored: bool = False) -> Iterator[str]:
             else "left, left_count"
         )
         yield f"    case {i}: return (int){names[name]}(c, {args});"
-    yield "    default: return -1;"
-    yield "  }"
-    yield "}"
-    if not doored:
-        return
-    yield "int tmg_admit_place(void *context, size_t index, const double *left, size_t left_count, const double *right,"
-    yield "                    size_t right_count, tm_fault *fault) {"
-    yield "  tm_context *c = (tm_context *)context;"
-    yield "  (void)c; (void)left; (void)left_count; (void)right; (void)right_count; (void)fault;"
-    yield "  switch (index) {"
-    for i, name in enumerate(sources(plan)):
-        args = "left, left_count, right, right_count" if _bordered(plan, name) else "left, left_count"
-        yield f"    case {i}: return {names[name].replace('tm_set_', 'tm_admit_', 1)}(c, {args}, fault) ? 1 : 0;"
     yield "    default: return -1;"
     yield "  }"
     yield "}"
