@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from trackmarshal.runtime.case import Fault
 
 from support import door_fuzz
 from support.ring_cycles import Cycle, breaches, cycle, mutate, ring
@@ -26,7 +27,6 @@ from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.step import Stepper
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.case import Fault
 from trackmarshal.runtime.faults import NAMES
 from trackmarshal.runtime.verdict import VERDICTS
 

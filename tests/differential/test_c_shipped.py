@@ -9,6 +9,7 @@ from functools import cache
 from typing import Any
 
 import pytest
+from trackmarshal.runtime.case import Case
 
 from support import seed
 from support.shared import SUPERVISOR, oracle, shared
@@ -16,7 +17,6 @@ from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.case import Case
 from trackmarshal.scenarios import load as load_recording
 from trackmarshal.scenarios.recording import CANDIDATES
 from trackmarshal.scenarios.replay import known_tables

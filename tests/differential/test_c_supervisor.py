@@ -78,7 +78,9 @@ class Beside(Supervisor):
     def __init__(self, made: Supervisor, box: Rulebox) -> None:
         self.__dict__ = made.__dict__
         self._own, self._read_by_c = made._clock, Readings()
-        self._c = CSupervisor(box.evaluator.spec, box.evaluator.rules, made.limits, self._read_by_c.read, box.settings)
+        self._c = CSupervisor(
+            box.evaluator.spec, box.evaluator.rules, made.limits, self._read_by_c.read, box.settings
+        )
         self.compared = 0
         self._clock = self._note
         self._seen: list[float] = []
@@ -171,7 +173,12 @@ def test_what_never_came_back_from_c_drives_nothing() -> None:
     run, made._run = made._run, lambda *_: None
     pair.clocks[0].waiting = [0.1, 0.11]
     decision = pair.c.step(cycle(1))
-    assert (decision.safe, decision.driven, decision.fallback, decision.state) == (False, None, None, "no_safe_trajectory")
+    assert (decision.safe, decision.driven, decision.fallback, decision.state) == (
+        False,
+        None,
+        None,
+        "no_safe_trajectory",
+    )
     assert [name_of(f) for f in decision.faults] == ["incomplete"]
     made._run = run
     pair.clocks[0].waiting = [0.2, 0.21]

@@ -35,7 +35,12 @@ def _tables(spec: Spec) -> Iterator[str]:
     yield "static tm_in_objects objects;"
     yield "static tm_in_obstacles obstacles;"
     yield "static void wire(void) {"
-    for name, into in (("plan", "plans[0]"), ("plan", "plans[1]"), ("objects", "objects"), ("obstacles", "obstacles")):
+    for name, into in (
+        ("plan", "plans[0]"),
+        ("plan", "plans[1]"),
+        ("objects", "objects"),
+        ("obstacles", "obstacles"),
+    ):
         at = into[-2] if name == "plan" else "0"
         yield f"  {into}.count = {name}_count[{at}];"
         for k, field in enumerate(f for f in spec.signals[name].fields_ if f.kind == "number"):

@@ -40,7 +40,9 @@ class Readings:
 class Pair:
     """Both Supervisors; `step` compares their decisions and gives that of C."""
 
-    def __init__(self, evaluator: Evaluator, settings: Settings = NO_SETTINGS, limits: Limits | None = None) -> None:
+    def __init__(
+        self, evaluator: Evaluator, settings: Settings = NO_SETTINGS, limits: Limits | None = None
+    ) -> None:
         self.clocks = Readings(), Readings()
         spec, rules = evaluator.spec, evaluator.rules
         self.c = CSupervisor(spec, rules, limits, self.clocks[0].read, settings)
@@ -74,7 +76,9 @@ def agree(mine: Decision, other: Decision) -> None:
     if mine.judged is not None and other.judged is not None:
         for name, rated in mine.judged.rated.items():
             assert rated.verdicts == other.judged.rated[name].verdicts
-            np.testing.assert_allclose(rated.margins, other.judged.rated[name].margins, rtol=1e-12, atol=1e-12)
+            np.testing.assert_allclose(
+                rated.margins, other.judged.rated[name].margins, rtol=1e-12, atol=1e-12
+            )
 
 
 def told(decision: Decision) -> tuple[Any, ...]:
@@ -92,7 +96,11 @@ def bits(x: float) -> bytes:
 
 
 def planned(plan: Plan | None) -> tuple[Any, ...] | None:
-    return None if plan is None else (plan.candidate, plan.number, bits(plan.t), plan.names, plan.matrix.tobytes())
+    return (
+        None
+        if plan is None
+        else (plan.candidate, plan.number, bits(plan.t), plan.names, plan.matrix.tobytes())
+    )
 
 
 def declared(given: Cycle, spec: Spec) -> Cycle:
