@@ -49,8 +49,8 @@ CODES = {
 class Evaluator:
     """Chosen rules of a spec, ready for data.
 
-    backend: one of BACKENDS. declared: names that signals of cases may have besides those of the spec, asked for only when one turns
-    up. Raises TrackmarshalError E401, E404 or E405; E470 to E472 where generated C is asked for and cannot be had.
+    backend: one of BACKENDS. declared: names (`objects`, `ego.kappa`) that cases may have besides those of the spec, asked for only when
+    one turns up. Raises TrackmarshalError E401, E404 or E405; E470 to E472 where generated C is asked for and cannot be had.
     """
 
     def __init__(

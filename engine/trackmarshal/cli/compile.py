@@ -41,16 +41,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.backends.c.contract import can_be_supervised
     from trackmarshal.backends.c.example import example
-    from trackmarshal.backends.c.names import identifier
+    from trackmarshal.backends.c.names import plain
     from trackmarshal.backends.c.report import report
     from trackmarshal.backends.c.source import generate
     from trackmarshal.evaluation import Evaluator, load
 
-    if (
-        identifier(args.name) != args.name
-        or not args.name.isascii()
-        or args.name in ("main", "cycles", "glue")
-    ):
+    if not plain(args.name) or args.name in ("main", "cycles", "glue"):
         raise TrackmarshalError(
             "E474",
             f"`{args.name}` is no name for a C file",

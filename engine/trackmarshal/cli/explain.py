@@ -157,8 +157,9 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
         elif isinstance(part, ir.Lookup):
             leaves[f"{part.table}({_figure(values.number(part.argument, env))})"] = values.number(part, env)
         elif isinstance(part, ir.Along):
-            inside = ", ".join(_figure(values.number(arg, env)) for arg in part.args)
-            leaves[f"{part.what} along {part.line.name} of ({inside})"] = values.number(part, env)
+            ends = (part.start, part.end) if isinstance(part, ir.StationGap) else (part.x, part.y)
+            inside = ", ".join(_figure(values.number(end, env)) for end in ends)
+            leaves[f"{part.spoken} along {part.line.name} of ({inside})"] = values.number(part, env)
     return rows + sorted(leaves.items())
 
 

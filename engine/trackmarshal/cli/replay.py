@@ -102,6 +102,7 @@ def evaluator_for(
     """
     from trackmarshal.evaluation import Evaluator, load
     from trackmarshal.scenarios.replay import known_tables
+    from trackmarshal.scenarios.supervised import ALSO
 
     used = configuration(recording, project, folder)
     made_of = (
@@ -114,7 +115,7 @@ def evaluator_for(
     evaluator = None if known is None else known.get(made_of)
     if evaluator is None:
         spec: Spec = load([spec_path, *more], [*used, *settings], project)
-        evaluator = Evaluator(spec, rules, backend)
+        evaluator = Evaluator(spec, rules, backend, lambda: ALSO)
         if known is not None:
             known[made_of] = evaluator
     tables, _ = known_tables(recording, evaluator.spec)

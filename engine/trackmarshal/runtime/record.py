@@ -447,7 +447,7 @@ def _unplain(value: Any) -> Any:
         case "dict":
             return {_unplain(key): _unplain(item) for key, item in of}
         case "line":
-            return line([(float(x), float(y)) for x, y in of])
+            return line(np.array(of, dtype=np.float64).reshape(-1, 2))
         case "tuple":
             return tuple(_unplain(item) for item in of)
         case "array":

@@ -24,7 +24,7 @@ from trackmarshal.supervision import rulebox
 #: What recordings may have, whether a spec declares it or not.
 ALSO = frozenset(
     ["ego", "objects", "obstacles", "track"]
-    + [f"{candidate}.{name}" for candidate in (DRIVING, EMERGENCY) for name in (*COLUMNS, "grip")]
+    + [f"{candidate}.{name}" for candidate in ("plan", DRIVING, EMERGENCY) for name in (*COLUMNS, "grip")]
     + [f"{name}.{field}" for name in ("ego", "objects", "obstacles") for field in ("kappa", "a", "v", "age")]
 )
 

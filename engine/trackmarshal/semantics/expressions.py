@@ -9,6 +9,15 @@ from typing import Any, NoReturn
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import (
+    ARITHMETIC,
+    COMPARISONS,
+    CONNECTIVES,
+    QUANTIFIERS,
+    TEMPORAL,
+    UNTIL,
+    known,
+)
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
@@ -310,9 +319,9 @@ class Expressions:
 
     def _binary(self, expr: ast.Binary, ctx: Context) -> Value:
         op, span = expr.op, expr.span
-        if op in ("and", "or", "implies", "iff", "xor"):
+        if op in CONNECTIVES:
             a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
-            return FormulaValue(self.make(ir.Connective, op, a.node, b.node), span)
+            return FormulaValue(self.make(ir.Connective, known(op, CONNECTIVES), a.node, b.node), span)
         if op == "^":
             return self._power(expr, ctx)
         left, right = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
@@ -320,15 +329,19 @@ class Expressions:
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
             )
-            return NumberValue(self.make(ir.Arith, op, left.node, right.node), dimension, span)
-        self.same("compare" if op in _COMPARISONS else "add" if op == "+" else "subtract", left, right)
-        if op in ("+", "-"):
-            return NumberValue(self.make(ir.Arith, op, left.node, right.node), left.dimension, span)
-        if op in _COMPARISONS:
-            return FormulaValue(
-                self.make(ir.Compare, op, left.node, right.node, show(left.dimension), ctx.site or span), span
+            return NumberValue(
+                self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node), dimension, span
             )
-        raise AssertionError(f"unknown operator {op}")
+        self.same("compare" if op in COMPARISONS else "add" if op == "+" else "subtract", left, right)
+        if op in COMPARISONS:
+            unit = show(left.dimension)
+            compared = self.make(
+                ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span
+            )
+            return FormulaValue(compared, span)
+        return NumberValue(
+            self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node), left.dimension, span
+        )
 
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""
@@ -393,7 +406,7 @@ class Expressions:
             self.fail(WrongKind(at, "a zone", f"the {spoken(found.item)} `{expr.zone}`"))
         area = self.make(ir.Area, "zone", found.qualified)
         x, y = calls.fields(self, self.value(expr.value, ctx), "point", _span(expr.value), ctx)
-        return FormulaValue(self.make(ir.Geometry, "in_area", (x, y), area, ctx.site or expr.span), expr.span)
+        return FormulaValue(self.make(ir.InArea, x, y, area, ctx.site or expr.span), expr.span)
 
     # Time and quantifiers -----------------------------------------------------------------------------------
 
@@ -409,9 +422,10 @@ class Expressions:
     def _temporal(self, expr: ast.Temporal, ctx: Context) -> Value:
         axis, operands, (lower, upper) = self._over_time(expr, (expr.operand,), expr.window, ctx)
         if expr.op in ("next", "previous"):
-            step = 1 if expr.op == "next" else -1
-            return FormulaValue(self.make(ir.Shift, axis, operands[0], step, expr.weak), expr.span)
-        return FormulaValue(self.make(ir.Temporal, expr.op, axis, operands[0], lower, upper), expr.span)
+            shift = self.make(ir.Shift, axis, operands[0], 1 if expr.op == "next" else -1, expr.weak)
+            return FormulaValue(shift, expr.span)
+        op = known(expr.op, TEMPORAL)
+        return FormulaValue(self.make(ir.Temporal, op, axis, operands[0], lower, upper), expr.span)
 
     def _over_time(
         self,
@@ -432,7 +446,8 @@ class Expressions:
 
     def _until(self, expr: ast.Until, ctx: Context) -> Value:
         axis, (left, right), (lower, upper) = self._over_time(expr, (expr.left, expr.right), expr.window, ctx)
-        return FormulaValue(self.make(ir.Until, expr.op, axis, left, right, lower, upper), expr.span)
+        op = known(expr.op, UNTIL)
+        return FormulaValue(self.make(ir.Until, op, axis, left, right, lower, upper), expr.span)
 
     def _window(self, window: ast.Window | None, ctx: Context) -> tuple[float | None, float | None]:
         if window is None:
@@ -526,7 +541,10 @@ class Expressions:
         )
         if axis is None:
             raise Poison
-        return FormulaValue(self.make(ir.Quantify, expr.quantifier, axis, guard, body, expr.names), expr.span)
+        return FormulaValue(
+            self.make(ir.Quantify, known(expr.quantifier, QUANTIFIERS), axis, guard, body, expr.names),
+            expr.span,
+        )
 
     def range_of(
         self, bind: ast.Bind | ast.Quantified, ctx: Context
@@ -548,9 +566,6 @@ class Expressions:
         }
         if used.isdisjoint(names):
             self.found.append(UnusedVariable(span, "`, `".join(names)))
-
-
-_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
 def _span(expr: ast.Expr) -> Span:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+from typing import assert_never
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.spec import RuleInfo, SignalType
 from trackmarshal.semantics.errors import Ambiguous, ClauseProblem, RunAxis, UnknownReference
 from trackmarshal.semantics.expressions import Context, Expressions
@@ -253,7 +255,9 @@ class RuleBuilder:
         for clause, axis, guard in reversed(steps):
             if isinstance(clause, ast.Bind):
                 assert axis is not None
-                body = make(ir.Quantify, clause.quantifier, axis, guard, body, clause.names)
+                body = make(
+                    ir.Quantify, known(clause.quantifier, QUANTIFIERS), axis, guard, body, clause.names
+                )
                 # An empty `for all` demands nothing; an empty `exists` has not found what it demands, and an
                 # element whose own demand is empty is found: whatever lies below an `exists`, it is never idle.
                 if clause.quantifier == "for all":
@@ -327,7 +331,7 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
     while stack:
         node = stack.pop()
         match node:
-            case ir.Compare() | ir.Flag() | ir.Geometry():
+            case ir.Compare() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 atoms.append(node)
             case ir.Truth():
                 pass
@@ -338,7 +342,7 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
             case ir.Not() | ir.Temporal() | ir.Shift() | ir.Edge() | ir.First():
                 stack.append(node.operand)
             case _:
-                raise AssertionError(f"unknown formula {type(node).__name__}")
+                assert_never(node)
     return atoms
 
 
@@ -356,18 +360,38 @@ def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
             case ir.Axis():
                 result.add((node.signal, ""))
             case ir.Line():
-                if node.kind == "path":
-                    result |= {(node.name, "x"), (node.name, "y")}
-                elif node.kind == "centre":
-                    result |= {(node.name, "left"), (node.name, "right")}
-                elif node.kind == "signal":
-                    result.add((node.name, node.field))
+                result |= {(node.name, field) for field in _fields_of(node)}
             case ir.Area():
                 if node.kind == "corridor":
                     result |= {(node.name, "left"), (node.name, "right")}
             case ir.Temporal() | ir.Until():
                 result.add((node.axis.signal, "t"))
+            case ir.Const() | ir.Param() | ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Lookup():
+                pass  # what they are made of is below, too
+            case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+                pass
+            case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
+                pass
+            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
+                pass
+            case _:
+                assert_never(node)
     return frozenset(result)
+
+
+def _fields_of(line: ir.Line) -> tuple[str, ...]:
+    """The fields of its signal that a line is made of."""
+    match line.kind:
+        case "path":
+            return "x", "y"
+        case "centre":
+            return "left", "right"
+        case "signal":
+            return (line.field,)
+        case "place":
+            return ()
+        case _:
+            assert_never(line.kind)
 
 
 def fingerprint(item: ast.Item, formula: ir.Formula | None) -> str:

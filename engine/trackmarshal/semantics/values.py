@@ -105,9 +105,12 @@ class Broken(Value):
 
 
 class RegionValue(Value):
-    """A footprint: x0 y0 heading0 x1 y1 heading1 length width, the hull of the box at two poses."""
+    """A footprint: the hull of a box at two poses."""
 
-    args: tuple[ir.Num, ...]
+    start: ir.Pose
+    end: ir.Pose
+    length: ir.Num
+    width: ir.Num
     span: Span
 
     @property

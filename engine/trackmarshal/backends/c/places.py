@@ -32,7 +32,7 @@ def uses_paths(plan: Layout) -> bool:
 
 def has_geometry(plan: Layout) -> bool:
     formulas = [root for rule in plan.rules for root in (rule.formula, rule.active) if root is not None]
-    return any(isinstance(node, (ir.Geometry, ir.Along)) for root in formulas for node in ir.below(root))
+    return any(isinstance(node, ir.Geometry | ir.Along) for root in formulas for node in ir.below(root))
 
 
 def sources(plan: Layout) -> dict[str, list[Shape]]:
@@ -49,9 +49,13 @@ def own_places(plan: Layout) -> list[Shape]:
     return [shape for shape in plan.shapes.values() if shape.kind in ("zone", "place")]
 
 
+#: Names of functions `tm_set_...` of our own.
+_TAKEN = ("table",)
+
+
 def _setters(plan: Layout) -> dict[str, str]:
     """Signal or place -> name of the C function that sets it."""
-    names = distinct([*sources(plan), *(shape.key[1] for shape in own_places(plan))])
+    names = distinct([*sources(plan), *(shape.key[1] for shape in own_places(plan))], _TAKEN)
     return {name: f"tm_set_{c_name}" for name, c_name in names.items()}
 
 

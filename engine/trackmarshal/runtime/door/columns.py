@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.diagnostics.base import close_matches
-from trackmarshal.runtime.contract import RECORD, SET, Signal
+from trackmarshal.runtime.contract import RECORD, SET, TIMELINE, Signal
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.values import Floats, WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault
@@ -108,6 +108,8 @@ class ColumnsReader:
         except (KeyError, TypeError, ValueError):
             return None
         (count,) = lengths
+        if not count and self.signal.form == TIMELINE:
+            return None
         made = flat.reshape(len(columns), count)
         return Columns(self.names, made, None, self._ids if ids is not None else self._counted(count))
 
@@ -146,6 +148,9 @@ class ColumnsReader:
         ids = self._read_ids(data.get("id"), faults) if self.signal.form == SET else None
         lengths = self._lengths(data, read, ids)
         count = self._agree(lengths, faults) if lengths or self.signal.form == SET else 1
+        if not count and self.signal.form == TIMELINE:
+            faults.append(fault("too_short", self.label, "", None, "0 entries"))
+            count = 1  # of nothing: whatever reads a sample is undefined
         rows = [self._row(name, read.get(name), count, data) for name in self.names.numbers]
         numbers = np.array(rows, dtype=np.float64).reshape(len(rows), count)
         with np.errstate(all="ignore"):  # what becomes infinite is a fault

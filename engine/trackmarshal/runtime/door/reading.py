@@ -130,11 +130,11 @@ class CycleReader:
             self.shared.refuse_unknown(signals, faults, self._known)
         self.shared.read(signals, frame, faults)
         if cycle.also and type(cycle.also) is frozenset:
-            faults = [fault for fault in faults if not _known(fault, cycle.also)]
+            faults = [fault for fault in faults if not known(fault, cycle.also)]
         return frame, faults
 
 
-def _known(fault: Fault, also: frozenset[str]) -> bool:
+def known(fault: Fault, also: frozenset[str]) -> bool:
     """Whether it is the fault of a name that is known after all."""
     name = fault.field if fault.signal == "signals" else f"{fault.signal}.{fault.field}"
     return name_of(fault) == "unknown" and name in also
