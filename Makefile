@@ -16,7 +16,8 @@ assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/in
 test: $(STAMP) lint  ## everything that CI runs
 	$(BIN)/python -m pytest $(PARALLEL)
 
-acceptance: $(STAMP) lint embedded  ## every "Done when" point that can be a command; takes longer than CI
+acceptance: $(STAMP) lint  ## every "Done when" point that can be a command; takes longer than CI
+	sh tests/embedded/tools.sh
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt pyarrow  # reads our records independently
 	TRACKMARSHAL_FUZZ_CYCLES=1000000 TRACKMARSHAL_KILLS=200 TRACKMARSHAL_GENERATED=10000 TRACKMARSHAL_FUZZ=1000000 TRACKMARSHAL_CYCLES=100000 \
 		$(BIN)/python -m pytest $(PARALLEL) -m ""

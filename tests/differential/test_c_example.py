@@ -49,7 +49,7 @@ def python_says(recording: Path, spec: Spec, backend: str) -> list[str]:
         tables=known_tables(found, spec)[0],
     )  # fmt: skip
     lines = []
-    for given in tm.cycles(found, spec):
+    for given in tm.cycles(found):
         now = given.t
         lines += decision_lines(supervisor.step(given))
     return lines
@@ -210,3 +210,18 @@ def test_more_than_there_is_room_for_is_a_fault(folder: Path, tmp_path: Path) ->
     said = embedded.run(folder / "example", path).lines
     assert "fault over_capacity driving - 40" in said
     assert sum(line.startswith("decision drive safe") for line in said) > 60
+
+
+def test_more_faults_than_a_decision_has_room_for(tmp_path: Path) -> None:
+    spec = tm.load([SUPERVISOR], [], REPOSITORY)
+    supervisor = tm.supervisor(
+        spec, backend="numpy", limits=tm.Limits(budget=1e9), clock=lambda: 0.0, record=tmp_path / "run.arrows"
+    )
+    given = cycle(0)
+    given.driving.update({f"made_up_{number}": [0.0] for number in range(90)})
+    expected = list(decision_lines(supervisor.step(given)))
+    supervisor.close()
+    assert expected[-1] == "more"
+    made = emit(tmp_path / "out", recordings=[tmp_path / "run.arrows"])
+    said = embedded.run(embedded.build(made), made / "run.cycles")
+    assert list(said.lines) == expected
