@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import random
+import shutil
+import subprocess
 from collections import Counter
 from dataclasses import replace
 from functools import cache
@@ -14,11 +16,12 @@ import numpy as np
 import pytest
 
 import trackmarshal as tm
+from support import tape
 from support.cycles import PERIOD, cycle, not_finite
 from support.pairs import Pair, Readings, agree, declared, generated, spec_with
 from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal import scenarios
-from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.build import EXACT, compiler
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.cli.replay import evaluator_for
 from trackmarshal.errors import TrackmarshalError
@@ -234,3 +237,39 @@ def test_a_record_runs_again_the_same_with_either(tmp_path: Path) -> None:
     assert [d for _, found in rerun(run, box_of(run, spec)) for d in found] == []
     with_numpy = [d for _, found in rerun(run, box_of(run, spec, "numpy")) for d in found]
     assert {d.column for d in with_numpy} <= {"violations", "margins.driving", "margins.emergency"}
+
+
+# In a process of its own -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("compiled_by", ["gcc", "clang"])
+def test_under_sanitizers_and_to_the_bit(
+    compiled_by: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same runs in a program of their own, under the address and undefined-behaviour sanitizers: the same decisions, bit by bit.
+
+    Limits are those that tm_init puts in. Every second run begins where the one before ended, so that nothing comes from memory.
+    """
+    if shutil.which(compiled_by) is None:
+        pytest.skip(f"{compiled_by} is not installed")
+    monkeypatch.setattr("trackmarshal.backends.c.supervisor.Stepper", tape.Taped)
+    runs = []
+    for seed in range(1000, 1000 + max(2, RUNS // 4)):
+        pair = Pair(evaluator())
+        for given, readings in generated(seed):
+            pair.step(given, *readings)
+        runs.append(pair.c.stepper)
+    source = runs[0].source
+    tape.write(tmp_path, source)
+    sizes = [f"-D{name}={value}u" for name, value in runs[0].sizes.items()]
+    flags = [*EXACT, "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    command = [compiled_by, *flags, *sizes, "player.c", "-o", "player", "-lm"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    for place, made in enumerate(runs):
+        (tmp_path / "tape").write_bytes(made.tape)
+        ran = subprocess.run(
+            ["./player", "tape", "said"], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert (ran.returncode, ran.stderr[:3000]) == (0, ""), place
+        assert (tmp_path / "said").read_bytes() == bytes(made.said), place

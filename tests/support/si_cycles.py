@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.backends.c.source import Source, generate
-from trackmarshal.backends.c.step import Border, Entry, Said, Stepper
+from trackmarshal.backends.c.step import Said, Stepper
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle
+from trackmarshal.runtime.door.lines import line
+from trackmarshal.runtime.frame import Columns, Names
 
 #: Capacities and limits that tests begin with.
 LIMITS: Mapping[str, float] = {
@@ -44,23 +46,23 @@ class Driver:
             return self.made.none_came(now)
         columns = [self._entry("plan", given.driving), self._entry("plan", given.emergency)]
         columns += [self._entry(name, given.signals.get(name)) for name in self.made.words.columns[2:]]
-        lines = [self._line(given.signals[signal][line]) for signal, line in self.made.words.lines]
+        lines = [
+            line(np.asarray(given.signals[signal][side], dtype=float))
+            for signal, side in self.made.words.lines
+        ]
         closed = [bool(given.signals[signal].get("closed", False)) for signal in self.made.words.closed]
         events = [int(given.signals[name]) for name in self.made.words.events]
         return self.made.step(given.number, given.t, now, columns, lines, closed, events, **more)
 
-    def _entry(self, name: str, data: Any) -> Entry | None:
+    def _entry(self, name: str, data: Any) -> Columns | None:
         if data is None:
             return None
+        defaults = self._defaults[name]
         count = np.size(data["x"])
         columns = [
             np.full(count, default)
             if data.get(field) is None
             else np.atleast_1d(np.asarray(data[field], dtype=float))
-            for field, default in self._defaults[name].items()
+            for field, default in defaults.items()
         ]
-        return Entry(np.array(columns), None, count)
-
-    @staticmethod
-    def _line(points: Any) -> Border:
-        return Border(np.ascontiguousarray(points, dtype=np.float64), 0)
+        return Columns(Names(tuple(defaults)), np.array(columns))

@@ -116,8 +116,14 @@ def _structs(given: Supervised) -> Iterator[str]:
 def _step(given: Supervised) -> Iterator[str]:
     order = words(given)
     signals = [given.contract.plan, given.contract.plan, *given.inputs]
-    yield "void tmg_step(void *context, const tmg_cycle *in, tm_clock clock, void *user, tm_decision *out, tmg_said *said,"
-    yield "              double *margins, signed char *verdicts) {"
+    yield "/* Addresses of the context, a cycle's words, the clock, a decision, and where its words, margins and verdicts go. */"
+    yield "typedef struct { uint64_t context; uint64_t in; uint64_t clock; uint64_t out; uint64_t said; uint64_t margins; uint64_t verdicts; } tmg_bound;"
+    yield "void tmg_step(const tmg_bound *bound) {"
+    yield "  const tmg_cycle *in = (const tmg_cycle *)(uintptr_t)bound->in;"
+    yield "  tm_decision *out = (tm_decision *)(uintptr_t)bound->out;"
+    yield "  tmg_said *said = (tmg_said *)(uintptr_t)bound->said;"
+    yield "  double *margins = (double *)(uintptr_t)bound->margins;"
+    yield "  signed char *verdicts = (signed char *)(uintptr_t)bound->verdicts;"
     yield "  tm_cycle cycle;"
     for place, (name, signal) in enumerate(zip(order.columns, signals)):
         assert signal is not None
@@ -148,7 +154,7 @@ def _step(given: Supervised) -> Iterator[str]:
         yield f"  cycle.signals.{c_name} = &lines_{c_name};"
     for place, name in enumerate(order.events):
         yield f"  cycle.signals.{given.signals[name]} = (tm_flag)in->events[{place}];"
-    yield "  tm_step((tm_context *)context, &cycle, clock, user, out);"
+    yield "  tm_step((tm_context *)(uintptr_t)bound->context, &cycle, (tm_clock)(uintptr_t)bound->clock, NULL, out);"
     for name, kind in SAID:
         yield f"  said->{name} = {'' if kind == 'd' else '(int64_t)'}out->{name};"
     yield "  for (size_t r = 0; r < TM_RULES; ++r) {"

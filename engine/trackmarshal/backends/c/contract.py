@@ -81,11 +81,13 @@ def supervised_layout(spec: Spec, rules: Sequence[RuleInfo]) -> tuple[Layout, Su
                 line=span.line,
             )
     _constrain(plan)
-    names = distinct(dict.fromkeys([*plan.inputs, *(signal.name for signal in contract.signals)]))
+    names = {name: item.c_name for name, item in plan.inputs.items()}
+    others = [signal.name for signal in contract.signals if signal.name not in names]
+    names |= distinct(others, [name.casefold() for name in names.values()])
     lines: dict[tuple[str, str], str] = {}
     for signal in contract.signals:
         if signal.form == LINES:
-            members = distinct(["closed", "id", *(field.name or "line" for field in signal.lines)])
+            members = distinct([field.name or "line" for field in signal.lines], ["closed"])
             lines |= {(signal.name, field.name): members[field.name or "line"] for field in signal.lines}
     return plan, Supervised(
         contract, plan, plan.input(PLAN), {s.name: names[s.name] for s in contract.signals}, lines

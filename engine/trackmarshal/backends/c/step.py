@@ -18,27 +18,14 @@ from trackmarshal.backends.c.header import CAPACITIES, capacities
 from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.frame import Columns
+from trackmarshal.runtime.lines import Line
 
 Floats = NDArray[np.float64]
 #: Statuses of a configuration by number, those that can be.
 STATUSES = {3: "unusable", 5: "limit", 6: "parameter", 7: "table", 8: "constraint"}
 _NOWHERE = ctypes.c_size_t(-1).value
 _CLOCK = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p)
-
-
-class Entry(NamedTuple):
-    """A signal of columns: (numbers, size) float64 and (flags, size) int8 in C's order; None for one that is missing."""
-
-    numbers: Floats
-    flags: NDArray[np.int8] | None
-    size: int
-
-
-class Border(NamedTuple):
-    """A line: (n, 2) float64 in C's order, and the number that tells it from others, 0 for one to be looked at anew each time."""
-
-    points: Floats
-    number: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +41,7 @@ class Reason:
     lost: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Said:
+class Said(NamedTuple):
     """A decision as C gives it; see tm_decision in the header. verdicts, margins: (2, rules), driving first."""
 
     serial: int
@@ -131,7 +117,7 @@ class Stepper:
             ("tmg_size", [], size), ("tmg_decision_size", [], size), ("tmg_reasons", [], size), ("tmg_reason_size", [], size),
             ("tmg_stored", [size], size), ("tmg_init", [pointer], ctypes.c_int),
             ("tmg_configure", [pointer] * 7, ctypes.c_int),
-            ("tmg_step", [pointer, pointer, _CLOCK, pointer, pointer, pointer, pointer, pointer], None),
+            ("tmg_step", [pointer], None),
         ):  # fmt: skip
             getattr(dll, name).argtypes, getattr(dll, name).restype = kinds, result
         if dll.tmg_reason_size() != ctypes.sizeof(_Reason):
@@ -150,10 +136,13 @@ class Stepper:
         #: (2, rules) margins and verdict codes (places in runtime.verdict.VERDICTS) of the last step; driving first.
         self.margins = np.full((2, count), np.nan)
         self.verdicts = np.full((2, count), 2, dtype=np.int8)
-        self._numbers = np.zeros(4096)
-        self._flags = np.zeros(256, dtype=np.int8)
+        self._most = max(self.sizes.get(name, 1) for name in ("TM_MAX_SAMPLES", "TM_MAX_ELEMENTS"))
+        fields = [item.fields for item in source.plan.inputs.values() if item.kind != "event"]
+        width = sum(map(len, fields)) + len(given.plan.fields)
+        self._numbers = np.zeros(max(1, width * self._most))
+        self._flags = np.zeros(max(1, width * self._most), dtype=np.int8)
         self._bases = self._numbers.ctypes.data, self._flags.ctypes.data
-        self._lines: list[tuple[Any, int, int, int]] = [(None, 0, 0, 0)] * len(self.words.lines)
+        self._lines: list[tuple[Line | None, int, int]] = [(None, 0, 0)] * len(self.words.lines)
         #: Texts of faults that were found before; reasons speak of them up to the next step.
         self._kept: Any = None
 
@@ -164,10 +153,13 @@ class Stepper:
                 return math.nan
 
         self._clock = _CLOCK(reading)
-        self._arguments = (
-            self.context, ctypes.addressof(self._in), self._clock, None, decision, ctypes.addressof(self._out),
-            self.margins.ctypes.data, self.verdicts.ctypes.data,
+        addresses = (
+            self.context, ctypes.addressof(self._in), ctypes.cast(self._clock, pointer).value or 0, decision,
+            ctypes.addressof(self._out), self.margins.ctypes.data, self.verdicts.ctypes.data,
         )  # fmt: skip
+        #: All that a call needs, in one place.
+        self._where = np.array(addresses, dtype=np.uint64)
+        self._bound = ctypes.c_void_p(self._where.ctypes.data)
         self._run = dll.tmg_step
         self.status = int(dll.tmg_init(self.context))
         self._configure(limits, params or {}, tables or {})
@@ -218,11 +210,11 @@ class Stepper:
     # A cycle ---------------------------------------------------------------------------------------------------
 
     def step(
-        self, number: int | None, t: float | None, now: float, columns: Sequence[Entry | None], lines: Sequence[Border],
+        self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
         closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
     ) -> Said:  # fmt: skip
-        """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`; what is wrong with
-        it already, as (name, signal, field, index)."""
+        """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`, None for one that is
+        missing; what is wrong with it already, as (name, signal, field, index)."""
         given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
         self._kept = self._found(found, given) if found else None
         self._columns(columns, given)
@@ -230,8 +222,8 @@ class Stepper:
         given += closed
         given += events
         self._format.pack_into(self._in, 0, *given)
-        self._run(*self._arguments)
-        return Said(*self._said.unpack_from(self._out))
+        self._run(self._bound)
+        return Said._make(self._said.unpack_from(self._out))
 
     def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said:
         """A cycle was due and did not come, or what came is none, for what was `found`."""
@@ -239,8 +231,8 @@ class Stepper:
         self._kept = self._found(found, given) if found else None
         width = len(self._format.unpack(bytes(self._format.size))) - len(HEAD)
         self._format.pack_into(self._in, 0, *given, *[0] * width)
-        self._run(*self._arguments)
-        return Said(*self._said.unpack_from(self._out))
+        self._run(self._bound)
+        return Said._make(self._said.unpack_from(self._out))
 
     @staticmethod
     def lost(said: Said) -> str:
@@ -269,43 +261,33 @@ class Stepper:
         )
         return seen
 
-    def _columns(self, columns: Sequence[Entry | None], given: list[Any]) -> None:
-        """Copy the columns one after the other into memory whose address is known."""
+    def _columns(self, columns: Sequence[Columns | None], given: list[Any]) -> None:
+        """Copy the columns one after the other into memory whose address is known; of one that is too long, C needs the count alone."""
         numbers, flags = [], []
         place, mark = self._bases
         for entry in columns:
             if entry is None:
                 given += (0, 0, 0)
                 continue
-            given += (place, mark, entry.size)
-            numbers.append(entry.numbers.ravel())
-            place += 8 * entry.numbers.size
+            count = entry.count
+            given += (place, mark, count)
+            if count > self._most:
+                continue
+            numbers.append(entry.values.reshape(-1))
+            place += entry.values.nbytes
             if entry.flags is not None:
-                flags.append(entry.flags.ravel())
-                mark += entry.flags.size
-        total, marks = (place - self._bases[0]) // 8, mark - self._bases[1]
-        if total > len(self._numbers) or marks > len(self._flags):
-            self._numbers, self._flags = np.zeros(2 * total), np.zeros(2 * marks + 256, dtype=np.int8)
-            self._bases = self._numbers.ctypes.data, self._flags.ctypes.data
-            del given[len(HEAD) :]
-            self._columns(columns, given)
-            return
-        if numbers:
-            np.concatenate(numbers, out=self._numbers[:total])
+                flags.append(entry.flags.reshape(-1))
+                mark += entry.flags.nbytes
+        np.concatenate(numbers, out=self._numbers[: (place - self._bases[0]) // 8])
         if flags:
-            np.concatenate(flags, out=self._flags[:marks])
+            np.concatenate(flags, out=self._flags[: mark - self._bases[1]])
 
-    def _bordered(self, lines: Sequence[Border], given: list[Any]) -> None:
+    def _bordered(self, lines: Sequence[Line], given: list[Any]) -> None:
+        """Lines where they are: a frame keeps them, and nobody can change them."""
         for place, line in enumerate(lines):
             known = self._lines[place]
-            if known[0] is not line.points:
-                known = (
-                    line.points,
-                    line.points.ctypes.data if len(line.points) else 0,
-                    len(line.points),
-                    line.number,
-                )
-                self._lines[place] = known
+            if known[0] is not line:
+                known = self._lines[place] = (line, *_memory_of(line.points))
             given += (known[1], known[2], line.number)
 
     @staticmethod
@@ -319,3 +301,10 @@ class Stepper:
             )
         given[6:8] = (ctypes.addressof(listed), len(found))
         return listed, texts
+
+
+def _memory_of(points: Floats) -> tuple[int, int]:
+    """Address and number of points; raises ValueError for what C cannot read as they are."""
+    if points.dtype != np.float64 or points.shape[1:] != (2,) or not points.flags.c_contiguous:
+        raise ValueError("a line's points do not stand one after the other")
+    return (points.ctypes.data if len(points) else 0), len(points)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
 from trackmarshal.backends.c.source import generate
-from trackmarshal.backends.c.step import Border, Entry, Reason, Said, Stepper
+from trackmarshal.backends.c.step import Reason, Said, Stepper
 from trackmarshal.backends.c.words import Wording
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
@@ -21,7 +21,7 @@ from trackmarshal.runtime.decision import Decision, Violation
 from trackmarshal.runtime.door.door import Stamp, stamp_of
 from trackmarshal.runtime.door.reading import CycleReader
 from trackmarshal.runtime.faults import NAMES, Fault, fault
-from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
 from trackmarshal.runtime.program import Judged, Rated
@@ -57,6 +57,13 @@ class CSupervisor:
         self.recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
+        words = self.stepper.words
+        self._shared, self._lines, self._closed, self._events = (
+            words.columns[2:],
+            words.lines,
+            words.closed,
+            words.events,
+        )
         self._reader = CycleReader(self.contract, settings)
         self._words = Wording(self.contract, self.limits)
         self._named = named_rules(self.rules)
@@ -109,13 +116,10 @@ class CSupervisor:
         given = [(NAMES[f.code], f.signal, f.field, f.index) for f in found] if found else ()
         if frame is None:
             return self.stepper.none_came(now, given)
-        words = self.stepper.words
-        shared = frame.columns
-        columns = [_entry(frame.candidates[DRIVING]), _entry(frame.candidates[EMERGENCY])]
-        columns += [_entry(shared[name]) for name in words.columns[2:]]
-        lines = [Border(line.points, line.number) for line in (frame.line(*place) for place in words.lines)]
-        closed = [frame.closed.get(name, False) for name in words.closed]
-        events = [frame.events[name] for name in words.events]
+        columns = [*frame.candidates.values(), *(frame.columns[name] for name in self._shared)]
+        lines = [frame.line(*place) for place in self._lines]
+        closed = [frame.closed.get(name, False) for name in self._closed]
+        events = [frame.events[name] for name in self._events]
         return self.stepper.step(stamp.number, stamp.t, now, columns, lines, closed, events, given)
 
     def _decision(
@@ -202,7 +206,3 @@ class CSupervisor:
             unit,
             lambda: one.explain(place, False),
         )
-
-
-def _entry(columns: Columns) -> Entry:
-    return Entry(columns.values, columns.flags, columns.count)
