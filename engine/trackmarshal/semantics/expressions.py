@@ -392,7 +392,8 @@ class Expressions:
             if action in ("compare", "add", "subtract")
             else ("first one", "second one")
         )
-        hint = calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension)
+        hint = calls.decimal_comma(left.span, right.span)
+        hint = hint or calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension)
         hint = hint or _factor(left.dimension, right.dimension, *sides)
         self.fail(
             DimensionMismatch(
