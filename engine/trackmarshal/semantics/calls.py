@@ -154,6 +154,7 @@ def expand(
             self.fail(
                 WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension))
             )
+        self.advise(self.advice.in_unit(value, item.result, f"the value of `{item.name}`", item.span.head))
     return NumberValue(value.node, value.dimension, span)
 
 
@@ -211,7 +212,7 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
                 unit_hint(value, wanted),
             )
         )
-    self.warn(self.advice.argument(value, kind, parameter.span))
+    self.advise(self.advice.in_unit(value, kind, f"argument `{parameter.name}`", parameter.span))
     return value
 
 
@@ -260,7 +261,7 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
                     )
                 )
     if function in ("sin", "cos", "tan"):
-        self.warn(self.advice.argument(first, "rad", None))
+        self.advise(self.advice.in_unit(first, "rad", "the angle", None))
     return NumberValue(self.make(ir.Func, function, tuple(v.node for v in numbers)), dimension, span)
 
 

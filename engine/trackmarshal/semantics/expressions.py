@@ -117,7 +117,10 @@ class Expressions:
         """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
         self.found.append(TooLarge(span, "nested too deeply"))
 
-    def warn(self, diagnostic: Diagnostic | None) -> None:
+    def advise(self, diagnostic: Diagnostic | None) -> None:
+        """Report what was found, if anything was; fail where it is an error."""
+        if diagnostic is not None and diagnostic.level == "error":
+            self.fail(diagnostic)
         if diagnostic is not None:
             self.found.append(diagnostic)
 
@@ -378,14 +381,14 @@ class Expressions:
         self, op: str, left: NumberValue, right: NumberValue, span: Span, ctx: Context
     ) -> FormulaValue:
         self.same("compare", left, right)
-        self.warn(self.advice.compared(op, left, right, span))
+        self.advise(self.advice.compared(op, left, right, span))
         unit = show(left.dimension)
         return FormulaValue(self.make(ir.Compare, op, left.node, right.node, unit, ctx.site or span), span)
 
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
-            self.warn(self.advice.joined(left, right))
+            self.advise(self.advice.joined(left, right))
             return
         sides = (
             ("left side", "right side")
