@@ -210,7 +210,7 @@ class Calls:
         cycles = [cycle(4.0 * k) for k in range(self.CYCLES)]
         #: Columns by cycle, candidate and place; they stay in memory.
         self._columns = [
-            np.array((emergency if side else driving)[f] if n == "plan" else shared[n][f] if f in shared[n] else [], dtype=np.float64)
+            np.array((emergency if side else driving)[f] if n == "plan" else shared[n].get(f, []), dtype=np.float64)
             for driving, emergency, shared in cycles
             for side in (0, 1)
             for n, f, _ in order.columns

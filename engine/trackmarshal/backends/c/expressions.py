@@ -9,6 +9,7 @@ from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.slots import mark
 from trackmarshal.backends.c.statements import Block
+from trackmarshal.backends.c.sweeps import along_timeline
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
@@ -64,6 +65,8 @@ class Writer:
         self.series = 0
         #: Geometric predicates of which only margins below this one matter.
         self.bounds: dict[ir.IR, str] = {}
+        #: Those of which all along a timeline are computed ahead of the loop: where, and C of the columns and their length.
+        self.timelines: dict[ir.IR, tuple[Block, str]] = {}
         #: libm functions that the function calls, and operations counted once for every statement.
         self.libm: set[str] = set()
 
@@ -365,9 +368,13 @@ class Writer:
         else:
             raise self.refuse(node, f"the C generator does not know the predicate `{node.what}`")
         k = self.fresh()
-        self.add(at, f"const double d{k} = {text};", f"d{k}")
+        whole = at
+        if node in self.timelines:
+            whole, columns = self.timelines[node]
+            text = f"tm_timeline_inside({shape}, {columns}, {', '.join(args[6:])})"
+        self.add(whole, f"const double d{k} = {text};", f"d{k}")
         if self.known:
-            self.add(at, f"suspect |= tm_wild(d{k});")
+            self.add(whole, f"suspect |= tm_wild(d{k});")
             return self.value(at, f"d{k} >= 0.0", f"d{k}")
         self.add(at, f"const bool k{k} = d{k} == d{k};", f"k{k}")
         return self.value(
@@ -441,6 +448,13 @@ class Writer:
             ):
                 # The least margin is asked for: one that is greater than the least so far need not be exact.
                 self.bounds[node.body] = f"m{k}"
+                fields = along_timeline(
+                    node.body, axis, frozenset().union(*map(self.free, node.body.args[6:]))
+                )
+                if guard is None and fields:
+                    place = f"in->{self.plan.input(axis.signal).c_name}"
+                    columns = [f"{place}.{self.plan.field_name(axis.signal, name)}" for name in fields]
+                    self.timelines[node.body] = at, f"{', '.join(columns)}, {total}"
             body = self.formula(node.body, loop)
             sign, pick = ("&&", "tm_least") if node.quantifier == "for all" else ("||", "tm_greatest")
             for side, (s, m) in enumerate(names):

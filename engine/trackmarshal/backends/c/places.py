@@ -80,6 +80,28 @@ def types(plan: Layout) -> Iterator[str]:
     yield "/* A box along a direction of cosine `ahead` and sine `aside`: from u0 to u1 along it, from v0 to v1 to its left; m. */"
     yield "typedef struct {\n  double ahead;\n  double aside;\n  double u0;\n  double u1;\n  double v0;\n  double v1;\n} tm_frame;"
     yield ""
+    yield "/* Where eight segments in a row begin, and where the last one ends, in m from the lower left corner of the box of their 64,"
+    yield "   in short: segments that are farther away than this shows need not be looked at. */"
+    yield "typedef struct {\n  float x[9];\n  float y[9];\n} tm_outline;"
+    yield ""
+    yield "/* A frame seen from a point (ox, oy), in short; `size`: no less than its numbers; m. */"
+    yield "typedef struct {"
+    yield "  double ox;\n  double oy;\n  float ahead;\n  float aside;\n  float u0;\n  float u1;\n  float v0;\n  float v1;\n  float size;"
+    yield "} tm_strip;"
+    yield ""
+    yield "/* A segment by its number in its shape, and its box along a strip; m. */"
+    yield "typedef struct {\n  size_t at;\n  double u0;\n  double u1;\n  double v0;\n  double v1;\n} tm_beside_strip;"
+    yield ""
+    yield "/* Most segments that are listed beside a strip. */"
+    yield "#define TM_STRIP_LIST 24u"
+    yield ""
+    yield "/* What is swept between two poses, seen from the first one at (ox, oy): the corners of both, boxes around them (`box` not seen from"
+    yield "   there), their hull if it is made; the nearest border so far, and whether one entered; m. */"
+    yield "typedef struct {"
+    yield "  double ox;\n  double oy;\n  double x[8];\n  double y[8];\n  tm_box box;\n  tm_frame frame;\n  tm_hull hull;"
+    yield "  double best;\n  bool built;\n  bool entered;"
+    yield "} tm_sweep;"
+    yield ""
     yield "/* Where a point is along a line: station and offset in m (positive to the left), direction in rad. */"
     yield "typedef struct {\n  double station;\n  double offset;\n  double direction;\n} tm_projection;"
     yield ""
@@ -92,8 +114,9 @@ def types(plan: Layout) -> Iterator[str]:
     yield "/* A prepared line or region: its segments in the context. */"
     yield "typedef struct {"
     yield "  size_t first;\n  size_t count;\n  size_t hint; /* the segment that was nearest last */\n  double length; /* m */"
+    yield "  size_t near[2]; /* the segments that were nearest to the last timelines, which come by turns */\n  size_t turn_near;"
     yield "  bool usable;\n  bool closed;"
-    yield "  bool known; /* a sweep was looked at; its last pose: */\n  bool inside;"
+    yield "  bool known; /* the cosine and sine of a heading */\n  bool inside; /* well inside lies (x, y) */"
     yield "  double x;\n  double y;\n  double heading;\n  double ahead; /* cosine */\n  double aside; /* sine */"
     if plan.lines:
         yield "  tm_projected recent[8]; /* of a line: the points that were projected last */\n  size_t turn;"
@@ -138,6 +161,7 @@ def members(plan: Layout) -> list[str]:
     ]
     found += [
         "  tm_segment segment[TM_SEGMENTS];",
+        "  tm_outline outline[TM_SEGMENTS / 8u];",
         "  tm_box block_box[TM_SEGMENTS / 8u];",
         "  tm_box group_box[TM_SEGMENTS / 64u];",
     ]
@@ -158,12 +182,10 @@ def initial(plan: Layout) -> Iterator[str]:
         place = f"c->shapes.{shape.c_name}"
         yield f"  {place}.first = TM_FIRST_{shape.c_name.upper()};"
         yield f"  {place}.count = 0u;"
-        yield f"  {place}.hint = 0u;"
         yield f"  {place}.length = 0.0;"
         yield f"  {place}.usable = false;"
         yield f"  {place}.closed = false;"
-        yield f"  {place}.known = false;"
-        yield f"  {place}.inside = false;"
+        yield f"  tm_unknown(&{place});"
         for name in ("x", "y", "heading", "ahead", "aside"):
             yield f"  {place}.{name} = 0.0;"
         if plan.lines:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from trackmarshal.backends.c.expressions import Value, Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.signs import signs_alone
 from trackmarshal.backends.c.slots import assign
 from trackmarshal.backends.c.statements import Block, prune, render
 from trackmarshal.errors import TrackmarshalError
@@ -105,6 +106,8 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> Writer:
             f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});",
         )
     prune(root)
+    if known:
+        signs_alone(root)
     writer.series = assign(root)
     return writer
 

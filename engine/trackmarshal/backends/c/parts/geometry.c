@@ -144,6 +144,23 @@ static double tm_in_area(tm_context *c, tm_shape *shape, double x, double y) {
   return ((reach == 0.0) || tm_holds(c, shape, x, y)) ? reach : -reach;
 }
 
+/** A number of the sign of a point's signed distance from the border of a region: at once where it is off the region's box. */
+static double tm_in_area_sign(tm_context *c, tm_shape *shape, double x, double y) {
+  const tm_box at = {x, y, x, y};
+  const tm_box near = tm_grown(&at, 1.0);
+  const size_t end = shape->first + shape->count;
+  if (shape->usable && tm_usable(x) && tm_usable(y)) {
+    bool off = true;
+    for (size_t i = shape->first; off && (i < end); i += 512u) {
+      off = !tm_boxes_meet(&c->part_box[i / 512u], &near);
+    }
+    if (off) {
+      return -1.0;
+    }
+  }
+  return tm_in_area(c, shape, x, y);
+}
+
 /** The four corners of the box at a point, heading along (ahead, aside), seen from (ox, oy), counter-clockwise from the front left. */
 static void tm_footprint(double px, double py, double ahead, double aside, double length, double width, double ox, double oy,
                          double *x, double *y) {
@@ -326,37 +343,46 @@ static inline double tm_frame_apart(const tm_frame *frame, const tm_segment *s, 
   return (du * du) + (dv * dv);
 }
 
-/** The distance of a hull (its eight corners, its sides) from one border segment that does not enter it; where it is more
-   than `best`, something more than that. */
-static double tm_hull_gap(const tm_segment *s, double ox, double oy, const double *x, const double *y, const tm_hull *hull,
-                          const tm_frame *frame, double best) {
-  const double ax = s->ax - ox;
-  const double ay = s->ay - oy;
-  const double bx = s->bx - ox;
-  const double by = s->by - oy;
+/** Make the hull of a sweep, unless it is made. */
+static void tm_sweep_hull(tm_sweep *sweep) {
+  if (!sweep->built) {
+    tm_convex_hull(sweep->x, sweep->y, &sweep->hull);
+    sweep->built = true;
+  }
+}
+
+/** The distance of a sweep (its eight corners, its sides) from one border segment that does not enter it; where it is more
+   than the nearest so far, something more than that. */
+static double tm_sweep_gap(tm_sweep *sweep, const tm_segment *s) {
+  const double ax = s->ax - sweep->ox;
+  const double ay = s->ay - sweep->oy;
+  const double bx = s->bx - sweep->ox;
+  const double by = s->by - sweep->oy;
   double line = TM_INF;
   double ends = TM_INF;
   double reach;
+  double best;
   tm_segment start;
   for (size_t i = 0u; i < 8u; ++i) {
-    const double rx = x[i] - ax;
-    const double ry = y[i] - ay;
+    const double rx = sweep->x[i] - ax;
+    const double ry = sweep->y[i] - ay;
     const double product = (s->ex * rx) + (s->ey * ry);
     if ((0.0 < product) && (product < s->square)) {
       line = tm_least(line, fabs((s->ex * ry) - (s->ey * rx)));
     } else {
-      const double sx = x[i] - bx;
-      const double sy = y[i] - by;
+      const double sx = sweep->x[i] - bx;
+      const double sy = sweep->y[i] - by;
       ends = tm_least(ends, tm_least((rx * rx) + (ry * ry), (sx * sx) + (sy * sy)));
     }
   }
   reach = tm_least(line / s->length, sqrt(ends));
-  best = tm_least(best, reach);
+  best = tm_least(sweep->best, reach);
   start = *s;
   start.bx = s->ax;
   start.by = s->ay;
-  if (tm_frame_apart(frame, &start, ox, oy) <= (best * best)) {
-    reach = tm_least(reach, tm_hull_distance(hull, ax, ay));
+  if (tm_frame_apart(&sweep->frame, &start, sweep->ox, sweep->oy) <= (best * best)) {
+    tm_sweep_hull(sweep);
+    reach = tm_least(reach, tm_hull_distance(&sweep->hull, ax, ay));
   }
   return reach;
 }
@@ -417,24 +443,11 @@ static void tm_bound_points(const double *x, const double *y, double ox, double 
   box->y1 += oy;
 }
 
-/** The signed margin [m] of what a vehicle sweeps between two poses inside a region; NaN for what is none.
-   Margins above `bound` need not be exact: the caller takes the least of many, and has found `bound` already. */
-static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double y0, double heading0, double x1, double y1,
-                              double heading1, double length, double width, double bound) {
-  double x[8];
-  double y[8];
-  tm_hull hull;
-  tm_box box;
-  tm_frame frame;
-  double best = (bound > 0.0) ? bound : 0.0;
+/** What is swept between two poses: its corners seen from the first one, and the boxes around it. */
+static void tm_sweep_between(tm_shape *shape, double x0, double y0, double heading0, double x1, double y1, double heading1,
+                             double length, double width, double bound, tm_sweep *sweep) {
   double ahead0;
   double aside0;
-  bool built = false;
-  bool entered = false;
-  if (!shape->usable || !tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) ||
-      !tm_usable(heading1) || !tm_sized(length, width)) {
-    return TM_NAN;
-  }
   if (shape->known && (heading0 == shape->heading)) { /* the last pose of one sweep is the first one of the next */
     ahead0 = shape->ahead;
     aside0 = shape->aside;
@@ -442,64 +455,345 @@ static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double 
     ahead0 = cos(heading0);
     aside0 = sin(heading0);
   }
-  const bool from_inside = shape->known && shape->inside && (x0 == shape->x) && (y0 == shape->y);
   if (!shape->known || !(heading1 == shape->heading)) {
     shape->ahead = cos(heading1);
     shape->aside = sin(heading1);
   }
   shape->heading = heading1;
+  shape->known = true;
+  sweep->ox = x0;
+  sweep->oy = y0;
+  sweep->frame.ahead = shape->ahead;
+  sweep->frame.aside = shape->aside;
+  tm_footprint(x0, y0, ahead0, aside0, length, width, x0, y0, &sweep->x[0], &sweep->y[0]);
+  tm_footprint(x1, y1, shape->ahead, shape->aside, length, width, x0, y0, &sweep->x[4], &sweep->y[4]);
+  tm_bound_points(sweep->x, sweep->y, x0, y0, &sweep->box, &sweep->frame);
+  sweep->best = (bound > 0.0) ? bound : 0.0;
+  sweep->built = false;
+  sweep->entered = false;
+}
+
+/** Look at a border segment; whether it is nearer to the sweep than all that were looked at. */
+static bool tm_sweep_nearer(tm_sweep *sweep, const tm_segment *s) {
+  const double apart = tm_frame_apart(&sweep->frame, s, sweep->ox, sweep->oy);
+  double reach;
+  if (!(apart <= (sweep->best * sweep->best))) {
+    return false;
+  }
+  if (apart == 0.0) {
+    tm_sweep_hull(sweep);
+    if (tm_enters(s, sweep->ox, sweep->oy, &sweep->hull)) {
+      sweep->entered = true;
+      return false;
+    }
+  }
+  reach = tm_sweep_gap(sweep, s);
+  if (reach < sweep->best) {
+    sweep->best = reach;
+    return true;
+  }
+  return false;
+}
+
+/** A strip to look along for segments: a box along (ahead, aside) that is seen from a point. */
+static tm_strip tm_strip_of(const tm_frame *frame, double ox, double oy) {
+  tm_strip strip;
+  strip.ox = ox;
+  strip.oy = oy;
+  strip.ahead = (float)frame->ahead;
+  strip.aside = (float)frame->aside;
+  strip.u0 = (float)frame->u0;
+  strip.u1 = (float)frame->u1;
+  strip.v0 = (float)frame->v0;
+  strip.v1 = (float)frame->v1;
+  strip.size = (float)((fabs(frame->u0) + fabs(frame->u1)) + (fabs(frame->v0) + fabs(frame->v1)));
+  return strip;
+}
+
+/** What the numbers of a strip and of an outline, which are short, may be wrong by, and a little more [m]. */
+static float tm_strip_slack(const tm_strip *strip, const tm_box *group, float dx, float dy) {
+  const float extent = (float)((group->x1 - group->x0) + (group->y1 - group->y0));
+  return ((extent + strip->size) + ((dx < 0.0f) ? -dx : dx) + ((dy < 0.0f) ? -dy : dy)) * 2e-6f + 1e-4f;
+}
+
+/** Which of the eight segments from `i` on may lie within `reach` of a strip: a bit each. */
+static unsigned tm_strip_near(const tm_context *c, size_t i, const tm_strip *strip, double reach) {
+  const tm_outline *outline = &c->outline[i / 8u];
+  const tm_box *group = &c->group_box[i / 64u];
+  const float dx = (float)(group->x0 - strip->ox);
+  const float dy = (float)(group->y0 - strip->oy);
+  const float more = (float)reach + tm_strip_slack(strip, group, dx, dy);
+  const float limit = more * more;
+  float u[9];
+  float v[9];
+  float apart[8];
+  unsigned found = 0u;
+  for (size_t k = 0u; k < 8u; ++k) {
+    const float x = outline->x[k] + dx;
+    const float y = outline->y[k] + dy;
+    u[k] = (strip->ahead * x) + (strip->aside * y);
+    v[k] = (strip->ahead * y) - (strip->aside * x);
+  }
+  u[8] = (strip->ahead * (outline->x[8] + dx)) + (strip->aside * (outline->y[8] + dy));
+  v[8] = (strip->ahead * (outline->y[8] + dy)) - (strip->aside * (outline->x[8] + dx));
+  for (size_t k = 0u; k < 8u; ++k) {
+    const float front = ((u[k] < u[k + 1u]) ? u[k] : u[k + 1u]) - strip->u1;
+    const float rear = strip->u0 - ((u[k] < u[k + 1u]) ? u[k + 1u] : u[k]);
+    const float left = ((v[k] < v[k + 1u]) ? v[k] : v[k + 1u]) - strip->v1;
+    const float right = strip->v0 - ((v[k] < v[k + 1u]) ? v[k + 1u] : v[k]);
+    const float du = (front > rear) ? front : rear;
+    const float dv = (left > right) ? left : right;
+    const float beside_u = (du > 0.0f) ? du : 0.0f;
+    const float beside_v = (dv > 0.0f) ? dv : 0.0f;
+    apart[k] = (beside_u * beside_u) + (beside_v * beside_v);
+  }
+  for (size_t k = 0u; k < 8u; ++k) {
+    found |= (apart[k] > limit) ? 0u : (1u << k);
+  }
+  return found;
+}
+
+/** The signed margin of a sweep for which all of the border that may matter was looked at. `from_inside`: its first pose is well inside;
+   then so is all of it where nothing of the border lies in it. */
+static double tm_sweep_margin(tm_context *c, tm_shape *shape, tm_sweep *sweep, bool from_inside, double x, double y) {
+  shape->inside = false;
+  if (sweep->entered || !((from_inside && (sweep->best > 1e-3)) || tm_holds(c, shape, x, y))) {
+    tm_sweep_hull(sweep);
+    return tm_outside(c, shape, sweep->ox, sweep->oy, sweep->x, sweep->y, &sweep->hull, &sweep->box);
+  }
+  shape->inside = sweep->best > 1e-3;
+  return sweep->best;
+}
+
+/** The signed margin [m] of what a vehicle sweeps between two poses inside a region; NaN for what is none.
+   Margins above `bound` need not be exact: the caller takes the least of many, and has found `bound` already. */
+static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double y0, double heading0, double x1, double y1,
+                              double heading1, double length, double width, double bound) {
+  tm_sweep sweep;
+  if (!shape->usable || !tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) ||
+      !tm_usable(heading1) || !tm_sized(length, width)) {
+    return TM_NAN;
+  }
+  const bool from_inside = shape->inside && (x0 == shape->x) && (y0 == shape->y);
   shape->x = x1;
   shape->y = y1;
-  shape->inside = false;
-  shape->known = true;
-  frame.ahead = shape->ahead;
-  frame.aside = shape->aside;
-  tm_footprint(x0, y0, ahead0, aside0, length, width, x0, y0, &x[0], &y[0]);
-  tm_footprint(x1, y1, frame.ahead, frame.aside, length, width, x0, y0, &x[4], &y[4]);
-  tm_bound_points(x, y, x0, y0, &box, &frame);
+  tm_sweep_between(shape, x0, y0, heading0, x1, y1, heading1, length, width, bound, &sweep);
   const size_t end = shape->first + shape->count;
   const size_t likely = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
   /* What was nearest last time is near this time, and leaves little to look at. */
-  if (tm_frame_apart(&frame, &c->segment[likely], x0, y0) <= (best * best)) {
-    tm_convex_hull(x, y, &hull);
-    built = true;
-    best = tm_least(best, tm_hull_gap(&c->segment[likely], x0, y0, x, y, &hull, &frame, best));
-  }
-  tm_box near = tm_grown(&box, best);
+  (void)tm_sweep_nearer(&sweep, &c->segment[likely]);
+  const tm_strip strip = tm_strip_of(&sweep.frame, x0, y0);
+  tm_box near = tm_grown(&sweep.box, sweep.best);
   size_t i = tm_next_near(c, shape, shape->first, &near);
-  while ((i < end) && !entered) {
+  while ((i < end) && !sweep.entered) {
     const size_t stop = tm_block_end(i, end);
-    for (; (i < stop) && !entered; ++i) {
-      const tm_segment *s = &c->segment[i];
-      const double apart = tm_beside_box(s, &near) ? TM_INF : tm_frame_apart(&frame, s, x0, y0);
-      if (apart <= (best * best)) {
-        if (!built) {
-          tm_convex_hull(x, y, &hull);
-          built = true;
-        }
-        entered = (apart == 0.0) && tm_enters(s, x0, y0, &hull);
-        if (!entered && (i != likely)) {
-          const double reach = tm_hull_gap(s, x0, y0, x, y, &hull, &frame, best);
-          if (reach < best) {
-            best = reach;
-            near = tm_grown(&box, best);
-            shape->hint = i - shape->first;
-          }
-        }
+    unsigned looked = tm_strip_near(c, i, &strip, sweep.best);
+    for (; (i < stop) && !sweep.entered; ++i) {
+      if (((looked & 1u) != 0u) && (i != likely) && tm_sweep_nearer(&sweep, &c->segment[i])) {
+        near = tm_grown(&sweep.box, sweep.best);
+        shape->hint = i - shape->first;
       }
+      looked >>= 1u;
     }
-    if (!entered) {
+    if (!sweep.entered) {
       i = tm_next_near(c, shape, i, &near);
     }
   }
-  /* Nothing of the border lies in the sweep: where its first pose is well inside, so is all of it. */
-  if (entered || !((from_inside && (best > 1e-3)) || tm_holds(c, shape, (x0 + x1) / 2.0, (y0 + y1) / 2.0))) {
-    if (!built) {
-      tm_convex_hull(x, y, &hull);
+  return tm_sweep_margin(c, shape, &sweep, from_inside, (x0 + x1) / 2.0, (y0 + y1) / 2.0);
+}
+
+/** Of the segments of a shape, those that may lie within `reach` of a strip, with their boxes along it; their number, or one more
+   than there is room for. */
+static size_t tm_strip_list(const tm_context *c, const tm_shape *shape, const tm_frame *frame, double ox, double oy, double reach,
+                            tm_beside_strip *list) {
+  const size_t end = shape->first + shape->count;
+  const tm_strip strip = tm_strip_of(frame, ox, oy);
+  const double u = (frame->u0 + frame->u1) / 2.0;
+  const double v = (frame->v0 + frame->v1) / 2.0;
+  const double x = ox + ((frame->ahead * u) - (frame->aside * v));
+  const double y = oy + ((frame->aside * u) + (frame->ahead * v));
+  const double along = (frame->u1 - frame->u0) / 2.0;
+  const double across = (frame->v1 - frame->v0) / 2.0;
+  const double wide = (fabs(frame->ahead) * along) + (fabs(frame->aside) * across);
+  const double high = (fabs(frame->aside) * along) + (fabs(frame->ahead) * across);
+  const tm_box box = {x - wide, y - high, x + wide, y + high};
+  const tm_box near = tm_grown(&box, reach);
+  size_t count = 0u;
+  for (size_t i = tm_next_near(c, shape, shape->first, &near); i < end; i = tm_next_near(c, shape, tm_block_end(i, end), &near)) {
+    const size_t stop = tm_block_end(i, end);
+    unsigned looked = tm_strip_near(c, i, &strip, reach);
+    for (size_t k = i; (k < stop) && (looked != 0u); ++k) {
+      if ((looked & 1u) != 0u) {
+        const tm_segment *s = &c->segment[k];
+        if (count == TM_STRIP_LIST) {
+          return count + 1u;
+        }
+        const double ua = (frame->ahead * (s->ax - ox)) + (frame->aside * (s->ay - oy));
+        const double ub = (frame->ahead * (s->bx - ox)) + (frame->aside * (s->by - oy));
+        const double va = (frame->ahead * (s->ay - oy)) - (frame->aside * (s->ax - ox));
+        const double vb = (frame->ahead * (s->by - oy)) - (frame->aside * (s->bx - ox));
+        list[count].at = k - shape->first;
+        list[count].u0 = tm_least(ua, ub);
+        list[count].u1 = tm_greatest(ua, ub);
+        list[count].v0 = tm_least(va, vb);
+        list[count].v1 = tm_greatest(va, vb);
+        ++count;
+      }
+      looked >>= 1u;
     }
-    return tm_outside(c, shape, x0, y0, x, y, &hull, &box);
   }
-  shape->inside = best > 1e-3;
+  return count;
+}
+
+/** Which of listed segments may lie within `reach` of the box of a sweep in the same strip: a bit each. */
+static unsigned long tm_strip_bits(const tm_frame *box, const tm_beside_strip *list, size_t count, double reach) {
+  const double more = reach + 1e-5;
+  unsigned long bits = 0u;
+  for (size_t k = 0u; k < count; ++k) {
+    const double u = tm_greatest(list[k].u0 - box->u1, box->u0 - list[k].u1);
+    const double v = tm_greatest(list[k].v0 - box->v1, box->v0 - list[k].v1);
+    const double du = (u > 0.0) ? u : 0.0;
+    const double dv = (v > 0.0) ? v : 0.0;
+    if (((du * du) + (dv * dv)) <= (more * more)) {
+      bits |= 1ul << k;
+    }
+  }
+  return bits;
+}
+
+/** The box of a pose along a direction, seen from (ox, oy): a little larger than its footprint, whose heading need not be known well. */
+static tm_frame tm_pose_box(const tm_frame *along, double ox, double oy, double heading, double px, double py, double pose,
+                            double length, double width) {
+  tm_frame box = *along;
+  const double off = fabs(pose - heading);
+  const double turn = (off < 1.0) ? off : 1.0; /* at least the sine */
+  const double u = (along->ahead * (px - ox)) + (along->aside * (py - oy));
+  const double v = (along->ahead * (py - oy)) - (along->aside * (px - ox));
+  const double half_u = 0.5 * (length + (width * turn));
+  const double half_v = 0.5 * (width + (length * turn));
+  box.u0 = u - half_u;
+  box.u1 = u + half_u;
+  box.v0 = v - half_v;
+  box.v1 = v + half_v;
+  return box;
+}
+
+/** Let a box hold another one along the same direction. */
+static void tm_box_holds(tm_frame *box, const tm_frame *other) {
+  box->u0 = tm_least(box->u0, other->u0);
+  box->u1 = tm_greatest(box->u1, other->u1);
+  box->v0 = tm_least(box->v0, other->v0);
+  box->v1 = tm_greatest(box->v1, other->v1);
+}
+
+/** The gap between a border segment and the sweep that passes nearest to it, to begin with: none of a timeline's margins that
+   is greater matters. */
+static double tm_first_gap(tm_context *c, tm_shape *shape, size_t which, const double *x, const double *y, const double *heading,
+                           size_t n, double length, double width) {
+  const tm_segment *s = &c->segment[shape->first + which];
+  tm_sweep sweep;
+  double nearest = TM_INF;
+  size_t at = 0u;
+  for (size_t i = 0u; i < n; ++i) {
+    const double dx = x[i] - s->ax;
+    const double dy = y[i] - s->ay;
+    const double square = (dx * dx) + (dy * dy);
+    if (square < nearest) {
+      nearest = square;
+      at = i;
+    }
+  }
+  const size_t before = tm_before(at, 1u);
+  tm_sweep_between(shape, x[before], y[before], heading[before], x[at], y[at], heading[at], length, width, TM_INF, &sweep);
+  (void)tm_sweep_nearer(&sweep, s);
+  if (!sweep.entered && (sweep.best <= (2.0 * length))) {
+    return sweep.best;
+  }
+  shape->hint = which;
+  return tm_swept_inside(c, shape, x[before], y[before], heading[before], x[at], y[at], heading[at], length, width, TM_INF);
+}
+
+/** The least signed margin [m] of what a vehicle sweeps from sample to sample of a timeline inside a region; NaN where one has none.
+   Sweeps are looked at eight at a time: what stays farther from the border than the least gap so far is inside if its first pose is. */
+static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x, const double *y, const double *heading, size_t n,
+                                 double length, double width) {
+  double best;
+  bool inside = false;
+  if (!shape->usable || !tm_sized(length, width) || (n < 1u)) {
+    return TM_NAN;
+  }
+  for (size_t i = 0u; i < n; ++i) {
+    if (!tm_usable(x[i]) || !tm_usable(y[i]) || !tm_usable(heading[i])) {
+      return TM_NAN;
+    }
+  }
+  /* Candidates come by turns: each begins where its margin was least in the cycle before. */
+  shape->turn_near = (shape->turn_near == 0u) ? 1u : 0u;
+  size_t *hint = &shape->near[shape->turn_near];
+  *hint = (*hint < shape->count) ? *hint : 0u;
+  best = tm_first_gap(c, shape, *hint, x, y, heading, n, length, width);
+  for (size_t first = 0u; first < n; first += 8u) {
+    const size_t stop = ((n - first) < 8u) ? n : (first + 8u);
+    const size_t from = tm_before(first, 1u);
+    const size_t middle = from + ((stop - from) / 2u);
+    tm_frame box[9];
+    tm_frame all;
+    tm_beside_strip list[TM_STRIP_LIST];
+    all.ahead = cos(heading[middle]);
+    all.aside = sin(heading[middle]);
+    all.u0 = TM_INF;
+    all.u1 = -TM_INF;
+    all.v0 = TM_INF;
+    all.v1 = -TM_INF;
+    for (size_t i = from; i < stop; ++i) {
+      box[i - from] = tm_pose_box(&all, x[middle], y[middle], heading[middle], x[i], y[i], heading[i], length, width);
+    }
+    for (size_t i = from; i < stop; ++i) {
+      tm_box_holds(&all, &box[i - from]);
+    }
+    const size_t count = tm_strip_list(c, shape, &all, x[middle], y[middle], tm_greatest(best, 1e-3), list);
+    if ((count == 0u) && (inside || tm_holds(c, shape, x[from], y[from]))) {
+      inside = true;
+      continue;
+    }
+    for (size_t i = first; i < stop; ++i) {
+      const size_t before = tm_before(i, 1u);
+      tm_frame swept = box[before - from];
+      unsigned long near = 0u;
+      double margin;
+      tm_box_holds(&swept, &box[i - from]);
+      if (count <= TM_STRIP_LIST) {
+        near = tm_strip_bits(&swept, list, count, tm_greatest(best, 1e-3));
+        if ((near == 0u) && (inside || tm_holds(c, shape, x[before], y[before]))) {
+          inside = true;
+          continue;
+        }
+      }
+      shape->hint = *hint;
+      if (count <= TM_STRIP_LIST) {
+        tm_sweep sweep;
+        tm_sweep_between(shape, x[before], y[before], heading[before], x[i], y[i], heading[i], length, width, best, &sweep);
+        for (size_t k = 0u; (near != 0u) && !sweep.entered; ++k) {
+          if (((near & 1ul) != 0u) && tm_sweep_nearer(&sweep, &c->segment[shape->first + list[k].at])) {
+            shape->hint = list[k].at;
+          }
+          near >>= 1u;
+        }
+        margin = tm_sweep_margin(c, shape, &sweep, inside, (x[before] + x[i]) / 2.0, (y[before] + y[i]) / 2.0);
+      } else {
+        shape->inside = inside;
+        shape->x = x[before];
+        shape->y = y[before];
+        margin = tm_swept_inside(c, shape, x[before], y[before], heading[before], x[i], y[i], heading[i], length, width, best);
+      }
+      inside = shape->inside;
+      if (margin < best) {
+        best = margin;
+        *hint = shape->hint;
+      }
+    }
+  }
+  shape->inside = false;
   return best;
 }
 

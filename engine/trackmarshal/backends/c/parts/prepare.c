@@ -1,4 +1,39 @@
-/** Boxes around every 8, 64 and 512 segments of a shape. */
+/** Nothing is known of a shape that is about to be prepared. */
+static void tm_unknown(tm_shape *shape) {
+  shape->hint = 0u;
+  shape->near[0] = 0u;
+  shape->near[1] = 0u;
+  shape->turn_near = 0u;
+  shape->known = false;
+  shape->inside = false;
+}
+
+/** Outlines of every 8 segments of a shape whose boxes are made. Where one does not begin where the one before ends, there is none:
+   NaN is near to everything. */
+static void tm_outlines(tm_context *c, const tm_shape *shape) {
+  const size_t end = shape->first + shape->count;
+  for (size_t i = shape->first; i < end; i += 8u) {
+    tm_outline *outline = &c->outline[i / 8u];
+    const tm_box *group = &c->group_box[i / 64u];
+    const size_t stop = tm_block_end(i, end);
+    bool torn = false;
+    for (size_t k = 0u; k < 9u; ++k) {
+      const tm_segment *s = &c->segment[((i + k) < stop) ? (i + k) : (stop - 1u)];
+      const bool begins = (i + k) < stop;
+      outline->x[k] = (float)((begins ? s->ax : s->bx) - group->x0);
+      outline->y[k] = (float)((begins ? s->ay : s->by) - group->y0);
+      if (begins && (k > 0u)) {
+        torn = torn || !(c->segment[(i + k) - 1u].bx == s->ax) || !(c->segment[(i + k) - 1u].by == s->ay);
+      }
+    }
+    for (size_t k = 0u; torn && (k < 9u); ++k) {
+      outline->x[k] = (float)TM_NAN;
+      outline->y[k] = (float)TM_NAN;
+    }
+  }
+}
+
+/** Boxes around every 8, 64 and 512 segments of a shape, and outlines. */
 static void tm_index(tm_context *c, const tm_shape *shape) {
   for (size_t k = 0u; k < shape->count; ++k) {
     const size_t i = shape->first + k;
@@ -22,6 +57,7 @@ static void tm_index(tm_context *c, const tm_shape *shape) {
       }
     }
   }
+  tm_outlines(c, shape);
 }
 
 /** The points (x, y, x, y, ...) without repetitions of the last one kept, into `out`, which may be `points`; their count. */
@@ -133,8 +169,7 @@ static tm_status tm_make_polygon(tm_context *c, tm_shape *shape, const double *p
   size_t count;
   shape->usable = false;
   shape->count = 0u;
-  shape->hint = 0u;
-  shape->known = false;
+  tm_unknown(shape);
   if (!tm_all_usable(points, n)) {
     return TM_UNUSABLE;
   }
@@ -394,8 +429,7 @@ static tm_status tm_make_corridor(tm_context *c, tm_shape *shape, const double *
   const size_t least = closed ? 3u : 2u;
   shape->usable = false;
   shape->count = 0u;
-  shape->hint = 0u;
-  shape->known = false;
+  tm_unknown(shape);
   shape->closed = closed;
   if (!tm_all_usable(left, left_count) || !tm_all_usable(right, right_count)) {
     return TM_UNUSABLE;
@@ -465,8 +499,7 @@ static tm_status tm_make_line(tm_context *c, tm_shape *line, const double *point
   double station = 0.0;
   line->usable = false;
   line->count = 0u;
-  line->hint = 0u;
-  line->known = false;
+  tm_unknown(line);
   line->closed = closed;
   tm_forget(line);
   if (!tm_all_usable(points, n)) {
