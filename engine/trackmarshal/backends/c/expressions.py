@@ -452,8 +452,8 @@ class Writer:
                     node.body, axis, frozenset().union(*map(self.free, node.body.args[6:]))
                 )
                 if guard is None and fields:
-                    place = f"in->{self.plan.input(axis.signal).c_name}"
-                    columns = [f"{place}.{self.plan.field_name(axis.signal, name)}" for name in fields]
+                    start = f"in->{self.plan.input(axis.signal).c_name}"
+                    columns = [f"{start}.{self.plan.field_name(axis.signal, name)}" for name in fields]
                     self.timelines[node.body] = at, f"{', '.join(columns)}, {total}"
             body = self.formula(node.body, loop)
             sign, pick = ("&&", "tm_least") if node.quantifier == "for all" else ("||", "tm_greatest")
