@@ -86,7 +86,7 @@ def types(plan: Layout) -> Iterator[str]:
     yield "/* A walk over those blocks of eight segments whose boxes meet a box: parts of 512 to come, bits for the groups of 64 in the last one,"
     yield "   bits for the blocks in the last group; `block`: where the last block begins. */"
     yield "typedef struct {"
-    yield "  float x0;\n  float y0;\n  float x1;\n  float y1;\n  size_t part;\n  size_t group;\n  size_t block;\n  size_t end;\n  unsigned groups;\n  unsigned blocks;"
+    yield "  tm_box near;\n  float x0;\n  float y0;\n  float x1;\n  float y1;\n  size_t part;\n  size_t group;\n  size_t block;\n  size_t end;\n  unsigned groups;\n  unsigned blocks;"
     yield "} tm_walk;"
     yield ""
     yield "/* Where eight segments in a row begin, and where the last one ends, in m from the lower left corner of the box of their 64,"

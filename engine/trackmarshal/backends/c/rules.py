@@ -177,7 +177,7 @@ def _entry(plan: Layout, rule: RuleInfo, name: str) -> list[str]:
 
 @dataclass(frozen=True)
 class GroupCode:
-    """Rules over one timeline whose functions for known values are joined in one loop."""
+    """Rules over one timeline or set whose functions for known values are joined in one loop."""
 
     rules: tuple[RuleInfo, ...]
     c_name: str
@@ -198,18 +198,19 @@ def group_codes(plan: Layout) -> list[GroupCode]:
 
 
 def _axis(rule: RuleInfo) -> ir.Axis | None:
-    """The timeline that a rule quantifies over, if it does nothing else that loops."""
+    """The timeline or set that a rule quantifies over, if it does nothing else that loops; a projection on a prepared line does not."""
     formula, active = rule.formula, rule.active
-    if not isinstance(formula, ir.Quantify) or formula.axis.kind != "samples":
+    if not isinstance(formula, ir.Quantify):
         return None
     if active is not None and not (isinstance(active, ir.Quantify) and active.axis is formula.axis):
         return None
-    looping = (ir.Quantify, ir.First, ir.Temporal, ir.Until, ir.Shift, ir.Edge, ir.Geometry, ir.Along)
+    looping = (ir.Quantify, ir.First, ir.Temporal, ir.Until, ir.Shift, ir.Edge, ir.Geometry)
     inner = [
         node
         for root in roots(rule)
         for node in ir.below(root)
-        if isinstance(node, looping) and node is not root
+        if (isinstance(node, looping) and node is not root)
+        or (isinstance(node, ir.Along) and node.line.kind == "path")
     ]
     return None if inner else formula.axis
 

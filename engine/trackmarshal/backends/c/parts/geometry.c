@@ -38,6 +38,7 @@ static float tm_short_above(double x) {
 
 /** Look for what is near to this box from now on; what was found already stays. */
 static void tm_walk_box(tm_walk *walk, const tm_box *near) {
+  walk->near = *near;
   walk->x0 = tm_short_below(near->x0);
   walk->y0 = tm_short_below(near->y0);
   walk->x1 = tm_short_above(near->x1);
@@ -83,7 +84,9 @@ static size_t tm_walk_next(const tm_context *c, tm_walk *walk) {
       if ((walk->part * 512u) >= walk->end) {
         return walk->end;
       }
-      walk->groups = tm_boxes_near(&c->groups[walk->part], walk);
+      if (tm_boxes_meet(&c->part_box[walk->part], &walk->near)) {
+        walk->groups = tm_boxes_near(&c->groups[walk->part], walk);
+      }
       ++walk->part;
     }
     walk->group = ((walk->part - 1u) * 8u) + tm_lowest(walk->groups);
