@@ -465,6 +465,25 @@ static void tm_sweep_hull(tm_sweep *sweep) {
   }
 }
 
+/** Whether a point is farther than `best` from a sweep, going by the line from the rear of the first pose to the front of the second
+   one on the point's side, and the corners beyond it. */
+static bool tm_sweep_far(const tm_sweep *sweep, double x, double y, double best) {
+  const bool left = ((sweep->frame.ahead * y) - (sweep->frame.aside * x)) > (0.5 * (sweep->frame.v0 + sweep->frame.v1));
+  const size_t rear = left ? 1u : 2u;
+  const size_t front = left ? 4u : 7u;
+  const double sign = left ? 1.0 : -1.0;
+  const double ex = sign * (sweep->x[front] - sweep->x[rear]);
+  const double ey = sign * (sweep->y[front] - sweep->y[rear]);
+  const double way = (fabs(ex) + fabs(ey)) * 1e-5;
+  double beyond = 0.0;
+  for (size_t i = 0u; i < 8u; ++i) {
+    const double off = (ex * (sweep->y[i] - sweep->y[rear])) - (ey * (sweep->x[i] - sweep->x[rear]));
+    beyond = tm_greatest(beyond, off);
+  }
+  const double off = (((ex * (y - sweep->y[rear])) - (ey * (x - sweep->x[rear]))) - beyond) - way;
+  return (off > 0.0) && ((off * off) > (((ex * ex) + (ey * ey)) * (best * best)));
+}
+
 /** The distance of a sweep (its eight corners, its sides) from one border segment that does not enter it; where it is more
    than the nearest so far, something more than that. */
 static double tm_sweep_gap(tm_sweep *sweep, const tm_segment *s) {
@@ -494,7 +513,7 @@ static double tm_sweep_gap(tm_sweep *sweep, const tm_segment *s) {
   start = *s;
   start.bx = s->ax;
   start.by = s->ay;
-  if (tm_frame_apart(&sweep->frame, &start, sweep->ox, sweep->oy) <= (best * best)) {
+  if ((tm_frame_apart(&sweep->frame, &start, sweep->ox, sweep->oy) <= (best * best)) && !tm_sweep_far(sweep, ax, ay, best)) {
     tm_sweep_hull(sweep);
     reach = tm_least(reach, tm_hull_distance(&sweep->hull, ax, ay));
   }
@@ -665,6 +684,22 @@ static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double 
     }
   }
   return tm_sweep_margin(c, shape, &sweep, from_inside, (x0 + x1) / 2.0, (y0 + y1) / 2.0);
+}
+
+/** Where a stretch ends that begins with the sweep `first` from the pose `from`: not far away, and not turned by much. */
+static size_t tm_stretch_end(const double *x, const double *y, const double *heading, size_t n, size_t from, size_t first,
+                             double length) {
+  const double far = 8.0 * length;
+  size_t stop = first + 1u;
+  while ((stop < n) && ((stop - first) < TM_STRETCH)) {
+    const double dx = x[stop] - x[from];
+    const double dy = y[stop] - y[from];
+    if ((((dx * dx) + (dy * dy)) > (far * far)) || (fabs(heading[stop] - heading[from]) > 0.15)) {
+      break;
+    }
+    ++stop;
+  }
+  return stop;
 }
 
 /** Poses seen along the one in their middle, and the box of them all. */
@@ -871,9 +906,10 @@ static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x
   size_t *hint = &shape->near[shape->turn_near];
   *hint = (*hint < shape->count) ? *hint : 0u;
   best = tm_first_gap(c, shape, *hint, x, y, heading, n, length, width);
-  for (size_t first = 0u; first < n; first += TM_STRETCH) {
-    const size_t stop = ((n - first) < TM_STRETCH) ? n : (first + TM_STRETCH);
+  size_t stop = 0u;
+  for (size_t first = 0u; first < n; first = stop) {
     const size_t from = tm_before(first, 1u);
+    stop = tm_stretch_end(x, y, heading, n, from, first, length);
     tm_stretch stretch;
     tm_stretch_of(&stretch, &x[from], &y[from], &heading[from], stop - from, length, width);
     tm_stretch_list(c, shape, &stretch, tm_greatest(best, 1e-3));
