@@ -14,6 +14,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +24,13 @@ from trackmarshal.backends.c.batch import prepared_columns, run_columns
 from trackmarshal.backends.c.build import EXACT, FAST, SHARED, compiler
 from trackmarshal.backends.c.monitoring import Monitors
 from trackmarshal.backends.c.program import CProgram
+from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.c.step import Stepper
 from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.door.lines import line
+from trackmarshal.runtime.frame import Columns, Names
 
 ROOT = Path(__file__).resolve().parents[2]
 SIX = ["friction", "turn_radius", "drive_acceleration", "braking_limit", "speed_limit", "pose_match"]
@@ -139,17 +144,22 @@ def candidate() -> dict[str, Any]:
 def _step(spec: Spec) -> dict[str, float]:
     """A step's median, its 99.9th percentile as a multiple of that, and what the process grows by meanwhile."""
     rules = [rule for rule in spec.rules if rule.kind == "rule"]
-    stepper = Stepper(CProgram(spec, rules, doored=True))
-    assert stepper.track("track", *borders(1500), True) is None
+    now = 0.0
+    source = generate(spec, rules, doored=True)
+    stepper = Stepper(source, asdict(Limits()), lambda: now)
     driving, emergency, shared = cycle()
+    given: dict[str, Any] = {"driving": driving, "emergency": emergency, **shared}
+    columns = [_columns(source, name, given[name]) for name in stepper.words.columns]
+    lines = [line(points) for points in borders(1500)]
     spent = np.ones(STEPS)  # in memory before the first step
     number = 0
 
     def one() -> None:
-        nonlocal number
+        nonlocal number, now
         number += 1
-        fault = stepper.step(number, 0.1 * number, 0.1 * number, driving, emergency, shared)
-        assert fault is None, fault
+        now = 0.1 * number
+        said = stepper.step(number, now, now, columns, lines, [True])
+        assert said.judged, stepper.reasons(said)
 
     for _ in range(500):
         one()
@@ -165,6 +175,13 @@ def _step(spec: Spec) -> dict[str, float]:
         f"{LATE} (ratio)": float(late / middle),
         f"{GROWTH}, memory": float(grown),
     }
+
+
+def _columns(source: Source, name: str, given: dict[str, Any]) -> Columns:
+    """A signal as a frame has it."""
+    item = source.plan.input("plan" if name in ("driving", "emergency") else name)
+    names = [info.name for info, _ in item.fields]
+    return Columns(Names(names), np.array([np.atleast_1d(given[name]) for name in names], dtype=np.float64))
 
 
 def _memory() -> float:
