@@ -10,6 +10,7 @@ from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.runtime.contract import LINES
 from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.decision import MOST_REASONS
 from trackmarshal.runtime.faults import FAULTS
 from trackmarshal.runtime.machine import STATES
 
@@ -200,7 +201,7 @@ def results(given: Supervised) -> Iterator[str]:
     """Types that come after the rules' results: the decision."""
     yield "/* Most reasons that a decision holds; what is more, `more` says. */"
     yield "#ifndef TM_MAX_REASONS"
-    yield "#define TM_MAX_REASONS 64u"
+    yield f"#define TM_MAX_REASONS {MOST_REASONS}u"
     yield "#endif"
     yield ""
     yield "typedef enum {"
