@@ -6,9 +6,12 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from trackmarshal.runtime.frame import Columns, Floats
+from trackmarshal.runtime.frame import Columns
+
+if TYPE_CHECKING:
+    from trackmarshal.runtime.frame import Floats
 
 
 @dataclass(frozen=True, eq=False)

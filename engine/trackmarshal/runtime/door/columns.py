@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.runtime.contract import RECORD, SET, Signal
 from trackmarshal.runtime.door import values
-from trackmarshal.runtime.door.values import WrongTypeError
+from trackmarshal.runtime.door.values import Floats, WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault
-from trackmarshal.runtime.frame import Columns, Floats, Names
+from trackmarshal.runtime.frame import Columns, Names
 from trackmarshal.units import from_si, parse_unit
 
 _ARRAYS, _LISTS = {np.ndarray}, {list}
@@ -63,11 +63,9 @@ class ColumnsReader:
         except WrongTypeError as error:
             del faults[before:]
             faults.append(fault(error.name, self.label, "", error.index, error.message))
-        except Exception as error:  # what was handed in has a say in how it is read
+        except Exception:  # what was handed in has a say in how it is read
             del faults[before:]
-            faults.append(
-                fault("wrong_type", self.label, "", None, f"reading it failed: {type(error).__name__:.40}")
-            )
+            faults.append(fault("wrong_type", self.label, "", None, "it cannot be read"))
         return self.nothing()
 
     def nothing(self) -> Columns:

@@ -48,11 +48,9 @@ class LinesReader:
                 self._line(line, data.get(line), frame, faults)
         except WrongTypeError as error:
             faults.append(fault("wrong_type", name, "", None, error.message))
-        except Exception as error:  # what was handed in has a say in how it is read
+        except Exception:  # what was handed in has a say in how it is read
             del faults[before:]
-            faults.append(
-                fault("wrong_type", name, "", None, f"reading it failed: {type(error).__name__:.40}")
-            )
+            faults.append(fault("wrong_type", name, "", None, "it cannot be read"))
 
     def _line(self, line: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
         place = self.signal.name, line

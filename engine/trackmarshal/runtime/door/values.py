@@ -74,7 +74,7 @@ def numbers(column: Any, spelt: bool = False) -> Floats:
     kind = type(column)
     if kind in (np.ndarray, np.memmap, np.ma.MaskedArray):
         if column.ndim != 1:
-            raise WrongTypeError(f"an array of {column.ndim} axes")
+            raise WrongTypeError("something else is no column")
         if column.dtype.kind in "iuf":
             with np.errstate(all="ignore"):
                 made: Floats = np.array(np.ma.getdata(column), dtype=np.float64)
@@ -82,7 +82,7 @@ def numbers(column: Any, spelt: bool = False) -> Floats:
                 made[np.ma.getmaskarray(column)] = math.nan
             return made
         if column.dtype != object or kind is np.ma.MaskedArray:
-            raise WrongTypeError(f"an array of {column.dtype}")
+            raise WrongTypeError("something else is no column")
         column = column.tolist()
     values = entries(column)
     if not {float}.issuperset(map(type, values)):
@@ -99,14 +99,14 @@ def flags(column: Any) -> NDArray[np.int8]:
     kind = type(column)
     if kind in (np.ndarray, np.ma.MaskedArray):
         if column.ndim != 1:
-            raise WrongTypeError(f"an array of {column.ndim} axes")
+            raise WrongTypeError("something else is no column")
         if column.dtype == bool:
             made = np.array(np.ma.getdata(column), dtype=np.int8)
             if kind is np.ma.MaskedArray:
                 made[np.ma.getmaskarray(column)] = -1
             return made
         if column.dtype != object or kind is np.ma.MaskedArray:
-            raise WrongTypeError(f"an array of {column.dtype}")
+            raise WrongTypeError("something else is no column")
         column = column.tolist()
     values = entries(column)
     found = [flag(value) for value in values]
@@ -138,7 +138,7 @@ def ids(column: Any) -> tuple[str, ...]:
     """Ids of elements, texts or numbers, as texts; raises WrongTypeError, with the name `duplicate` for one that stands twice."""
     if type(column) is np.ndarray:
         if column.ndim != 1:
-            raise WrongTypeError(f"an array of {column.ndim} axes")
+            raise WrongTypeError("something else is no column")
         column = column.tolist()
     found: dict[str, int] = {}
     for index, name in enumerate(entries(column)):
@@ -156,6 +156,6 @@ def _long(value: object) -> bool:
 
 
 def worded(raw: object) -> str:
-    """What an object is, for a message: never its own text, which may fail or be endless."""
+    """What an object is, for a message: of JSON's words, since a record of the run has no others; never the object's own text."""
     names = {dict: "an object", list: "a list", str: "a text", bool: "a Boolean", type(None): "null"}
-    return names.get(type(raw), "a number" if type(raw) in (int, float) else f"a {type(raw).__name__:.40}")
+    return names.get(type(raw), "a number" if type(raw) in (int, float) else "something else")
