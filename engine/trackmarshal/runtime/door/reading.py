@@ -9,7 +9,7 @@ import numpy as np
 from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
-from trackmarshal.runtime.door.columns import ColumnsReader, unknown
+from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault
@@ -37,8 +37,7 @@ class LinesReader:
                 faults.append(fault("missing", name, "", None, "it is not there"))
                 return
             data = values.mapping(raw)
-            for key in data.keys() - self._known:
-                faults.append(unknown(name, key, self._known))
+            refuse_unknown(name, [data], self._known, faults)
             closed = data.get("closed", False)
             if isinstance(closed, bool | np.bool_):
                 frame.closed[name] = bool(closed)
@@ -84,9 +83,7 @@ class SignalsReader:
 
     def refuse_unknown(self, raw: dict[Any, Any], faults: list[Fault], known: frozenset[str]) -> None:
         """Faults of signals that nothing declares."""
-        if not raw.keys() <= known:
-            for key in raw.keys() - known:
-                faults.append(unknown("signals", key, known))
+        refuse_unknown("signals", [raw], known, faults)
 
     @staticmethod
     def _event(name: str, raw: Any, faults: list[Fault]) -> int:
@@ -130,12 +127,3 @@ class CycleReader:
             self.shared.refuse_unknown(signals, faults, self._known)
         self.shared.read(signals, frame, faults)
         return frame, faults
-
-
-def whole(value: object) -> int | None:
-    """A cycle's number: a whole number of Python or numpy; None for anything else."""
-    if type(value) is int:
-        return value
-    if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        return None
-    return int(value)
