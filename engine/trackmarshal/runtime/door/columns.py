@@ -99,7 +99,7 @@ class ColumnsReader:
             return None
         if "id" in raw and self.signal.form == SET:
             ids = raw["id"]
-            if type(ids) is not list or ids != self._last_ids:
+            if type(ids) is not list or not {str}.issuperset(map(type, ids)) or ids != self._last_ids:
                 return None
         if kinds == _ARRAYS:
             flat = np.concatenate(columns, casting="no", dtype=np.float64)
@@ -202,14 +202,17 @@ class ColumnsReader:
     def _read_ids(self, column: Any, faults: list[Fault]) -> tuple[str, ...] | None:
         if column is None:
             return None
-        if type(column) is list and column == self._last_ids and all(type(name) is str for name in column):
+        texts = type(column) is list and {str}.issuperset(
+            map(type, column)
+        )  # what equals texts may be something else
+        if texts and column == self._last_ids:
             return self._ids
         try:
             found = values.ids(column)
         except WrongTypeError as error:
             faults.append(fault(error.name, self.label, "id", error.index, error.message))
             return None
-        if type(column) is list and all(type(name) is str for name in column):  # what equals texts is texts
+        if texts:
             self._last_ids, self._ids = list(column), found
         return found
 

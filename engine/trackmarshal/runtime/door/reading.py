@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
@@ -38,9 +36,9 @@ class LinesReader:
                 return
             data = values.mapping(raw)
             refuse_unknown(name, [data], self._known, faults)
-            closed = data.get("closed", False)
-            if isinstance(closed, bool | np.bool_):
-                frame.closed[name] = bool(closed)
+            closed = values.flag(data.get("closed", False))
+            if closed in (0, 1):
+                frame.closed[name] = closed == 1
             else:
                 faults.append(fault("wrong_type", name, "closed", None, "neither true nor false"))
             for line in self._readers:

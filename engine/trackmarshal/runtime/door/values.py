@@ -194,9 +194,12 @@ def _spoken(name: object) -> str | None:
     if isinstance(name, str):
         return str.__str__(name)
     number = item(name) if isinstance(name, np.generic) and name.dtype.kind in NUMBERS else name
-    if isinstance(number, bool) or not isinstance(number, int | float) or _long(number):
+    if isinstance(number, float | np.longdouble):
+        real = float.__pos__(float(number) if isinstance(number, np.longdouble) else number)
+        return repr(real) if math.isfinite(real) else None
+    if isinstance(number, bool) or not isinstance(number, int) or _long(number):
         return None
-    return float.__repr__(number) if isinstance(number, float) else int.__repr__(number)
+    return int.__repr__(number)
 
 
 def _long(value: object) -> bool:
