@@ -305,7 +305,7 @@ class Array(np.ndarray[Any, Any]):
 
 
 def _named(values: Sequence[Any]) -> Any:
-    return collections.namedtuple("Named", [f"f{i}" for i in range(len(values))])(*values)  # noqa: PYI024 - made of a list
+    return collections.namedtuple("Named", [f"f{i}" for i in range(len(values))])(*values)
 
 
 def _enumerated(value: Any) -> Any:
@@ -380,6 +380,10 @@ def _c(make: Make, *more: str) -> Example:
     return Example(lambda v: make(_numbered(v)), ("numbers", "points", "ids", *more), [0.0, 1.0, 2.0])
 
 
+def _same(value: Any) -> Any:
+    return value
+
+
 def _numbered(values: Any) -> Any:
     return [float(i) for i in range(len(values))] if isinstance(values[0], str) else values
 
@@ -447,7 +451,7 @@ EXAMPLES: dict[str, tuple[Example, ...]] = {
     "array of texts": (Example(lambda v: np.array(list(map(str, v))), ("ids",), ["1", "2", "3"]),),
     "array of objects": (Example(_boxed, ("numbers", "Booleans", "ids", "points"), [0.0, 1.0, 2.0]),),
     "masked array of numbers, of which none is masked": (
-        Example(lambda v: np.ma.array(v), ("numbers", "points"), [0.0, 1.0, 2.0]),
+        Example(np.ma.array, ("numbers", "points"), [0.0, 1.0, 2.0]),
         Example(lambda v: np.ma.array(v, mask=np.zeros(np.shape(v), dtype=bool)), ("numbers", "points"), [0.0, 1.0, 2.0]),
         Example(lambda v: np.ma.array(np.array(v).astype(int)), ("numbers", "points"), [0.0, 1.0, 2.0]),
     ),
@@ -477,7 +481,7 @@ EXAMPLES: dict[str, tuple[Example, ...]] = {
         _s(collections.deque), Example(set, ("numbers", "Booleans", "ids"), [0.0, 1.0, 2.0]),
         Example(frozenset, ("numbers", "Booleans", "ids"), [0.0, 1.0, 2.0]), _s(lambda v: dict(enumerate(v)).values()),
     ),
-    "generators and other iterators": (_s(iter), _s(lambda v: (x for x in v)), _s(lambda v: map(lambda x: x, v)), _s(itertools.chain)),
+    "generators and other iterators": (_s(iter), _s(lambda v: (x for x in v)), _s(lambda v: map(_same, v)), _s(itertools.chain)),
     "`dict`, or a class derived from it": (
         _m(dict), _m(Dict), _m(collections.OrderedDict), _m(lambda v: collections.defaultdict(float, v)), _m(collections.Counter),
     ),
