@@ -57,14 +57,19 @@ class CasesReader:
     def read_all(self, raws: Iterable[object]) -> list[Frame]:
         """Cases from plain data, in order; raises what the first of them that cannot be read raises."""
         frames: list[Frame] = []
-        waiting = list(raws)
-        for first in range(0, len(waiting), AT_ONCE):
-            chunk = [self._structure(raw) for raw in waiting[first : first + AT_ONCE]]
-            passed = self._together(chunk)
-            for frame in chunk:
-                self._checker.check_signals(frame, {f.signal for f in frame.faults}, frame.faults, passed)
-            frames += chunk
-        return frames
+        chunk: list[Frame] = []
+        for raw in raws:  # each is read before the next is asked for: it may be made in the same memory
+            chunk.append(self._structure(raw))
+            if len(chunk) == AT_ONCE:
+                frames += self._checked(chunk)
+                chunk = []
+        return frames + self._checked(chunk)
+
+    def _checked(self, chunk: list[Frame]) -> list[Frame]:
+        passed = self._together(chunk)
+        for frame in chunk:
+            self._checker.check_signals(frame, {f.signal for f in frame.faults}, frame.faults, passed)
+        return chunk
 
     def settings(self, data: Mapping[str, Any]) -> Settings:
         """Overrides from plain data, with the constraints that do not hold with them; raises TrackmarshalError."""

@@ -165,12 +165,27 @@ def listed(raw: Any) -> list[Any]:
 
 
 def mapping(raw: Any) -> dict[Any, Any]:
-    """What a dict or any other Mapping holds; raises WrongTypeError."""
+    """What a dict or any other Mapping holds; raises WrongTypeError.
+
+    What is not a plain dict may make its values in the same memory again and again: each is copied before the next is asked for.
+    """
     if type(raw) is dict:
         return raw
     if isinstance(raw, Mapping):
-        return {key: raw[key] for key in raw}
+        return {key: _held(raw[key]) for key in raw}
     raise WrongTypeError(f"{worded(raw)} has no fields")
+
+
+def _held(value: Any) -> Any:
+    """Lists, tuples, arrays and Mappings with all that they hold, for good; anything else as it is."""
+    if type(value) in ARRAYS:
+        return value.copy()
+    if isinstance(value, list | tuple):
+        own = list if isinstance(value, list) else tuple
+        return own(map(_held, entries(value)))
+    if isinstance(value, Mapping):
+        return {key: _held(value[key]) for key in value}
+    return value
 
 
 def ids(column: Any) -> tuple[str, ...]:
