@@ -20,12 +20,14 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import FUNCTIONS
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.verdict import CaseResult, RuleResult
+from trackmarshal.runtime.program import Program
+from trackmarshal.runtime.verdict import VERDICTS, CaseResult, RuleResult
 
 #: Functions of which the platform's libm and numpy's own code may give neighbouring doubles.
-INEXACT = frozenset({"sin", "cos", "tan", "exp", "log", "pow", "atan2"})
+INEXACT = frozenset(name for name, function in FUNCTIONS.items() if function.libm)
 
 
 def compiled(text: str) -> Spec:
@@ -45,7 +47,7 @@ def inexact(rule: RuleInfo) -> bool:
 
 
 #: numpy's names of the functions whose last digit is libm's.
-_OF_NUMPY = {"atan2": "arctan2", "pow": "power"}
+_OF_NUMPY = {"atan2": "arctan2", "pow": "power", "asin": "arcsin", "acos": "arccos"}
 
 
 @contextmanager
@@ -54,7 +56,7 @@ def one_libm() -> Iterator[None]:
     with ExitStack() as stack:
         for name in INEXACT:
             function = np.frompyfunc(
-                lambda *args, name=name: arithmetic.apply(name, args), ir.FUNCTIONS[name], 1
+                lambda *args, name=name: arithmetic.apply(name, args), FUNCTIONS[name].arity, 1
             )
 
             def take(*args: Any, out: Any = None, function: Any = function) -> Any:
@@ -69,7 +71,7 @@ def one_libm() -> Iterator[None]:
             # Geometry asks numpy itself, steps have a table of their own (but for `pow`, which does more).
             stack.enter_context(mock.patch.object(np, _OF_NUMPY.get(name, name), take))
             if name != "pow":
-                stack.enter_context(mock.patch.dict(steps.FUNCTIONS, {name: take}))
+                stack.enter_context(mock.patch.dict(steps.CALLS, {name: take}))
         yield
 
 
@@ -82,6 +84,19 @@ def same_trigonometry() -> bool:
 def results(spec: Spec, cases: Sequence[Frame], backend: str, series: bool = True) -> list[CaseResult]:
     """All rules of a spec on all cases."""
     return list(Evaluator(spec, None, backend).evaluate(cases, series))
+
+
+def outcomes(program: Program, frames: Sequence[Frame]) -> list[dict[str, tuple[str, float]]]:
+    """Verdict and margin of every rule on every case, as a program says them without looking for witnesses."""
+    return [
+        {
+            rule.name: (VERDICTS[code], float(margin))
+            for rule, code, margin in zip(
+                program.rules, judged.rated[""].verdicts, judged.rated[""].margins, strict=True
+            )
+        }
+        for judged in program.judge_all(frames)
+    ]
 
 
 def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Frame]:
@@ -98,8 +113,8 @@ def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Frame]:
 
 
 def same(a: float, b: float) -> bool:
-    """The same double; all NaNs are one, and so are both zeros."""
-    return a == b or (math.isnan(a) and math.isnan(b))
+    """The same double, the sign of zero included; all NaNs are one."""
+    return (a == b and math.copysign(1.0, a) == math.copysign(1.0, b)) or (math.isnan(a) and math.isnan(b))
 
 
 def differences(left: CaseResult, right: CaseResult) -> list[str]:

@@ -11,6 +11,7 @@ from support.agreement import compiled, differences, read, results
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.verdict import VERDICTS
 
 SPEC = """
 module made
@@ -124,8 +125,8 @@ def test_what_no_case_changes_is_computed_before(spec: Spec) -> None:
     cases = read(spec, [case([1.0, 2.0])])
     assert "b.param('made.limit')" in "".join(program.code.fixed)
     assert not any("b.param" in line for line in program.code.varying)
-    first = program.run(cases).verdicts(program.rules[0])
-    assert [list(part) for part in first] == [["satisfied"], [2.0]]
+    codes, margins = program.run(cases).verdicts
+    assert (VERDICTS[codes[0, 0]], margins[0, 0]) == ("satisfied", 2.0)
 
 
 def test_verdicts_of_a_run_are_those_of_its_results(spec: Spec) -> None:
@@ -137,9 +138,8 @@ def test_verdicts_of_a_run_are_those_of_its_results(spec: Spec) -> None:
         case([1.0, 2.0], track={"left": None, "right": None}),
     ]
     cases = [evaluator.read(one) for one in raw]
-    run = evaluator.program.run(cases)
-    for rule in evaluator.rules:
-        verdicts, margins = run.verdicts(rule)
+    codes, margins = NumpyProgram(spec, evaluator.rules).run(cases).verdicts
+    for place, rule in enumerate(evaluator.rules):
         expected = [result.rules[rule.name] for result in evaluator.evaluate(cases)]
-        assert verdicts.tolist() == [one.verdict for one in expected]
-        np.testing.assert_array_equal(margins, [one.margin for one in expected])
+        assert [VERDICTS[code] for code in codes[place]] == [one.verdict for one in expected]
+        np.testing.assert_array_equal(margins[place], [one.margin for one in expected])

@@ -6,6 +6,7 @@ An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
   the row before that has any;
 - `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
+- `missed`: how many cycles before this one could not be written (a full disk); a row without a `state` says only that;
 - the decision: `state`, `safe`, `driven`, `driven_number`, `driven_t`, `lost`, `faults` and `violations` (JSON), `verdicts.CANDIDATE` (a letter a
   rule: s, v, u, i, o) and `margins.CANDIDATE`.
 """
@@ -16,6 +17,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -27,14 +29,22 @@ from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Col
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, SET, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.door.lines import line
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.lines import Line
 from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
-VERSION = 1
+VERSION = 2
 _LETTERS = b"svuio"
-_TIMES: tuple[Column, ...] = (("number", INT), ("t", FLOAT), ("arrived", FLOAT), ("finished", FLOAT))
+_TIMES: tuple[Column, ...] = (
+    ("number", INT),
+    ("t", FLOAT),
+    ("arrived", FLOAT),
+    ("finished", FLOAT),
+    ("missed", INT),
+)
 _DECISION: tuple[Column, ...] = (
     ("state", TEXT), ("safe", INT), ("driven", TEXT), ("driven_number", INT), ("driven_t", FLOAT), ("lost", TEXT), ("faults", TEXT),
     ("violations", TEXT), ("verdicts.driving", TEXT), ("verdicts.emergency", TEXT), ("margins.driving", FLOATS), ("margins.emergency", FLOATS),
@@ -61,6 +71,9 @@ class Record:
         #: Numbers come in as they are kept: then what passed the door is what came in.
         self._plain = _all_si(contract)
         self._kept: dict[tuple[str, str], Any] = {}
+        #: How long the file is up to its last whole row, and cycles since then that could not be written.
+        self._end = 0
+        self._missed = 0
         head = {
             "format": FORMAT,
             "version": VERSION,
@@ -82,29 +95,52 @@ class Record:
     def append(
         self, cycle: object, frame: Frame | None, decision: Decision, readings: tuple[float, float]
     ) -> None:
-        """One more row. Raises OSError where the disk refuses it."""
+        """One more row. Raises OSError where the disk refuses it; the file then ends with the row before, and the next row that can be
+        written says how many are missing."""
         number = -1 if decision.number is None else decision.number
-        times = [number, decision.t, *readings]
+        times = [number, decision.t, *readings, self._missed]
         outcome = decided(decision)
         row = b""
+        kept = self._kept
         if frame is not None and self._plain and not decision.faults:
-            row = self._layout.batch([*times, "", *self._passed(frame), *outcome])
-            self._kept = frame.lines
+            try:
+                row = self._layout.batch([*times, "", *self._passed(frame), *outcome])
+                kept = frame.lines
+            except ValueError:  # an id that is no text; JSON can spell it
+                row = b""
         if not row:
             row = self._layout.batch([*times, json.dumps(_plain(cycle)), *_empty(self._inputs), *outcome])
-        self._write(row)
+        self._missed += 1
+        try:
+            self._write(row)
+        except OSError:
+            self._kept = {}  # whoever reads the next row has no border from this one
+            raise
+        self._kept, self._missed = kept, 0
 
     def close(self) -> None:
         """End the stream; nothing can be appended any more."""
         if self._file >= 0:
+            if self._missed:
+                times = [-1, math.nan, math.nan, math.nan, self._missed]
+                self._write(self._layout.batch([*times, "", *_empty(self._inputs), *_empty_decision()]))
             self._write(END)
             os.close(self._file)
             self._file = -1
 
     def _write(self, data: bytes) -> None:
+        """Write all of it, or nothing: what was written of it is cut off again."""
+        if os.fstat(self._file).st_size > self._end:
+            os.ftruncate(self._file, self._end)  # that could not be done when it was written
         view = memoryview(data)
-        while view:
-            view = view[os.write(self._file, view) :]
+        try:
+            while view:
+                view = view[os.write(self._file, view) :]
+        except OSError:
+            with suppress(OSError):
+                os.ftruncate(self._file, self._end)
+            raise
+        self._end += len(data)
         if self._sync:
             os.fsync(self._file)
 
@@ -182,13 +218,15 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle."""
+    """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle; missed: cycles that could not be
+    written."""
 
     identity: dict[str, Any]
     limits: Limits
     cycles: tuple[Recorded, ...]
     ended: bool
     rest: int
+    missed: int = 0
 
 
 def is_record(data: bytes) -> bool:
@@ -226,15 +264,18 @@ def read(data: bytes, shown: str) -> Run:
     cycles = []
     end = len(layout.schema)
     kept: dict[tuple[str, str], Any] = {}
+    missed = 0
     for row in layout.rows(data):
         try:
-            cycles.append(_recorded(row.values, inputs, kept))
+            missed += int(row.values[len(_TIMES) - 1])
+            if row.values[-len(_DECISION)]:
+                cycles.append(_recorded(row.values, inputs, kept))
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             message = f"cycle {len(cycles)} of the record cannot be read: {error}"
             raise TrackmarshalError("D162", message, file=shown, help="it was not written here") from error
         end = row.end
     rest = data[end:]
-    return Run(identity, limits, tuple(cycles), rest == END, 0 if rest == END else len(rest))
+    return Run(identity, limits, tuple(cycles), rest == END, 0 if rest == END else len(rest), missed)
 
 
 def _identity(given: Any) -> dict[str, Any]:
@@ -330,6 +371,11 @@ def _empty(inputs: list[_Input]) -> list[Any]:
     return [empty[kind] for *_, kind in inputs]
 
 
+def _empty_decision() -> list[Any]:
+    empty: dict[str, Any] = {FLOATS: _NOTHING, TEXT: "", FLOAT: math.nan, INT: -1}
+    return [empty[kind] for _, kind in _DECISION]
+
+
 # What did not pass the door -----------------------------------------------------------------------------------------
 
 
@@ -358,13 +404,15 @@ def _plain(value: Any, depth: int = 0) -> Any:
         return {"$": "scalar", "type": value.dtype.str, "of": value.item()}
     if depth < 8:
         if kind is Cycle:
-            given = [getattr(value, name, None) for name in _CYCLE]
+            given = [getattr(value, name, None) for name in _CYCLE] + [sorted(value.also)]
             return {"$": "cycle", "of": [_plain(item, depth + 1) for item in given]}
         if kind is dict:
             pairs = [(key, _plain(item, depth + 1)) for key, item in value.items()]
             if all(type(key) is str for key in value) and "$" not in value:
                 return dict(pairs)
             return {"$": "dict", "of": [(_plain(key, depth + 1), item) for key, item in pairs]}
+        if kind is Line:
+            return {"$": "line", "of": value.points.tolist()}
         if kind is list:
             return [_plain(item, depth + 1) for item in value]
         if kind is tuple:
@@ -394,9 +442,12 @@ def _unplain(value: Any) -> Any:
         case "int":
             return int(of, 16)
         case "cycle":
-            return Cycle(*(_unplain(item) for item in of))
+            number, t, driving, emergency, signals = (_unplain(item) for item in of[:-1])
+            return Cycle(number, t, driving, emergency, signals, frozenset(of[-1]))
         case "dict":
             return {_unplain(key): _unplain(item) for key, item in of}
+        case "line":
+            return line(np.array(of, dtype=np.float64).reshape(-1, 2))
         case "tuple":
             return tuple(_unplain(item) for item in of)
         case "array":

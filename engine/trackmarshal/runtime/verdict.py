@@ -39,10 +39,13 @@ class Truth:
 
     @property
     def margin(self) -> float:
-        """The margin that is sure: the worst case of what holds, the best case of what doesn't, else NaN."""
+        """The margin that is sure: the worst case of what holds, the best case of what doesn't, else NaN.
+
+        A margin of zero is 0.0 by definition, whichever zero was computed.
+        """
         if self.worst.sat:
-            return self.worst.margin
-        return math.nan if self.best.sat else self.best.margin
+            return self.worst.margin + 0.0
+        return math.nan if self.best.sat else self.best.margin + 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +56,8 @@ class Witness:
     margin: float
     unit: str
     span: Span | None
+    #: The unit in which the limit is written; "" for `unit`.
+    shown: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +72,8 @@ class RuleResult:
     #: Why a rule is undefined although it could be computed: its inputs break the contract.
     reason: str = ""
     series: tuple[list[str], list[float]] | None = None
+    #: The unit in which the limit that decided is written; "" for `unit`.
+    shown: str = ""
 
     @property
     def unsafe(self) -> bool:

@@ -8,8 +8,6 @@ from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
-from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.contract import EGO, PLAN
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door.door import Admission
@@ -23,15 +21,16 @@ from trackmarshal.scenarios.recording import COLUMNS, Recording
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
 from trackmarshal.supervision import rulebox
 
-#: Fields that recordings have whether a spec declares them or not.
-_OWN = {"ego": {"kappa", "a", "age"}, "objects": {"age", "kappa", "a"}, "obstacles": {"v", "age"}}
+#: What recordings may have, whether a spec declares it or not.
+ALSO = frozenset(
+    ["ego", "objects", "obstacles", "track"]
+    + [f"{candidate}.{name}" for candidate in ("plan", DRIVING, EMERGENCY) for name in (*COLUMNS, "grip")]
+    + [f"{name}.{field}" for name in ("ego", "objects", "obstacles") for field in ("kappa", "a", "v", "age")]
+)
 
 
-def cycles(recording: Recording, spec: Spec | None = None) -> Iterator[Cycle]:
-    """The cycles of a recording, counted from 0. Columns and records are the recording's own.
-
-    spec: what they are for; signals that recordings always have, and fields that they may have, are left out where it declares none.
-    """
+def cycles(recording: Recording) -> Iterator[Cycle]:
+    """The cycles of a recording, counted from 0. Columns and records are the recording's own."""
     track = {
         name: line_of(line) if isinstance(line, list) and line and _is_line(line) else line
         for name, line in recording.track.items()
@@ -43,16 +42,8 @@ def cycles(recording: Recording, spec: Spec | None = None) -> Iterator[Cycle]:
             "obstacles": recording.obstacles,
             "track": track,
         }
-        if spec is not None:
-            signals = {
-                name: _declared(spec, name, value)
-                for name, value in signals.items()
-                if name in spec.signals or name == EGO
-            }
         driving, emergency = (cycle.candidates.get(name) for name in (DRIVING, EMERGENCY))
-        if spec is not None:
-            driving, emergency = (_declared(spec, PLAN, plan) for plan in (driving, emergency))
-        yield Cycle(number, cycle.t, driving, emergency, signals)
+        yield Cycle(number, cycle.t, driving, emergency, signals, ALSO)
 
 
 def _is_line(points: list[Any]) -> bool:
@@ -60,18 +51,6 @@ def _is_line(points: list[Any]) -> bool:
         isinstance(point, list | tuple) and len(point) == 2 and {float, int}.issuperset(map(type, point))
         for point in points
     )
-
-
-def _declared(spec: Spec, name: str, value: Any) -> Any:
-    """A signal without the fields that only recordings know."""
-    info = spec.signals.get(name)
-    own = set(COLUMNS) | {"grip"} if name == PLAN else _OWN.get(name, set())
-    superfluous = own - {kind.name for kind in info.fields_} if info is not None else own
-    if isinstance(value, dict) and superfluous & value.keys():
-        return {key: item for key, item in value.items() if key not in superfluous}
-    if isinstance(value, list) and any(isinstance(one, dict) and superfluous & one.keys() for one in value):
-        return [_declared(spec, name, one) for one in value]
-    return value
 
 
 #: Cycles that are evaluated together.
@@ -90,7 +69,7 @@ def supervised(
     clock = _Clock()
     supervisor = box.supervisor(Limits.open_loop(), clock.read)
     ahead = _Ahead(supervisor)
-    given = list(cycles(recording, evaluator.spec))
+    given = list(cycles(recording))
     for chunk in watch([given[i : i + _CHUNK] for i in range(0, len(given), _CHUNK)]):
         found = ahead.prepare(chunk, evaluator)
         for cycle, judged in zip(chunk, found):

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.backends.c import parts
 from trackmarshal.backends.c.layout import Layout, Shape
 from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.errors import TrackmarshalError
@@ -32,7 +33,7 @@ def uses_paths(plan: Layout) -> bool:
 
 def has_geometry(plan: Layout) -> bool:
     formulas = [root for rule in plan.rules for root in (rule.formula, rule.active) if root is not None]
-    return any(isinstance(node, (ir.Geometry, ir.Along)) for root in formulas for node in ir.below(root))
+    return any(isinstance(node, ir.Geometry | ir.Along) for root in formulas for node in ir.below(root))
 
 
 def sources(plan: Layout) -> dict[str, list[Shape]]:
@@ -49,9 +50,14 @@ def own_places(plan: Layout) -> list[Shape]:
     return [shape for shape in plan.shapes.values() if shape.kind in ("zone", "place")]
 
 
+#: Names of functions `tm_set_...` and `tm_admit_...` of our own, and of what the door remembers beside each line.
+_TAKEN = ("table", "plan", "shared", "limits", "t", "number", "begun", "admitted")
+
+
 def _setters(plan: Layout) -> dict[str, str]:
     """Signal or place -> name of the C function that sets it."""
-    names = distinct([*sources(plan), *(shape.key[1] for shape in own_places(plan))])
+    admitting = (name.removeprefix("tm_admit_") for name in parts.functions() if name.startswith("tm_admit_"))
+    names = distinct([*sources(plan), *(shape.key[1] for shape in own_places(plan))], (*_TAKEN, *admitting))
     return {name: f"tm_set_{c_name}" for name, c_name in names.items()}
 
 

@@ -7,7 +7,7 @@ is undefined; whether it holds is mostly read off its margin, else it has two mo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, assert_never
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from trackmarshal.backends.numpy import logic, places, steps, time
 from trackmarshal.backends.numpy.batch import before, column_index
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
 
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
@@ -22,15 +23,15 @@ _CALLED: dict[str, Any] = {
     "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
-    "project": places.project, "distance": places.distance, "gap": places.gap, "predicate": places.predicate, "within": places.within, "temporal": time.operator,
+    "project": places.project, "distance": places.distance, "gap": places.gap, "inside_area": places.swept_inside, "clear": places.swept_clear,
+    "in_area": places.in_area, "within": places.within, "temporal": time.operator,
 }  # fmt: skip
 
-#: What a projection onto a line gives, in this order.
-PROJECTIONS = ("station", "offset", "direction")
 #: Numbers that are read from the input as they are.
 _INPUTS = (ir.Column, ir.Sample, ir.Scalar)
 #: An expression of the best case, or of the worst.
 Side = Callable[[bool], str]
+Point = tuple[ir.Num, ir.Num]
 
 
 class Variables(NamedTuple):
@@ -76,7 +77,7 @@ class Code:
         #: Where each formula's variables are.
         self.formulas: dict[ir.IR, Variables] = {}
         #: Objects that the source names.
-        self.named: dict[str, Any] = {**_CALLED, **{f"{name}_": f for name, f in steps.FUNCTIONS.items()}}
+        self.named: dict[str, Any] = {**_CALLED, **{f"{name}_": f for name, f in steps.CALLS.items()}}
         self.fixed: list[str] = []
         self.varying: list[str] = []
         #: The variables that `fixed` leaves behind.
@@ -86,15 +87,15 @@ class Code:
         self._names: dict[Any, str] = {}
         self._free: list[str] = []
         self._is_fixed: set[ir.IR] = set()
-        last_use = {child: node for node in nodes for child in _inputs(node)}
+        last_use = {child: node for node in nodes for child in ir.operands(node)}
         #: Points that are projected onto each line.
-        self._points: dict[ir.Line, list[tuple[ir.Num, ...]]] = {}
+        self._points: dict[ir.Line, list[Point]] = {}
         for node in nodes:
-            if isinstance(node, ir.Along) and node.what in PROJECTIONS:
-                self._points.setdefault(node.line, []).append(node.args)
+            if isinstance(node, ir.Projected):
+                self._points.setdefault(node.line, []).append((node.x, node.y))
         for node in nodes:
             self._emit(node)
-            for child in _inputs(node):
+            for child in ir.operands(node):
                 if last_use[child] is node:
                     self._release(child)
 
@@ -122,10 +123,10 @@ class Code:
 
     # Variables ------------------------------------------------------------------------------------------------
 
-    def _emit(self, node: ir.IR) -> None:
+    def _emit(self, node: ir.Num | ir.Formula) -> None:
         if node in self._numbers:
             return
-        if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(_inputs(node)):
+        if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(ir.operands(node)):
             self._is_fixed.add(node)
         if isinstance(node, ir.Num):
             expression = self._number(node)
@@ -138,7 +139,7 @@ class Code:
                     node,
                     f"if {condition.best} is not {condition.worst}: {name} = where({unknown}, nan, {name})",
                 )
-        elif isinstance(node, ir.Formula):
+        else:
             key = self._key(node)
             made = self._known.get(key)
             if made is None:
@@ -146,12 +147,10 @@ class Code:
                 if node in self._is_fixed:
                     self.left.extend(made.names)
             self.formulas[node] = made
-        else:
-            raise AssertionError(f"neither a number nor a formula: {type(node).__name__}")
 
     def _key(self, node: ir.Formula) -> Any:
         """What formulas have in common that are computed alike, wherever they stand; numbers are shared from the start."""
-        parts = tuple(self.formulas[child] for child in _inputs(node) if isinstance(child, ir.Formula))
+        parts = tuple(self.formulas[child] for child in ir.operands(node) if isinstance(child, ir.Formula))
         match node:
             case ir.Compare():
                 return node.op, node.left, node.right
@@ -198,7 +197,7 @@ class Code:
     # Numbers --------------------------------------------------------------------------------------------------
 
     def _number(self, node: ir.Num) -> str:
-        at = [self._numbers[child] for child in _inputs(node) if isinstance(child, ir.Num)]
+        at = [self._numbers[child] for child in ir.operands(node) if isinstance(child, ir.Num)]
         match node:
             case ir.Const():
                 return self._hold(np.float64(node.value), ("constant", repr(node.value)))
@@ -211,55 +210,50 @@ class Code:
             case ir.Scalar():
                 return f"b.scalar({node.signal!r}, {node.field!r})"
             case ir.Arith():
-                if node.op not in steps.ARITHMETIC:
-                    raise AssertionError(f"unknown operation {node.op}")
                 return f"{at[0]} {node.op} {at[1]}"
             case ir.Neg():
                 return f"-{at[0]}"
             case ir.Func():
-                if node.name not in steps.FUNCTIONS:
-                    raise AssertionError(f"unknown function {node.name}")
                 return f"{node.name}_({', '.join(at)})"
             case ir.Choose():
                 return f"where({self.formulas[node.condition].sat(False)}, {at[0]}, {at[1]})"
             case ir.Lookup():
                 return f"b.curve({node.table!r})({at[0]})"
-            case ir.Along():
-                return self._along(node, at)
+            case ir.Station():
+                return f"{self._projected(node)}[0]"
+            case ir.Offset():
+                return f"{self._projected(node)}[1]"
+            case ir.Direction():
+                return f"{self._projected(node)}[2]"
+            case ir.Distance():
+                return f"distance(b, {self._hold(node.line)}, {', '.join(at)})"
+            case ir.StationGap():
+                return f"gap(b, {self._hold(node.line)}, {', '.join(at)})"
             case _:
-                raise AssertionError(f"unknown number {type(node).__name__}")
+                assert_never(node)
 
-    def _along(self, node: ir.Along, at: Sequence[str]) -> str:
-        if node.what in PROJECTIONS:
-            return f"{self._projected(node)}[{PROJECTIONS.index(node.what)}]"
-        arguments = f"b, {self._hold(node.line)}, {', '.join(at)}"
-        match node.what:
-            case "distance":
-                return f"distance({arguments})"
-            case "station_gap":
-                return f"gap({arguments})"
-            case _:
-                raise AssertionError(f"unknown number along a line {node.what}")
-
-    def _projected(self, node: ir.Along) -> str:
+    def _projected(self, node: ir.Projected) -> str:
         """The variable of a point's projection onto a line. All points that are plain input are projected with the first one."""
-        if ("p", node.line, node.args) not in self._names:
+        point = (node.x, node.y)
+        if ("p", node.line, point) not in self._names:
             plain = [
-                args
-                for args in self._points[node.line]
-                if ("p", node.line, args) not in self._names and all(isinstance(arg, _INPUTS) for arg in args)
+                (x, y)
+                for x, y in self._points[node.line]
+                if ("p", node.line, (x, y)) not in self._names
+                and isinstance(x, _INPUTS)
+                and isinstance(y, _INPUTS)
             ]
-            together = list(dict.fromkeys([node.args, *plain]))
+            together = list(dict.fromkeys([point, *plain]))
             points = []
-            for args in together:
-                for arg in args:
-                    self._emit(arg)
-                points.append(_tuple(self._numbers[arg] for arg in args))
+            for x, y in together:
+                self._emit(x)
+                self._emit(y)
+                points.append(_tuple((self._numbers[x], self._numbers[y])))
             names = [f"p{len(self._names) + k}" for k in range(len(together))]
-            self._names |= {("p", node.line, args): name for args, name in zip(together, names)}
+            self._names |= {("p", node.line, other): name for other, name in zip(together, names)}
             line = self._hold(node.line)
             self.varying.append(f"{_tuple(names)} = project(b, {line}, {', '.join(points)})")
-        return self._names["p", node.line, node.args]
+        return self._names["p", node.line, point]
 
     def _column(self, read: str, axis: ir.Axis, field: str, offset: int) -> str:
         """A field of the variable of an axis, `offset` samples on; before the start it is that of the first one."""
@@ -274,8 +268,8 @@ class Code:
     def _formula(self, node: ir.Formula, number: int) -> Variables:
         own = Variables(f"w{number}", f"b{number}", AT_LEAST)
         both = f"{own.worst}, {own.best}"
-        parts = [self.formulas[child] for child in _inputs(node) if isinstance(child, ir.Formula)]
-        at = [self._numbers[child] for child in _inputs(node) if isinstance(child, ir.Num)]
+        parts = [self.formulas[child] for child in ir.operands(node) if isinstance(child, ir.Formula)]
+        at = [self._numbers[child] for child in ir.operands(node) if isinstance(child, ir.Num)]
         match node:
             case ir.Truth():
                 self._line(node, f"{own.worst} = {own.best} = {'inf' if node.value else '-inf'}")
@@ -287,15 +281,20 @@ class Code:
                 self._line(node, f"{both} = flagged({codes})")
                 return own._replace(says=BOTH)
             case ir.Compare():
-                measure, says = steps.COMPARISONS[node.op]
+                measure, says = steps.MEASURED[node.op]
                 x, y = at
                 self._line(node, f"{both} = compared({measure.format(x=x, y=y)}, {x}, {y})")
                 return own._replace(says=says)
-            case ir.Geometry():
-                if node.what == "in_area" and node not in self._weighed:
-                    self._line(node, f"{both} = within(b, {self._hold(node)}, {_tuple(at)})")
-                    return own._replace(says=BOTH)
-                self._line(node, f"{both} = predicate(b, {self._hold(node)}, {_tuple(at)})")
+            case ir.InArea():
+                weighed = node in self._weighed
+                call = "in_area" if weighed else "within"
+                self._line(node, f"{both} = {call}(b, {self._hold(node.area)}, {', '.join(at)})")
+                return own if weighed else own._replace(says=BOTH)
+            case ir.SweptInside():
+                self._line(node, f"{both} = inside_area(b, {self._hold(node.area)}, {', '.join(at)})")
+                return own
+            case ir.SweptClear():
+                self._line(node, f"{both} = clear({', '.join(at)})")
                 return own
             case ir.Not():
                 return self._negation(node, number, parts[0])
@@ -319,7 +318,7 @@ class Code:
                     lambda best: f"first({body.sat(best)}, {index})",
                 )  # fmt: skip
             case _:
-                raise AssertionError(f"unknown formula {type(node).__name__}")
+                assert_never(node)
 
     def _sides(
         self, node: ir.Formula, number: int, parts: Sequence[Variables], says: int, margin: Side, sat: Side
@@ -368,12 +367,10 @@ class Code:
             case "iff":
                 return self._given(node, number, f"negate(differ({left.value}, {right.value}))")
             case _:
-                raise AssertionError(f"unknown connective {node.op}")
+                assert_never(node.op)
 
     def _quantifier(self, node: ir.Quantify, number: int, *parts: Variables) -> Variables:
-        if node.quantifier not in ("for all", "exists"):
-            raise AssertionError(f"unknown quantifier {node.quantifier}")
-        every = node.quantifier == "for all"
+        every = node.extreme is Extreme.LEAST
         reduce, axis, body = "every" if every else "some", 1 + node.axis.level, parts[-1]
         maybe = surely = self._once("m", node.axis, f"b.mask({self._hold(node.axis)})")
         if node.guard is not None:
@@ -406,10 +403,6 @@ def _denied(says: int) -> int:
     return (says & AT_LEAST and ABOVE) | (says & ABOVE and AT_LEAST)
 
 
-def _inputs(node: ir.IR) -> list[ir.IR]:
-    return [child for child in node.children() if isinstance(child, (ir.Num, ir.Formula))]
-
-
 def _weighed(roots: Iterable[ir.Formula]) -> set[ir.IR]:
     """Formulas whose margins count. Of guards, and of conditions of numbers, it only counts whether they hold."""
     found: set[ir.IR] = set()
@@ -422,14 +415,14 @@ def _weighed(roots: Iterable[ir.Formula]) -> set[ir.IR]:
         if isinstance(node, (ir.Quantify, ir.Guarded)):
             stack.append(node.body)
         else:
-            stack.extend(child for child in _inputs(node) if isinstance(child, ir.Formula))
+            stack.extend(child for child in ir.operands(node) if isinstance(child, ir.Formula))
     return found
 
 
-def _ordered(roots: Iterable[ir.Formula]) -> list[ir.IR]:
+def _ordered(roots: Iterable[ir.Formula]) -> list[ir.Num | ir.Formula]:
     """All nodes below roots, children first; iterative, so depth is no limit."""
-    done: dict[ir.IR, None] = {}
-    stack: list[tuple[ir.IR, bool]] = [(root, False) for root in reversed(list(roots))]
+    done: dict[ir.Num | ir.Formula, None] = {}
+    stack: list[tuple[ir.Num | ir.Formula, bool]] = [(root, False) for root in reversed(list(roots))]
     while stack:
         node, ready = stack.pop()
         if node in done:
@@ -438,7 +431,7 @@ def _ordered(roots: Iterable[ir.Formula]) -> list[ir.IR]:
             done[node] = None
         else:
             stack.append((node, True))
-            stack.extend((child, False) for child in reversed(_inputs(node)))
+            stack.extend((child, False) for child in reversed(ir.operands(node)))
     return list(done)
 
 

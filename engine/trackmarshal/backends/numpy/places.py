@@ -6,12 +6,12 @@ import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from itertools import accumulate
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.numpy import logic
+from trackmarshal.backends.numpy import logic, touching
 from trackmarshal.backends.numpy.batch import Batch
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime import geometry
@@ -24,30 +24,50 @@ KEPT = 32
 _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
 
-def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any, Any]:
-    """The worst and the best margin of a geometric predicate: its signed distance."""
+def swept_inside(batch: Batch, area: ir.Area, *args: Any) -> tuple[Any, Any]:
+    """The worst and the best margin [m] of: a box (two poses, length, width) sweeps nothing but an area."""
     shape = np.broadcast(*args).shape
-    if 0 in shape:  # of no object
-        margin = np.empty(shape)
-        return margin, margin
-    if node.what == "swept_clear":
-        margin = np.asarray(geometry.boxes_clear(*args))
-    else:
-        assert node.area is not None
-        ask = "signed_distance" if node.what == "in_area" else "margin_inside"
-        (margin,) = _ask(batch, node.area, ask, args, shape)
+    if 0 in shape:
+        return _sides(np.empty(shape))
+    margin = _ask(batch, area, "margin_inside", args, shape)[0]
+    owners = _owners(batch, area)
+    return _sides(
+        touching.settled(
+            margin, args, lambda at, row: touching.inside(owners[at[0] if len(owners) > 1 else 0].border, row)
+        )
+    )
+
+
+def swept_clear(*args: Any) -> tuple[Any, Any]:
+    """The same of: what a box (two poses, length, width) sweeps is clear of another (a pose, length, width)."""
+    shape = np.broadcast(*args).shape
+    if 0 in shape:
+        return _sides(np.empty(shape))
+    margin = np.asarray(geometry.boxes_clear(*args))
+    return _sides(touching.settled(margin, args, lambda at, row: touching.clear(row)))
+
+
+def in_area(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
+    """The same of: a point is in an area."""
+    shape = np.broadcast(x, y).shape
+    return _sides(
+        _ask(batch, area, "signed_distance", (x, y), shape)[0] if 0 not in shape else np.empty(shape)
+    )
+
+
+def _sides(margin: Any) -> tuple[Any, Any]:
+    """The worst and the best margin of signed distances; NaN is none."""
     known = ~np.isnan(margin)
     return (margin, margin) if known.all() else logic.partly(margin, known)
 
 
-def within(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any, Any]:
+def within(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
     """Whether points are in an area, as margins that are infinite; cheap for points that are nowhere near it."""
-    assert node.area is not None
-    shape = np.broadcast(*args).shape
-    if 0 not in shape and not any(area.near(*args) for area in _owners(batch, node.area)):
+    shape = np.broadcast(x, y).shape
+    if 0 not in shape and not any(owner.near(x, y) for owner in _owners(batch, area)):
         margin = np.full(shape, -np.inf)
         return margin, margin
-    worst, best = predicate(batch, node, args)
+    worst, best = in_area(batch, area, x, y)
     decided = np.where(worst >= 0.0, np.inf, -np.inf)
     return decided, decided if best is worst else np.where(best >= 0.0, np.inf, -np.inf)
 
@@ -189,7 +209,7 @@ def _line(batch: Batch, index: int, line: ir.Line) -> geometry.Polyline:
             centre: geometry.Polyline = _corridor(batch, index, line.name).centre
             return centre
         case _:
-            raise AssertionError(f"unknown line {line.kind}")
+            assert_never(line.kind)
     made: geometry.Polyline = _keep(
         batch, ("line", id(points), closed), points, lambda: geometry.Polyline(_points(points), closed)
     )

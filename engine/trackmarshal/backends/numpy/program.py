@@ -92,6 +92,7 @@ class _Cases:
         """(sides, cases) of whether they hold, and of their margins."""
         rows = [_of_cases(values[place], size) for place in self._margins]
         margins = np.concatenate(rows, axis=None).reshape(len(rows), size)
+        margins += 0.0  # a margin of zero is 0.0 by definition
         sat = np.where(self._strict, margins > 0.0, margins >= 0.0)
         for row, place in self._unsaid:
             sat[row] = _of_cases(values[place], size).ravel()

@@ -13,7 +13,7 @@ from trackmarshal.runtime.contract import of_cases
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.checking import FrameChecker
 from trackmarshal.runtime.door.columns import suggested
-from trackmarshal.runtime.door.reading import SignalsReader
+from trackmarshal.runtime.door.reading import SignalsReader, known
 from trackmarshal.runtime.faults import Fault, name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
 from trackmarshal.runtime.settings import SettingsReader
@@ -29,7 +29,7 @@ _MISSING = "null stands for a missing value; numbers are in the declared unit"
 class CasesReader:
     """Reads cases for one spec; `reads` are the (signal, field) pairs that the chosen rules need.
 
-    declared: names that signals may have besides those of the spec, asked for only when one turns up. broken: which constraints of
+    declared: names (`objects`, `ego.kappa`) that data may have besides those of the spec, asked for only when one turns up. broken: which constraints of
     the spec do not hold with settings.
     """
 
@@ -98,9 +98,11 @@ class CasesReader:
             )
         frame = Frame(raw.get("id"), self.settings(raw), orders=self._orders)
         given = signals if type(signals) is dict else dict(signals)
-        if not given.keys() <= self.contract.known:
-            self._reader.refuse_unknown(given, frame.faults, self.contract.known | self._declared())
+        self._reader.refuse_unknown(given, frame.faults, self.contract.known)
         self._reader.read(given, frame, frame.faults)
+        if any(name_of(fault) == "unknown" for fault in frame.faults):
+            also = self._declared()
+            frame.faults = [fault for fault in frame.faults if not known(fault, also)]
         for fault in frame.faults:
             _refuse(fault)
         return frame

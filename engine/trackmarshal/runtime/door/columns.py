@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.diagnostics.base import close_matches
-from trackmarshal.runtime.contract import RECORD, SET, Signal
+from trackmarshal.runtime.contract import RECORD, SET, TIMELINE, Signal
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.values import Floats, WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault
@@ -113,6 +113,8 @@ class ColumnsReader:
         else:
             return None
         (count,) = lengths
+        if not count and self.signal.form == TIMELINE:
+            return None
         made = flat.reshape(len(columns), count)
         return Columns(self.names, made, None, self._ids if ids is not None else self._counted(count))
 
@@ -152,6 +154,9 @@ class ColumnsReader:
         ids = self._read_ids(data.get("id"), faults) if self.signal.form == SET else None
         lengths = self._lengths(data, read, ids)
         count = self._agree(lengths, faults) if lengths or self.signal.form == SET else 1
+        if not count and self.signal.form == TIMELINE:
+            faults.append(fault("too_short", self.label, "", None, "0 entries"))
+            count = 1  # of nothing: whatever reads a sample is undefined
         rows = [self._row(name, read.get(name), count, data) for name in self.names.numbers]
         numbers = np.array(rows, dtype=np.float64).reshape(len(rows), count)
         with np.errstate(all="ignore"):  # what becomes infinite is a fault
@@ -276,8 +281,8 @@ class ColumnsReader:
         return columns, {name: places for name, places in left_out.items() if places}
 
 
-#: Names that nothing declares, of which a signal's faults list so many; a flood of them takes no time.
-MOST_UNKNOWN = 8
+#: Names that nothing declares for which something else is suggested; a flood of them takes no time.
+MOST_SUGGESTED = 8
 
 
 def refuse_unknown(
@@ -293,16 +298,20 @@ def refuse_unknown(
         if not data.keys() <= known:
             for key in data:
                 if key not in known:
-                    found.setdefault(key[:40] if type(key) is str else "", []).append(index)
-    for name, places in list(found.items())[:MOST_UNKNOWN]:
-        hint = suggested(name, known)
+                    found.setdefault(_name(key), []).append(index)
+    for place, (name, places) in enumerate(found.items()):
+        hint = suggested(name, known) if place < MOST_SUGGESTED else ""
         more = f", and {len(places) - 1} more" if len(places) > 1 and indexed else ""
         message = f"nothing declares `{name}`{more}" if name else "a field is called by a text"
         at = places[0] if indexed else None
         faults.append(fault("unknown", label, name, at, message + (f"; {hint}" if hint else "")))
-    if len(found) > MOST_UNKNOWN:
-        message = f"nothing declares {len(found) - MOST_UNKNOWN} more"
-        faults.append(fault("unknown", label, "", None, message))
+
+
+def _name(key: object) -> str:
+    """A name that nothing declares, as it is called in faults: a long one by a name that nothing can have."""
+    if type(key) is not str:
+        return ""
+    return key if len(key) <= 80 else f"{key[:79]}..."
 
 
 def suggested(name: str, known: Iterable[str]) -> str:

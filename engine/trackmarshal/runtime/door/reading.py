@@ -10,7 +10,7 @@ from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.values import WrongTypeError
-from trackmarshal.runtime.faults import Fault, fault
+from trackmarshal.runtime.faults import Fault, fault, name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
 
 
@@ -124,4 +124,12 @@ class CycleReader:
         else:
             self.shared.refuse_unknown(signals, faults, self._known)
         self.shared.read(signals, frame, faults)
+        if cycle.also and type(cycle.also) is frozenset:
+            faults = [fault for fault in faults if not known(fault, cycle.also)]
         return frame, faults
+
+
+def known(fault: Fault, also: frozenset[str]) -> bool:
+    """Whether it is the fault of a name that is known after all."""
+    name = fault.field if fault.signal == "signals" else f"{fault.signal}.{fault.field}"
+    return name_of(fault) == "unknown" and name in also

@@ -64,6 +64,11 @@ class Area:
         long, wide = (float(size) if size.ndim == 0 else _filled(size, count) for size in sizes)
         return self._region.margin_inside(poses, long, wide)
 
+    @property
+    def border(self) -> Border | None:
+        """The border, the region on its left; None where there is none."""
+        return None if self._region is None else self._region.border
+
     def near(self, x: Floats, y: Floats) -> bool:
         """Whether some of these points may be in the region, or have no answer; False if all are off its bounding box."""
         if self._region is None:

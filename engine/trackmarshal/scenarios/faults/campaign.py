@@ -63,7 +63,7 @@ class Bench:
         tables, _ = known_tables(recording, evaluator.spec)
         self._box = rulebox(evaluator, recording.params, tables)
         self._limits = Limits() if limits is None else limits
-        self._cycles = list(cycles(recording, evaluator.spec))
+        self._cycles = list(cycles(recording))
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
         """Put one fault in and see what comes of it; the run is made twice, and has to come out the same.
