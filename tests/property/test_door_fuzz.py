@@ -125,6 +125,7 @@ def test_anything_as_one_signal(contract: Contract, value: object, name: str) ->
 def test_what_passes_is_finite_and_what_was_handed_in(contract: Contract) -> None:
     door = Door(contract, Limits())
     given_cycle = cycle(0)
+    given_cycle.signals["track"]["left"] = given_cycle.signals["track"]["left"].copy()
     found = admit(door, given_cycle, 0.0)
     assert found.faults == ()
     driving, emergency = found.frame.of("driving"), found.frame.of("emergency")
