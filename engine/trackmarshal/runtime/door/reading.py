@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
-from trackmarshal.runtime.door.columns import ColumnsReader, unknown
+from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
@@ -37,11 +35,10 @@ class LinesReader:
                 faults.append(fault("missing", name, "", None, "it is not there"))
                 return
             data = values.mapping(raw)
-            for key in data.keys() - self._known:
-                faults.append(unknown(name, key, self._known))
-            closed = data.get("closed", False)
-            if isinstance(closed, bool | np.bool_):
-                frame.closed[name] = bool(closed)
+            refuse_unknown(name, [data], self._known, faults)
+            closed = values.flag(data.get("closed", False))
+            if closed in (0, 1):
+                frame.closed[name] = closed == 1
             else:
                 faults.append(fault("wrong_type", name, "closed", None, "neither true nor false"))
             for line in self._readers:
@@ -84,9 +81,7 @@ class SignalsReader:
 
     def refuse_unknown(self, raw: dict[Any, Any], faults: list[Fault], known: frozenset[str]) -> None:
         """Faults of signals that nothing declares."""
-        if not raw.keys() <= known:
-            for key in raw.keys() - known:
-                faults.append(unknown("signals", key, known))
+        refuse_unknown("signals", [raw], known, faults)
 
     @staticmethod
     def _event(name: str, raw: Any, faults: list[Fault]) -> int:
@@ -138,12 +133,3 @@ def known(fault: Fault, also: frozenset[str]) -> bool:
     """Whether it is the fault of a name that is known after all."""
     name = fault.field if fault.signal == "signals" else f"{fault.signal}.{fault.field}"
     return name_of(fault) == "unknown" and name in also
-
-
-def whole(value: object) -> int | None:
-    """A cycle's number: a whole number of Python or numpy; None for anything else."""
-    if type(value) is int:
-        return value
-    if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        return None
-    return int(value)
