@@ -14,6 +14,7 @@ import numpy as np
 from trackmarshal.backends.numpy import logic, places, steps, time
 from trackmarshal.backends.numpy.batch import before, column_index
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
+from trackmarshal.backends.numpy.sharing import representatives
 from trackmarshal.ir import nodes as ir
 
 #: What code may call by name.
@@ -69,8 +70,11 @@ class Code:
 
     def __init__(self, formulas: Sequence[ir.Formula], ranges: Sequence[ir.Formula]) -> None:
         """Of the `ranges`, other than of the `formulas`, only whether they hold is asked."""
-        nodes = _ordered([*formulas, *ranges])
-        self._weighed = _weighed(formulas)
+        every = _ordered([*formulas, *ranges])
+        #: Of nodes that are computed alike, the one that is.
+        self._same = representatives(every)
+        nodes = list(dict.fromkeys(self._same.values()))
+        self._weighed = {self._same[node] for node in _weighed(formulas)}
         axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
         self.rank = max([1, *(axis.level + 2 for axis in axes)])
         #: Where each formula's variables are.
@@ -82,21 +86,23 @@ class Code:
         #: The variables that `fixed` leaves behind.
         self.left: list[str] = []
         self._numbers: dict[ir.IR, str] = {}
-        self._known: dict[Any, Variables] = {}
         self._names: dict[Any, str] = {}
         self._free: list[str] = []
         self._is_fixed: set[ir.IR] = set()
-        last_use = {child: node for node in nodes for child in _inputs(node)}
+        last_use = {child: node for node in nodes for child in self._inputs(node)}
         #: Points that are projected onto each line.
-        self._points: dict[ir.Line, list[tuple[ir.Num, ...]]] = {}
+        self._points: dict[ir.Line, list[tuple[ir.IR, ...]]] = {}
         for node in nodes:
             if isinstance(node, ir.Along) and node.what in PROJECTIONS:
-                self._points.setdefault(node.line, []).append(node.args)
+                self._points.setdefault(node.line, []).append(tuple(self._inputs(node)))
         for node in nodes:
             self._emit(node)
-            for child in _inputs(node):
+            for child in self._inputs(node):
                 if last_use[child] is node:
                     self._release(child)
+        self.formulas |= {
+            node: self.formulas[one] for node, one in self._same.items() if one in self.formulas
+        }
 
     def functions(self) -> tuple[Callable[[Any], tuple[Any, ...]], Callable[[Any, Any], tuple[Any, ...]]]:
         """The compiled functions: of a batch; of a batch and what the first one gave.
@@ -125,44 +131,29 @@ class Code:
     def _emit(self, node: ir.IR) -> None:
         if node in self._numbers:
             return
-        if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(_inputs(node)):
+        if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(self._inputs(node)):
             self._is_fixed.add(node)
         if isinstance(node, ir.Num):
             expression = self._number(node)
             name = self._numbers[node] = self._new(node)
             self._line(node, f"{name} = {expression}")
             if isinstance(node, ir.Choose):
-                condition = self.formulas[node.condition]
+                condition = self.formulas[self._same[node.condition]]
                 unknown = f"{condition.sat(True)} & ~{condition.sat(False)}"
                 self._line(
                     node,
                     f"if {condition.best} is not {condition.worst}: {name} = where({unknown}, nan, {name})",
                 )
         elif isinstance(node, ir.Formula):
-            key = self._key(node)
-            made = self._known.get(key)
-            if made is None:
-                made = self._known[key] = self._formula(node, len(self._known))
-                if node in self._is_fixed:
-                    self.left.extend(made.names)
-            self.formulas[node] = made
+            made = self.formulas[node] = self._formula(node, len(self.formulas))
+            if node in self._is_fixed:
+                self.left.extend(made.names)
         else:
             raise AssertionError(f"neither a number nor a formula: {type(node).__name__}")
 
-    def _key(self, node: ir.Formula) -> Any:
-        """What formulas have in common that are computed alike, wherever they stand; numbers are shared from the start."""
-        parts = tuple(self.formulas[child] for child in _inputs(node) if isinstance(child, ir.Formula))
-        match node:
-            case ir.Compare():
-                return node.op, node.left, node.right
-            case ir.Not():
-                return "not", *parts
-            case ir.Connective():
-                return node.op, *parts
-            case ir.Quantify():
-                return node.quantifier, node.axis, *parts
-            case _:
-                return node
+    def _inputs(self, node: ir.IR) -> list[ir.IR]:
+        """What a node is computed of."""
+        return [self._same[child] for child in _inputs(node)]
 
     def _line(self, node: ir.IR, text: str) -> None:
         (self.fixed if node in self._is_fixed else self.varying).append(text)
@@ -198,7 +189,7 @@ class Code:
     # Numbers --------------------------------------------------------------------------------------------------
 
     def _number(self, node: ir.Num) -> str:
-        at = [self._numbers[child] for child in _inputs(node) if isinstance(child, ir.Num)]
+        at = [self._numbers[child] for child in self._inputs(node) if isinstance(child, ir.Num)]
         match node:
             case ir.Const():
                 return self._hold(np.float64(node.value), ("constant", repr(node.value)))
@@ -221,7 +212,7 @@ class Code:
                     raise AssertionError(f"unknown function {node.name}")
                 return f"{node.name}_({', '.join(at)})"
             case ir.Choose():
-                return f"where({self.formulas[node.condition].sat(False)}, {at[0]}, {at[1]})"
+                return f"where({self.formulas[self._same[node.condition]].sat(False)}, {at[0]}, {at[1]})"
             case ir.Lookup():
                 return f"b.curve({node.table!r})({at[0]})"
             case ir.Along():
@@ -243,13 +234,14 @@ class Code:
 
     def _projected(self, node: ir.Along) -> str:
         """The variable of a point's projection onto a line. All points that are plain input are projected with the first one."""
-        if ("p", node.line, node.args) not in self._names:
+        own = tuple(self._inputs(node))
+        if ("p", node.line, own) not in self._names:
             plain = [
                 args
                 for args in self._points[node.line]
                 if ("p", node.line, args) not in self._names and all(isinstance(arg, _INPUTS) for arg in args)
             ]
-            together = list(dict.fromkeys([node.args, *plain]))
+            together = list(dict.fromkeys([own, *plain]))
             points = []
             for args in together:
                 for arg in args:
@@ -259,7 +251,7 @@ class Code:
             self._names |= {("p", node.line, args): name for args, name in zip(together, names)}
             line = self._hold(node.line)
             self.varying.append(f"{_tuple(names)} = project(b, {line}, {', '.join(points)})")
-        return self._names["p", node.line, node.args]
+        return self._names["p", node.line, own]
 
     def _column(self, read: str, axis: ir.Axis, field: str, offset: int) -> str:
         """A field of the variable of an axis, `offset` samples on; before the start it is that of the first one."""
@@ -274,8 +266,8 @@ class Code:
     def _formula(self, node: ir.Formula, number: int) -> Variables:
         own = Variables(f"w{number}", f"b{number}", AT_LEAST)
         both = f"{own.worst}, {own.best}"
-        parts = [self.formulas[child] for child in _inputs(node) if isinstance(child, ir.Formula)]
-        at = [self._numbers[child] for child in _inputs(node) if isinstance(child, ir.Num)]
+        parts = [self.formulas[child] for child in self._inputs(node) if isinstance(child, ir.Formula)]
+        at = [self._numbers[child] for child in self._inputs(node) if isinstance(child, ir.Num)]
         match node:
             case ir.Truth():
                 self._line(node, f"{own.worst} = {own.best} = {'inf' if node.value else '-inf'}")
