@@ -9,7 +9,9 @@ import pytest
 
 from support.agreement import compiled, differences, read, results
 from trackmarshal.backends.numpy.program import Program
+from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
 
 SPEC = """
@@ -143,3 +145,38 @@ def test_verdicts_of_a_run_are_those_of_its_results(spec: Spec) -> None:
         expected = [result.rules[rule.name] for result in evaluator.evaluate(cases)]
         assert verdicts.tolist() == [one.verdict for one in expected]
         np.testing.assert_array_equal(margins, [one.margin for one in expected])
+
+
+def test_all_margins_of_footprints_are_there_for_who_asks() -> None:
+    """A batch works out only the least margin along each trajectory; whoever asks for others gets the true ones."""
+    spec = compiled(
+        """
+module made
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+signal track : corridor { left: polyline, right: polyline }
+rule inside "on the track"
+  for all p in plan
+  require swept_footprint(p, 4 m, 2 m) inside track
+"""
+    )
+    track = {"left": [[-9, 6], [99, 4]], "right": [[-9, -6], [99, -6]]}
+    raw = []
+    for k in range(30):
+        x = [2.0 * j for j in range(20 + k % 3)]
+        plan = {"t": x, "x": x, "y": [0.1 * k - 0.01 * k * at for at in x], "heading": [0.02 * k] * len(x)}
+        raw.append({"signals": {"plan": plan, "track": track}})
+    agreed(spec, raw)
+    cases = read(spec, raw)
+    (rule,) = spec.rules
+    formula = rule.formula
+    assert isinstance(formula, ir.Quantify)
+    run = Program(spec, spec.rules).run(cases)
+    skipped = 0
+    for index, one in enumerate(cases):
+        sides = CaseView(run, index).sides(formula.body, formula.axis, {})
+        alone = CaseView(Program(spec, spec.rules).run([one]), 0)
+        assert sides == alone.sides(formula.body, formula.axis, {})
+        for at, margin in enumerate(sides.worst):
+            assert CaseView(run, index).truth(formula.body, {0: at}).margin == margin
+            skipped += run.of(formula.body).worst.margin[index, at] != margin
+    assert skipped > 100

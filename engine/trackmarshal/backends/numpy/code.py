@@ -6,6 +6,7 @@ is undefined; whether it holds is mostly read off its margin, else it has two mo
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
@@ -23,7 +24,7 @@ _CALLED: dict[str, Any] = {
     "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
-    "project": places.project, "distance": places.distance, "gap": places.gap, "predicate": places.predicate, "within": places.within, "temporal": time.operator,
+    "project": places.project, "distance": places.distance, "gap": places.gap, "predicate": places.predicate, "least": places.least, "within": places.within, "temporal": time.operator,
 }  # fmt: skip
 
 #: What a projection onto a line gives, in this order.
@@ -77,6 +78,9 @@ class Code:
         self._weighed = {self._same[node] for node in _weighed(formulas)}
         axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
         self.rank = max([1, *(axis.level + 2 for axis in axes)])
+        #: Predicates of which only the least margin is asked, by a `for all`, with its axis; and variables that hold the rest.
+        self._asked = self._asked_for_least(nodes, [*formulas, *ranges])
+        self._least: dict[ir.IR, str] = {}
         #: Where each formula's variables are.
         self.formulas: dict[ir.IR, Variables] = {}
         #: Objects that the source names.
@@ -103,6 +107,12 @@ class Code:
         self.formulas |= {
             node: self.formulas[one] for node, one in self._same.items() if one in self.formulas
         }
+        #: Where, among the outputs, is what knows all margins of a formula of which only the least are among them.
+        self.least = {
+            node: self.outputs.index(self._least[one])
+            for node, one in self._same.items()
+            if one in self._least
+        }
 
     def functions(self) -> tuple[Callable[[Any], tuple[Any, ...]], Callable[[Any, Any], tuple[Any, ...]]]:
         """The compiled functions: of a batch; of a batch and what the first one gave.
@@ -123,8 +133,9 @@ class Code:
 
     @property
     def outputs(self) -> list[str]:
-        """All variables of formulas."""
-        return list(dict.fromkeys(name for formula in self.formulas.values() for name in formula.names))
+        """All variables of formulas, and of what knows their margins where those do not."""
+        names = dict.fromkeys(name for formula in self.formulas.values() for name in formula.names)
+        return [*names, *self._least.values()]
 
     # Variables ------------------------------------------------------------------------------------------------
 
@@ -287,6 +298,14 @@ class Code:
                 if node.what == "in_area" and node not in self._weighed:
                     self._line(node, f"{both} = within(b, {self._hold(node)}, {_tuple(at)})")
                     return own._replace(says=BOTH)
+                if node in self._asked:
+                    along = self._asked[node]
+                    self._least[node] = f"g{number}"
+                    least = (
+                        f"least(b, {self._hold(node)}, {_tuple(at)}, {1 + along.level}, {self._mask(along)})"
+                    )
+                    self._line(node, f"{both}, g{number} = {least}")
+                    return own
                 self._line(node, f"{both} = predicate(b, {self._hold(node)}, {_tuple(at)})")
                 return own
             case ir.Not():
@@ -367,7 +386,7 @@ class Code:
             raise AssertionError(f"unknown quantifier {node.quantifier}")
         every = node.quantifier == "for all"
         reduce, axis, body = "every" if every else "some", 1 + node.axis.level, parts[-1]
-        maybe = surely = self._once("m", node.axis, f"b.mask({self._hold(node.axis)})")
+        maybe = surely = self._mask(node.axis)
         if node.guard is not None:
             # See the reference evaluator: what may be in range counts against a `for all` in the worst case.
             guard, mask = parts[0], maybe
@@ -384,6 +403,22 @@ class Code:
             lambda best: f"{reduce}({body.margin(best)}, {axis}, {inside(best)})",
             lambda best: f"{reduce}_sat({body.sat(best)}, {axis}, {inside(best)})",
         )  # fmt: skip
+
+    def _mask(self, axis: ir.Axis) -> str:
+        """The variable of what is there along an axis."""
+        return self._once("m", axis, f"b.mask({self._hold(axis)})")
+
+    def _asked_for_least(self, nodes: Sequence[ir.IR], roots: Sequence[ir.IR]) -> dict[ir.IR, ir.Axis]:
+        """Swept footprints in an area that one `for all` asks for and nobody else, with its axis."""
+        uses = Counter(child for node in nodes for child in self._inputs(node))
+        uses.update(self._same[root] for root in roots)
+        return {
+            self._same[node.body]: node.axis
+            for node in nodes
+            if isinstance(node, ir.Quantify) and node.quantifier == "for all" and node.guard is None
+            if isinstance(node.body, ir.Geometry) and node.body.what == "swept_inside"
+            if uses[self._same[node.body]] == 1
+        }
 
     def _guarded(self, node: ir.Guarded, number: int, guard: Variables, body: Variables) -> Variables:
         return self._sides(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 from itertools import accumulate
 from typing import Any
 
@@ -20,6 +21,8 @@ Floats = NDArray[np.float64]
 
 #: Prepared borders and lines that are kept; a run has one or two tracks.
 KEPT = 32
+#: So many swept footprints are worth a search for those that need not be looked at closely.
+MANY = 400
 _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
 
@@ -35,8 +38,52 @@ def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any
         assert node.area is not None
         ask = "signed_distance" if node.what == "in_area" else "margin_inside"
         (margin,) = _ask(batch, node.area, ask, args, shape)
+    return _sides(margin)
+
+
+def _sides(margin: Any) -> tuple[Any, Any]:
+    """The worst and the best margin of a signed distance."""
     known = ~np.isnan(margin)
     return (margin, margin) if known.all() else logic.partly(margin, known)
+
+
+class Least:
+    """The margins of a predicate of which only the least along an axis is asked, and all of them on demand."""
+
+    def __init__(self, margin: Any, inexact: Any, exactly: Callable[[Any], Any]) -> None:
+        """`exactly` gives the margins at some places of the flattened margins."""
+        self._margin, self._inexact, self._exactly = margin, inexact, exactly
+
+    @cached_property
+    def value(self) -> logic.Value:
+        """The predicate's value everywhere; worked out when first asked for."""
+        margin = self._margin.copy()
+        margin.ravel()[self._inexact] = self._exactly(self._inexact)
+        return logic.value(*_sides(margin), logic.AT_LEAST)
+
+
+def least(
+    batch: Batch, node: ir.Geometry, args: Sequence[Any], axis: int, mask: Any
+) -> tuple[Any, Any, Least | None]:
+    """The worst and the best margin of swept footprints in an area, of which only the least along an axis counts.
+
+    Those that are greater than the least may differ from the truth. The third value knows the truth; None: the first two do.
+    """
+    assert node.area is not None
+    shape = np.broadcast(*args).shape
+    owners = _owners(batch, node.area)
+    size = shape[axis]
+    if len(owners) > 1 or size == 1 or math.prod(shape) <= MANY or math.prod(shape[axis:]) > size:
+        return (*predicate(batch, node, args), None)
+    body = [_flat(arg, shape) for arg in args]
+    counted = np.ones(shape, dtype=np.bool_) if mask is None else np.broadcast_to(mask, shape)
+    flat, exact = owners[0].least_inside(body, size, counted.reshape(-1))
+    margin = flat.reshape(shape)
+
+    def exactly(places: Any) -> Any:
+        return owners[0].margin_inside(*(arg if arg.ndim == 0 else arg[places] for arg in body))
+
+    return (*_sides(margin), Least(margin, (~exact).nonzero()[0], exactly))
 
 
 def within(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any, Any]:
