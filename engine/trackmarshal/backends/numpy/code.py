@@ -20,7 +20,7 @@ from trackmarshal.ir import nodes as ir
 
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
-    "where": np.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF,
+    "where": np.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF, "zero": logic.ZERO,
     "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
@@ -52,7 +52,7 @@ class Variables(NamedTuple):
         """An expression of whether it holds in the best case, or in the worst."""
         if self.says == NEITHER:
             return self.best_sat if best else self.worst_sat
-        return f"({self.margin(best)} {'>=' if self.says & AT_LEAST else '>'} 0.0)"
+        return f"({self.margin(best)} {'>=' if self.says & AT_LEAST else '>'} zero)"
 
     @property
     def value(self) -> str:
@@ -389,11 +389,10 @@ class Code:
         maybe = surely = self._mask(node.axis)
         if node.guard is not None:
             # See the reference evaluator: what may be in range counts against a `for all` in the worst case.
-            guard, mask = parts[0], maybe
-            maybe, surely = f"r{number}", f"q{number}"
-            self._line(node, f"{maybe} = inside({mask}, {guard.sat(True)}, {self.rank})")
+            guard, mask, key = parts[0], maybe, (self._same[node.guard], maybe)
+            maybe = self._once("r", key, f"inside({mask}, {guard.sat(True)}, {self.rank})")
             one = f"{maybe} if {guard.best} is {guard.worst} else "
-            self._line(node, f"{surely} = {one}inside({mask}, {guard.sat(False)}, {self.rank})")
+            surely = self._once("q", key, f"{one}inside({mask}, {guard.sat(False)}, {self.rank})")
 
         def inside(best: bool) -> str:
             return surely if best == every else maybe

@@ -71,9 +71,11 @@ def least(
     """
     assert node.area is not None
     shape = np.broadcast(*args).shape
-    owners = _owners(batch, node.area)
     size = shape[axis]
-    if len(owners) > 1 or size == 1 or math.prod(shape) <= MANY or math.prod(shape[axis:]) > size:
+    if size == 1 or math.prod(shape) <= MANY or math.prod(shape[axis:]) > size:
+        return (*predicate(batch, node, args), None)
+    owners = _owners(batch, node.area)
+    if len(owners) > 1:
         return (*predicate(batch, node, args), None)
     body = [_flat(arg, shape) for arg in args]
     counted = np.ones(shape, dtype=np.bool_) if mask is None else np.broadcast_to(mask, shape)
@@ -252,7 +254,9 @@ def _points(points: Any) -> Floats:
 def _to_paths(batch: Batch, signal: str, args: Sequence[Any], shape: tuple[int, ...]) -> Any:
     """Distances of points to the paths of trajectories, all cases at once: (cases, points) against (cases, segments)."""
     shape = (batch.size, *(shape[1:] or (1,) * (batch.rank - 1)))
-    x, y = (np.broadcast_to(arg, shape).reshape(batch.size, -1) for arg in args)
+    points = np.empty((2, *shape))
+    points[0], points[1] = args
+    x, y = points.reshape(2, batch.size, -1)
     distance = geometry.distance_to_paths(
         x, y, batch.table(signal, "x"), batch.table(signal, "y"), batch.lengths(signal)
     )
