@@ -45,7 +45,7 @@ class Region:
         # Cells as large as half a corridor is wide: with the neighbours of the border's cells they cover its inside.
         self.cells = Cells(self.border, abs(sum(area(ring) for ring in rings)) / perimeter)
         self._origin = np.array([[self.border.ax[0]], [self.border.ay[0]]])
-        self._tiles, reach = self._singles()
+        self._segments, reach = self._singles()
         #: How much farther than the nearest a segment may seem in single precision [m].
         self.slack = np.float32(SLACK + 16.0 * np.finfo(np.float32).eps * reach)
         #: The same in double precision, of segments that the grid knows to be near [m].
@@ -53,18 +53,17 @@ class Region:
         self.rounding = SLACK + 64.0 * float(np.finfo(np.float64).eps) * span
 
     def _singles(self) -> tuple[Singles, float]:
-        """The middles of the segments of all tiles and half of each segment, in single precision, which is enough to rule most of
-        them out; and how far they reach from the origin.
+        """The middles of the segments and half of each, in single precision, which is enough to rule most of them out; and how far
+        they reach from the origin.
 
-        Shape (32, tiles), of axes: middle and half, x and y, place in the tile. One that is none is far away.
+        Shape (2, 2, segments + 1), of axes: middle and half, x and y, segment. The last one is none: it is far away.
         """
         border = self.border
         starts = np.stack([border.ax, border.ay]) - self._origin
         half = 0.5 * np.stack([border.ex, border.ey])
         table = np.full((2, 2, border.size + 1), FAR)
         table[0, :, :-1], table[1, :, :-1], table[1, :, -1] = starts + half, half, 0.0
-        tiles = table.astype(np.float32).take(self.cells.tiles, axis=2)
-        return tiles.reshape(4 * WIDTH, -1), float(np.abs(starts).max())
+        return table.astype(np.float32), float(np.abs(starts).max())
 
     def signed_distance(self, x: Floats, y: Floats) -> Floats:
         """The distance of points from the border, positive inside; NaN for a point that is none."""
@@ -148,7 +147,7 @@ class Region:
         rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius, sweeps.inner)
         k, squared = tiles, np.empty(0, dtype=np.float32)
         if rows.size:
-            rows, k, squared = self._culled(sweeps, boxes, rows, tiles)
+            rows, k, squared = self._culled(sweeps, boxes, rows, self.cells.tiles.take(tiles, axis=1))
         if unknown is None:
             return rows, k, squared
         rows, k, order = self._with_unknown(rows, k, unknown, middle, sweeps.radius)
@@ -177,9 +176,9 @@ class Region:
         return rows[order], k[order], order
 
     def _culled(
-        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, tiles: Ints
+        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, k: Ints
     ) -> tuple[Ints, Ints, Singles]:
-        """Of the segments in tiles for hulls, those that the box around the hull cannot rule out."""
+        """Of segments k (place in tile, tile) for hulls by tile, those that the box around the hull cannot rule out."""
         low, high, excess = boxes
         # Of each hull: its position, the direction of its box, in that direction the middle of the box and half its size.
         frames = np.empty((4, 2, sweeps.size), dtype=np.float32)
@@ -190,7 +189,7 @@ class Region:
         frames[2:] *= 0.5
         origin, (ahead, aside), centre, size = frames.take(rows, axis=2)
         # Axes: middle and half of a segment, x and y, place in the tile, tile.
-        segments = self._tiles.take(tiles, axis=1).reshape(2, 2, WIDTH, -1)
+        segments = self._segments.take(k, axis=2)
         segments[0] -= origin[:, None]
         turned = segments * aside
         segments *= ahead
@@ -213,9 +212,8 @@ class Region:
             limit = limit.repeat(counts_of(runs, rows.size))
         kept = (best <= limit).T.ravel().nonzero()[0]
         tile = kept >> SHIFT
-        place = kept & (WIDTH - 1)
-        k = self.cells.tiles.take(place * self.cells.tiles.shape[1] + tiles.take(tile))
-        return rows.take(tile), k, best.take(place * rows.size + tile)
+        place = (kept & (WIDTH - 1)) * rows.size + tile
+        return rows.take(tile), k.take(place), best.take(place)
 
 
 def _squares(beyond: Singles) -> Singles:

@@ -45,7 +45,7 @@ class Sweeps:
         self.radius = np.sqrt(np.add.reduce(self.middle * self.middle, axis=0))
         self.radius += np.sqrt(front * front + side * side)
         #: As far from the middle as this, all is in the hull: in the hull of the discs in both footprints.
-        self.inner = np.minimum(front, side)
+        self.inner, outer = np.minimum(front, side), np.maximum(front, side)
         product = unit[:, 0] * unit[:, 1]
         turn_cos = product[0] + product[1]
         turn_sin = unit[0, 0] * unit[1, 1] - unit[1, 0] * unit[0, 1]
@@ -60,7 +60,7 @@ class Sweeps:
         reach = np.sqrt(np.add.reduce(self.midway * self.midway, axis=0))
         self.midway /= reach
         #: By how much the box around a footprint, in the direction midway, may exceed it.
-        self.excess = size / reach * (2.0 * np.maximum(front, side))
+        self.excess = size / reach * (2.0 * outer)
         self._turn = turn_cos, size
         self._sides: Floats | None = None
 
@@ -110,18 +110,23 @@ class Sweeps:
 
         The lowest and the highest corner in it, (2, N), and an excess [m].        A point that is `d` from the box is between `d` and `d` plus the excess from the hull.
         """
-        (x, y), (ahead, aside) = self.frame[:3].swapaxes(0, 1), self.midway
-        # Axes: coordinate; centre, half length and half width; footprint.
-        local = np.empty((2, *x.shape))
-        np.add(x * ahead, y * aside, out=local[0])
-        np.subtract(y * ahead, x * aside, out=local[1])
-        reach = np.abs(local[:, 1])
-        reach += np.abs(local[:, 2])
-        lows, highs = local[:, 0] - reach, local[:, 0] + reach
-        apart = np.maximum(np.abs(lows[:, 0] - lows[:, 1]), np.abs(highs[:, 0] - highs[:, 1]))
-        excess = self.excess + np.minimum(apart[0], apart[1])
-        low, high = np.minimum(lows[:, 0], lows[:, 1]), np.maximum(highs[:, 0], highs[:, 1])
-        return low, high, excess
+        # Axes: centre, half length and half width; coordinate; footprint.
+        local = self.frame[:3] * self.midway[0]
+        across = self.frame[:3] * self.midway[1]
+        local[:, 0] += across[:, 1]
+        local[:, 1] -= across[:, 0]
+        half = np.abs(local[1:])
+        reach = half[0] + half[1]
+        ends = np.empty((2, *reach.shape))
+        np.subtract(local[0], reach, out=ends[0])
+        np.add(local[0], reach, out=ends[1])
+        first, second = ends[:, :, 0], ends[:, :, 1]
+        x, y = np.maximum.reduce(np.abs(first - second), axis=0)
+        return (
+            np.minimum(first[0], second[0]),
+            np.maximum(first[1], second[1]),
+            self.excess + np.minimum(x, y),
+        )
 
 
 class Boxes:
