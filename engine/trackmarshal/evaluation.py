@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import hashlib
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
-from trackmarshal.runtime.case import Case
-from trackmarshal.runtime.cases import CasesReader
+from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
+from trackmarshal.runtime.program import Judged, Program, Rated
 from trackmarshal.runtime.verdict import CaseResult
 
-#: Evaluators by name, the default first.
-BACKENDS = ("numpy", "reference", "c")
-#: Why generated C is not used although it was asked for: a rule, a compiler or an input that it has to do without.
+if TYPE_CHECKING:
+    from trackmarshal.semantics.compile import Compiled
+    from trackmarshal.syntax import ast
+
+#: Evaluators by name, the default first; `auto` is generated C where that can be had, else numpy.
+BACKENDS = ("numpy", "reference", "c", "auto")
+#: Why generated C cannot be had: a rule, a compiler or an input that it has to do without.
 _NO_C = ("E470", "E471", "E472", "E473")
-#: Cases that are evaluated together.
+#: Frames that are evaluated together.
 CHUNK = 500
 
 CODES = {
@@ -27,12 +32,17 @@ CODES = {
     "E402": (
         "a configuration that does not fit",
         "A configuration is a module whose parameters, tables, zones and lines replace those of the same name in the spec; each "
-        "must exist there, with the same unit's dimension, and lie inside the range that the spec declares.",
+        "must exist there, with the same unit's dimension, and lie inside the range that the spec declares. Rules, constraints and whatever "
+        "else demands something would not be in force there, and are refused.",
     ),
     "E404": (
         "nothing to evaluate",
         "The spec has no rules, or the assumption has no `monitor`. Of nothing it could only be said that nothing is violated; that is "
         "refused, since it would read as safe.",
+    ),
+    "E405": (
+        "unknown backend",
+        "Rules are evaluated by `numpy`, by the `reference`, by generated `c`, or by `auto`: generated C where it can be had, else numpy.",
     ),
     "E403": (
         "constraints of the spec do not hold",
@@ -42,11 +52,22 @@ CODES = {
 
 
 class Evaluator:
-    """Chosen rules of a spec, ready for data."""
+    """Chosen rules of a spec, ready for data.
 
-    def __init__(self, spec: Spec, names: Sequence[str] | None = None, backend: str = "numpy") -> None:
+    backend: one of BACKENDS. declared: names (`objects`, `ego.kappa`) that cases may have besides those of the spec, asked for only when
+    one turns up. Raises TrackmarshalError E401, E404 or E405; E470 to E472 where generated C is asked for and cannot be had.
+    """
+
+    def __init__(
+        self, spec: Spec, names: Sequence[str] | None = None, backend: str = "numpy",
+        declared: Callable[[], frozenset[str]] = frozenset,
+    ) -> None:  # fmt: skip
         from trackmarshal.backends.results import chosen_rules
+        from trackmarshal.runtime.door.cases import CasesReader
 
+        if backend not in BACKENDS:
+            help_ = close_matches(str(backend), BACKENDS) or f"there are {', '.join(BACKENDS)}"
+            raise TrackmarshalError("E405", f"there is no backend `{backend!s:.40}`", help=help_)
         for name in names or ():
             rule = spec.rule(name)
             if rule is None:
@@ -66,81 +87,108 @@ class Evaluator:
             raise TrackmarshalError(
                 "E404", "the spec has no rule to evaluate", help="without a rule, anything would be safe"
             )
-        self.backend = backend
-        self.reader = CasesReader(spec, {pair for rule in self.rules for pair in rule.reads})
-        self._program: Any = None
-        if backend not in BACKENDS:
-            raise AssertionError(f"unknown backend {backend}")
+        self.asked = backend
+        reads = {pair for rule in self.rules for pair in rule.reads}
+        self.reader = CasesReader(spec, reads, declared, self._broken)
 
-    def read(self, raw: object) -> Case:
+    def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError."""
         return self.reader.read(raw)
 
-    def read_all(self, raws: Iterable[object]) -> list[Case]:
-        """Cases of one moment in one go: the same as `read` of each, cheaper; raises TrackmarshalError."""
+    def read_all(self, raws: Iterable[object]) -> list[Frame]:
+        """Cases from plain data in one go: the same as `read` of each, cheaper; raises TrackmarshalError."""
         return self.reader.read_all(raws)
 
-    def evaluate(self, cases: Sequence[Case], series: bool = False) -> Iterator[CaseResult]:
-        """The results of cases, in order."""
-        if self.backend == "reference":
-            from trackmarshal.backends.reference.evaluator import evaluate
+    def evaluate(self, frames: Sequence[Frame], series: bool = False) -> Iterator[CaseResult]:
+        """The results of cases, in order, with witnesses."""
+        for start in range(0, len(frames), CHUNK):
+            for judged in self.judge_all(frames[start : start + CHUNK]):
+                for name, rated in judged.rated.items():
+                    yield self.result(judged.about, rated, series, name)
 
-            yield from evaluate(self.spec, self.rules, cases, series)
-            return
-        for start in range(0, len(cases), CHUNK):
-            chunk = cases[start : start + CHUNK]
-            try:
-                run = self.program.run(chunk)
-            except TrackmarshalError as error:
-                if self.backend != "c" or error.code not in _NO_C:
-                    raise
-                self._do_without_c(error)
-                run = self.program.run(chunk)
-            yield from run.results(series)
+    def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
+        """The outcome of frames. Where `auto` chose generated C and it does not hold one of them, numpy takes over."""
+        try:
+            return self.program.judge_all(frames)
+        except TrackmarshalError as error:
+            if self.asked != "auto" or error.code not in _NO_C:
+                raise
+            self._do_without_c(error)
+            return self.program.judge_all(frames)
+
+    def result(self, frame: Frame, rated: Rated, series: bool = False, candidate: str = "") -> CaseResult:
+        """One outcome, rule by rule, with the faults of its frame, and the constraints that do not hold."""
+        faults = [
+            str(f)
+            for f in frame.faults
+            if not candidate or f.signal not in frame.candidates or f.signal == candidate
+        ]
+        rules = {rule.name: rated.explain(place, series) for place, rule in enumerate(self.rules)}
+        return CaseResult(frame.id, rules, tuple(faults), frame.settings.broken)
 
     @property
-    def program(self) -> Any:
-        """The compiled rules; the same program serves every batch. Without what generated C needs: numpy's."""
-        if self._program is None and self.backend == "c":
-            from trackmarshal.backends.c.program import CProgram
+    def backend(self) -> str:
+        """What evaluates: the program's own name."""
+        name: str = self.program.identity["backend"]
+        return name
 
-            try:
-                made = CProgram(self.spec, self.rules)
-                made.library_for()
-            except TrackmarshalError as error:
-                if error.code not in _NO_C:
-                    raise
-                self._do_without_c(error)
-            else:
-                self._program = made
-        if self._program is None:
-            self._program = self._numpy()
-        return self._program
+    @cached_property
+    def program(self) -> Program:
+        """The compiled rules; the same program serves every batch."""
+        match self.asked:
+            case "reference":
+                from trackmarshal.backends.reference.evaluator import ReferenceProgram
 
-    def _numpy(self) -> Any:
-        from trackmarshal.backends.numpy.program import Program
+                return ReferenceProgram(self.spec, self.rules)
+            case "numpy":
+                return self._numpy()
+            case "c" | "auto":
+                from trackmarshal.backends.c.program import CProgram
 
-        return Program(self.spec, self.rules)
+                try:
+                    made = CProgram(self.spec, self.rules)
+                    made.library_for()
+                except TrackmarshalError as error:
+                    if self.asked != "auto" or error.code not in _NO_C:
+                        raise
+                    _say_why(error)
+                    return self._numpy()
+                return made
+            case other:
+                raise AssertionError(f"unknown backend {other}")
+
+    def _numpy(self) -> Program:
+        from trackmarshal.backends.numpy.program import NumpyProgram
+
+        return NumpyProgram(self.spec, self.rules)
 
     def _do_without_c(self, error: TrackmarshalError) -> None:
-        """From here on numpy evaluates, which says the same; the user is told once why."""
-        reason = " ".join(error.message.split())
-        print(f"note: numpy evaluates instead of generated C: {reason} [{error.code}]", file=sys.stderr)
-        self.backend, self._program = "numpy", self._numpy()
+        _say_why(error)
+        self.__dict__["program"] = self._numpy()
 
-    def broken_constraints(self, case: Case | None = None) -> list[str]:
-        """Constraints that do not hold with a case's parameters, or with the spec's own."""
-        from trackmarshal.backends.reference.evaluator import Reference
+    def _broken(self, settings: Settings) -> tuple[str, ...]:
+        return broken_constraints(self.spec, settings)
 
-        values = Reference(self.spec, case or Case())
-        broken = []
-        for constraint in self.spec.constraints:
-            if values.truth(constraint.formula, {}).verdict != "satisfied":
-                because = f": {constraint.because}" if constraint.because else ""
-                broken.append(
-                    f"{constraint.span} `{constraint.span.text.split('because')[0].strip()}` does not hold{because}"
-                )
-        return broken
+
+def broken_constraints(spec: Spec, settings: Settings = NO_SETTINGS) -> tuple[str, ...]:
+    """Constraints of a spec that do not hold with its own values, or with those of settings: nothing evaluated with them is safe."""
+    from trackmarshal.backends.reference.evaluator import Reference
+
+    values = Reference(spec, Frame(settings=settings))
+    broken = []
+    for constraint in spec.constraints:
+        if values.truth(constraint.formula, {}).verdict != "satisfied":
+            because = f": {constraint.because}" if constraint.because else ""
+            broken.append(
+                f"{constraint.span} `{constraint.span.text.split('because')[0].strip()}` does not hold{because}"
+            )
+    return tuple(broken)
+
+
+def _say_why(error: TrackmarshalError) -> None:
+    """Tell the user who let us choose why it is not generated C."""
+    reason = " ".join(error.message.split())
+    print(f"note: numpy evaluates instead of generated C: {reason} [{error.code}]", file=sys.stderr)
 
 
 def load(
@@ -156,25 +204,97 @@ def load(
     compiled.raise_errors()
     spec = compiled.spec
     for path in configuration:
-        settings = compile_paths([Path(path)], shown_from)
-        settings.raise_errors()
-        spec = configure(spec, settings.spec)
+        spec = configure(spec, _settings(Path(path), shown_from, compiled))
     return spec
 
 
-def setting_names(configuration: Iterable[Path]) -> set[str]:
-    """The short names of everything that configuration modules set."""
+def _settings(path: Path, shown_from: Path | None, compiled: Compiled) -> Spec:
+    """What a configuration module sets; raises Diagnostics, and E402 for what it holds that would be left out.
+
+    Modules of the spec that it uses are in force already, with the values that they have there.
+    """
+    from trackmarshal.semantics.compile import compile_paths
+    from trackmarshal.semantics.modules import from_prelude
+
+    made = compile_paths([path], shown_from)
+    made.raise_errors()
+    known = {module.path.resolve() for module in compiled.library.modules.values()}
+    own = [module for module in made.library.modules.values() if module.path.resolve() not in known]
+    _refuse_ignored([module.tree for module in own if not from_prelude(module)])
+    files = {module.file.path for module in (*own, *(made.library.modules[name] for name in made.asked))}
+    params, tables, places = made.spec.params, made.spec.tables, made.spec.places
+    return Spec(
+        {},
+        {},
+        {name: info for name, info in params.items() if info.span.file.path in files},
+        {name: info for name, info in tables.items() if info.span.file.path in files},
+        {name: info for name, info in places.items() if info.span.file.path in files},
+        (),
+        (),
+        (),
+        made.spec.fingerprint,
+    )
+
+
+def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
+    """Refuse everything in configuration modules that demands something, or means to: only values of theirs are used."""
+    from trackmarshal.syntax import ast
+
+    items = [item for tree in trees for item in tree.items]
+    values = [item for item in items if isinstance(item, (ast.Param, ast.Table, ast.Place, ast.Define))]
+    nodes = [node for item in values for node in item.walk()]
+    called = {node.function for node in nodes if isinstance(node, ast.Call)}
+    called |= {node.name for node in nodes if isinstance(node, ast.Name)}
+    for item in items:
+        match item:
+            case ast.ModuleName() | ast.Use() | ast.Reference() | ast.Param() | ast.Table() | ast.Place():
+                continue
+            case ast.Define():
+                if item.name in called:
+                    continue
+                what = f"the {item.keyword} `{item.name}`"
+            case ast.Rule():
+                what = f"the rule `{item.name}`"
+            case ast.Assume():
+                what = f"the assumption `{item.name}`"
+            case ast.Constrain():
+                what = "a `constrain`"
+            case ast.Signal():
+                what = f"the signal `{item.name}`"
+            case ast.Event():
+                what = f"the event `{item.name}`"
+            case ast.State():
+                what = f"the state `{item.name}`"
+            case ast.Rulebook():
+                what = f"the rulebook `{item.name}`"
+            case ast.Test():
+                what = f"a test of `{item.rule}`"
+            case _:
+                raise AssertionError(f"unknown declaration {type(item).__name__}")
+        raise TrackmarshalError(
+            "E402",
+            f"a configuration holds {what}, which would not be in force",
+            file=item.span.file.path,
+            line=item.span.line,
+            help="a configuration only sets values; move it to the spec, or name this file as a part of the spec",
+        )
+
+
+def setting_names(paths: Iterable[Path], configuration: Sequence[Path]) -> set[str]:
+    """The short names of everything that configuration modules set in a spec; raises as `load` does."""
     from trackmarshal.semantics.compile import compile_paths
 
-    names: set[str] = set()
-    for path in configuration:
-        settings = compile_paths([path]).spec
-        names |= {
-            name.rpartition(".")[2]
-            for kind in (settings.params, settings.tables, settings.places)
-            for name in kind
-        }
-    return names
+    if not configuration:
+        return set()
+    compiled = compile_paths(paths)
+    compiled.raise_errors()
+    found = [_settings(path, None, compiled) for path in configuration]
+    return {
+        name.rpartition(".")[2]
+        for settings in found
+        for kind in (settings.params, settings.tables, settings.places)
+        for name in kind
+    }
 
 
 def configure(spec: Spec, settings: Spec) -> Spec:

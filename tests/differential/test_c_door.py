@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from trackmarshal.backends.c.step import Stepper
+from trackmarshal.runtime.case import Fault
 
 from support import door_fuzz
 from support.ring_cycles import Cycle, breaches, cycle, mutate, ring
@@ -23,10 +25,8 @@ from support.shared import SUPERVISOR
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.source import generate
-from trackmarshal.backends.c.step import Stepper
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.case import Fault
 from trackmarshal.runtime.faults import NAMES
 from trackmarshal.runtime.verdict import VERDICTS
 
@@ -171,7 +171,7 @@ def test_limits_and_capacities_are_the_callers() -> None:
 
 def test_the_two_doors_agree() -> None:
     """The Supervisor's door refuses just the cycles that the generated one does, and knows its reason too."""
-    doors = pytest.importorskip("trackmarshal.runtime.door")
+    from trackmarshal.runtime import door as doors
     from trackmarshal.runtime.contract import contract_of
     from trackmarshal.runtime.cycle import Cycle as Given
     from trackmarshal.runtime.cycle import Limits

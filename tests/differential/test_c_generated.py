@@ -15,11 +15,10 @@ from pathlib import Path
 
 import pytest
 
-from support.agreement import compiled, read
+from support.agreement import compiled, outcomes, read, results
 from support.generated import RandomChoices, subject
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c.program import CProgram
-from trackmarshal.backends.reference.evaluator import evaluate
 from trackmarshal.backends.results import chosen_rules
 from trackmarshal.errors import TrackmarshalError
 
@@ -43,16 +42,18 @@ def compare(seed: int, seen: Counter[str]) -> list[str]:
     rules, cases = chosen_rules(spec, None), read(spec, made.cases)
     program = CProgram(spec, rules)
     found = []
-    for index, (case, expected) in enumerate(zip(cases, evaluate(spec, rules, cases), strict=True)):
+    for index, (case, expected) in enumerate(
+        zip(cases, results(spec, cases, "reference", series=False), strict=True)
+    ):
         try:
-            run = program.run([case])
+            (run,) = outcomes(program, [case])
         except TrackmarshalError as error:
             if error.code != "E473":
                 raise
             seen["refused"] += 1
             continue
         for rule in rules:
-            verdict, margin = run.outcome(0, rule)
+            verdict, margin = run[rule.name]
             seen[verdict] += 1
             wanted = expected.rules[rule.name]
             if verdict != wanted.verdict or bits(margin) != bits(wanted.margin):

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from support.agreement import outcomes
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.errors import TrackmarshalError
@@ -190,14 +191,14 @@ def compare(seed: int, folder: Path, seen: Counter[str]) -> list[str]:
         read = reference.read(case(r, *given))
         expected = next(iter(reference.evaluate([read])))
         try:
-            run = program.run([read])
+            (run,) = outcomes(program, [read])
         except TrackmarshalError as error:
             if error.code != "E473":
                 raise
             seen["refused"] += 1
             continue
         for rule in reference.rules:
-            verdict, margin = run.outcome(0, rule)
+            verdict, margin = run[rule.name]
             seen[verdict] += 1
             wanted = expected.rules[rule.name]
             if verdict != wanted.verdict or bits(margin) != bits(wanted.margin):

@@ -95,7 +95,7 @@ def test_every_sample_has_the_value_that_the_whole_timeline_gives_it() -> None:
     cases = [evaluator().read({"signals": {"log": log}}) for log in logs]
     found, compared = [], 0
     for log, case, expected in zip(logs, cases, evaluator().evaluate(cases, True), strict=True):
-        given = columns(log) | {name: np.array(case.columns["log"][name]) for name in "pq"}
+        given = columns(log) | {name: np.array(case.columns["log"].column(name)) for name in "pq"}
         for rule in rules:
             outcomes, whole = monitors.run(rule.name, given)
             wanted = expected.rules[rule.name]

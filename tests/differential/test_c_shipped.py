@@ -11,15 +11,17 @@ from typing import Any
 import pytest
 
 from support import seed
+from support.agreement import outcomes
 from support.shared import SUPERVISOR, oracle, shared
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.case import Case
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.scenarios import load as load_recording
 from trackmarshal.scenarios.recording import CANDIDATES
 from trackmarshal.scenarios.replay import known_tables
+from trackmarshal.scenarios.supervised import ALSO
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
@@ -41,14 +43,14 @@ def bits(x: float) -> bytes:
     return b"nan" if math.isnan(x) else struct.pack("<d", x)
 
 
-def differences(rules: Sequence[str] | None, cases: Sequence[Case]) -> list[str]:
+def differences(rules: Sequence[str] | None, cases: Sequence[Frame]) -> list[str]:
     """Where C and the reference differ in a verdict or in any bit of a margin."""
     evaluator = Evaluator(spec(), rules, "reference")
-    run = CProgram(spec(), evaluator.rules).run(cases)
+    run = outcomes(CProgram(spec(), evaluator.rules), cases)
     found = []
     for index, expected in enumerate(evaluator.evaluate(cases)):
         for rule in evaluator.rules:
-            verdict, margin = run.outcome(index, rule)
+            verdict, margin = run[index][rule.name]
             wanted = expected.rules[rule.name]
             if verdict != wanted.verdict or bits(margin) != bits(wanted.margin):
                 found.append(
@@ -72,7 +74,7 @@ def test_seed_oracle(kind: str) -> None:
 def test_recording(name: str) -> None:
     """Both candidates of every tenth cycle, all rules."""
     recording = load_recording(shared("data", "scenarios", f"{name}.saa"))
-    evaluator = Evaluator(spec(), None, "reference")
+    evaluator = Evaluator(spec(), None, "reference", lambda: ALSO)
     tables, _ = known_tables(recording, spec())
     cases = [
         evaluator.read(
@@ -91,15 +93,18 @@ def test_recording(name: str) -> None:
     assert not differences(None, cases)
 
 
+NAMES = ["friction", "pose_match", "braking_limit"]
+
+
 def test_results_have_the_witnesses_of_the_reference() -> None:
-    evaluator = Evaluator(spec(), ["friction", "pose_match", "braking_limit"], "reference")
+    evaluator = Evaluator(spec(), NAMES, "reference")
     cases = [
         evaluator.read(seed.trajectory(case))
         for case in oracle("seed_dev.json")["cases"]
         if case["kind"] == "trajectory"
     ][:40]
     for one, other in zip(
-        CProgram(spec(), evaluator.rules).run(cases).results(), evaluator.evaluate(cases), strict=True
+        Evaluator(spec(), NAMES, "c").evaluate(cases), evaluator.evaluate(cases), strict=True
     ):
         assert one.safe == other.safe
         for name, result in one.rules.items():

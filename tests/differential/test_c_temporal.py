@@ -8,7 +8,7 @@ import struct
 
 import pytest
 
-from support.agreement import compiled
+from support.agreement import compiled, outcomes
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.evaluation import Evaluator
@@ -82,11 +82,11 @@ def test_windows() -> None:
         cases.append(
             evaluator.read({"id": seed, "signals": {"log": {"t": times, "p": p, "q": q, "hot": hot}}})
         )
-    run = program.run(cases)
+    run = outcomes(program, cases)
     found = []
     for index, expected in enumerate(evaluator.evaluate(cases)):
         for rule in evaluator.rules:
-            verdict, margin = run.outcome(index, rule)
+            verdict, margin = run[index][rule.name]
             wanted = expected.rules[rule.name]
             if verdict != wanted.verdict or bits(margin) != bits(wanted.margin):
                 found.append(

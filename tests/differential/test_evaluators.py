@@ -1,7 +1,7 @@
 """The two evaluators on generated specs and inputs: one meaning.
 
-Verdicts are equal, and margins are the same doubles (NaN equal to NaN, and the two zeros to each other), as are witnesses,
-units, reasons and series; where rules use sin, cos, tan, exp, log, pow or atan2, of which numpy has its own code, in two ways:
+Verdicts are equal, and margins are the same doubles (NaN equal to NaN), as are witnesses,
+units, reasons and series; where rules use functions of libm (sin, pow and their like), of which numpy has its own code, in two ways:
 with both evaluators on one libm everything is equal to the last bit all the same; and with each on its own, where the
 functions stand so that errors do not grow, margins differ by no more than 1e-11 of the largest number computed on the way,
 and verdicts not at all unless the margin is that near to zero. Geometry takes sines and cosines of headings; where numpy's are

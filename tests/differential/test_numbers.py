@@ -17,7 +17,7 @@ from support.agreement import INEXACT
 from trackmarshal.backends.numpy import logic, steps
 from trackmarshal.backends.numpy.curves import Curve, Curves
 from trackmarshal.ir import arithmetic
-from trackmarshal.ir.nodes import FUNCTIONS
+from trackmarshal.ir.operators import FUNCTIONS
 
 CORNERS = (
     0.0, -0.0, 1.0, -1.0, 0.5, -0.5, 3.0, 2.5, -7.25, 1e-308, 5e-324, -5e-324, 1e308, -1e308, 709.9, -745.2, 1e-9,
@@ -50,10 +50,10 @@ def test_operators(op: str) -> None:
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
 def test_functions(name: str) -> None:
     """In arrays and alone; those of libm may be neighbours, but never where a value is special."""
-    args = columns(FUNCTIONS[name])
+    args = columns(FUNCTIONS[name].arity)
     with np.errstate(all="ignore"):
-        found = steps.FUNCTIONS[name](*args)
-        alone = [steps.FUNCTIONS[name](*map(np.float64, row)) for row in zip(*args)]
+        found = steps.CALLS[name](*args)
+        alone = [steps.CALLS[name](*map(np.float64, row)) for row in zip(*args)]
     for row, value, single in zip(zip(*(arg.tolist() for arg in args)), found.tolist(), alone, strict=True):
         wanted = arithmetic.apply(name, row)
         for one in (value, float(single)):
@@ -65,17 +65,17 @@ def test_functions(name: str) -> None:
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
 def test_nan_in_nan_out(name: str) -> None:
-    for at, other in product(range(FUNCTIONS[name]), (0.0, 1.0, -1.0, math.inf)):
-        args = [np.array([other])] * FUNCTIONS[name]
+    for at, other in product(range(FUNCTIONS[name].arity), (0.0, 1.0, -1.0, math.inf)):
+        args = [np.array([other])] * FUNCTIONS[name].arity
         args[at] = np.array([math.nan])
         with np.errstate(all="ignore"):
-            assert np.isnan(steps.FUNCTIONS[name](*args)).all(), (name, at, other)
+            assert np.isnan(steps.CALLS[name](*args)).all(), (name, at, other)
 
 
-@pytest.mark.parametrize("op", sorted(steps.COMPARISONS))
+@pytest.mark.parametrize("op", sorted(steps.MEASURED))
 def test_comparisons(op: str) -> None:
     left, right = columns(2)
-    measure, says = steps.COMPARISONS[op]
+    measure, says = steps.MEASURED[op]
     with np.errstate(all="ignore"):
         margin = eval(measure.format(x="left", y="right"))
         sat = logic.Side(margin, says).sat

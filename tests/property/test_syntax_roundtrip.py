@@ -5,7 +5,9 @@ A generated tree is expensive, so that each test holds it against several proper
 
 from __future__ import annotations
 
+import copy
 import re
+from random import Random
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -71,6 +73,44 @@ def test_wide_expressions_are_broken_and_read_back(expr: ast.Expr, unicode: bool
     assert read_back(text).items == of_one_rule(wide, unicode).items
     assert format_text(SourceFile("made.spec", text)) == text
     assert text.count("\n") > 2
+
+
+def parenthesised_somewhere(expr: ast.Expr, random: Random) -> ast.Expr:
+    """The same expression (a copy) with some of its parts in parentheses."""
+    own = copy.deepcopy(expr)
+    for node in own.walk():
+        if isinstance(node, ast.Expr) and not isinstance(node, (ast.RecordValue, ast.ListValue)):
+            if random.random() < 0.4:
+                ast.parenthesised(node)
+    return own
+
+
+def parentheses(node: ast.Expr | ast.Module) -> list[bool]:
+    return [ast.is_parenthesised(part) for part in node.walk() if isinstance(part, ast.Expr)]
+
+
+@unhurried
+@given(expressions(4), st.booleans(), st.booleans(), st.randoms(use_true_random=False))
+def test_written_parentheses_are_kept_and_mean_nothing(
+    expr: ast.Expr, unicode: bool, wide: bool, random: Random
+) -> None:
+    written = parenthesised_somewhere(expr, random)
+    assert written == expr
+    if wide:
+        written = ast.Binary("and", ast.Binary("or", written, ast.Name("x" * 60)), ast.Name("y" * 60))
+    module = of_one_rule(written, unicode)
+    text = formatted(module)
+    again = read_back(text)
+    assert again.items == module.items
+    assert all(
+        after or not before for before, after in zip(parentheses(module), parentheses(again), strict=True)
+    )
+    assert formatted(ast.Module(again.items, unicode)) == text
+    if again.unicode == unicode:
+        assert format_text(SourceFile("made.spec", text)) == text
+    other = read_back(formatted(ast.Module(again.items, not unicode)))
+    assert other.items == module.items
+    assert parentheses(other) == parentheses(again)
 
 
 @unhurried

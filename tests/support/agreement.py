@@ -15,17 +15,19 @@ import numpy as np
 from trackmarshal import evaluation
 from trackmarshal.backends.numpy import steps
 from trackmarshal.backends.reference.evaluator import Reference
-from trackmarshal.backends.results import case_result
+from trackmarshal.backends.results import outcome
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import FUNCTIONS
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.case import Case
-from trackmarshal.runtime.verdict import CaseResult, RuleResult
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.program import Program
+from trackmarshal.runtime.verdict import VERDICTS, CaseResult, RuleResult
 
 #: Functions of which the platform's libm and numpy's own code may give neighbouring doubles.
-INEXACT = frozenset({"sin", "cos", "tan", "exp", "log", "pow", "atan2"})
+INEXACT = frozenset(name for name, function in FUNCTIONS.items() if function.libm)
 
 
 def compiled(text: str) -> Spec:
@@ -45,7 +47,7 @@ def inexact(rule: RuleInfo) -> bool:
 
 
 #: numpy's names of the functions whose last digit is libm's.
-_OF_NUMPY = {"atan2": "arctan2", "pow": "power"}
+_OF_NUMPY = {"atan2": "arctan2", "pow": "power", "asin": "arcsin", "acos": "arccos"}
 
 
 @contextmanager
@@ -54,7 +56,7 @@ def one_libm() -> Iterator[None]:
     with ExitStack() as stack:
         for name in INEXACT:
             function = np.frompyfunc(
-                lambda *args, name=name: arithmetic.apply(name, args), ir.FUNCTIONS[name], 1
+                lambda *args, name=name: arithmetic.apply(name, args), FUNCTIONS[name].arity, 1
             )
 
             def take(*args: Any, out: Any = None, function: Any = function) -> Any:
@@ -69,7 +71,7 @@ def one_libm() -> Iterator[None]:
             # Geometry asks numpy itself, steps have a table of their own (but for `pow`, which does more).
             stack.enter_context(mock.patch.object(np, _OF_NUMPY.get(name, name), take))
             if name != "pow":
-                stack.enter_context(mock.patch.dict(steps.FUNCTIONS, {name: take}))
+                stack.enter_context(mock.patch.dict(steps.CALLS, {name: take}))
         yield
 
 
@@ -79,12 +81,25 @@ def same_trigonometry() -> bool:
     return all(np.sin(a) == math.sin(a) and np.cos(a) == math.cos(a) for a in angles)
 
 
-def results(spec: Spec, cases: Sequence[Case], backend: str, series: bool = True) -> list[CaseResult]:
+def results(spec: Spec, cases: Sequence[Frame], backend: str, series: bool = True) -> list[CaseResult]:
     """All rules of a spec on all cases."""
     return list(Evaluator(spec, None, backend).evaluate(cases, series))
 
 
-def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Case]:
+def outcomes(program: Program, frames: Sequence[Frame]) -> list[dict[str, tuple[str, float]]]:
+    """Verdict and margin of every rule on every case, as a program says them without looking for witnesses."""
+    return [
+        {
+            rule.name: (VERDICTS[code], float(margin))
+            for rule, code, margin in zip(
+                program.rules, judged.rated[""].verdicts, judged.rated[""].margins, strict=True
+            )
+        }
+        for judged in program.judge_all(frames)
+    ]
+
+
+def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Frame]:
     """Cases that a spec can read; those that are refused are left out, as `eval` reports them and goes on."""
     reader = Evaluator(spec)
     cases = []
@@ -98,8 +113,8 @@ def read(spec: Spec, raw: Sequence[dict[str, Any]]) -> list[Case]:
 
 
 def same(a: float, b: float) -> bool:
-    """The same double; all NaNs are one, and so are both zeros."""
-    return a == b or (math.isnan(a) and math.isnan(b))
+    """The same double, the sign of zero included; all NaNs are one."""
+    return (a == b and math.copysign(1.0, a) == math.copysign(1.0, b)) or (math.isnan(a) and math.isnan(b))
 
 
 def differences(left: CaseResult, right: CaseResult) -> list[str]:
@@ -129,7 +144,7 @@ TOLERANCE = 1e-11
 class Measured(Reference):
     """The reference evaluator, which also keeps the magnitude of the largest finite number of any step."""
 
-    def __init__(self, spec: Spec, case: Case) -> None:
+    def __init__(self, spec: Spec, case: Frame) -> None:
         super().__init__(spec, case)
         self.largest = 0.0
 
@@ -140,7 +155,7 @@ class Measured(Reference):
         return value
 
 
-def near_differences(spec: Spec, case: Case, left: CaseResult, right: CaseResult) -> list[str]:
+def near_differences(spec: Spec, case: Frame, left: CaseResult, right: CaseResult) -> list[str]:
     """As `differences`, where libm's last digit counts: margins within `TOLERANCE`, verdicts where margins are beyond it."""
     found = []
     for rule in spec.rules:
@@ -151,7 +166,7 @@ def near_differences(spec: Spec, case: Case, left: CaseResult, right: CaseResult
             )
             continue
         values = Measured(spec, case)
-        case_result([rule], case, values)
+        outcome(rule, case, values)
         reach = TOLERANCE * values.largest
         near = same(one.margin, other.margin) or abs(one.margin - other.margin) <= reach
         doubtful = abs(one.margin) <= reach and {one.verdict, other.verdict} <= {"satisfied", "violated"}
@@ -180,10 +195,10 @@ def same_series(one: RuleResult, other: RuleResult) -> bool:
     )
 
 
-def check_sound(case: Case, result: CaseResult) -> list[str]:
+def check_sound(case: Frame, result: CaseResult) -> list[str]:
     """What no result may be, whatever the rules: safe on broken data, NaN on a verdict that has a margin."""
     found = []
-    if result.safe and (case.faults or case.unusable):
+    if result.safe and (case.faults or case.settings.broken):
         found.append(f"case {case.id} is rated safe with faults {case.faults}")
     for rule in result.rules.values():
         if math.isnan(rule.margin) != (rule.verdict == "undefined"):

@@ -23,7 +23,7 @@ from trackmarshal.runtime.record import Record
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.scenarios import load as load_recording
 from trackmarshal.scenarios.supervised import cycles
-from trackmarshal.supervision import EvaluatorJudge
+from trackmarshal.supervision import rulebox
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -44,11 +44,11 @@ def main(folder: Path, count: int, seed: int) -> None:
     recording = load_recording(ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl")
     made = spec()
     tables = {name: rows for name, rows in recording.tables.items() if name == "ax_max"}
-    judge = EvaluatorJudge(Evaluator(made), recording.params, tables)
+    box = rulebox(Evaluator(made), recording.params, tables)
     given = list(cycles(recording))
     limits = Limits(shortest_gap=0.0, longest_gap=math.inf, budget=math.inf)
     started = time.monotonic()
-    warm = Supervisor(made, judge, limits)
+    warm = box.supervisor(limits)
     for cycle in given:
         warm.step(replace(cycle, t=time.monotonic()))
     whole = time.monotonic() - started
@@ -58,8 +58,8 @@ def main(folder: Path, count: int, seed: int) -> None:
         child = os.fork()
         if child == 0:
             os.close(reading)
-            supervisor = Supervisor(made, judge, limits)
-            supervisor.recorder = Record(path, supervisor.door, judge.identity)
+            supervisor = box.supervisor(limits)
+            supervisor.recorder = Record(path, supervisor.door.contract, limits, box.identity)
             run(supervisor, given, writing)
             os._exit(0)
         os.close(writing)

@@ -10,9 +10,11 @@ from typing import Any
 from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.cycle import Limits
-from trackmarshal.runtime.door import Door
-from trackmarshal.runtime.judge import Judged
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.program import Judged, Memory, Rated
 from trackmarshal.runtime.supervisor import Supervisor
+from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -37,27 +39,43 @@ class Clock:
 
 
 class Oracle:
-    """A judge that says what it is told to: `unsafe` names (candidate, rule) pairs; `act` replaces it altogether."""
+    """A program that says what it is told to: `unsafe` names (candidate, rule) pairs; `act` replaces it altogether."""
 
     identity: Mapping[str, Any] = {"fingerprint": "oracle", "backend": "oracle"}
 
     def __init__(self, rules: Sequence[str] | None = None) -> None:
+        self.spec = shipped()
         self.rules: Sequence[RuleInfo] = [
             r for r in shipped().rules if r.formula is not None and (rules is None or r.name in rules)
         ]
         self.unsafe: set[tuple[str, str]] = set()
-        self.act: Callable[[Door], Any] | None = None
+        self.act: Callable[[Frame], Any] | None = None
         self.asked = 0
 
-    def judge(self, door: Door) -> tuple[Judged, Judged]:
+    def judge(self, memory: Memory, frame: Frame) -> Judged:
         self.asked += 1
         if self.act is not None:
-            return self.act(door)  # type: ignore[no-any-return]
-        return self.say("driving"), self.say("emergency")
+            return self.act(frame)  # type: ignore[no-any-return]
+        return Judged(frame, {name: self.say(name) for name in ("driving", "emergency")})
 
-    def say(self, candidate: str) -> Judged:
+    def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
+        return [self.judge(Memory(), frame) for frame in frames]
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+        return memory
+
+    def say(self, candidate: str) -> Rated:
         codes = [int((candidate, rule.name) in self.unsafe) for rule in self.rules]
-        return Judged(bytes(codes), [-1.0 if code else 1.0 for code in codes])
+        return self.rated(bytes(codes), [-1.0 if code else 1.0 for code in codes])
+
+    def rated(self, verdicts: Any, margins: Any) -> Rated:
+        """An outcome that explains itself in no more words than it has."""
+
+        def explain(number: int, series: bool) -> RuleResult:
+            rule = self.rules[number]
+            return RuleResult(rule.name, VERDICTS[verdicts[number]], margins[number], rule.unit)
+
+        return Rated(verdicts, margins, explain)
 
 
 def made(

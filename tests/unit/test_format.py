@@ -116,18 +116,14 @@ def test_lists_in_tests_are_filled_and_records_stand_in_rows() -> None:
 @pytest.mark.parametrize(
     ("written", "printed"),
     [
-        ("(a)", "a"), ("((a + b))", "a + b"), ("(a * b) + c", "a * b + c"), ("a * (b + c)", "a * (b + c)"), ("(a - b) - c", "a - b - c"),
-        ("a - (b - c)", "a - (b - c)"), ("(a^b)^c", "(a^b)^c"), ("a^(b + c)", "a^(b + c)"), ("(-a)^2", "(-a)^2"), ("-(a^2)", "-a^2"),
-        ("-(-a)", "-(-a)"), ("- -a", "-(-a)"), ("a - -b", "a - -b"), ("(5 m)^2", "(5 m)^2"), ("(5 m) ^ 2", "(5 m)^2"), ("5^2", "5^2"),
-        ("(a < b) and (c or d)", "a < b and (c or d)"), ("(a and b) or c", "a and b or c"),
-        ("(a implies b) implies c", "(a implies b) implies c"), ("a implies (b implies c)", "a implies b implies c"),
-        ("not (a < b)", "not (a < b)"), ("not a < b", "not (a < b)"), ("not (not a)", "not not a"), ("(not a) and b", "not a and b"),
-        ("always (a and b)", "always (a and b)"), ("(always a) and b", "always a and b"), ("always (a < b)", "always a < b"),
-        ("(for all p in q: a) and b", "(for all p in q: a) and b"), ("b and (for all p in q: a)", "b and for all p in q: a"),
-        ("(b and (for all p in q: a)) or c", "(b and for all p in q: a) or c"),
+        ("a * (b + c)", "a * (b + c)"), ("a - (b - c)", "a - (b - c)"), ("(a^b)^c", "(a^b)^c"), ("a^(b + c)", "a^(b + c)"),
+        ("(-a)^2", "(-a)^2"), ("-(-a)", "-(-a)"), ("- -a", "-(-a)"), ("a - -b", "a - -b"), ("(5 m)^2", "(5 m)^2"), ("(5 m) ^ 2", "(5 m)^2"),
+        ("5^2", "5^2"), ("a < b and (c or d)", "a < b and (c or d)"), ("(a implies b) implies c", "(a implies b) implies c"),
+        ("not (a < b)", "not (a < b)"), ("not a < b", "not (a < b)"), ("not not a", "not not a"), ("always (a and b)", "always (a and b)"),
+        ("(for all p in q: a) and b", "(for all p in q: a) and b"), ("b and for all p in q: a", "b and for all p in q: a"),
+        ("(b and for all p in q: a) or c", "(b and for all p in q: a) or c"),
         ("(if a then b else c) < d", "(if a then b else c) < d"), ("d < (if a then b else c)", "d < (if a then b else c)"),
-        ("a in [(b), c + 1]", "a in [b, c + 1]"), ("(a until b) until c", "(a until b) until c"), ("f((a), n: (b))", "f(a, n: b)"),
-        ("(a).x", "a.x"), ("(a + b).x", "(a + b).x"), ("(3) m x", "(3) m x"), ("always[0 s,1 s](a)", "always[0 s, 1 s] a"),
+        ("(a until b) until c", "(a until b) until c"), ("(a + b).x", "(a + b).x"), ("(3) m x", "(3) m x"),
         ("5m<6  m", "5 m < 6 m"), ("weak  next a", "weak next a"), ("{}", None),
     ],
 )  # fmt: skip
@@ -137,6 +133,56 @@ def test_parentheses_stand_where_they_are_needed(written: str, printed: str | No
             formula(written)
     else:
         assert formula(written) == printed
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        "(a)", "(a + b)", "(a * b) + c", "(a - b) - c", "-(a^2)", "(a < b) and (c or d)", "(a and b) or c", "a or (b and c)",
+        "a implies (b implies c)", "(a iff b) iff c", "not (not a)", "(not a) and b", "(always a) and b", "always (a < b)",
+        "b and (for all p in q: a)", "(b and (for all p in q: a)) or c", "b and (for all p in q: a) or c", "a in [(b), c + 1]",
+        "f((a), n: (b))", "(a).x", "always[0 s, 1 s] (a)", "a^(2)", "a^(-b)", "a^-(b)", "(a^2) + (b * c)", "if a then b else (if c then d else e)",
+        "if (a) then (b) else (c)", "(a + b) behind (c)", "for all p in (q) where (a): (b)", "(a) until[(0 s), (1 s)] (b)", "(p) in zone z",
+        "(if a then b else c)", "(3) * (5 m)", "sqrt((a))",
+    ],
+)  # fmt: skip
+def test_parentheses_that_were_written_stay(written: str) -> None:
+    assert formula(written) == written
+
+
+@pytest.mark.parametrize(
+    ("written", "printed"),
+    [
+        ("((a))", "(a)"),
+        ("a or ((b and c))", "a or (b and c)"),
+        ("(((a + b))) * c", "(a + b) * c"),
+        ("(  a )", "(a)"),
+    ],
+)
+def test_of_double_parentheses_one_pair_stays(written: str, printed: str) -> None:
+    assert formula(written) == printed
+
+
+def test_written_parentheses_stay_where_signs_are_used() -> None:
+    assert formula("a ≤ b ∨ (c ∧ d)") == "a ≤ b ∨ (c ∧ d)"
+    assert formula("a ≤ b^(2) + (c²)") == "a ≤ b^(2) + (c²)"
+
+
+def test_written_parentheses_stay_in_all_declarations() -> None:
+    text = (
+        "param p : m = (1 m)  in [0, 2]\n\nconstrain (p > 0 m) and p < (3 m)\n\ndefine d(a: m) -> m = (a)\n"
+        "predicate q(a: m) = (a > 0 m)\n\ntest r\n  given  x = [(1 m), 2 m] with v = (2)\n  expect violated, margin about (2) within (1)\n"
+    )
+    assert laid_out(text) == text
+
+
+def test_written_parentheses_stay_in_formulas_of_several_lines() -> None:
+    side = "gap_lengthways(ego, o) > needed_distance"
+    inner = f"({side} and {side})"
+    assert formula(f"{side} or {inner} or ({side} or {side})").count("(gap_lengthways") == 2
+    assert formula(f"({side} or {side}) or {side} or {side}").startswith("(gap_lengthways")
+    assert formula(f"{side} implies ({side} implies {side})").count("(gap_lengthways") == 1
+    assert formula(f"if {side} then {'a' * 60} else (if {side} then {'b' * 60} else c)").count("(if") == 1
 
 
 def test_long_formulas_break_at_the_loosest_operator() -> None:

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 
 import pytest
+from lark import Lark
 
+from trackmarshal.syntax.grammar import make_parser
 from trackmarshal.syntax.keywords import CLAUSES, DECLARATIONS, RESERVED
 from trackmarshal.syntax.names import GREEK, lettered, spelled
-from trackmarshal.syntax.parser import make_parser, parser
 from trackmarshal.units import UNITS
+
+
+@cache
+def parser() -> Lark:
+    return make_parser()
 
 
 def test_strict_mode_finds_no_collision() -> None:
     pytest.importorskip("interegular", reason="lark's strict mode needs interegular")
-    make_parser(None, strict=True)
+    make_parser(strict=True)
 
 
 def test_every_declaration_and_clause_keyword_is_in_the_grammar() -> None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import random
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Lay
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.record import Difference, Record, Run, is_record, read
+from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import rerun
 
 
@@ -27,7 +29,7 @@ def recorded(
 ) -> list[Decision]:  # fmt: skip
     """A run of (cycle, unsafe rules, clock's readings) into a file."""
     supervisor, oracle, clock = made(limits)
-    supervisor.recorder = Record(path, supervisor.door, oracle.identity)
+    supervisor.recorder = Record(path, supervisor.door.contract, supervisor.limits, oracle.identity)
     decisions = []
     for given, oracle.unsafe, ticks in steps:
         clock.ticks = list(ticks)
@@ -43,13 +45,17 @@ def again(path: Path, steps: list[Any]) -> tuple[Run, list[Difference]]:
     run = read(path.read_bytes(), str(path))
 
     class Same(Oracle):
-        def judge(self, door: Any) -> Any:
+        def judge(self, memory: Any, frame: Any) -> Any:
             self.unsafe = unsafe.pop(0)
-            return super().judge(door)
+            return super().judge(memory, frame)
+
+    class Box:
+        def supervisor(self, limits: Limits, clock: Any) -> Supervisor:
+            return Supervisor(shipped(), Same(), limits, clock)
 
     # The judge is asked about cycles without faults only.
     unsafe = [one[1] for one, kept in zip(steps, run.cycles) if kept.value("verdicts.driving")]
-    found = [d for _, differing in rerun(run, shipped(), Same()) for d in differing]
+    found = [d for _, differing in rerun(run, cast(Any, Box())) for d in differing]
     return run, found
 
 
@@ -136,7 +142,7 @@ def test_a_border_that_changes_is_kept_when_it_changes(tmp_path: Path) -> None:
 def small(path: Path, count: int) -> bytes:
     """The bytes of a record of few columns: one rule, two samples a trajectory, one step on a straight."""
     supervisor, oracle, clock = made(rules=["speed_limit"])
-    supervisor.recorder = Record(path, supervisor.door, oracle.identity)
+    supervisor.recorder = Record(path, supervisor.door.contract, supervisor.limits, oracle.identity)
     for number in range(count):
         clock.now = number * PERIOD
         given = cycle(number)
@@ -234,7 +240,7 @@ def test_a_file_that_is_there_is_not_touched(tmp_path: Path) -> None:
     supervisor, oracle, _ = made()
     for place in (path, tmp_path / "none" / "run.arrows", tmp_path):
         with pytest.raises(TrackmarshalError) as caught:
-            Record(place, supervisor.door, oracle.identity)
+            Record(place, supervisor.door.contract, supervisor.limits, oracle.identity)
         assert caught.value.code == "E483"
     assert path.read_bytes() == b"mine"
 
@@ -258,8 +264,12 @@ def test_a_difference_is_found(tmp_path: Path) -> None:
     steps = plain(6)
     recorded(path, steps)
     run = read(path.read_bytes(), "x")
-    kind = Oracle()
-    found = [d for _, differing in rerun(run, shipped(), kind) for d in differing]
+
+    class Box:
+        def supervisor(self, limits: Limits, clock: Any) -> Supervisor:
+            return Supervisor(shipped(), Oracle(), limits, clock)
+
+    found = [d for _, differing in rerun(run, cast(Any, Box())) for d in differing]
     assert {(d.place, d.column) for d in found} >= {
         (2, "state"),
         (2, "safe"),
@@ -366,3 +376,39 @@ def test_without_the_package_an_export_says_what_to_install(
         foxglove.write(read(small(path, 1), "run"), [], tmp_path / "run.mcap")
     assert caught.value.code == "E484"
     assert not (tmp_path / "run.mcap").exists()
+
+
+@pytest.mark.parametrize("short", [0, 100])
+@pytest.mark.parametrize("then", ["on", "closed"])
+def test_a_full_disk_costs_the_cycles_that_did_not_fit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, short: int, then: str
+) -> None:
+    """The file stays readable, says how many are missing, and borders that came meanwhile are in the next row."""
+    path = tmp_path / "run.arrows"
+    supervisor, oracle, clock = made()
+    supervisor.recorder = Record(path, supervisor.door.contract, supervisor.limits, oracle.identity)
+    write = os.write
+
+    def full(file: int, data: Any) -> int:
+        if short and len(data) > short:
+            return write(file, bytes(data)[:short])
+        raise OSError(28, "No space left on device")
+
+    for number in range(6 if then == "on" else 4):
+        clock.now = number * PERIOD
+        given = cycle(number)
+        if number >= 2:
+            track = {**given.signals["track"], "left": given.signals["track"]["left"] + [0.0, 1.0]}
+            given = replace(given, signals={**given.signals, "track": track})
+        with monkeypatch.context() as patch:
+            if number in (2, 3):
+                patch.setattr(os, "write", full)
+            assert supervisor.step(given).state == "drive"
+        if number in (2, 3):
+            assert "No space left" in supervisor.record_error
+    supervisor.close()
+    run = read(path.read_bytes(), "x")
+    assert (run.ended, run.rest, run.missed) == (True, 0, 2)
+    assert [kept.cycle.number for kept in run.cycles] == ([0, 1, 4, 5] if then == "on" else [0, 1])
+    left = [float(kept.cycle.signals["track"]["left"][0][1]) for kept in run.cycles]
+    assert left == ([6.0, 6.0, 7.0, 7.0] if then == "on" else [6.0, 6.0])

@@ -19,10 +19,10 @@ from trackmarshal.evaluation import load
 from trackmarshal.runtime.codes import CODES
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.decision import Decision
-from trackmarshal.runtime.door import Door
 from trackmarshal.runtime.faults import FAULTS, name_of
-from trackmarshal.runtime.judge import Judged
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.machine import NEXT, STATES
+from trackmarshal.runtime.program import Judged
 from trackmarshal.runtime.supervisor import Supervisor
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "supervisor.md").read_text("utf-8")
@@ -241,7 +241,7 @@ def test_a_gap_is_late_and_skipped_once() -> None:
     run = Run()
     run.step()
     run.number += 1
-    assert names(run.step()) == ["skipped", "late"]
+    assert names(run.step()) == ["late", "skipped"]
     assert run.step().state == "drive"
 
 
@@ -293,11 +293,11 @@ def _raise(error: BaseException) -> Any:
     raise error
 
 
-def _odd(verdicts: Any, margins: Any = None) -> Callable[[Door], Any]:
-    def act(door: Door) -> Any:
+def _odd(verdicts: Any, margins: Any = None) -> Callable[[Frame], Any]:
+    def act(frame: Frame) -> Any:
         count = len(verdicts) if margins is None and isinstance(verdicts, bytes) else 0
-        one = Judged(verdicts, [1.0] * count if margins is None else margins)
-        return one, one
+        one = Oracle().rated(verdicts, [1.0] * count if margins is None else margins)
+        return Judged(frame, {"driving": one, "emergency": one})
 
     return act
 
@@ -308,12 +308,15 @@ RULES = len(Oracle().rules)
 @pytest.mark.parametrize(
     ("act", "fault"),
     [
-        (lambda door: _raise(ValueError("broken")), "judge_failed"),
-        (lambda door: _raise(MemoryError()), "judge_failed"),
-        (lambda door: _raise(RecursionError()), "judge_failed"),
-        (lambda door: None, "judge_failed"),
-        (lambda door: (None, None), "incomplete"),
-        (lambda door: (True, True), "incomplete"),
+        (lambda frame: _raise(ValueError("broken")), "judge_failed"),
+        (lambda frame: _raise(MemoryError()), "judge_failed"),
+        (lambda frame: _raise(RecursionError()), "judge_failed"),
+        (lambda frame: None, "incomplete"),
+        (lambda frame: Judged(frame, {"driving": None, "emergency": None}), "incomplete"),  # type: ignore[dict-item]
+        (lambda frame: Judged(frame, {}), "incomplete"),
+        (lambda frame: replace(_odd(bytes(RULES))(frame), about=Frame()), "incomplete"),
+        (lambda frame: replace(_odd(bytes(RULES))(frame), about=replace(frame)), "incomplete"),
+        (lambda frame: (True, True), "incomplete"),
         (_odd(bytes(RULES - 1)), "incomplete"),
         (_odd(bytes(RULES + 1)), "incomplete"),
         (_odd(b""), "incomplete"),
@@ -323,7 +326,7 @@ RULES = len(Oracle().rules)
         (_odd(bytes(RULES), 7), "internal"),
     ],
 )
-def test_a_judge_that_fails_is_unsafe(act: Callable[[Door], Any], fault: str) -> None:
+def test_a_judge_that_fails_is_unsafe(act: Callable[[Frame], Any], fault: str) -> None:
     run = Run()
     run.step()
     run.oracle.act = act
@@ -339,9 +342,9 @@ def test_violated_undefined_and_open_are_unsafe(code: int) -> None:
         run = Run()
         run.step()
         verdicts = bytes(code if i == place else 0 for i in range(RULES))
-        run.oracle.act = lambda door, v=verdicts: (
-            Judged(v, [1.0] * RULES),
-            Judged(bytes(RULES), [1.0] * RULES),
+        rated = run.oracle.rated
+        run.oracle.act = lambda frame, v=verdicts, rated=rated: Judged(
+            frame, {"driving": rated(v, [1.0] * RULES), "emergency": rated(bytes(RULES), [1.0] * RULES)}
         )
         decision = run.step()
         assert (decision.state, [v.rule for v in decision.violations]) == (
@@ -360,7 +363,7 @@ def test_a_failure_of_its_own_is_unsafe(monkeypatch: pytest.MonkeyPatch) -> None
     run = Run()
     run.step()
     with monkeypatch.context() as patch:
-        patch.setattr(run.supervisor.door, "check", lambda *a: _raise(KeyError("x")))
+        patch.setattr(run.supervisor.door, "admit", lambda *a: _raise(KeyError("x")))
         decision = run.step()
     assert (decision.state, names(decision)) == ("previous_emergency", ["internal"])
     with monkeypatch.context() as patch:
@@ -369,7 +372,7 @@ def test_a_failure_of_its_own_is_unsafe(monkeypatch: pytest.MonkeyPatch) -> None
     assert (decision.state, decision.driven, names(decision)) == (
         "no_safe_trajectory",
         None,
-        ["skipped", "late", "internal"],
+        ["late", "skipped", "incomplete"],
     )
     assert run.step().state == "drive"
 
@@ -389,7 +392,7 @@ def test_anything_at_all_is_a_decision(given: Any) -> None:
 
 def test_hostile_values_inside_a_cycle() -> None:
     class Hostile(dict):  # type: ignore[type-arg]
-        def get(self, *args: Any) -> Any:
+        def __getitem__(self, *args: Any) -> Any:
             raise SystemError
 
     class Number(float):
@@ -400,8 +403,10 @@ def test_hostile_values_inside_a_cycle() -> None:
     run.step()
     for change in (
         lambda c: replace(c, driving=Hostile(c.driving)),
-        lambda c: replace(c, t=Number(c.t)),
-        lambda c: replace(c, signals={**c.signals, "ego": {**c.signals["ego"], "x": Number(1.0)}}),
+        lambda c: replace(c, signals={**c.signals, "ego": Hostile(c.signals["ego"])}),
+        lambda c: replace(c, signals=Hostile(c.signals)),
+        lambda c: replace(c, t=Number(c.t + 1.0)),
+        lambda c: replace(c, signals={**c.signals, "ego": {**c.signals["ego"], "x": Number(math.nan)}}),
     ):
         decision = run.step(change=change, at=run.braked(0))
         assert decision.safe is False
@@ -469,7 +474,7 @@ def test_the_page_shows_the_table_of_states() -> None:
 
 
 def test_the_shipped_contract_reads_what_it_should() -> None:
-    door = Door(made()[0].door.contract, Limits())
-    assert [signal.name for signal in door.contract.shared] == ["ego", "objects", "obstacles", "track"]
-    assert door.contract.tells_emergency
+    contract = made()[0].door.contract
+    assert [signal.name for signal in contract.signals] == ["ego", "objects", "obstacles", "track"]
+    assert contract.tells
     assert shipped().signals["plan"].name == "plan"

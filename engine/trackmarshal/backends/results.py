@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.case import Case
-from trackmarshal.runtime.verdict import CaseResult, RuleResult, Truth
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.program import Judged, Memory, Rated
+from trackmarshal.runtime.verdict import VERDICTS, RuleResult, Truth, Witness
+
+if TYPE_CHECKING:
+    from trackmarshal.runtime.decision import Decision
 
 
 class CaseValues(Values, Protocol):
@@ -21,47 +26,90 @@ class CaseValues(Values, Protocol):
     def geometry_fault(self, formula: ir.Formula) -> str | None: ...
 
 
-def case_result(
-    rules: Sequence[RuleInfo], case: Case, values: CaseValues, series: bool = False
-) -> CaseResult:
-    """The results of rules on one case; rules without a formula (assumptions without a monitor) have none."""
-    results = {r.name: rule_result(r, case, values, series) for r in rules if r.formula is not None}
-    return CaseResult(case.id, results, tuple(str(fault) for fault in case.faults))
+class Stateless(ABC):
+    """A program whose rules remember nothing: it rates every frame by itself."""
+
+    backend = ""
+
+    def __init__(self, spec: Spec, rules: Sequence[RuleInfo]) -> None:
+        self.spec = spec
+        self.rules: Sequence[RuleInfo] = [rule for rule in rules if rule.formula is not None]
+
+    @property
+    def identity(self) -> Mapping[str, Any]:
+        names = [rule.name for rule in self.rules]
+        return {"fingerprint": self.spec.fingerprint, "backend": self.backend, "rules": names}
+
+    @abstractmethod
+    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+        """Rate frames that are cases, or seen by one candidate; in order."""
+
+    def judge(self, memory: Memory, frame: Frame) -> Judged:
+        return self.judge_all([frame])[0]
+
+    def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
+        seen = [frame.seen() for frame in frames]
+        rated = iter(self.rate_all([one for each in seen for _, one in each]))
+        return [Judged(frame, {name: next(rated) for name, _ in each}) for frame, each in zip(frames, seen)]
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+        return memory
 
 
-def rule_result(rule: RuleInfo, case: Case, values: CaseValues, series: bool = False) -> RuleResult:
-    """The result of one rule on one case."""
+def rated(
+    rules: Sequence[RuleInfo], frame: Frame, values: Callable[[], CaseValues], verdicts: bytes | None = None,
+    margins: Sequence[float] = (),
+) -> Rated:  # fmt: skip
+    """The outcome of rules on one frame: as given, or as the values of their formulas say."""
+    if verdicts is None:
+        outcomes = [outcome(rule, frame, values()) for rule in rules]
+        verdicts = bytes(VERDICTS.index(verdict) for verdict, _ in outcomes)
+        margins = [margin for _, margin in outcomes]
+    codes = verdicts
+
+    def explain(number: int, series: bool = False) -> RuleResult:
+        said = VERDICTS[codes[number]], float(margins[number])
+        return rule_result(rules[number], frame, values(), said, series)
+
+    return Rated(codes, margins, explain)
+
+
+def outcome(rule: RuleInfo, frame: Frame, values: CaseValues) -> tuple[str, float]:
+    """Verdict and margin of a rule on one frame."""
+    assert rule.formula is not None
+    if frame.unusable(rule.reads) is not None:
+        return "undefined", math.nan
+    if rule.active is not None and not values.truth(rule.active, {}).best.sat:
+        return "inactive", math.inf
+    truth = values.truth(rule.formula, {})
+    return truth.verdict, truth.margin
+
+
+def rule_result(
+    rule: RuleInfo, frame: Frame, values: CaseValues, said: tuple[str, float], series: bool = False
+) -> RuleResult:
+    """The result of one rule on one frame, given verdict and margin: with what decided, and where."""
     formula = rule.formula
     assert formula is not None
-    if case.blocks(rule.reads):
+    blocked = frame.unusable(rule.reads)
+    if blocked is not None:
         return RuleResult(
-            rule.name,
-            "undefined",
-            math.nan,
-            rule.unit,
-            None,
-            _blocked_reason(rule, case),
-            _no_series(rule, case, series),
+            rule.name, "undefined", math.nan, rule.unit, None, str(blocked), _no_series(rule, frame, series)
         )
-    if rule.active is not None and not values.truth(rule.active, {}).best.sat:
-        return RuleResult(
-            rule.name,
-            "inactive",
-            math.inf,
-            rule.unit,
-            None,
-            "nothing in its range",
-            _series(rule, values, series),
-        )
-    truth = values.truth(formula, {})
+    verdict, margin = said
+    along = _series(rule, values, series)
+    if verdict == "inactive":
+        return RuleResult(rule.name, verdict, margin, rule.unit, None, "nothing in its range", along)
     witness = Descent(values).find(formula)
     unit = rule.unit if rule.unit != "mixed" else witness.unit if witness is not None else "1"
-    reason = ""
-    if truth.verdict == "undefined":
-        reason = values.geometry_fault(formula) or ""
-    return RuleResult(
-        rule.name, truth.verdict, truth.margin, unit, witness, reason, _series(rule, values, series)
-    )
+    reason = (values.geometry_fault(formula) or "") if verdict == "undefined" else ""
+    shown = shown_unit(witness, unit)
+    return RuleResult(rule.name, verdict, margin, unit, witness, reason, along, shown)
+
+
+def shown_unit(witness: Witness | None, unit: str) -> str:
+    """The unit in which a rule's margin is shown: the one of the limit that decided, where it measures the same."""
+    return witness.shown if witness is not None and witness.unit == unit else ""
 
 
 def _series(rule: RuleInfo, values: CaseValues, wanted: bool) -> tuple[list[str], list[float]] | None:
@@ -73,18 +121,12 @@ def _series(rule: RuleInfo, values: CaseValues, wanted: bool) -> tuple[list[str]
     return [t.verdict for t in truths], [t.margin for t in truths]
 
 
-def _no_series(rule: RuleInfo, case: Case, wanted: bool) -> tuple[list[str], list[float]] | None:
+def _no_series(rule: RuleInfo, frame: Frame, wanted: bool) -> tuple[list[str], list[float]] | None:
     if not wanted or rule.along is None:
         return None
-    count = case.counts.get(rule.along.signal, 0)
+    signal = rule.along.signal
+    count = frame.count(signal) if signal in frame.columns else 0
     return ["undefined"] * count, [math.nan] * count
-
-
-def _blocked_reason(rule: RuleInfo, case: Case) -> str:
-    for fault in case.faults:
-        if any(fault.signal == signal and fault.field in ("", name) for signal, name in rule.reads):
-            return str(fault)
-    return "an input that it reads is unusable"
 
 
 def chosen_rules(spec: Spec, names: Sequence[str] | None) -> list[RuleInfo]:

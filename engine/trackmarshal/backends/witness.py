@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, assert_never
 
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
 from trackmarshal.runtime.verdict import Truth, Witness
 
 Env = dict[int, int]
@@ -90,7 +91,7 @@ class Descent:
 
     def _step(self, node: ir.Formula, env: Env) -> Witness | tuple[ir.Formula, Env] | None:
         match node:
-            case ir.Compare() | ir.Geometry() | ir.Flag():
+            case ir.Compare() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 return self._witness(node, env)
             case ir.Truth():
                 return None
@@ -111,7 +112,7 @@ class Descent:
                 return node.operand, {**env, node.axis.level: 0}
             case ir.Temporal():
                 sides = self._values.sides(node.operand, node.axis, env)
-                least = node.op in ("always", "historically")
+                least = node.extreme is Extreme.LEAST
                 found = sides.first(self._verdict(node, env), self._window(node, env), least)
                 return None if found is None else (node.operand, {**env, node.axis.level: found})
             case ir.Until():
@@ -123,7 +124,7 @@ class Descent:
             case ir.Edge():
                 return self._edge(node, env)
             case _:
-                raise AssertionError(f"unknown formula {type(node).__name__}")
+                assert_never(node)
 
     def _verdict(self, node: ir.Formula, env: Env) -> str:
         return self._values.truth(node, env).verdict
@@ -134,8 +135,9 @@ class Descent:
             if level in env:
                 for offset, name in enumerate(names):
                     binders[name] = self._values.name(axis, env[level] + offset)
-        unit = node.unit if isinstance(node, ir.Compare) else "m" if isinstance(node, ir.Geometry) else "1"
-        return Witness(binders, self._values.truth(node, env).margin, unit, node.span)
+        unit = node.unit if isinstance(node, ir.Compare) else "1" if isinstance(node, ir.Flag) else "m"
+        shown = node.shown if isinstance(node, ir.Compare) else ""
+        return Witness(binders, self._values.truth(node, env).margin, unit, node.span, shown)
 
     def _pick(
         self,
@@ -159,20 +161,24 @@ class Descent:
 
     def _connective(self, node: ir.Connective, env: Env) -> tuple[ir.Formula, Env] | None:
         left, right = (node.left, env, 1), (node.right, env, 1)
-        if node.op == "and":
-            return self._pick(node, env, min, (left, right))
-        if node.op == "or":
-            return self._pick(node, env, max, (left, right))
-        if node.op == "implies":
-            return self._pick(node, env, max, ((node.left, env, -1), right))
-        undefined = [b for b in (left, right) if self._verdict(b[0], env) == "undefined"]
-        return (undefined or [left])[0][:2]
+        match node.op:
+            case "and":
+                return self._pick(node, env, min, (left, right))
+            case "or":
+                return self._pick(node, env, max, (left, right))
+            case "implies":
+                return self._pick(node, env, max, ((node.left, env, -1), right))
+            case "xor" | "iff":
+                undefined = [b for b in (left, right) if self._verdict(b[0], env) == "undefined"]
+                return (undefined or [left])[0][:2]
+            case _:
+                assert_never(node.op)
 
     def _quantify(self, node: ir.Quantify, env: Env) -> tuple[ir.Formula, Env] | None:
         level, inside = node.axis.level, range(self._values.count(node.axis))
         wanted = self._verdict(node, env)
         sides = self._values.sides(node.body, node.axis, env)
-        least = node.quantifier == "for all"
+        least = node.extreme is Extreme.LEAST
         if node.guard is None:
             found = sides.first(wanted, inside, least)
             return None if found is None else (node.body, {**env, level: found})
@@ -186,7 +192,7 @@ class Descent:
     def _window(self, node: ir.Temporal | ir.Until, env: Env) -> range:
         t, k = self._values.times(node.axis), env[node.axis.level]
         low, high = node.lower, node.upper
-        if node.op in ("historically", "once", "since"):
+        if node.past:
             start = 0 if high is None else bisect_left(t, t[k] - high)
             return range(start, k + 1 if low is None else bisect_right(t, t[k] - low))
         stop = len(t) if high is None else bisect_right(t, t[k] + high)
@@ -208,7 +214,7 @@ class Descent:
             math.inf,
             math.inf,
         )  # of the left side, from k up to the sample
-        ahead = node.op == "until"
+        ahead = not node.past
         for j in range(k, window.stop) if ahead else range(k, window.start - 1, -1):
             if j in window:
                 holds, may = held_sat and right.worst_sat[j], may_sat and right.best_sat[j]
@@ -228,7 +234,7 @@ class Descent:
 
     def _edge(self, node: ir.Edge, env: Env) -> tuple[ir.Formula, Env] | None:
         level = node.axis.level
-        now, sign = (node.operand, env), 1 if node.op == "rising" else -1
+        now, sign = (node.operand, env), 1 if node.rising else -1
         if env[level] == 0:
             return now
         before = {**env, level: env[level] - 1}

@@ -9,6 +9,7 @@ import argparse
 from pathlib import Path
 
 from trackmarshal.cli.options import choose_rules
+from trackmarshal.cli.output import say
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -26,18 +27,23 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.backends.c.door import has_door
     from trackmarshal.backends.c.example import cmake, main_c
-    from trackmarshal.backends.c.names import identifier
+    from trackmarshal.backends.c.names import plain
     from trackmarshal.backends.c.report import report
     from trackmarshal.backends.c.source import generate
-    from trackmarshal.evaluation import Evaluator, load
+    from trackmarshal.evaluation import Evaluator, broken_constraints, load
 
-    if identifier(args.name) != args.name or not args.name.isascii() or args.name in ("main", "glue"):
+    if not plain(args.name) or args.name in ("main", "glue"):
         raise TrackmarshalError(
             "E474",
             f"`{args.name}` is no name for a C file",
             help="letters, digits and _, no digit first; not `main`",
         )
     spec = load([Path(args.spec)], [Path(path) for path in args.settings], optional_project(args))
+    broken = broken_constraints(spec)
+    if broken:
+        raise TrackmarshalError(
+            "E403", broken[0], help="change the parameters in the spec or the configuration"
+        )
     rules = Evaluator(spec, args.rule, "reference").rules
     source = generate(spec, rules, args.name, online=True, doored=has_door(spec))
     texts = {
@@ -54,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
             "E474", f"cannot write to {folder}: {error.strerror}", help="choose another folder with --out"
         ) from error
     if not args.quiet:
-        print(
+        say(
             f"{len(source.rules)} rules, {len(source.source.splitlines())} lines of C in {folder}: {', '.join(texts)}"
         )
     return 0

@@ -1,5 +1,7 @@
 """Evaluate rules of a spec on given data: one case a line of JSON in, one result a line out, in order.
 
+The exit status is 1 when a case is not safe, 2 when a line could not be read.
+
 trackmarshal eval specs/supervisor --data cases.jsonl --rule friction --format jsonl
 """
 
@@ -15,14 +17,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.options import choose_rules
-from trackmarshal.cli.output import dump, number, rule_json, table
+from trackmarshal.cli.output import dump, rule_json, say, table
 from trackmarshal.cli.project import optional_project
-from trackmarshal.diagnostics.excerpt import printable
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import open_regular
+from trackmarshal.units import written
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
-    from trackmarshal.runtime.case import Case
+    from trackmarshal.runtime.frame import Frame
     from trackmarshal.runtime.verdict import CaseResult
 
 #: The longest line of data that is read, in characters.
@@ -61,20 +64,19 @@ def run(args: argparse.Namespace) -> int:
     spec = load([Path(args.spec)], [Path(p) for p in args.settings], optional_project(args))
     evaluator = Evaluator(spec, args.rule, args.backend)
     status = 0
-    broken = evaluator.broken_constraints()
-    pending: list[tuple[object, Case | TrackmarshalError]] = []
+    pending: list[tuple[object, Frame | TrackmarshalError]] = []
     read = 0
     for read, item in enumerate(_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
         pending.append(item)
         if len(pending) == CHUNK:
-            status = max(status, _flush(pending, evaluator, broken, args))
+            status = max(status, _flush(pending, evaluator, args))
             pending = []
     if read == 0:
         raise TrackmarshalError("D103", "there is no case in the data", file=args.data, help=_HELP)
-    return max(status, _flush(pending, evaluator, broken, args))
+    return max(status, _flush(pending, evaluator, args))
 
 
-def _cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Case | TrackmarshalError]]:
+def _cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Frame | TrackmarshalError]]:
     """Every line's id and case, or what is wrong with the line."""
     for line_number, line in enumerate(_lines(path), start=1):
         if not line.strip():
@@ -135,7 +137,7 @@ def _lines(path: str) -> Iterator[bytes]:
             "D102", "there is no standard input", file=path, help="name a file with --data"
         )
     try:
-        with nullcontext(sys.stdin.buffer) if path == "-" else Path(path).open("rb") as stream:
+        with nullcontext(sys.stdin.buffer) if path == "-" else open_regular(Path(path)) as stream:
             while line := stream.readline(MAX_LINE):
                 yield line
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
@@ -146,75 +148,59 @@ def _lines(path: str) -> Iterator[bytes]:
 
 
 def _flush(
-    pending: list[tuple[object, Case | TrackmarshalError]],
+    pending: list[tuple[object, Frame | TrackmarshalError]],
     evaluator: Evaluator,
-    broken: list[str],
     args: argparse.Namespace,
 ) -> int:
-    """Evaluate and print a chunk; `broken` are constraints that do not hold as configured; 2 when a line could not be read, else 0."""
+    """Evaluate and print a chunk; 2 when a line could not be read, 1 when a case is not safe, else 0."""
     cases = [case for _, case in pending if not isinstance(case, TrackmarshalError)]
     results = iter(evaluator.evaluate(cases, args.series))
     status = 0
     for identity, case in pending:
         if isinstance(case, TrackmarshalError):
             status = 2
-            print(_error_line(identity, case, args.format))
+            say(*_error_lines(identity, case, args.format))
         else:
-            own = evaluator.broken_constraints(case) if case.params or case.tables else broken
-            show = _json_line if args.format == "jsonl" else _text
-            print(show(next(results), own))
+            result = next(results)
+            say(*([_json_line(result)] if args.format == "jsonl" else _text(result)))
+            status = max(status, 0 if result.safe else 1)
     return status
 
 
-def _error_line(identity: object, error: TrackmarshalError, format_: str) -> str:
+def _error_lines(identity: object, error: TrackmarshalError, format_: str) -> list[str]:
     if format_ == "jsonl":
         found = {"code": error.code, "message": error.message, "line": error.line, "help": error.help}
-        return dump({"id": identity, "error": found})
+        return [dump({"id": identity, "error": found})]
     lines = [f"case {identity}: error[{error.code}]: {error.message}", f"  --> {error.file}:{error.line}"]
-    return "\n".join(
-        printable(line) for line in [*lines, *([f"  = help: {error.help}"] if error.help else [])]
-    )
+    return [*lines, *([f"  = help: {error.help}"] if error.help else [])]
 
 
-def _json_line(result: CaseResult, broken: list[str]) -> str:
-    # Where a constraint is broken, the rules are unsound: whatever they say, it is not known to be safe.
-    safe = result.safe and not broken
+def _json_line(result: CaseResult) -> str:
     line: dict[str, Any] = {
         "id": result.id,
-        "safe": safe,
+        "safe": result.safe,
         "rules": {n: rule_json(r) for n, r in result.rules.items()},
     }
     if result.faults:
         line["faults"] = list(result.faults)
-    if broken:
-        line["constraints"] = broken
+    if result.broken:
+        line["constraints"] = list(result.broken)
     return dump(line)
 
 
-def _text(result: CaseResult, broken: list[str]) -> str:
+def _text(result: CaseResult) -> list[str]:
     rows = []
     for name, rule in result.rules.items():
-        where = printable(
+        where = (
             ", ".join(f"{k}={v}" for k, v in rule.witness.binders.items()) if rule.witness else rule.reason
         )
         span = str(rule.witness.span) if rule.witness and rule.witness.span else ""
-        shown = number(rule.margin)
-        rows.append(
-            [
-                name,
-                rule.verdict,
-                f"{shown:.6g}" if isinstance(shown, float) else shown,
-                rule.unit,
-                where,
-                span,
-            ]
-        )
-    safe = result.safe and not broken
+        margin = written(rule.margin, rule.unit, rule.shown, 6)
+        si = written(rule.margin, rule.unit, "", 6)
+        rows.append([name, rule.verdict, margin, "" if si == margin else si, where, span])
     lines = [
-        printable(f"case {result.id}: {'safe' if safe else 'UNSAFE'}"),
-        table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"]),
+        f"case {result.id}: {'safe' if result.safe else 'UNSAFE'}",
+        *table(rows, ["rule", "verdict", "margin", "in SI", "at", "decided by"]),
     ]
-    lines += [printable(f"input: {fault}") for fault in result.faults] + [
-        f"constraint: {text}" for text in broken
-    ]
-    return "\n".join(lines)
+    lines += [f"input: {fault}" for fault in result.faults]
+    return lines + [f"constraint: {' '.join(text.split())}" for text in result.broken]

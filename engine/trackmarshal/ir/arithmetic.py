@@ -7,25 +7,37 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import assert_never
+
+from trackmarshal.ir.operators import (
+    COMPARISONS,
+    FUNCTIONS,
+    ArithmeticOp,
+    ComparisonOp,
+    FunctionName,
+    Measure,
+)
 
 NAN = math.nan
 
 
-def arith(op: str, a: float, b: float) -> float:
+def arith(op: ArithmeticOp, a: float, b: float) -> float:
     """`+ - * /`; a division by zero gives an infinity or NaN, as IEEE 754 says."""
-    if op == "+":
-        return a + b
-    if op == "-":
-        return a - b
-    if op == "*":
-        return a * b
-    if op == "/":
-        if b != 0.0:
-            return a / b
-        if a == 0.0 or math.isnan(a) or math.isnan(b):
-            return NAN
-        return math.copysign(math.inf, a) * math.copysign(1.0, b)
-    raise AssertionError(f"unknown operator {op}")
+    match op:
+        case "+":
+            return a + b
+        case "-":
+            return a - b
+        case "*":
+            return a * b
+        case "/":
+            if b != 0.0:
+                return a / b
+            if a == 0.0 or math.isnan(a) or math.isnan(b):
+                return NAN
+            return math.copysign(math.inf, a) * math.copysign(1.0, b)
+        case _:
+            assert_never(op)
 
 
 def _total(function: Callable[..., float]) -> Callable[..., float]:
@@ -50,8 +62,22 @@ def _log(x: float) -> float:
     return math.log(x)
 
 
-def _floor(x: float) -> float:
-    return x if math.isinf(x) or x == 0.0 else float(math.floor(x))  # the floor of -0.0 is -0.0
+def _whole(rounded: Callable[[float], int]) -> Callable[[float], float]:
+    """A function to whole numbers; zeros keep the argument's sign, as in IEEE 754, and infinities are themselves."""
+
+    def call(x: float) -> float:
+        return x if math.isinf(x) else math.copysign(float(rounded(x)), x)
+
+    return call
+
+
+def _sign(x: float) -> float:
+    return 1.0 if x > 0.0 else -1.0 if x < 0.0 else 0.0
+
+
+def _hypot(a: float, b: float) -> float:
+    # In these steps everywhere: the C library's hypot and Python's own differ in the last digit.
+    return math.sqrt(a * a + b * b)
 
 
 # Which of two opposite zeros is the smaller one is up to the processor: `min` and `max` give 0.0 for both.
@@ -78,46 +104,91 @@ def _pow(x: float, y: float) -> float:
         return NAN
 
 
-_FUNCTIONS: dict[str, Callable[..., float]] = {
-    "abs": abs, "sqrt": _total(math.sqrt), "sin": _total(math.sin), "cos": _total(math.cos), "tan": _total(math.tan),
-    "exp": _total(math.exp), "log": _total(_log), "floor": _total(_floor), "min": _total(_least), "max": _total(_greatest),
-    "atan2": _total(math.atan2), "pow": _pow,
-}  # fmt: skip
+def _function(name: FunctionName) -> Callable[..., float]:
+    match name:
+        case "abs":
+            return abs
+        case "sign":
+            return _total(_sign)
+        case "sqrt":
+            return _total(math.sqrt)
+        case "hypot":
+            return _total(_hypot)
+        case "floor":
+            return _total(_whole(math.floor))
+        case "ceil":
+            return _total(_whole(math.ceil))
+        case "round":
+            return _total(_whole(round))
+        case "min":
+            return _total(_least)
+        case "max":
+            return _total(_greatest)
+        case "pow":
+            return _pow
+        case "exp":
+            return _total(math.exp)
+        case "log":
+            return _total(_log)
+        case "sin":
+            return _total(math.sin)
+        case "cos":
+            return _total(math.cos)
+        case "tan":
+            return _total(math.tan)
+        case "asin":
+            return _total(math.asin)
+        case "acos":
+            return _total(math.acos)
+        case "atan2":
+            return _total(math.atan2)
+        case "tanh":
+            return _total(math.tanh)
+        case _:
+            assert_never(name)
 
 
-def apply(name: str, args: Sequence[float]) -> float:
+_FUNCTIONS = {name: _function(name) for name in FUNCTIONS}
+
+
+def apply(name: FunctionName, args: Sequence[float]) -> float:
     """A built-in function; NaN in, NaN out."""
     return _FUNCTIONS[name](*args)
 
 
-def compare(op: str, a: float, b: float) -> bool:
+def compare(op: ComparisonOp, a: float, b: float) -> bool:
     """A comparison of two finite numbers."""
-    if op == "<":
-        return a < b
-    if op == "<=":
-        return a <= b
-    if op == ">":
-        return a > b
-    if op == ">=":
-        return a >= b
-    if op == "==":
-        return a == b
-    if op == "!=":
-        return a != b
-    raise AssertionError(f"unknown comparison {op}")
+    match op:
+        case "<":
+            return a < b
+        case "<=":
+            return a <= b
+        case ">":
+            return a > b
+        case ">=":
+            return a >= b
+        case "==":
+            return a == b
+        case "!=":
+            return a != b
+        case _:
+            assert_never(op)
 
 
-def margin(op: str, a: float, b: float) -> float:
+def margin(op: ComparisonOp, a: float, b: float) -> float:
     """How far inside a comparison is: positive inside, negative outside."""
-    if op in ("<", "<="):
-        return b - a
-    if op in (">", ">="):
-        return a - b
-    if op == "==":
-        return -abs(a - b)
-    if op == "!=":
-        return abs(a - b)
-    raise AssertionError(f"unknown comparison {op}")
+    measure = COMPARISONS[op].measure
+    match measure:
+        case Measure.ROOM_ABOVE:
+            return b - a
+        case Measure.ROOM_BELOW:
+            return a - b
+        case Measure.NEARNESS:
+            return -abs(a - b)
+        case Measure.DISTANCE:
+            return abs(a - b)
+        case _:
+            assert_never(measure)
 
 
 def interpolate(knots: Sequence[float], values: Sequence[float], x: float) -> float:

@@ -1,14 +1,30 @@
 """The nodes of the IR. Numbers are floats in SI units; formulas have a truth and a margin.
 
 Nodes are compared by identity: the `Interner` makes equal numeric nodes one node, so that whatever two rules
-compute alike is computed once. Evaluators must handle every class here and raise on any other.
+compute alike is computed once. `Num` and `Formula` are closed unions: an evaluator's `match` over one ends in
+`assert_never`, so that mypy names whoever forgets a node, and at run time any other raises AssertionError.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterator
+from typing import Any, ClassVar, Literal, NamedTuple, ParamSpec, TypeAlias, TypeVar, cast
 
+from trackmarshal.ir.operators import (
+    EDGES,
+    QUANTIFIERS,
+    TEMPORAL,
+    UNTIL,
+    ArithmeticOp,
+    ComparisonOp,
+    ConnectiveOp,
+    EdgeOp,
+    Extreme,
+    FunctionName,
+    Quantifier,
+    TemporalOp,
+    UntilOp,
+)
 from trackmarshal.node import Node
 from trackmarshal.source import Span
 
@@ -27,28 +43,27 @@ class Axis(IR):
     """
 
     signal: str
-    kind: str  # "samples" or "elements"
+    kind: Literal["samples", "elements"]
     width: int
     level: int
 
 
-class Num(IR):
-    """A number."""
+# Numbers ------------------------------------------------------------------------------------------------------
 
 
-class Const(Num):
+class Const(IR):
     """A number of the spec, in SI."""
 
     value: float
 
 
-class Param(Num):
+class Param(IR):
     """A parameter, by its qualified name."""
 
     name: str
 
 
-class Column(Num):
+class Column(IR):
     """A field of the variable of an axis; `offset` counts samples from the first bound one, clamped at the start."""
 
     axis: Axis
@@ -56,7 +71,7 @@ class Column(Num):
     offset: int = 0
 
 
-class Sample(Num):
+class Sample(IR):
     """A field of one sample of a timeline, by index (-1: the last)."""
 
     signal: str
@@ -64,35 +79,35 @@ class Sample(Num):
     index: int
 
 
-class Scalar(Num):
+class Scalar(IR):
     """A field of a single record."""
 
     signal: str
     field: str
 
 
-class Arith(Num):
+class Arith(IR):
     """`+ - * /`, IEEE double, in the order written."""
 
-    op: str
+    op: ArithmeticOp
     left: Num
     right: Num
 
 
-class Neg(Num):
+class Neg(IR):
     """Minus a number."""
 
     operand: Num
 
 
-class Func(Num):
-    """A built-in function of numbers: see `FUNCTIONS`."""
+class Func(IR):
+    """A built-in function of numbers: see `operators.FUNCTIONS`."""
 
-    name: str
+    name: FunctionName
     args: tuple[Num, ...]
 
 
-class Choose(Num):
+class Choose(IR):
     """One of two numbers by a formula; undefined (NaN) where the formula is."""
 
     condition: Formula
@@ -100,7 +115,7 @@ class Choose(Num):
     otherwise: Num
 
 
-class Lookup(Num):
+class Lookup(IR):
     """A table, linear between knots and clamped outside; NaN for a non-finite argument."""
 
     table: str
@@ -110,7 +125,7 @@ class Lookup(Num):
 class Line(IR):
     """A polyline: `place` (a `line` of a spec), a field of a signal (`track.left`), or the path of a trajectory."""
 
-    kind: str  # "place", "signal", "path" or "centre"
+    kind: Literal["place", "signal", "path", "centre"]
     name: str
     field: str
 
@@ -118,29 +133,73 @@ class Line(IR):
 class Area(IR):
     """A region: a `zone` of a spec, or a corridor signal."""
 
-    kind: str  # "zone" or "corridor"
+    kind: Literal["zone", "corridor"]
     name: str
 
 
-class Along(Num):
-    """A number read off a line: station, offset, direction or distance of a point; station_gap of two stations."""
+class Pose(NamedTuple):
+    """Where something is and which way it points: m, m, rad."""
 
-    what: str
+    x: Num
+    y: Num
+    heading: Num
+
+
+class Station(IR):
+    """How far along a line the point nearest to (x, y) is [m]."""
+
+    spoken: ClassVar[str] = "station"
     line: Line
-    args: tuple[Num, ...]
+    x: Num
+    y: Num
 
 
-class Formula(IR):
-    """Something true, false or undefined, with a margin."""
+class Offset(IR):
+    """How far to the left of a line the point (x, y) is [m]."""
+
+    spoken: ClassVar[str] = "offset"
+    line: Line
+    x: Num
+    y: Num
 
 
-class Truth(Formula):
+class Direction(IR):
+    """The heading of a line where it is nearest to the point (x, y) [rad]."""
+
+    spoken: ClassVar[str] = "direction"
+    line: Line
+    x: Num
+    y: Num
+
+
+class Distance(IR):
+    """How far from a line the point (x, y) is [m]."""
+
+    spoken: ClassVar[str] = "distance"
+    line: Line
+    x: Num
+    y: Num
+
+
+class StationGap(IR):
+    """How far one station of a line lies ahead of another [m]; on a closed line the shorter way round."""
+
+    spoken: ClassVar[str] = "station_gap"
+    line: Line
+    start: Num
+    end: Num
+
+
+# Formulas: something true, false or undefined, with a margin --------------------------------------------------
+
+
+class Truth(IR):
     """`true`, `false`."""
 
     value: bool
 
 
-class Flag(Formula):
+class Flag(IR):
     """A Boolean of the input: an event (no field), a field of a record, or of the variable of an axis."""
 
     signal: str
@@ -150,97 +209,141 @@ class Flag(Formula):
     span: Span
 
 
-class Compare(Formula):
-    """A comparison; `unit` is the SI unit of its margin."""
+class Compare(IR):
+    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI)."""
 
-    op: str
+    op: ComparisonOp
     left: Num
     right: Num
     unit: str
     span: Span
+    shown: str = ""
 
 
-class Geometry(Formula):
-    """A geometric predicate; its margin is a signed distance in metres, and it holds where that is not negative.
+# Geometric predicates: the margin is a signed distance in metres, and they hold where that is not negative.
 
-    `swept_inside`: x0 y0 heading0 x1 y1 heading1 length width, in an area; `swept_clear`: the same, of the
-    box x y heading length width; `in_area`: a point x y, in a zone.
-    """
 
-    what: str
-    args: tuple[Num, ...]
-    area: Area | None
+class SweptInside(IR):
+    """What a box of a length and a width sweeps from one pose to another lies in an area."""
+
+    start: Pose
+    end: Pose
+    length: Num
+    width: Num
+    area: Area
     span: Span
 
 
-class Not(Formula):
+class SweptClear(IR):
+    """What a box of a length and a width sweeps from one pose to another keeps clear of another box, which stands."""
+
+    start: Pose
+    end: Pose
+    length: Num
+    width: Num
+    box: Pose
+    box_length: Num
+    box_width: Num
+    span: Span
+
+
+class InArea(IR):
+    """The point (x, y) lies in an area."""
+
+    x: Num
+    y: Num
+    area: Area
+    span: Span
+
+
+class Not(IR):
     operand: Formula
 
 
-class Connective(Formula):
+class Connective(IR):
     """and, or, implies, iff, xor."""
 
-    op: str
+    op: ConnectiveOp
     left: Formula
     right: Formula
 
 
-class Quantify(Formula):
+class Quantify(IR):
     """`for all` or `exists` over an axis; elements whose guard does not hold are not in its range."""
 
-    quantifier: str
+    quantifier: Quantifier
     axis: Axis
     guard: Formula | None
     body: Formula
     names: tuple[str, ...]
 
+    @property
+    def extreme(self) -> Extreme:
+        return QUANTIFIERS[self.quantifier]
 
-class Guarded(Formula):
+
+class Guarded(IR):
     """`whenever guard require body`: only the cycles in which the guard holds count."""
 
     guard: Formula
     body: Formula
 
 
-class Temporal(Formula):
+class Temporal(IR):
     """always, eventually (future), historically, once (past), along an axis; no bounds means to the end."""
 
-    op: str
+    op: TemporalOp
     axis: Axis
     operand: Formula
     lower: float | None
     upper: float | None
 
+    @property
+    def extreme(self) -> Extreme:
+        return TEMPORAL[self.op].extreme
 
-class Until(Formula):
+    @property
+    def past(self) -> bool:
+        return TEMPORAL[self.op].past
+
+
+class Until(IR):
     """until (future), since (past), along an axis."""
 
-    op: str
+    op: UntilOp
     axis: Axis
     left: Formula
     right: Formula
     lower: float | None
     upper: float | None
 
+    @property
+    def past(self) -> bool:
+        return UNTIL[self.op]
 
-class Shift(Formula):
+
+class Shift(IR):
     """next (step 1), previous (step -1); weak ones hold outside the trace."""
 
     axis: Axis
     operand: Formula
-    step: int
+    step: Literal[1, -1]
     weak: bool
 
 
-class Edge(Formula):
+class Edge(IR):
     """rising, falling."""
 
-    op: str
+    op: EdgeOp
     axis: Axis
     operand: Formula
 
+    @property
+    def rising(self) -> bool:
+        return EDGES[self.op]
 
-class First(Formula):
+
+class First(IR):
     """The value at the first sample of the timeline."""
 
     axis: Axis
@@ -248,25 +351,49 @@ class First(Formula):
     operand: Formula
 
 
-#: Built-in functions and how many arguments they take.
-FUNCTIONS = {
-    "abs": 1, "sqrt": 1, "sin": 1, "cos": 1, "tan": 1, "exp": 1, "log": 1, "floor": 1,
-    "min": 2, "max": 2, "atan2": 2, "pow": 2,
-}  # fmt: skip
+#: What a projection of a point onto a line gives.
+Projected: TypeAlias = Station | Offset | Direction
+#: Numbers read off a line.
+Along: TypeAlias = Station | Offset | Direction | Distance | StationGap
+#: A number.
+Num: TypeAlias = (
+    Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup
+    | Station | Offset | Direction | Distance | StationGap
+)  # fmt: skip
+#: Geometric predicates.
+Geometry: TypeAlias = SweptInside | SweptClear | InArea
+#: Formulas along a timeline.
+Timed: TypeAlias = Temporal | Until | Shift | Edge
+#: A formula.
+Formula: TypeAlias = (
+    Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
+    | Temporal | Until | Shift | Edge | First
+)  # fmt: skip
+#: Any node.
+AnyNode: TypeAlias = Num | Formula | Axis | Line | Area
 
-T = TypeVar("T", bound=IR)
+#: Nodes that have no value of their own: what others are about.
+_SUBJECTS = (Axis, Line, Area)
+
+T = TypeVar("T")
+Parts = ParamSpec("Parts")
 
 
-def below(root: IR) -> Iterator[IR]:
+def operands(node: IR) -> list[Num | Formula]:
+    """The numbers and formulas directly in a node, in order."""
+    return [cast("Num | Formula", child) for child in node.children() if not isinstance(child, _SUBJECTS)]
+
+
+def below(root: AnyNode) -> Iterator[AnyNode]:
     """A node and all below it, each shared one once."""
-    seen: set[IR] = set()
-    stack: list[IR] = [root]
+    seen: set[AnyNode] = set()
+    stack: list[AnyNode] = [root]
     while stack:
         node = stack.pop()
         if node not in seen:
             seen.add(node)
             yield node
-            stack.extend(child for child in node.children() if isinstance(child, IR))
+            stack.extend(cast("AnyNode", child) for child in node.children() if isinstance(child, IR))
 
 
 class Interner:
@@ -275,11 +402,12 @@ class Interner:
     def __init__(self) -> None:
         self._known: dict[tuple[Any, ...], IR] = {}
 
-    def make(self, kind: type[T], *parts: Any) -> T:
-        """A node of a class, with all of its fields in order."""
+    def make(self, kind: Callable[Parts, T], *parts: Parts.args, **named: Parts.kwargs) -> T:
+        """A node of a class, with all of its fields: in order, or by name."""
+        whole = (*parts, *(named[name] for name in cast("type[IR]", kind).fields[len(parts) :]))
         # repr tells -0.0 from 0.0 and joins equal NaNs; children are interned, so identity is equality.
-        key = (kind, *(part if not isinstance(part, float) else repr(part) for part in parts))
+        key = (kind, *(part if not isinstance(part, float) else repr(part) for part in whole))
         known = self._known.get(key)
         if known is None:
-            known = self._known[key] = kind(*parts)
-        return known  # type: ignore[return-value]
+            known = self._known[key] = cast("type[IR]", kind)(*whole)
+        return cast("T", known)

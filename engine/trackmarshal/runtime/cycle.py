@@ -17,7 +17,8 @@ class Cycle:
     """One cycle, unchecked: the door takes anything and says what is wrong with it.
 
     number counts cycles; t is the stamp in s, on the Supervisor's clock. driving, emergency: columns by field of the
-    signal `plan`, in the declared units. signals: everything else that rules read, by signal.
+    signal `plan`, in the declared units. signals: everything else that rules read, by signal. also: names (`objects`, `ego.kappa`) that
+    whoever made the cycle knows of, whether the spec declares them or not; any other name that it does not declare is a fault.
     """
 
     number: Any
@@ -25,6 +26,7 @@ class Cycle:
     driving: Any
     emergency: Any
     signals: Any
+    also: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
 
-from trackmarshal.runtime.case import Fault
-from trackmarshal.runtime.faults import name_of
-from trackmarshal.runtime.judge import Judged
+from trackmarshal.runtime.faults import Fault, name_of
 from trackmarshal.runtime.machine import NO_EMERGENCY_YET, NO_SAFE_TRAJECTORY
 from trackmarshal.runtime.plan import Plan
-from trackmarshal.runtime.verdict import Witness
+from trackmarshal.runtime.program import Judged
+from trackmarshal.runtime.verdict import RuleResult, Witness
+
+#: The most reasons that a decision lists: first the door's, then rules as declared, then the watchdog's.
+MOST_REASONS = 64
 
 
-@dataclass(frozen=True, slots=True)
-class Violation:
-    """A rule that makes a candidate unsafe; the margin is in `unit`, the witness is there where the judge gives one."""
+class Violation(NamedTuple):
+    """A rule that makes a candidate unsafe; the margin is in `unit` (`mixed` for a rule of several dimensions)."""
 
     rule: str
     requirements: tuple[str, ...]
@@ -24,21 +24,31 @@ class Violation:
     verdict: str
     margin: float
     unit: str
-    witness: Witness | None
-    reason: str = ""
+    #: Looks for what decided; takes longer than a cycle has.
+    explain: Callable[[], RuleResult]
+
+    @property
+    def witness(self) -> Witness | None:
+        """What decided, and where; looked for when it is asked for."""
+        return self.explain().witness
+
+    @property
+    def reason(self) -> str:
+        """Why a rule is undefined although it could be computed."""
+        return self.explain().reason
 
     def __str__(self) -> str:
         asked = f" ({', '.join(self.requirements)})" if self.requirements else ""
         return f"{self.candidate}: {self.rule} {self.verdict}, margin {self.margin:.6g} {self.unit}{asked}"
 
 
-@dataclass(frozen=True, slots=True)
-class Decision:
+class Decision(NamedTuple):
     """One decision.
 
     number, t: the cycle's, where they are numbers. now, finished: the clock at its arrival and when the verdict was there (NaN: no
     verdict), in s. safe: whether this cycle is. driven: None where nothing may be driven. fallback: the stored emergency
-    trajectory; drive it when no decision has come by `valid_until`. lost: why nothing stored is driven, one of the names.
+    trajectory; drive it when no decision has come by `valid_until`. lost: why nothing stored is driven, one of the names. more: whether
+    there are more reasons than are listed.
     """
 
     number: int | None
@@ -53,7 +63,8 @@ class Decision:
     lost: str
     faults: tuple[Fault, ...]
     violations: tuple[Violation, ...]
-    judged: tuple[Judged, Judged] | None
+    more: bool
+    judged: Judged | None
 
     @property
     def action(self) -> str:
@@ -69,4 +80,5 @@ class Decision:
     def reasons(self) -> tuple[str, ...]:
         """Everything that speaks against the cycle, for people."""
         found = [f"{name_of(f)} {f}" for f in self.faults] + [str(v) for v in self.violations]
+        found += ["and more"] if self.more else []
         return (*found, *([f"stored emergency trajectory: {self.lost}"] if self.lost else []))

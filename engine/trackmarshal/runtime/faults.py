@@ -5,7 +5,7 @@ One entry a name: what docs/supervisor.md lists, what the generated C reports, w
 
 from __future__ import annotations
 
-from trackmarshal.runtime.case import Fault
+from dataclasses import dataclass
 
 #: Names of faults and of reasons for which a stored trajectory is lost -> code.
 FAULTS = {
@@ -26,6 +26,7 @@ FAULTS = {
     "bad_border": "D217",
     "duplicate": "D218",
     "over_capacity": "D219",
+    "unknown": "D220",
     "starts_elsewhere": "D228",
     "not_at_rest": "D229",
     "judge_failed": "D231",
@@ -33,12 +34,36 @@ FAULTS = {
     "overrun": "D233",
     "bad_clock": "D234",
     "internal": "D235",
+    "not_configured": "D236",
     "none_stored": "D241",
     "expired": "D242",
     "apart": "D243",
     "unconfirmed": "D244",
 }
 NAMES = {code: name for name, code in FAULTS.items()}
+
+
+#: Faults for which a signal, or the field that they name, cannot be used: what reads it is undefined, whatever it computes.
+UNUSABLE = {"missing", "wrong_type", "wrong_length", "too_short", "bad_border", "over_capacity"}
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One breach of the input contract: which field, which sample or element, and what is wrong."""
+
+    code: str
+    signal: str
+    field: str
+    index: int | None
+    message: str
+
+    def __str__(self) -> str:
+        place = (
+            self.signal
+            + (f".{self.field}" if self.field else "")
+            + ("" if self.index is None else f"[{self.index}]")
+        )
+        return f"{self.code} {place}: {self.message}"
 
 
 def fault(name: str, signal: str, field: str = "", index: int | None = None, message: str = "") -> Fault:

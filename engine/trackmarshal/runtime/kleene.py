@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from typing import assert_never
 
+from trackmarshal.ir.operators import ConnectiveOp
 from trackmarshal.runtime.verdict import Bound, Truth
 
 INF = math.inf
@@ -32,19 +34,21 @@ def negate(a: Truth) -> Truth:
     return Truth(Bound(not a.best.sat, -a.best.margin), Bound(not a.worst.sat, -a.worst.margin))
 
 
-def connect(op: str, a: Truth, b: Truth) -> Truth:
-    """and, or, implies, iff, xor."""
-    if op == "and":
-        return Truth(least(a.worst, b.worst), least(a.best, b.best))
-    if op == "or":
-        return Truth(greatest(a.worst, b.worst), greatest(a.best, b.best))
-    if op == "implies":
-        return connect("or", negate(a), b)
-    if op == "xor":
-        return _differ(a, b)
-    if op == "iff":
-        return negate(_differ(a, b))
-    raise AssertionError(f"unknown connective {op}")
+def connect(op: ConnectiveOp, a: Truth, b: Truth) -> Truth:
+    """Two formulas joined."""
+    match op:
+        case "and":
+            return Truth(least(a.worst, b.worst), least(a.best, b.best))
+        case "or":
+            return Truth(greatest(a.worst, b.worst), greatest(a.best, b.best))
+        case "implies":
+            return connect("or", negate(a), b)
+        case "xor":
+            return _differ(a, b)
+        case "iff":
+            return negate(_differ(a, b))
+        case _:
+            assert_never(op)
 
 
 def _differ(a: Truth, b: Truth) -> Truth:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from trackmarshal.runtime.contract.cycles import STORED
 from trackmarshal.runtime.cycle import Limits
-from trackmarshal.runtime.door import Pose
+from trackmarshal.runtime.door.door import Pose, holds
 from trackmarshal.runtime.plan import Plan
 
 #: States.
@@ -34,45 +35,52 @@ NEXT = {
 
 
 @dataclass(frozen=True, slots=True)
-class Memory:
-    """All that is kept from cycle to cycle: the state, the stored emergency trajectory, and when the car was last seen on it."""
+class Held:
+    """All that is kept from cycle to cycle: the state, the stored emergency trajectory, and when the car was last seen on it.
+
+    about: the step that it is of.
+    """
 
     state: str = NO_EMERGENCY_YET
     stored: Plan | None = None
     confirmed: float = -math.inf
+    about: int = -1
 
 
 def advance(
-    memory: Memory, emergency: Plan | None, now: float, pose: Pose | None, limits: Limits
-) -> tuple[Memory, str]:
-    """The memory after a cycle, and why nothing stored is driven ("" where it is, or need not be).
+    held: Held, about: int, emergency: Plan | None, now: float, pose: Pose | None, limits: Limits
+) -> tuple[Held, str]:
+    """What is held after a step, and why a stored trajectory may not be driven ("" where it may, or where it need not).
 
-    emergency: the emergency trajectory of the cycle, if and only if the cycle is safe. now: NaN where the clock is wrong.
+    emergency: the cycle's emergency trajectory if and only if the cycle is safe. now: NaN where the clock is wrong.
     Raises KeyError for what the table does not know: it cannot occur.
     """
     if emergency is not None:
-        return Memory(NEXT[memory.state, SAFE], emergency, now), ""
-    if memory.stored is None:
-        return Memory(NEXT[memory.state, NONE]), "none_stored"
-    confirmed, reason = examine(memory.stored, memory.confirmed, now, pose, limits)
+        return Held(NEXT[held.state, SAFE], emergency, now, about), ""
+    if held.stored is None:
+        return Held(NEXT[held.state, NONE], about=about), "none_stored"
+    confirmed, reason = examine(held.stored, held.confirmed, now, pose, limits)
     if reason:
-        return Memory(NEXT[memory.state, LOST]), reason
-    return Memory(NEXT[memory.state, HOLDS], memory.stored, confirmed), ""
+        return Held(NEXT[held.state, LOST], about=about), reason
+    return Held(NEXT[held.state, HOLDS], held.stored, confirmed, about), ""
 
 
 def examine(
     stored: Plan, confirmed: float, now: float, pose: Pose | None, limits: Limits
 ) -> tuple[float, str]:
     """Whether a stored trajectory may be driven now: when the car was last seen on it, and why not ("" where it may)."""
-    if now > stored.end:
-        return confirmed, "expired"
     planned = None if pose is None else stored.pose(pose.t)
+    dx = dy = turn = 0.0
     if planned is not None and pose is not None:
-        away = math.hypot(pose.x - planned[0], pose.y - planned[1])
-        turned = abs(math.remainder(pose.heading - planned[2], math.tau))
-        if not (away <= limits.apart and turned <= limits.turned):
-            return confirmed, "apart"
+        dx, dy, turn = pose.x - planned[0], pose.y - planned[1], pose.heading - planned[2]
+    posed = int(planned is not None)
+    given = {"now": now, "end": stored.end, "posed": posed, "dx": dx, "dy": dy, "turn": turn}
+    before = confirmed
+    if planned is not None and pose is not None:
         confirmed = max(confirmed, pose.t)
-    if not now - confirmed <= limits.blind:
-        return confirmed, "unconfirmed"
+    given["confirmed"] = confirmed
+    for demand in STORED:
+        if not holds(demand, given, limits):
+            seen = demand.fault == "unconfirmed"
+            return confirmed if seen else before, demand.fault
     return confirmed, ""

@@ -6,34 +6,43 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
+from trackmarshal.runtime.frame import Columns
 
-Floats = NDArray[np.float64]
+if TYPE_CHECKING:
+    from trackmarshal.runtime.frame import Floats
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
     """One candidate of one cycle, for good: nobody else has its memory.
 
-    number, t: the cycle's. names: the fields, one a row of `matrix` (fields, samples), in SI.
+    number, t: the cycle's. columns: the fields, in SI.
     """
 
     candidate: str
     number: int
     t: float
-    names: tuple[str, ...]
-    matrix: Floats
+    columns: Columns
 
     def __post_init__(self) -> None:
-        self.matrix.flags.writeable = False
+        self.columns.values.flags.writeable = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The fields that are numbers, one a row of `matrix`."""
+        return self.columns.names.numbers
+
+    @property
+    def matrix(self) -> Floats:
+        """(fields, samples)."""
+        return self.columns.values
 
     @cached_property
     def due(self) -> list[float]:
         """When each sample is due on the Supervisor's clock, in s."""
-        times = self.matrix[self.names.index("t")]
+        times = self.columns.column("t")
         due: list[float] = (times - (times[0] - self.t)).tolist()
         return due
 
@@ -58,7 +67,7 @@ class Plan:
         i = min(self.first(t), len(self.due) - 2)
         step = self.due[i + 1] - self.due[i]
         share = (t - self.due[i]) / step if step > 0.0 else 1.0
-        x, y, heading = (self.matrix[self.names.index(name), i : i + 2].tolist() for name in _POSE)
+        x, y, heading = (self.columns.column(name)[i : i + 2].tolist() for name in _POSE)
         turn = math.remainder(heading[1] - heading[0], math.tau)
         return x[0] + share * (x[1] - x[0]), y[0] + share * (y[1] - y[0]), heading[0] + share * turn
 

@@ -6,6 +6,7 @@ An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
   the row before that has any;
 - `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
+- `missed`: how many cycles before this one could not be written (a full disk); a row without a `state` says only that;
 - the decision: `state`, `safe`, `driven`, `driven_number`, `driven_t`, `lost`, `faults` and `violations` (JSON), `verdicts.CANDIDATE` (a letter a
   rule: s, v, u, i, o) and `margins.CANDIDATE`.
 """
@@ -16,6 +17,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -23,19 +25,26 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir.spec import SignalType
 from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Column, Layout, layout_of
-from trackmarshal.runtime.contract import PLAN, Contract
+from trackmarshal.runtime.contract import EVENT, LINES, RECORD, SET, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
-from trackmarshal.runtime.door import Door
+from trackmarshal.runtime.door.lines import line
 from trackmarshal.runtime.faults import name_of
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.lines import Line
 from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
-VERSION = 1
+VERSION = 2
 _LETTERS = b"svuio"
-_TIMES: tuple[Column, ...] = (("number", INT), ("t", FLOAT), ("arrived", FLOAT), ("finished", FLOAT))
+_TIMES: tuple[Column, ...] = (
+    ("number", INT),
+    ("t", FLOAT),
+    ("arrived", FLOAT),
+    ("finished", FLOAT),
+    ("missed", INT),
+)
 _DECISION: tuple[Column, ...] = (
     ("state", TEXT), ("safe", INT), ("driven", TEXT), ("driven_number", INT), ("driven_t", FLOAT), ("lost", TEXT), ("faults", TEXT),
     ("violations", TEXT), ("verdicts.driving", TEXT), ("verdicts.emergency", TEXT), ("margins.driving", FLOATS), ("margins.emergency", FLOATS),
@@ -49,18 +58,27 @@ class Record:
     nothing either way). Raises E483 where the file cannot be made or is there already.
     """
 
-    def __init__(self, path: str | Path, door: Door, identity: Mapping[str, Any], sync: bool = False) -> None:
-        self._door = door
+    def __init__(
+        self,
+        path: str | Path,
+        contract: Contract,
+        limits: Limits,
+        identity: Mapping[str, Any],
+        sync: bool = False,
+    ) -> None:
         self._sync = sync
-        self._inputs = _inputs(door.contract)
+        self._inputs = _inputs(contract)
         #: Numbers come in as they are kept: then what passed the door is what came in.
-        self._plain = _all_si(door.contract)
+        self._plain = _all_si(contract)
         self._kept: dict[tuple[str, str], Any] = {}
+        #: How long the file is up to its last whole row, and cycles since then that could not be written.
+        self._end = 0
+        self._missed = 0
         head = {
             "format": FORMAT,
             "version": VERSION,
             "identity": dict(identity),
-            "limits": {name: _spelt(value) for name, value in asdict(door.limits).items()},
+            "limits": {name: _spelt(value) for name, value in asdict(limits).items()},
         }
         head["inputs"] = [list(one) for one in self._inputs]
         self._layout = Layout(_columns(self._inputs), head)
@@ -74,58 +92,79 @@ class Record:
                 "E483", message, file=str(path), help="records are never overwritten; name a new file"
             ) from error
 
-    def append(self, cycle: object, decision: Decision, readings: tuple[float, float]) -> None:
-        """One more row. Raises OSError where the disk refuses it."""
+    def append(
+        self, cycle: object, frame: Frame | None, decision: Decision, readings: tuple[float, float]
+    ) -> None:
+        """One more row. Raises OSError where the disk refuses it; the file then ends with the row before, and the next row that can be
+        written says how many are missing."""
         number = -1 if decision.number is None else decision.number
-        times = [number, decision.t, *readings]
+        times = [number, decision.t, *readings, self._missed]
         outcome = decided(decision)
         row = b""
-        if type(cycle) is Cycle and self._plain and not decision.faults:
+        kept = self._kept
+        if frame is not None and self._plain and not decision.faults:
             try:
-                self._door.hold(cycle)
-                row = self._layout.batch([*times, "", *self._passed(), *outcome])
+                row = self._layout.batch([*times, "", *self._passed(frame), *outcome])
+                kept = frame.lines
             except ValueError:  # an id that is no text; JSON can spell it
                 row = b""
-            else:
-                self._kept = {place: border.points for place, border in self._door.lines().items()}
         if not row:
             row = self._layout.batch([*times, json.dumps(_plain(cycle)), *_empty(self._inputs), *outcome])
-        self._write(row)
+        self._missed += 1
+        try:
+            self._write(row)
+        except OSError:
+            self._kept = {}  # whoever reads the next row has no border from this one
+            raise
+        self._kept, self._missed = kept, 0
 
     def close(self) -> None:
         """End the stream; nothing can be appended any more."""
         if self._file >= 0:
+            if self._missed:
+                times = [-1, math.nan, math.nan, math.nan, self._missed]
+                self._write(self._layout.batch([*times, "", *_empty(self._inputs), *_empty_decision()]))
             self._write(END)
             os.close(self._file)
             self._file = -1
 
     def _write(self, data: bytes) -> None:
+        """Write all of it, or nothing: what was written of it is cut off again."""
+        if os.fstat(self._file).st_size > self._end:
+            os.ftruncate(self._file, self._end)  # that could not be done when it was written
         view = memoryview(data)
-        while view:
-            view = view[os.write(self._file, view) :]
+        try:
+            while view:
+                view = view[os.write(self._file, view) :]
+        except OSError:
+            with suppress(OSError):
+                os.ftruncate(self._file, self._end)
+            raise
+        self._end += len(data)
         if self._sync:
             os.fsync(self._file)
 
-    def _passed(self) -> Iterator[Any]:
-        """The columns of what the door holds."""
-        driving, emergency = self._door.signals()
-        ids = self._door.ids()
-        borders = self._door.lines()
+    def _passed(self, frame: Frame) -> Iterator[Any]:
+        """The columns of what passed the door."""
         for part, signal, field, _ in self._inputs:
             if part == "plan":
-                yield (driving if signal == DRIVING else emergency)[PLAN][field]
+                yield frame.candidates[signal].column(field)
             elif part == "ids":
-                yield ids[signal]
+                yield frame.columns[signal].ids
             elif part in ("x", "y"):
-                points = borders[signal, field].points
-                same = points is self._kept.get((signal, field))
-                yield _NOTHING if same else points[:, 0 if part == "x" else 1]
+                line = frame.line(signal, field)
+                same = line is self._kept.get((signal, field))
+                yield _NOTHING if same else line.points[:, 0 if part == "x" else 1]
             elif part == "closed":
-                yield int(self._door.closed[signal])
+                yield int(frame.closed.get(signal, False))
             elif part == "event":
-                yield int(driving[signal])
+                yield frame.events[signal]
+            elif part == "number":
+                yield frame.value(signal, field)
+            elif part == "column":
+                yield frame.columns[signal].column(field)
             else:
-                yield driving[signal][field]
+                raise AssertionError(f"unknown part {part}")
 
 
 _NOTHING = np.zeros(0)
@@ -139,13 +178,13 @@ def decided(decision: Decision) -> list[Any]:
     violations = [
         {
             "rule": v.rule, "requirements": list(v.requirements), "candidate": v.candidate, "verdict": v.verdict,
-            "margin": _spelt(v.margin), "unit": v.unit, "reason": v.reason,
-            "witness": None if v.witness is None else v.witness.binders,
+            "margin": _spelt(v.margin), "unit": v.unit,
         }
         for v in decision.violations
     ]  # fmt: skip
-    verdicts = [_letters(one.verdicts) for one in judged] if judged else ["", ""]
-    margins = [one.margins for one in judged] if judged else [_NOTHING, _NOTHING]
+    rated = [judged.rated[name] for name in (DRIVING, EMERGENCY)] if judged else []
+    verdicts = [_letters(one.verdicts) for one in rated] or ["", ""]
+    margins = [one.margins for one in rated] or [(), ()]
     return [
         decision.state, int(decision.safe), "" if driven is None else driven.candidate, -1 if driven is None else driven.number,
         math.nan if driven is None else driven.t, decision.lost, json.dumps(faults), json.dumps(violations), *verdicts, *margins,
@@ -179,13 +218,15 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle."""
+    """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle; missed: cycles that could not be
+    written."""
 
     identity: dict[str, Any]
     limits: Limits
     cycles: tuple[Recorded, ...]
     ended: bool
     rest: int
+    missed: int = 0
 
 
 def is_record(data: bytes) -> bool:
@@ -223,15 +264,18 @@ def read(data: bytes, shown: str) -> Run:
     cycles = []
     end = len(layout.schema)
     kept: dict[tuple[str, str], Any] = {}
+    missed = 0
     for row in layout.rows(data):
         try:
-            cycles.append(_recorded(row.values, inputs, kept))
+            missed += int(row.values[len(_TIMES) - 1])
+            if row.values[-len(_DECISION)]:
+                cycles.append(_recorded(row.values, inputs, kept))
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             message = f"cycle {len(cycles)} of the record cannot be read: {error}"
             raise TrackmarshalError("D162", message, file=shown, help="it was not written here") from error
         end = row.end
     rest = data[end:]
-    return Run(identity, limits, tuple(cycles), rest == END, 0 if rest == END else len(rest))
+    return Run(identity, limits, tuple(cycles), rest == END, 0 if rest == END else len(rest), missed)
 
 
 def _identity(given: Any) -> dict[str, Any]:
@@ -284,32 +328,32 @@ _Input = tuple[str, str, str, str]
 
 def _inputs(contract: Contract) -> list[_Input]:
     found: list[_Input] = []
+    assert contract.plan is not None
     for candidate in (DRIVING, EMERGENCY):
         found += [("plan", candidate, name, FLOATS) for name in _numbers(contract.plan)]
-    for signal in contract.shared:
-        if signal.many or signal.sequence:
-            found += [("ids", signal.name, "id", TEXTS)] if signal.many else []
-            found += [("column", signal.name, name, FLOATS) for name in _numbers(signal)]
-        elif signal.kind == "state":
+    for signal in contract.signals:
+        if signal.form == LINES:
+            found += [(axis, signal.name, line.name, FLOATS) for line in signal.lines for axis in ("x", "y")]
+            found += [] if signal.lines[0].name == "" else [("closed", signal.name, "closed", INT)]
+        elif signal.form == RECORD:
             found += [("number", signal.name, name, FLOAT) for name in _numbers(signal)]
-        else:
-            lines = [k.name for k in signal.fields_ if k.kind == "polyline"]
-            lines = [""] if signal.kind == "polyline" else list(dict.fromkeys((*lines, "left", "right")))
-            found += [(axis, signal.name, line, FLOATS) for line in lines for axis in ("x", "y")]
-            found += [] if signal.kind == "polyline" else [("closed", signal.name, "closed", INT)]
-    return found + [("event", name, "", INT) for name in contract.events]
+        elif signal.form != EVENT:
+            found += [("ids", signal.name, "id", TEXTS)] if signal.form == SET else []
+            found += [("column", signal.name, name, FLOATS) for name in _numbers(signal)]
+    return found + [("event", signal.name, "", INT) for signal in contract.signals if signal.form == EVENT]
 
 
-def _numbers(signal: SignalType) -> list[str]:
-    return [kind.name for kind in signal.fields_ if kind.kind == "number"]
+def _numbers(signal: Signal) -> list[str]:
+    return [field.name for field in signal.numbers]
 
 
 def _all_si(contract: Contract) -> bool:
     """Whether all fields are numbers in SI units, or borders; anything else is kept as it came in, in `raw`."""
-    kinds = [kind for signal in (contract.plan, *contract.shared) for kind in signal.fields_]
+    assert contract.plan is not None
+    fields = [f for s in (contract.plan, *contract.signals) if s.form != EVENT for f in s.fields_]
     return all(
-        kind.kind == "polyline" or (kind.kind == "number" and parse_unit(kind.unit)[:2] == (1.0, 1.0))
-        for kind in kinds
+        field.kind == "polyline" or (field.kind == "number" and parse_unit(field.unit)[:2] == (1.0, 1.0))
+        for field in fields
     )
 
 
@@ -325,6 +369,11 @@ def _name(one: _Input) -> str:
 def _empty(inputs: list[_Input]) -> list[Any]:
     empty: dict[str, Any] = {FLOATS: _NOTHING, TEXTS: (), FLOAT: math.nan, INT: -1}
     return [empty[kind] for *_, kind in inputs]
+
+
+def _empty_decision() -> list[Any]:
+    empty: dict[str, Any] = {FLOATS: _NOTHING, TEXT: "", FLOAT: math.nan, INT: -1}
+    return [empty[kind] for _, kind in _DECISION]
 
 
 # What did not pass the door -----------------------------------------------------------------------------------------
@@ -355,13 +404,15 @@ def _plain(value: Any, depth: int = 0) -> Any:
         return {"$": "scalar", "type": value.dtype.str, "of": value.item()}
     if depth < 8:
         if kind is Cycle:
-            given = [getattr(value, name, None) for name in _CYCLE]
+            given = [getattr(value, name, None) for name in _CYCLE] + [sorted(value.also)]
             return {"$": "cycle", "of": [_plain(item, depth + 1) for item in given]}
         if kind is dict:
             pairs = [(key, _plain(item, depth + 1)) for key, item in value.items()]
             if all(type(key) is str for key in value) and "$" not in value:
                 return dict(pairs)
             return {"$": "dict", "of": [(_plain(key, depth + 1), item) for key, item in pairs]}
+        if kind is Line:
+            return {"$": "line", "of": value.points.tolist()}
         if kind is list:
             return [_plain(item, depth + 1) for item in value]
         if kind is tuple:
@@ -391,9 +442,12 @@ def _unplain(value: Any) -> Any:
         case "int":
             return int(of, 16)
         case "cycle":
-            return Cycle(*(_unplain(item) for item in of))
+            number, t, driving, emergency, signals = (_unplain(item) for item in of[:-1])
+            return Cycle(number, t, driving, emergency, signals, frozenset(of[-1]))
         case "dict":
             return {_unplain(key): _unplain(item) for key, item in of}
+        case "line":
+            return line(np.array(of, dtype=np.float64).reshape(-1, 2))
         case "tuple":
             return tuple(_unplain(item) for item in of)
         case "array":

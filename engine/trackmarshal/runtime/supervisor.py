@@ -1,98 +1,167 @@
-"""The Supervisor: door, judge, watchdog, state machine. docs/supervisor.md is its specification."""
+"""The Supervisor: door, judge, watchdog, state machine. docs/supervisor.md is its specification.
+
+Every part says which step its answer is of. A cycle is safe only if all of them have answered for this very step: a part that did not
+run, or that answers for another cycle, is `incomplete`.
+"""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Protocol
 
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.case import Fault
-from trackmarshal.runtime.columns import number
-from trackmarshal.runtime.contract import contract_of
+from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
-from trackmarshal.runtime.decision import Decision, Violation
-from trackmarshal.runtime.door import Door, Pose
-from trackmarshal.runtime.faults import fault
-from trackmarshal.runtime.judge import KNOWN_CODES, SAFE_CODES, Judge, Judged
-from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY, Memory, advance
+from trackmarshal.runtime.decision import MOST_REASONS, Decision, Violation
+from trackmarshal.runtime.door.door import Admission, Door, stamp_of
+from trackmarshal.runtime.faults import Fault, fault
+from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
+from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY, Held, advance
 from trackmarshal.runtime.plan import Plan
-from trackmarshal.runtime.verdict import VERDICTS, Witness
+from trackmarshal.runtime.program import KNOWN_CODES, NOTHING, SAFE_CODES, Judged, Memory, Program, Rated
+from trackmarshal.runtime.verdict import VERDICTS
 
 
 class Recorder(Protocol):
     """Keeps every cycle with its decision; where it fails, the decision stands."""
 
-    def append(self, cycle: object, decision: Decision, readings: tuple[float, float]) -> None: ...
+    def append(
+        self, cycle: object, frame: Frame | None, decision: Decision, readings: tuple[float, float]
+    ) -> None: ...
 
     def close(self) -> None: ...
+
+
+@dataclass(slots=True)
+class Opened:
+    """A step that has begun: which one it is, what the door says, and the clock's readings as they came."""
+
+    about: int
+    cycle: object
+    now: float
+    readings: list[float]
+    faults: list[Fault]
+    admission: Admission | None = None
+
+
+@dataclass(slots=True)
+class _Closing:
+    """What is known of a step when the state machine is asked: verdicts, and what went wrong after the door."""
+
+    judged: Judged | None = None
+    finished: float = math.nan
+    late: list[Fault] = field(default_factory=list)
+    violations: tuple[Violation, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Timely:
+    """The watchdog's answer for one step: the fault of a verdict that came late, or None."""
+
+    about: int
+    late: Fault | None
+
+
+def watch(about: int, now: float, finished: float, limits: Limits) -> Timely:
+    """Whether the verdict came in time; one that did at a time that nobody knows did not."""
+    if finished - now <= limits.budget:
+        return Timely(about, None)
+    message = f"{finished - now:g} s, the budget is {limits.budget:g} s"
+    return Timely(about, fault("overrun", "cycle", "", None, message))
 
 
 class Supervisor:
     """Decides in every cycle what is driven. One instance serves one run, from one thread.
 
-    judge evaluates the rules of spec; clock gives s on the clock that stamps are from; door, where given, takes the place of the
-    one in Python. Raises TrackmarshalError E482 for a spec whose signals cannot be supervised.
+    program judges by the rules of spec, with the values of settings; clock gives s on the clock that stamps are from. Raises TrackmarshalError E482 for a spec whose
+    signals cannot be supervised.
     """
 
     def __init__(
         self,
         spec: Spec,
-        judge: Judge,
+        program: Program,
         limits: Limits | None = None,
         clock: Callable[[], float] = time.monotonic,
-        door: Door | None = None,
+        settings: Settings = NO_SETTINGS,
     ) -> None:
         self.limits = Limits() if limits is None else limits
-        self.judge = judge
-        self.memory = Memory()
-        self.door = Door(contract_of(spec, judge.rules), self.limits) if door is None else door
+        self.program = program
+        self.held = Held()
+        self.memory: Memory = NOTHING
+        self.door = Door(of_cycles(spec, program.rules), self.limits, settings)
         #: Keeps the run, where there is one.
         self.recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
         self._clock = clock
         self._last = -math.inf
-        self._rules = [
-            (rule.name, tuple(dict.fromkeys(name for name, _ in rule.satisfies)), rule.unit)
-            for rule in judge.rules
-        ]
+        self._steps = 0
+        self._rules = named_rules(program)
 
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
-        faults: list[Fault] = []
-        readings = [math.nan, math.nan]
-        pose: Pose | None = None
-        judged: tuple[Judged, Judged] | None = None
-        plans: tuple[Plan, Plan] | None = None
-        violations: tuple[Violation, ...] = ()
-        now = self._read(readings, 0, faults)
+        opened = self.open(cycle)
+        judged: Judged | None = None
+        failed: list[Fault] = []
+        if not opened.faults and opened.admission is not None:
+            try:
+                judged = self.program.judge(self.memory, opened.admission.frame)
+            except Exception as error:
+                failed.append(fault("judge_failed", "judge", "", None, shown(error)))
+        return self.close_step(opened, judged, failed)
+
+    def open(self, cycle: Cycle | None) -> Opened:
+        """Begin a step: the clock, and the door. Never raises an Exception."""
+        self._steps += 1
+        opened = Opened(self._steps, cycle, math.nan, [math.nan, math.nan], [])
+        opened.now = self._read(opened.readings, 0, opened.faults)
         try:
             if cycle is None:
-                faults.append(fault("missing_cycle", "cycle"))
-            elif type(cycle) is not Cycle:
-                faults.append(fault("wrong_type", "cycle", "", None, "not a Cycle"))
+                opened.faults.append(fault("missing_cycle", "cycle"))
+            elif not isinstance(cycle, Cycle):
+                opened.faults.append(fault("wrong_type", "cycle", "", None, "not a Cycle"))
             else:
-                found, pose = self.door.check(cycle, now)
-                faults += found
-                if not faults:
-                    judged = self._judged(faults)
-                    finished = self._read(readings, 1, faults)
-                    if not finished - now <= self.limits.budget:
-                        late = f"{finished - now:g} s, the budget is {self.limits.budget:g} s"
-                        faults.append(fault("overrun", "cycle", "", None, late))
-                if judged is not None:
-                    violations = self._violations(judged)
-                    if not faults and not violations:
-                        plans = self.door.plans(cycle)
+                admission = self.door.admit(opened.about, cycle, opened.now)
+                if type(admission) is Admission and admission.about == opened.about:
+                    opened.admission = admission
+                    opened.faults += admission.faults
+                else:
+                    opened.faults.append(incomplete("door"))
         except Exception as error:
-            plans, pose = None, None
-            faults.append(_internal(error))
-        decision = self._decide(cycle, plans, now, readings[1], pose, faults, violations, judged)
+            opened.faults.append(internal(error))
+        return opened
+
+    def close_step(self, opened: Opened, judged: Judged | None, failed: list[Fault]) -> Decision:
+        """End a step that was opened last, with what the program said of its frame, or why it said nothing."""
+        closing = _Closing(late=failed)
+        plans: tuple[Plan, Plan] | None = None
+        admission = opened.admission
+        try:
+            if not opened.faults and admission is not None:
+                self._rate(opened, admission, judged, closing)
+                if closing.judged is None and not closing.late:
+                    closing.late.append(incomplete("judge"))
+                if not closing.late and _safe(closing):
+                    plans = _plans(admission)
+        except Exception as error:
+            plans = None
+            closing.late.append(internal(error))
+        decision = self._decide(opened, closing, plans)
+        try:
+            if admission is not None:
+                self.memory = self.program.commit(self.memory, admission.frame, decision)
+        except Exception as error:
+            self.memory, closing.late = NOTHING, [*closing.late, internal(error)]
+            decision = self._decide(opened, closing, None)
         if self.recorder is not None:
             try:
-                self.recorder.append(cycle, decision, (readings[0], readings[1]))
+                frame = None if admission is None else admission.frame
+                self.recorder.append(opened.cycle, frame, decision, (opened.readings[0], opened.readings[1]))
             except Exception as error:
                 self.record_error = f"{type(error).__name__}: {error}"
         return decision
@@ -115,90 +184,144 @@ class Supervisor:
         self._last = value
         return value
 
-    def _judged(self, faults: list[Fault]) -> tuple[Judged, Judged] | None:
-        """The judge's verdicts, if they are whole."""
-        try:
-            driving, emergency = self.judge.judge(self.door)
-        except Exception as error:
-            faults.append(fault("judge_failed", "judge", "", None, _shown(error)))
-            return None
-        for candidate, judged in ((DRIVING, driving), (EMERGENCY, emergency)):
-            if type(judged) is not Judged or not self._whole(judged):
-                faults.append(fault("incomplete", "judge", candidate, None, "not one known verdict a rule"))
-                return None
-        return driving, emergency
+    def _rate(self, opened: Opened, admission: Admission, judged: Judged | None, closing: _Closing) -> None:
+        """Verdicts, if they are whole and of this frame, and whether they came in time."""
+        if not closing.late:
+            if self._whole(admission.frame, judged):
+                closing.judged = judged
+            else:
+                closing.late.append(incomplete("judge", "not one known verdict a rule, of this cycle"))
+        closing.finished = self._read(opened.readings, 1, closing.late)
+        timely = watch(opened.about, opened.now, closing.finished, self.limits)
+        if type(timely) is not Timely or timely.about != opened.about:
+            closing.late.append(incomplete("watchdog"))
+        elif timely.late is not None:
+            closing.late.append(timely.late)
+        if closing.judged is not None:
+            closing.violations = violations(self._rules, closing.judged)
 
-    def _whole(self, judged: Judged) -> bool:
-        count = len(self._rules)
-        verdicts = judged.verdicts
+    def _whole(self, frame: Frame, judged: Judged | None) -> bool:
         return (
-            type(verdicts) is bytes
-            and len(verdicts) == count == len(judged.margins)
-            and not verdicts.translate(None, KNOWN_CODES)
+            type(judged) is Judged
+            and judged.about is frame
+            and judged.rated.keys() == {DRIVING, EMERGENCY}
+            and all(self._complete(rated) for rated in judged.rated.values())
         )
 
-    def _violations(self, judged: tuple[Judged, Judged]) -> tuple[Violation, ...]:
-        """The rules that make a candidate unsafe."""
-        if not any(one.verdicts.translate(None, SAFE_CODES) for one in judged):
-            return ()
-        return tuple(
-            self._violation(place, candidate, one)
-            for candidate, one in zip((DRIVING, EMERGENCY), judged)
-            for place, code in enumerate(one.verdicts)
-            if code not in SAFE_CODES
+    def _complete(self, rated: Rated) -> bool:
+        count = len(self._rules)
+        return (
+            type(rated) is Rated
+            and type(rated.verdicts) is bytes
+            and len(rated.verdicts) == count == len(rated.margins) > 0
+            and not rated.verdicts.translate(None, KNOWN_CODES)
         )
 
-    def _violation(self, place: int, candidate: str, judged: Judged) -> Violation:
-        name, requirements, unit = self._rules[place]
-        witness: Witness | None = None
-        reason = ""
-        if judged.result is not None:
-            result = judged.result(place)
-            witness, unit, reason = result.witness, result.unit, result.reason
-        verdict = VERDICTS[judged.verdicts[place]]
-        margin = float(judged.margins[place])
-        return Violation(name, requirements, candidate, verdict, margin, unit, witness, reason)
-
-    def _decide(
-        self, cycle: object, plans: tuple[Plan, Plan] | None, now: float, finished: float, pose: Pose | None, faults: list[Fault],
-        violations: tuple[Violation, ...], judged: tuple[Judged, Judged] | None,
-    ) -> Decision:  # fmt: skip
+    def _decide(self, opened: Opened, closing: _Closing, plans: tuple[Plan, Plan] | None) -> Decision:
         """The state machine, and its outcome with all reasons. Should it fail, nothing is driven."""
+        admission, now = opened.admission, opened.now
         try:
-            self.memory, lost = advance(
-                self.memory, None if plans is None else plans[1], now, pose, self.limits
-            )
+            pose = None if admission is None else admission.pose
+            emergency = None if plans is None else plans[1]
+            held, lost = advance(self.held, opened.about, emergency, now, pose, self.limits)
+            if held.about != opened.about:
+                raise RuntimeError("it did not run")
+            self.held = held
         except Exception as error:
-            faults.append(_internal(error))
-            self.memory, lost, plans = Memory(NO_SAFE_TRAJECTORY), "none_stored", None
-        state = self.memory.state
-        driven = self.memory.stored if state == PREVIOUS_EMERGENCY else None
+            closing.late.append(incomplete("machine", shown(error)))
+            self.held, lost, plans = Held(NO_SAFE_TRAJECTORY, about=opened.about), "none_stored", None
+        state = self.held.state
+        driven = self.held.stored if state == PREVIOUS_EMERGENCY else None
         if state == DRIVE and plans is not None:
             driven = plans[0]
-        try:
-            called, t = _called(cycle)
-        except Exception:  # what was handed in has a say in how it is read
-            called, t = None, math.nan
+        number, t = called(opened)
+        faults, found, more = listed(opened.faults, closing.violations, closing.late)
         return Decision(
-            called, t, now, finished, state, plans is not None, driven, self.memory.stored, now + self.limits.longest_gap, lost,
-            tuple(faults), violations, judged,
+            number, t, now, opened.readings[1], state, plans is not None, driven, self.held.stored, now + self.limits.longest_gap,
+            lost, faults, found, more, closing.judged,
         )  # fmt: skip
 
 
-def _called(cycle: object) -> tuple[int | None, float]:
+#: A rule's name, requirements and the unit of its margin.
+Named = tuple[str, tuple[str, ...], str]
+
+
+def named_rules(program: Program) -> list[Named]:
+    """The rules of a program as decisions speak of them."""
+    return [
+        (rule.name, tuple(dict.fromkeys(name for name, _ in rule.satisfies)), rule.unit)
+        for rule in program.rules
+    ]
+
+
+def violations(rules: list[Named], judged: Judged) -> tuple[Violation, ...]:
+    """The rules that make a candidate unsafe."""
+    if all(rated.safe for rated in judged.rated.values()):
+        return ()
+    return tuple(
+        Violation(
+            *rules[place][:2], candidate, VERDICTS[code], float(rated.margins[place]), rules[place][2],
+            partial(rated.explain, place, False),
+        )
+        for candidate, rated in judged.rated.items()
+        for place, code in enumerate(rated.verdicts)
+        if code not in SAFE_CODES
+    )  # fmt: skip
+
+
+def listed(
+    faults: list[Fault], found: tuple[Violation, ...], late: list[Fault]
+) -> tuple[tuple[Fault, ...], tuple[Violation, ...], bool]:
+    """As many reasons as a decision has room for: the door's, the rules', and what went wrong after the door."""
+    first = faults[:MOST_REASONS]
+    second = found[: MOST_REASONS - len(first)]
+    third = late[: MOST_REASONS - len(first) - len(second)]
+    more = len(faults) + len(found) + len(late) > MOST_REASONS
+    return (*first, *third), second, more
+
+
+def called(opened: Opened) -> tuple[int | None, float]:
     """Number and stamp of a cycle as far as they are numbers."""
-    if type(cycle) is not Cycle:
+    if opened.admission is not None:
+        number, t = opened.admission.number, opened.admission.t
+        return number, math.nan if t is None else t
+    try:
+        stamp = stamp_of(opened.cycle)  # type: ignore[arg-type]
+    except Exception:  # what was handed in has a say in how it is read
         return None, math.nan
-    called = cycle.number if type(cycle.number) is int and abs(cycle.number) < 2**63 else None
-    t = number(cycle.t)
-    return called, math.nan if t is None else t
+    return stamp.number, math.nan if stamp.t is None else stamp.t
 
 
-def _internal(error: Exception) -> Fault:
-    return fault("internal", "supervisor", "", None, _shown(error))
+def _safe(closing: _Closing) -> bool:
+    """Whether there are verdicts, all of them safe. (The list of violations says why not; it is not what is relied on.)"""
+    judged = closing.judged
+    return (
+        judged is not None and closing.violations == () and all(rated.safe for rated in judged.rated.values())
+    )
 
 
-def _shown(error: Exception) -> str:
+def _plans(admission: Admission) -> tuple[Plan, Plan]:
+    """Both candidates of a cycle without a fault, for good."""
+    assert admission.number is not None
+    assert admission.t is not None
+    driving, emergency = (
+        Plan(name, admission.number, admission.t, admission.frame.candidates[name])
+        for name in (DRIVING, EMERGENCY)
+    )
+    return driving, emergency
+
+
+def incomplete(part: str, message: str = "it did not run") -> Fault:
+    """The fault of a part that gave no answer for this step."""
+    return fault("incomplete", "supervisor", part, None, message)
+
+
+def internal(error: Exception) -> Fault:
+    """The fault of an error in the Supervisor's own code."""
+    return fault("internal", "supervisor", "", None, shown(error))
+
+
+def shown(error: Exception) -> str:
     """An error in one line; its own text may fail."""
     try:
         return f"{type(error).__name__}: {error}"[:200]

@@ -39,10 +39,13 @@ class Truth:
 
     @property
     def margin(self) -> float:
-        """The margin that is sure: the worst case of what holds, the best case of what doesn't, else NaN."""
+        """The margin that is sure: the worst case of what holds, the best case of what doesn't, else NaN.
+
+        A margin of zero is 0.0 by definition, whichever zero was computed.
+        """
         if self.worst.sat:
-            return self.worst.margin
-        return math.nan if self.best.sat else self.best.margin
+            return self.worst.margin + 0.0
+        return math.nan if self.best.sat else self.best.margin + 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +56,8 @@ class Witness:
     margin: float
     unit: str
     span: Span | None
+    #: The unit in which the limit is written; "" for `unit`.
+    shown: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +72,8 @@ class RuleResult:
     #: Why a rule is undefined although it could be computed: its inputs break the contract.
     reason: str = ""
     series: tuple[list[str], list[float]] | None = None
+    #: The unit in which the limit that decided is written; "" for `unit`.
+    shown: str = ""
 
     @property
     def unsafe(self) -> bool:
@@ -75,12 +82,20 @@ class RuleResult:
 
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """All chosen rules on one case; safe only when none is violated or undefined and the input contract holds."""
+    """All chosen rules on one case; safe only when none is violated or undefined, the input contract holds, and so does every
+    constraint of the spec: where one is broken, the rules are unsound, whatever they say."""
 
     id: object
     rules: dict[str, RuleResult]
     faults: tuple[str, ...] = field(default=())
+    #: Constraints that do not hold with the case's parameters.
+    broken: tuple[str, ...] = field(default=())
 
     @property
     def safe(self) -> bool:
-        return not self.faults and not any(result.unsafe for result in self.rules.values())
+        return (
+            bool(self.rules)
+            and not self.faults
+            and not self.broken
+            and not any(result.unsafe for result in self.rules.values())
+        )

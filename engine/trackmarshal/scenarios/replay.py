@@ -8,11 +8,11 @@ from typing import Any
 
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.case import Fault
+from trackmarshal.runtime.faults import Fault
 from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY
 from trackmarshal.runtime.verdict import CaseResult
 from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording
-from trackmarshal.scenarios.supervised import decisions
+from trackmarshal.scenarios.supervised import supervised
 
 #: What is driven: the planned trajectory, the last safe emergency trajectory, or nothing safe is known.
 ACTIONS = (DRIVE, PREVIOUS_EMERGENCY, NO_SAFE_TRAJECTORY)
@@ -60,6 +60,13 @@ class Replay:
     truths: tuple[TruthOutcome, ...]
     #: Tables of the recording that the spec does not know.
     ignored: tuple[str, ...]
+    #: Times at which something is unsafe of which no ground truth says what to expect.
+    unexpected: tuple[float, ...] = ()
+
+    @property
+    def met(self) -> bool:
+        """Whether the run is as it was declared to be, and safe where nothing was declared."""
+        return not self.unexpected and all(truth.inside for truth in self.truths)
 
     @property
     def fired(self) -> bool:
@@ -78,40 +85,22 @@ def replay(
     """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar)."""
     spec = evaluator.spec
     tables, ignored = known_tables(recording, spec)
-    inputs: list[tuple[int, str]] = []
-    cases = []
-    for number, cycle in enumerate(recording.cycles):
-        for candidate in CANDIDATES:
-            if candidate not in cycle.candidates:
-                continue
-            raw = {"id": f"{cycle.t:g} {candidate}", "params": recording.params, "tables": tables,
-                   "signals": recording.signals(cycle, candidate)}  # fmt: skip
-            inputs.append((number, candidate))
-            cases.append(evaluator.read(raw))
-    results: list[CaseResult] = []
-    chunks = [cases[i : i + _CHUNK] for i in range(0, len(cases), _CHUNK)]
-    for chunk in watch(chunks):
-        results += evaluator.evaluate(chunk)
-    by_cycle: list[dict[str, CaseResult]] = [{} for _ in recording.cycles]
-    for (number, candidate), result in zip(inputs, results):
-        by_cycle[number][candidate] = result
     cycles = tuple(
         CycleOutcome(
-            cycle.t,
-            found,
+            t,
+            {
+                name: evaluator.result(judged.about, rated, candidate=name)
+                for name, rated in judged.rated.items()
+            },
             decision.action,
             None if decision.driven is None else decision.driven.t,
             decision.faults,
         )
-        for cycle, found, decision in zip(
-            recording.cycles, by_cycle, decisions(recording, evaluator, by_cycle)
-        )
+        for t, judged, decision in supervised(recording, evaluator, tables, watch)
     )
-    return Replay(recording, cycles, tuple(_truths(recording, cycles, evaluator.rules, spec)), ignored)
-
-
-#: Cases that are evaluated together.
-_CHUNK = 250
+    truths = tuple(_truths(recording, cycles, evaluator.rules, spec))
+    unexpected = tuple(_unexpected(recording, cycles, {truth.kind for truth in truths}, evaluator))
+    return Replay(recording, cycles, truths, ignored, unexpected)
 
 
 def known_tables(recording: Recording, spec: Spec) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -146,6 +135,21 @@ def _truths(
             if safe is True and unsafe:
                 alarms.append(cycle.t)
         yield TruthOutcome(kind, tuple(missed), tuple(alarms), sum(value is not None for value in truth))
+
+
+def _unexpected(
+    recording: Recording, cycles: Sequence[CycleOutcome], declared: set[str], evaluator: Evaluator
+) -> Iterator[float]:
+    """Times of cycles that are unsafe by rules of a kind without ground truth, or by what is no rule at all (a breach of the input contract,
+    a candidate that is missing) although nothing says that they may be."""
+    open_ = [rule.name for rule in evaluator.rules if kind_of(rule, evaluator.spec) not in declared]
+    for number, cycle in enumerate(cycles):
+        by_rule = any(result.rules[name].unsafe for result in cycle.results.values() for name in open_)
+        lacking = len(cycle.results) < len(CANDIDATES) or cycle.faults
+        by_input = lacking or any(result.faults for result in cycle.results.values())
+        may_be = any(recording.ground_truth[kind][number] is not True for kind in declared)
+        if by_rule or (by_input and not may_be):
+            yield cycle.t
 
 
 def intervals(times: Sequence[float], all_times: Sequence[float]) -> list[tuple[float, float]]:

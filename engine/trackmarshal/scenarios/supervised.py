@@ -2,54 +2,117 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
-from trackmarshal.runtime.door import Door
-from trackmarshal.runtime.judge import Judged
+from trackmarshal.runtime.door.door import Admission
+from trackmarshal.runtime.door.lines import line as line_of
+from trackmarshal.runtime.faults import name_of
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.program import Judged, Memory
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
-from trackmarshal.runtime.verdict import CaseResult
+from trackmarshal.scenarios.recording import COLUMNS, Recording
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
-from trackmarshal.scenarios.recording import Recording
-from trackmarshal.supervision import judged
+from trackmarshal.supervision import rulebox
+
+#: What recordings may have, whether a spec declares it or not.
+ALSO = frozenset(
+    ["ego", "objects", "obstacles", "track"]
+    + [f"{candidate}.{name}" for candidate in ("plan", DRIVING, EMERGENCY) for name in (*COLUMNS, "grip")]
+    + [f"{name}.{field}" for name in ("ego", "objects", "obstacles") for field in ("kappa", "a", "v", "age")]
+)
 
 
 def cycles(recording: Recording) -> Iterator[Cycle]:
     """The cycles of a recording, counted from 0. Columns and records are the recording's own."""
-    import numpy as np
-
     track = {
-        name: np.array(line, dtype=np.float64) if isinstance(line, list) and line else line
+        name: line_of(line) if isinstance(line, list) and line and _is_line(line) else line
         for name, line in recording.track.items()
     }
     for number, cycle in enumerate(recording.cycles):
-        signals = {
+        signals: dict[str, Any] = {
             "ego": cycle.ego,
             "objects": cycle.objects,
             "obstacles": recording.obstacles,
             "track": track,
         }
-        yield Cycle(number, cycle.t, cycle.candidates.get(DRIVING), cycle.candidates.get(EMERGENCY), signals)
+        driving, emergency = (cycle.candidates.get(name) for name in (DRIVING, EMERGENCY))
+        yield Cycle(number, cycle.t, driving, emergency, signals, ALSO)
 
 
-def decisions(
-    recording: Recording, evaluator: Evaluator, results: Sequence[Mapping[str, CaseResult]]
-) -> Iterator[Decision]:
-    """What the Supervisor decides with these results, one mapping a cycle.
+def _is_line(points: list[Any]) -> bool:
+    return all(
+        isinstance(point, list | tuple) and len(point) == 2 and {float, int}.issuperset(map(type, point))
+        for point in points
+    )
 
-    The car of a recording did not follow the decisions, so where it is says nothing about them (`Limits.open_loop`).
+
+#: Cycles that are evaluated together.
+_CHUNK = 125
+
+
+def supervised(
+    recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], watch: Callable[[Sequence[Any]], Iterable[Any]] = iter
+) -> Iterator[tuple[float, Judged, Decision]]:  # fmt: skip
+    """Every cycle of a recording through the Supervisor: its time, the verdicts about it, and the decision.
+
+    What the door refuses is judged all the same, as far as it can be, to be shown. The car of a recording did not follow the
+    decisions, so where it is says nothing about them (`Limits.open_loop`). `watch` wraps the chunks of work.
     """
-    judge = _Known(evaluator)
+    box = rulebox(evaluator, recording.params, tables)
     clock = _Clock()
-    supervisor = Supervisor(evaluator.spec, judge, Limits.open_loop(), clock.read)
-    for cycle, found in zip(cycles(recording), results):
-        clock.now, judge.results = cycle.t, found
-        yield supervisor.step(cycle)
+    supervisor = box.supervisor(Limits.open_loop(), clock.read)
+    ahead = _Ahead(supervisor)
+    given = list(cycles(recording))
+    for chunk in watch([given[i : i + _CHUNK] for i in range(0, len(given), _CHUNK)]):
+        found = ahead.prepare(chunk, evaluator)
+        for cycle, judged in zip(chunk, found):
+            clock.now = cycle.t
+            yield cycle.t, judged, supervisor.step(cycle)
+
+
+class _Ahead:
+    """Door and program of a Supervisor whose cycles have been admitted, and judged together, before it asks."""
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        self._door = supervisor.door
+        self.spec, self.rules = supervisor.program.spec, supervisor.program.rules
+        self.identity = supervisor.program.identity
+        self._admitted: list[Admission] = []
+        self._judged: list[Judged] = []
+        supervisor.door, supervisor.program = self, self  # type: ignore[assignment]
+
+    def prepare(self, chunk: Sequence[Cycle], evaluator: Evaluator) -> list[Judged]:
+        self._admitted = [self._door.admit(-1, cycle, cycle.t) for cycle in chunk]
+        self._judged = evaluator.judge_all([shown(admission.frame) for admission in self._admitted])
+        return list(self._judged)
+
+    def admit(self, about: int, cycle: Cycle, now: float) -> Admission:
+        if now != cycle.t:
+            raise RuntimeError("this door knows what was said at the time of the stamp only")
+        return replace(self._admitted.pop(0), about=about)
+
+    def judge(self, memory: Memory, frame: Frame) -> Judged:
+        return next(judged for judged in self._judged if judged.about is frame)
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+        return memory
+
+
+def shown(frame: Frame) -> Frame:
+    """A frame without the candidates that a recording does not have; there is nothing to say about them."""
+    gone = {
+        f.signal for f in frame.faults if name_of(f) == "missing" and f.field == ""
+    } & frame.candidates.keys()
+    for name in gone:
+        del frame.candidates[name]
+    return frame
 
 
 def recording_of(data: bytes, name: str, shown: str) -> Recording:
@@ -110,15 +173,3 @@ class _Clock:
 
     def read(self) -> float:
         return self.now
-
-
-class _Known:
-    """A judge whose verdicts are there already."""
-
-    def __init__(self, evaluator: Evaluator) -> None:
-        self.rules = evaluator.rules
-        self.identity: Mapping[str, Any] = {}
-        self.results: Mapping[str, CaseResult] = {}
-
-    def judge(self, door: Door) -> tuple[Judged, Judged]:
-        return judged(self.results[DRIVING], self.rules), judged(self.results[EMERGENCY], self.rules)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import EDGES, FUNCTIONS, Dimensions, known
 from trackmarshal.semantics.errors import (
     Recursive,
     TooLarge,
@@ -29,6 +30,9 @@ from trackmarshal.semantics.values import (
     RegionValue,
     SignalValue,
     Value,
+    common,
+    own_unit,
+    written_unit,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -52,17 +56,18 @@ _SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
 MOST_EXPANSIONS = 20_000
 #: How many definitions may be inside each other.
 DEEPEST = 50
-_ON_LINE: dict[str, Dimension] = {
-    "station": LENGTH,
-    "offset": LENGTH,
-    "direction": NUMBER,
-    "distance_to": LENGTH,
+#: Numbers that are read off a line at a point.
+_ON_LINE: dict[str, tuple[Callable[[ir.Line, ir.Num, ir.Num], ir.Num], Dimension]] = {
+    "station": (ir.Station, LENGTH),
+    "offset": (ir.Offset, LENGTH),
+    "direction": (ir.Direction, NUMBER),
+    "distance_to": (ir.Distance, LENGTH),
 }
 
 
 def built_in_names() -> set[str]:
     """Every function that needs no declaration."""
-    return {*ir.FUNCTIONS, *_SPECIAL}
+    return {*FUNCTIONS, *_SPECIAL}
 
 
 def call(
@@ -81,7 +86,7 @@ def call(
             )
         )
     if function not in ctx.scope.names():
-        if function in ir.FUNCTIONS:
+        if function in FUNCTIONS:
             return _numeric(self, function, args, span, ctx)
         if function in _SPECIAL:
             return _special(self, function, args, span, ctx)
@@ -152,7 +157,7 @@ def expand(
             self.fail(
                 WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension))
             )
-    return NumberValue(value.node, value.dimension, span)
+    return NumberValue(value.node, value.dimension, span, written=value.written or own_unit(item.result))
 
 
 def check_definition(self: Expressions, symbol: Symbol, item: ast.Define, ctx: Context) -> None:
@@ -209,11 +214,13 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
                 unit_hint(value, wanted),
             )
         )
+    self.warn(self.advice.argument(value, kind, parameter.span))
     return value
 
 
 def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:
-    wanted, more = ir.FUNCTIONS[function], function in ("min", "max")
+    called = known(function, FUNCTIONS)
+    wanted, dimensions, _, more = FUNCTIONS[called]
     fits = len(args) == wanted or (more and len(args) > wanted)
     if not fits:
         least = "at least " if more else ""
@@ -226,32 +233,40 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     if not fits:
         raise Poison
     numbers = [v for v in values if isinstance(v, NumberValue)]
+    dimension = _dimension(self, function, dimensions, numbers)
+    if function in ("sin", "cos", "tan"):
+        self.warn(self.advice.argument(numbers[0], "rad", None))
+    kept = common(*numbers) if dimensions is Dimensions.KEPT else ""
+    if not more:
+        made = self.make(ir.Func, called, tuple(v.node for v in numbers))
+        return NumberValue(made, dimension, span, written=kept)
+    node = numbers[0].node
+    for other in numbers[1:]:
+        node = self.make(ir.Func, called, (node, other.node))
+    return NumberValue(node, dimension, span, written=kept)
+
+
+def _dimension(
+    self: Expressions, function: str, dimensions: Dimensions, numbers: list[NumberValue]
+) -> Dimension:
+    """The dimension of a function's value; fails for arguments of wrong ones."""
     first = numbers[0]
-    if function in ("min", "max", "atan2"):
-        for other in numbers[1:]:
-            self.same("take the " + function + " of", first, other)
-        node = first.node
-        for other in numbers[1:]:
-            node = self.make(ir.Func, function, (node, other.node))
-        return NumberValue(node, NUMBER if function == "atan2" else first.dimension, span)
-    dimension = first.dimension
-    if function == "sqrt":
-        dimension = power(dimension, Fraction(1, 2))
-    elif function != "abs":
-        for value in numbers:
-            if value.dimension != NUMBER:
-                what, found = f"the argument of `{function}`", quantity(value.dimension)
-                self.fail(
-                    WrongDimension(
-                        value.span,
-                        None,
-                        what,
-                        "a plain number",
-                        found,
-                        "divide it by a quantity of its own dimension",
-                    )
-                )
-    return NumberValue(self.make(ir.Func, function, tuple(v.node for v in numbers)), dimension, span)
+    match dimensions:
+        case Dimensions.KEPT | Dimensions.DROPPED:
+            for other in numbers[1:]:
+                self.same(f"take the {function} of", first, other)
+            return first.dimension if dimensions is Dimensions.KEPT else NUMBER
+        case Dimensions.ROOT:
+            return power(first.dimension, Fraction(1, 2))
+        case Dimensions.PLAIN:
+            for value in numbers:
+                if value.dimension != NUMBER:
+                    what, found = f"the argument of `{function}`", quantity(value.dimension)
+                    hint = "divide it by a quantity of its own dimension"
+                    self.fail(WrongDimension(value.span, None, what, "a plain number", found, hint))
+            return NUMBER
+        case _:
+            assert_never(dimensions)
 
 
 def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Value], span: Span) -> Value:
@@ -264,7 +279,8 @@ def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Valu
         self.fail(
             WrongDimension(value.__dict__["span"], declared, what, quantity(argument), _spoken(value), hint)
         )
-    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span)
+    unit = written_unit((row for _, row in item.rows), item.result)
+    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span, written=unit)
 
 
 def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:
@@ -273,13 +289,13 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     if not fits:
         at = _name_of_call(function, args, span)
         self.found.append(WrongArity(at, function, wanted, _given(len(args))))
-    if function in ("rising", "falling"):
+    if function in EDGES:
         operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))
         axis = self.timeline(f"`{function}`", _name_of_call(function, args, span), ctx)
         if not fits:
             raise Poison
         assert isinstance(operands[0], FormulaValue)
-        return FormulaValue(self.make(ir.Edge, function, axis, operands[0].node), span)
+        return FormulaValue(self.make(ir.Edge, known(function, EDGES), axis, operands[0].node), span)
     values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
     if not fits:
         raise Poison
@@ -291,41 +307,37 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         if not isinstance(sample, RecordValue) or sample.previous is None:
             self.fail(WrongKind(spans[0], "a sample of a trajectory", sample.spoken))
         before = RecordValue(sample.what, sample.signal, sample.shape, sample.previous, None, sample.span)
-        poses = (*fields(self, before, "pose", spans[0], ctx), *fields(self, sample, "pose", spans[0], ctx))
-        return RegionValue((*poses, *(_length(self, v) for v in values[1:])), span)
+        start, end = _pose(self, before, spans[0], ctx), _pose(self, sample, spans[0], ctx)
+        return RegionValue(start, end, _length(self, values[1]), _length(self, values[2]), span)
     if function == "swept":
-        poses = (
-            *fields(self, values[0], "pose", spans[0], ctx),
-            *fields(self, values[1], "pose", spans[1], ctx),
-        )
-        return RegionValue((*poses, *(_length(self, v) for v in values[2:])), span)
+        start, end = _pose(self, values[0], spans[0], ctx), _pose(self, values[1], spans[1], ctx)
+        return RegionValue(start, end, _length(self, values[2]), _length(self, values[3]), span)
     if function == "inside":
-        region = _region(self, values[0], spans[0])
-        return FormulaValue(
-            self.make(
-                ir.Geometry, "swept_inside", region.args, _area(self, values[1], spans[1]), ctx.site or span
-            ),
-            span,
-        )
+        hull = _region(self, values[0], spans[0])
+        inside = self.make(
+            ir.SweptInside,
+            start=hull.start, end=hull.end, length=hull.length, width=hull.width,
+            area=_area(self, values[1], spans[1]), span=ctx.site or span,
+        )  # fmt: skip
+        return FormulaValue(inside, span)
     if function == "clear_of":
         hull, box = _region(self, values[0], spans[0]), _region(self, values[1], spans[1])
-        if box.args[0:3] != box.args[3:6]:
+        if box.start != box.end:
             self.fail(WrongKind(spans[1], "a footprint at rest", "a swept footprint", "swap the two sides"))
-        node = self.make(
-            ir.Geometry, "swept_clear", (*hull.args, *box.args[0:3], *box.args[6:8]), None, ctx.site or span
-        )
-        return FormulaValue(node, span)
+        clear = self.make(
+            ir.SweptClear,
+            start=hull.start, end=hull.end, length=hull.length, width=hull.width,
+            box=box.start, box_length=box.length, box_width=box.width, span=ctx.site or span,
+        )  # fmt: skip
+        return FormulaValue(clear, span)
     if function in _ON_LINE:
         x, y = fields(self, values[0], "point", spans[0], ctx)
-        what = "distance" if function == "distance_to" else function
-        return NumberValue(
-            self.make(ir.Along, what, line(self, values[1], spans[1]), (x, y)), _ON_LINE[function], span
-        )
+        kind, dimension = _ON_LINE[function]
+        return NumberValue(self.make(kind, line(self, values[1], spans[1]), x, y), dimension, span)
     if function == "station_gap":
-        stations = tuple(_length(self, v) for v in values[1:])
-        return NumberValue(
-            self.make(ir.Along, "station_gap", line(self, values[0], spans[0]), stations), LENGTH, span
-        )
+        first, second = (_length(self, v) for v in values[1:])
+        gap = self.make(ir.StationGap, line(self, values[0], spans[0]), first, second)
+        return NumberValue(gap, LENGTH, span)
     if function == "centre":
         area = _area(self, values[0], spans[0])
         if area.kind != "corridor":
@@ -405,10 +417,14 @@ def _footprint(
     self: Expressions, values: list[Value], spans: list[Span], span: Span, ctx: Context
 ) -> RegionValue:
     if len(values) == 1:
-        body = fields(self, values[0], "body", spans[0], ctx)
-        return RegionValue((*body[:3], *body[:3], *body[3:]), span)
-    pose = fields(self, values[0], "pose", spans[0], ctx)
-    return RegionValue((*pose, *pose, *(_length(self, v) for v in values[1:])), span)
+        x, y, heading, length, width = fields(self, values[0], "body", spans[0], ctx)
+        return RegionValue(ir.Pose(x, y, heading), ir.Pose(x, y, heading), length, width, span)
+    pose = _pose(self, values[0], spans[0], ctx)
+    return RegionValue(pose, pose, _length(self, values[1]), _length(self, values[2]), span)
+
+
+def _pose(self: Expressions, value: Value, span: Span, ctx: Context) -> ir.Pose:
+    return ir.Pose(*fields(self, value, "pose", span, ctx))
 
 
 def _length(self: Expressions, value: Value) -> ir.Num:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import assert_never
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.arithmetic import apply, arith
@@ -58,7 +59,9 @@ def constant_value(node: ir.Num, param: Callable[[str], float | None]) -> float 
             values = [constant_value(arg, param) for arg in node.args]
             known = [value for value in values if value is not None]
             return apply(node.name, known) if len(known) == len(values) else None
-        case ir.Column() | ir.Sample() | ir.Scalar() | ir.Choose() | ir.Lookup() | ir.Along():
+        case ir.Column() | ir.Sample() | ir.Scalar() | ir.Choose() | ir.Lookup():
+            return None
+        case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
             return None
         case _:
-            raise AssertionError(f"unknown number {type(node).__name__}")
+            assert_never(node)

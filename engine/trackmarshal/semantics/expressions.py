@@ -9,9 +9,19 @@ from typing import Any, NoReturn
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import (
+    ARITHMETIC,
+    COMPARISONS,
+    CONNECTIVES,
+    QUANTIFIERS,
+    TEMPORAL,
+    UNTIL,
+    known,
+)
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.advice import Advice
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
     BadValue,
@@ -35,10 +45,27 @@ from trackmarshal.semantics.values import (
     RecordValue,
     SignalValue,
     Value,
+    common,
+    of_limit,
+    own_unit,
+    product,
+    written_unit,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, TIME, Dimension, over, parse_unit, power, quantity, show, times, to_si
+from trackmarshal.units import (
+    NUMBER,
+    TIME,
+    Dimension,
+    in_full,
+    over,
+    parse_unit,
+    power,
+    quantity,
+    show,
+    times,
+    to_si,
+)
 
 
 class Context(Node):
@@ -82,6 +109,7 @@ class Expressions:
         #: Names of tables -> (dimension of the argument, of the result).
         self.tables: dict[str, tuple[Dimension, Dimension]] = {}
         self.params: dict[str, Dimension] = {}
+        self.advice = Advice(signals)
         #: Definitions (qualified names) whose bodies have errors: nothing more is said about their uses.
         self.failed: set[str] = set()
         #: How many definitions were written out for the declaration at hand.
@@ -102,6 +130,10 @@ class Expressions:
     def too_deep(self, span: Span) -> None:
         """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
         self.found.append(TooLarge(span, "nested too deeply"))
+
+    def warn(self, diagnostic: Diagnostic | None) -> None:
+        if diagnostic is not None:
+            self.found.append(diagnostic)
 
     def fail(self, diagnostic: Diagnostic) -> NoReturn:
         self.found.append(diagnostic)
@@ -145,7 +177,9 @@ class Expressions:
                 if problem:
                     self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
                 value = to_si(float(expr.text), expr.unit or "1")
-                return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span)
+                bare, unit = not expr.unit and value != 0.0, own_unit(expr.unit)
+                dimension = parse_unit(expr.unit or "1")[2]
+                return NumberValue(self.make(ir.Const, value), dimension, span, bare, unit)
             case ast.Boolean():
                 return FormulaValue(self.make(ir.Truth, expr.value), span)
             case ast.Name():
@@ -161,17 +195,22 @@ class Expressions:
                     return FormulaValue(self.make(ir.Not, self.formula(expr.operand, ctx).node), span)
                 operand = self.number(expr.operand, ctx)
                 if isinstance(operand.node, ir.Const):
-                    return NumberValue(self.make(ir.Const, -operand.node.value), operand.dimension, span)
-                return NumberValue(self.make(ir.Neg, operand.node), operand.dimension, span)
+                    node: ir.Num = self.make(ir.Const, -operand.node.value)
+                    return NumberValue(node, operand.dimension, span, operand.bare, operand.written)
+                node = self.make(ir.Neg, operand.node)
+                return NumberValue(node, operand.dimension, span, False, operand.written)
             case ast.Binary():
                 return self._binary(expr, ctx)
             case ast.IfElse():
                 return self._if_else(expr, ctx)
             case ast.Within():
-                low = ast.Binary("<=", expr.lower, expr.value, span)
-                return self.value(
-                    ast.Binary("and", low, ast.Binary("<=", expr.value, expr.upper, span), span), ctx
+                return self._chained(
+                    (expr.lower, expr.value, expr.upper), ("<=", "<="), (span, span), span, ctx
                 )
+            case ast.Chained():
+                ends = zip(expr.operands, expr.operands[1:])
+                spans = tuple(_span(left).to(_span(right)) for left, right in ends)
+                return self._chained(expr.operands, expr.ops, spans, span, ctx)
             case ast.InZone():
                 return self._in_zone(expr, ctx)
             case ast.Temporal():
@@ -226,7 +265,10 @@ class Expressions:
             case ast.Param():
                 if symbol.qualified not in self.params:
                     raise Poison  # its declaration was reported
-                return NumberValue(self.make(ir.Param, symbol.qualified), self.params[symbol.qualified], span)
+                param = self.make(ir.Param, symbol.qualified)
+                return NumberValue(
+                    param, self.params[symbol.qualified], span, written=written_unit((item.value,), item.unit)
+                )
             case ast.Place():
                 if item.kind == "zone":
                     return AreaValue(self.make(ir.Area, "zone", symbol.qualified), span)
@@ -282,7 +324,8 @@ class Expressions:
             if isinstance(node, ir.Formula):
                 return FormulaValue(node, span)
             assert dimension is not None
-            return NumberValue(node, dimension, span)
+            field = None if value.signal is None else value.signal.field(expr.name)
+            return NumberValue(node, dimension, span, written="" if field is None else own_unit(field.unit))
         if isinstance(value, SignalValue):
             signal = value.signal
             if signal.sequence and expr.name in ("first", "last"):
@@ -310,9 +353,9 @@ class Expressions:
 
     def _binary(self, expr: ast.Binary, ctx: Context) -> Value:
         op, span = expr.op, expr.span
-        if op in ("and", "or", "implies", "iff", "xor"):
+        if op in CONNECTIVES:
             a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
-            return FormulaValue(self.make(ir.Connective, op, a.node, b.node), span)
+            return FormulaValue(self.make(ir.Connective, known(op, CONNECTIVES), a.node, b.node), span)
         if op == "^":
             return self._power(expr, ctx)
         left, right = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
@@ -320,19 +363,57 @@ class Expressions:
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
             )
-            return NumberValue(self.make(ir.Arith, op, left.node, right.node), dimension, span)
-        self.same("compare" if op in _COMPARISONS else "add" if op == "+" else "subtract", left, right)
-        if op in ("+", "-"):
-            return NumberValue(self.make(ir.Arith, op, left.node, right.node), left.dimension, span)
-        if op in _COMPARISONS:
-            return FormulaValue(
-                self.make(ir.Compare, op, left.node, right.node, show(left.dimension), ctx.site or span), span
+            bare = left.bare and right.bare
+            arith = self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node)
+            return NumberValue(arith, dimension, span, bare, product(op, left, right))
+        if op in COMPARISONS:
+            return self._compare(op, left, right, span, ctx)
+        self.same("add" if op == "+" else "subtract", left, right)
+        bare = left.bare and right.bare
+        return NumberValue(
+            self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node),
+            left.dimension,
+            span,
+            bare,
+            common(left, right),
+        )
+
+    def _chained(
+        self,
+        operands: tuple[ast.Expr, ...],
+        ops: tuple[str, ...],
+        spans: tuple[Span, ...],
+        span: Span,
+        ctx: Context,
+    ) -> FormulaValue:
+        """Neighbours compared, and all of it joined by `and`; every operand stands for one number, however often it is compared."""
+        numbers = self.all(*(lambda o=operand: self.number(o, ctx) for operand in operands))
+        compared = self.all(
+            *(
+                lambda op=op, left=left, right=right, at=at: self._compare(op, left, right, at, ctx)
+                for op, left, right, at in zip(ops, numbers, numbers[1:], spans)
             )
-        raise AssertionError(f"unknown operator {op}")
+        )
+        node = compared[0].node
+        for other in compared[1:]:
+            node = self.make(ir.Connective, "and", node, other.node)
+        return FormulaValue(node, span)
+
+    def _compare(
+        self, op: str, left: NumberValue, right: NumberValue, span: Span, ctx: Context
+    ) -> FormulaValue:
+        self.same("compare", left, right)
+        self.warn(self.advice.compared(op, left, right, span))
+        unit, shown = show(left.dimension), of_limit(left, right)
+        node = self.make(
+            ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span, shown
+        )
+        return FormulaValue(node, span)
 
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
+            self.warn(self.advice.joined(left, right))
             return
         sides = (
             ("left side", "right side")
@@ -370,6 +451,8 @@ class Expressions:
                 else "divide the base by a reference quantity first"
             )
             problem = f"the exponent of {quantity(base.dimension)} must be a literal whole number from 1 to 8, or from -8 to -1"
+            if constant is not None:
+                problem += f", not {in_full(constant, '1')}"
             self.fail(
                 BadValue(exponent.span, problem, base.span, hint, f"this is {quantity(base.dimension)}")
             )
@@ -382,9 +465,8 @@ class Expressions:
             lambda: self.number(expr.otherwise, ctx),
         )
         self.same("choose between", then, otherwise)
-        return NumberValue(
-            self.make(ir.Choose, condition.node, then.node, otherwise.node), then.dimension, expr.span
-        )
+        node = self.make(ir.Choose, condition.node, then.node, otherwise.node)
+        return NumberValue(node, then.dimension, expr.span, written=common(then, otherwise))
 
     def _in_zone(self, expr: ast.InZone, ctx: Context) -> Value:
         at = Span(expr.span.file, _span(expr.value).end, expr.span.end).word(expr.zone)
@@ -393,7 +475,7 @@ class Expressions:
             self.fail(WrongKind(at, "a zone", f"the {spoken(found.item)} `{expr.zone}`"))
         area = self.make(ir.Area, "zone", found.qualified)
         x, y = calls.fields(self, self.value(expr.value, ctx), "point", _span(expr.value), ctx)
-        return FormulaValue(self.make(ir.Geometry, "in_area", (x, y), area, ctx.site or expr.span), expr.span)
+        return FormulaValue(self.make(ir.InArea, x, y, area, ctx.site or expr.span), expr.span)
 
     # Time and quantifiers -----------------------------------------------------------------------------------
 
@@ -409,9 +491,10 @@ class Expressions:
     def _temporal(self, expr: ast.Temporal, ctx: Context) -> Value:
         axis, operands, (lower, upper) = self._over_time(expr, (expr.operand,), expr.window, ctx)
         if expr.op in ("next", "previous"):
-            step = 1 if expr.op == "next" else -1
-            return FormulaValue(self.make(ir.Shift, axis, operands[0], step, expr.weak), expr.span)
-        return FormulaValue(self.make(ir.Temporal, expr.op, axis, operands[0], lower, upper), expr.span)
+            shift = self.make(ir.Shift, axis, operands[0], 1 if expr.op == "next" else -1, expr.weak)
+            return FormulaValue(shift, expr.span)
+        op = known(expr.op, TEMPORAL)
+        return FormulaValue(self.make(ir.Temporal, op, axis, operands[0], lower, upper), expr.span)
 
     def _over_time(
         self,
@@ -432,7 +515,8 @@ class Expressions:
 
     def _until(self, expr: ast.Until, ctx: Context) -> Value:
         axis, (left, right), (lower, upper) = self._over_time(expr, (expr.left, expr.right), expr.window, ctx)
-        return FormulaValue(self.make(ir.Until, expr.op, axis, left, right, lower, upper), expr.span)
+        op = known(expr.op, UNTIL)
+        return FormulaValue(self.make(ir.Until, op, axis, left, right, lower, upper), expr.span)
 
     def _window(self, window: ast.Window | None, ctx: Context) -> tuple[float | None, float | None]:
         if window is None:
@@ -441,9 +525,11 @@ class Expressions:
         if low < 0:
             past = "`once`, `historically` and `since` look back"
             hint = f"windows count away from the current sample; {past}"
-            self.fail(BadValue(_span(window.lower), "a window starts at zero or later", None, hint))
+            problem = f"a window starts at zero or later, not at {in_full(low, 's')}"
+            self.fail(BadValue(_span(window.lower), problem, None, hint))
         if high < low:
-            self.fail(BadValue(window.span, "a window runs from low to high", None, "swap the bounds"))
+            problem = f"a window runs from low to high, not from {in_full(low, 's')} to {in_full(high, 's')}"
+            self.fail(BadValue(window.span, problem, None, "swap the bounds"))
         return low, high
 
     def _bound(self, bound: ast.Expr, ctx: Context) -> float:
@@ -504,6 +590,8 @@ class Expressions:
         known = ctx.local.get(name)
         if known is not None and not isinstance(known, Broken):
             self.found.append(Duplicate(span.word(name), known.__dict__["span"].head, "variable", name))
+        else:
+            ctx.scope.check_bound(name, span.word(name), "variable")
 
     def _variable(self, signal: SignalType, axis: ir.Axis, offset: int, name: str, span: Span) -> RecordValue:
         what = f"`{name}` ({'a sample' if signal.sequence else 'an element'} of `{signal.name}`)"
@@ -526,7 +614,10 @@ class Expressions:
         )
         if axis is None:
             raise Poison
-        return FormulaValue(self.make(ir.Quantify, expr.quantifier, axis, guard, body, expr.names), expr.span)
+        return FormulaValue(
+            self.make(ir.Quantify, known(expr.quantifier, QUANTIFIERS), axis, guard, body, expr.names),
+            expr.span,
+        )
 
     def range_of(
         self, bind: ast.Bind | ast.Quantified, ctx: Context
@@ -548,9 +639,6 @@ class Expressions:
         }
         if used.isdisjoint(names):
             self.found.append(UnusedVariable(span, "`, `".join(names)))
-
-
-_COMPARISONS = ("<", "<=", ">", ">=", "==", "!=")
 
 
 def _span(expr: ast.Expr) -> Span:

@@ -14,6 +14,27 @@ class Expr(Node):
     """An expression; numbers and formulas share one syntax and are told apart by the type checker."""
 
 
+class Parenthesised(Span):
+    """The place of an expression that its author put in parentheses (which it does not cover): the formatter keeps them.
+
+    They are part of the place, so that they are no part of what is compared: parentheses that change nothing change nothing.
+    """
+
+    __slots__ = ()
+
+
+def parenthesised(expr: Expr) -> Expr:
+    """An expression that was just made, as one that stands in parentheses."""
+    span = expr.__dict__["span"]
+    expr.__dict__["span"] = Parenthesised(span.file, span.start, span.end)
+    return expr
+
+
+def is_parenthesised(expr: Expr) -> bool:
+    """Whether the author put an expression in parentheses."""
+    return isinstance(expr.__dict__["span"], Parenthesised)
+
+
 class Number(Expr):
     """`1160 kg`: digits as written, and the unit as written (empty for a bare number)."""
 
@@ -76,6 +97,14 @@ class Binary(Expr):
     op: str
     left: Expr
     right: Expr
+    span: Span = NOWHERE
+
+
+class Chained(Expr):
+    """`0 m <= a <= b`: neighbours compared, all in one direction; one operand more than operators."""
+
+    operands: tuple[Expr, ...]
+    ops: tuple[str, ...]
     span: Span = NOWHERE
 
 
@@ -198,6 +227,14 @@ class Severity(Clause):
     """`severity minor`."""
 
     word: str
+    span: Span = NOWHERE
+
+
+class Allow(Clause):
+    """`allow W301 because "why"`: warnings that are not given for this rule."""
+
+    codes: tuple[Name, ...]
+    reason: str
     span: Span = NOWHERE
 
 

@@ -1,24 +1,28 @@
-"""Parse tree to syntax tree: one method a grammar rule."""
+"""What the parser finds to syntax tree: one method a grammar rule, called from the leaves up."""
 
 from __future__ import annotations
 
 import re
 from typing import Any
 
-from lark import Token, Tree
-from lark.tree import Meta
-
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
-from trackmarshal.syntax.errors import TooDeep, UnknownClause
+from trackmarshal.syntax.errors import MixedChain, TooDeep, UnknownClause
 from trackmarshal.syntax.keywords import CLAUSES
+from trackmarshal.syntax.lalr import Token
 from trackmarshal.syntax.names import spelled
 
 #: All words that start a clause.
 CLAUSE_WORDS = tuple(dict.fromkeys(word for words in CLAUSES.values() for word in words))
 
+#: Where a node starts and ends in its declaration, in characters.
+Meta = tuple[int, int]
+
 _NUMBER = re.compile(r"(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+
+#: Comparisons of which several may stand in a row: those that lead the same way.
+_DIRECTIONS = ({"<", "<="}, {">", ">="})
 
 #: Signs beside their ASCII forms.
 _PLAIN = {
@@ -58,20 +62,14 @@ class Builder:
         self._base = base
         self._limit = limit
 
-    def build(self, tree: Tree[Token], depth: int = 0) -> Any:
-        """The node of a parse tree; raises Refused."""
-        if depth > self._limit:
-            raise Refused(TooDeep(self._span(tree.meta), self._limit))
-        children = [self.build(c, depth + 1) if isinstance(c, Tree) else c for c in tree.children]
-        return getattr(self, tree.data)(tree.meta, children)
+    def too_high(self, meta: Meta) -> None:
+        raise Refused(TooDeep(self._span(meta).head, self._limit))
 
     def _span(self, meta: Meta) -> Span:
-        if meta.empty:
-            return Span(self._file, self._base, self._base)
-        return Span(self._file, self._base + meta.start_pos, self._base + meta.end_pos)
+        return Span(self._file, self._base + meta[0], self._base + meta[1])
 
     def _at(self, token: Token) -> Span:
-        start = self._base + (token.start_pos or 0)
+        start = self._base + token.start_pos
         return Span(self._file, start, start + len(token))
 
     def _name(self, token: Token) -> ast.Name:
@@ -199,6 +197,9 @@ class Builder:
     def severity(self, meta: Meta, c: list[Any]) -> ast.Severity:
         return ast.Severity(spelled(c[0]), self._span(meta))
 
+    def allow(self, meta: Meta, c: list[Any]) -> ast.Allow:
+        return ast.Allow(tuple(self._name(code) for code in c[:-1]), unquoted(c[-1]), self._span(meta))
+
     def evidence(self, meta: Meta, c: list[Any]) -> ast.Evidence:
         return ast.Evidence(unquoted(c[0]), self._span(meta))
 
@@ -294,6 +295,9 @@ class Builder:
     def name(self, meta: Meta, c: list[Any]) -> ast.Name:
         return self._name(c[0])
 
+    def parenthesised(self, meta: Meta, c: list[Any]) -> ast.Expr:
+        return ast.parenthesised(c[0])
+
     def true(self, meta: Meta, c: list[Any]) -> ast.Boolean:
         return ast.Boolean(True, self._span(meta))
 
@@ -302,6 +306,13 @@ class Builder:
 
     def binary(self, meta: Meta, c: list[Any]) -> ast.Binary:
         return ast.Binary(plain(c[1]), c[0], c[2], self._span(meta))
+
+    def chained(self, meta: Meta, c: list[Any]) -> ast.Chained:
+        ops = tuple(plain(op) for op in c[1::2])
+        for first, op, token in zip(ops, ops[1:], c[3::2]):
+            if not any({first, op} <= direction for direction in _DIRECTIONS):
+                raise Refused(MixedChain(self._at(token), op, first, self._at(c[1])))
+        return ast.Chained(tuple(c[0::2]), ops, self._span(meta))
 
     def prefix(self, meta: Meta, c: list[Any]) -> ast.Unary:
         return ast.Unary(plain(c[0]), c[1], self._span(meta))

@@ -24,7 +24,7 @@ _GROUPS: dict[type[ast.Item], str] = {
 def format_text(file: SourceFile) -> str:
     """The file in the one layout; raises Diagnostics if it does not parse.
 
-    What comes out is read back: a text that would mean something else, or lose a comment, is never returned.
+    What comes out is read back: a text that would mean something else, or lose a comment or parentheses, is never returned.
     """
     module, found = parse(file)
     if found:
@@ -33,9 +33,18 @@ def format_text(file: SourceFile) -> str:
     if text != file.text:
         again, broken = parse(SourceFile(file.path, text))
         kept = [c.text for c in comments_of(text)] == [c.text for c in comments_of(file.text)]
-        if broken or again.items != module.items or not kept:
+        if broken or again.items != module.items or not kept or not _parentheses_kept(module, again):
             raise AssertionError(f"{file.path}: the formatter changed the meaning, and its text is not used")
     return text
+
+
+def _parentheses_kept(before: ast.Module, after: ast.Module) -> bool:
+    """Whether all parentheses of one of two equal trees are in the other one too."""
+    return all(
+        ast.is_parenthesised(new) or not ast.is_parenthesised(old)
+        for old, new in zip(before.walk(), after.walk())
+        if isinstance(old, ast.Expr) and isinstance(new, ast.Expr)
+    )
 
 
 def format_module(module: ast.Module, file: SourceFile) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
@@ -19,12 +18,10 @@ from trackmarshal.syntax.errors import (
 from trackmarshal.syntax.expectation import spoken, spoken_kinds
 from trackmarshal.syntax.foreign_units import unit_hint
 from trackmarshal.syntax.keywords import CLAUSES, DECLARATIONS, RESERVED
+from trackmarshal.syntax.lalr import Unexpected, accepted
 from trackmarshal.syntax.names import GREEK
 from trackmarshal.syntax.slips import FOREIGN_WORDS, hint_for, open_brackets
 from trackmarshal.units import UNITS
-
-if TYPE_CHECKING:
-    from lark.exceptions import UnexpectedInput
 
 _NOT_CODE = re.compile(r'"(?:[^"\\\n]|\\.)*"|--[^\n]*')
 _WORD = re.compile(rf"[A-Za-z_{''.join(GREEK)}][A-Za-z0-9_{''.join(GREEK)}]*")
@@ -32,25 +29,21 @@ _UNIT_TEXT = re.compile(r"[^\W\d_]+(?:\^-?[0-9]+|[²³])?(?:[/*·][^\W\d_]+(?:\^
 _AFTER_NUMBER = re.compile(
     r"(?<![\w.])(?<![A-Za-z0-9]-)(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*(?=[^\W\d_])"
 )
+_NUMBER_BEFORE = re.compile(r"((?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ \t]*\Z")
+#: A name where it is declared, by an item or a clause.
+_DECLARED = r"^(?:param|define|table|signal|event)[ \t]+{0}\b|^[ \t]+let[ \t]+{0}[ \t]*="
 _UNIT_MORE = re.compile(r"[\^²³*][^\s,()\[\]{}|]*")
 _ONE_UNIT = re.compile(r"[^\W\d_]+")
 
 
-def explained(error: UnexpectedInput, file: SourceFile, base: int, end: int) -> Diagnostic:
-    """The diagnostic for what lark met between two offsets of a file."""
-    from lark.exceptions import UnexpectedCharacters, UnexpectedEOF, UnexpectedToken
-
-    if isinstance(error, UnexpectedToken) and error.token.type != "$END":
-        start = base + (error.token.start_pos or 0)
-        found = str(error.token)
-    elif isinstance(error, UnexpectedCharacters):
-        start = base + (error.pos_in_stream or 0)
+def explained(error: Unexpected, file: SourceFile, base: int, end: int) -> Diagnostic:
+    """The diagnostic for what the parser met between two offsets of a file."""
+    start, found = base + error.start, error.found
+    if found == "":
+        start = end
+    elif found is None:  # no terminal at all: the word or the character there
         word = _WORD.match(file.text, start)
         found = word.group() if word else file.text[start]
-    elif isinstance(error, (UnexpectedToken, UnexpectedEOF)):
-        start, found = end, ""
-    else:
-        raise error
     return Mistake(file, base, start, found).diagnostic()
 
 
@@ -64,7 +57,7 @@ class Mistake:
         self.found = found
         #: The declaration up to the error, without its strings and comments, which become blanks.
         self.before = _NOT_CODE.sub(lambda m: " " * len(m.group()), file.text[base:start])
-        self.expected = _accepted(file.text[base:start])
+        self.expected = accepted(file.text[base:start])
 
     def diagnostic(self) -> Diagnostic:
         """What is wrong, the most telling explanation first."""
@@ -138,6 +131,10 @@ class Mistake:
             name = part.group()
             if name in RESERVED and bare:
                 return None
+            if bare and name not in UNITS and part.start() == 0:
+                factor = self._factor(match.start())
+                if factor is not None:
+                    return factor
             if name not in UNITS:
                 at = match.start() + part.start()
                 kinds = spoken_kinds(self.expected)
@@ -152,6 +149,17 @@ class Mistake:
                 span, "unit", whole, "an exponent is written once, as in `m/s^2`, and is a whole number"
             )
         return None
+
+    def _factor(self, start: int) -> Diagnostic | None:
+        """A name after a number, which a product was meant by: one that no unit looks like, or that the file declares."""
+        word, number = _WORD.match(self.file.text, start), _NUMBER_BEFORE.search(self.file.text, 0, start)
+        if word is None or number is None:
+            return None
+        name = word.group()
+        if "_" not in name and not re.search(_DECLARED.format(re.escape(name)), self.file.text, re.MULTILINE):
+            return None
+        hint = f"write `{number[1]} * {name}` to multiply"
+        return UnexpectedText(Span(self.file, *word.span()), f"`{name}`", "an operator", hint)
 
     def _clause(self) -> Diagnostic | None:
         """A misspelt clause keyword, which the parser may have taken for a predicate."""
@@ -216,17 +224,3 @@ _CLOSING = {"RPAR", "RSQB", "RBRACE"}
 
 def _comments_blanked(text: str) -> str:
     return _NOT_CODE.sub(lambda m: " " * len(m.group()) if m.group().startswith("--") else m.group(), text)
-
-
-def _accepted(before: str) -> set[str]:
-    """The grammar's terminals that could follow a text; exact, where the parser's own tables overestimate."""
-    from lark.exceptions import UnexpectedInput
-
-    from trackmarshal.syntax.parser import parser
-
-    interactive = parser().parse_interactive(before)
-    try:
-        interactive.exhaust_lexer()
-    except UnexpectedInput as error:
-        return set(getattr(error, "accepts", None) or getattr(error, "allowed", None) or ())
-    return set(interactive.accepts())  # type: ignore[no-untyped-call]

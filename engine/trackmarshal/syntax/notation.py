@@ -1,4 +1,4 @@
-"""Expressions as text on one line, in ASCII or with mathematical signs, parentheses only where they are needed."""
+"""Expressions as text on one line, in ASCII or with mathematical signs, in parentheses where they are needed or were written."""
 
 from __future__ import annotations
 
@@ -77,11 +77,19 @@ class Notation:
 
     def expr(self, node: ast.Expr, level: int = EXPRESSION) -> str:
         """An expression where the grammar wants one that binds at least as tightly as `level`."""
+        return self.enclosed(node, level_of(node) < level)
+
+    def enclosed(self, node: ast.Expr, needed: bool) -> str:
+        """An expression, in parentheses where they are needed or its author wrote them."""
+        text = self.bare(node)
+        return f"({text})" if needed or ast.is_parenthesised(node) else text
+
+    def bare(self, node: ast.Expr) -> str:
+        """An expression without parentheses around it."""
         handler = _HANDLERS.get(type(node))
         if handler is None:
             raise TypeError(f"no notation for a {type(node).__name__}")
-        text: str = handler(self, node)
-        return f"({text})" if level_of(node) < level else text
+        return handler(self, node)
 
     def _number(self, node: ast.Number) -> str:
         return f"{node.text} {self.unit(node.unit)}" if node.unit else node.text
@@ -97,10 +105,8 @@ class Notation:
 
     def base(self, node: ast.Expr) -> str:
         """What `.name` or an exponent follows; a unit would take up the exponent."""
-        return (
-            f"({self._number(node)})"
-            if isinstance(node, ast.Number) and node.unit
-            else self.expr(node, POSTFIX)
+        return self.enclosed(
+            node, level_of(node) < POSTFIX or (isinstance(node, ast.Number) and node.unit != "")
         )
 
     def argument(self, name: str, value: ast.Expr) -> str:
@@ -136,12 +142,11 @@ class Notation:
         return level_of(node.operand) <= FACTOR
 
     def _unary(self, node: ast.Unary) -> str:
-        operand = self.expr(node.operand)
-        return self.prefix(node) + (f"({operand})" if self.parenthesised(node) else operand)
+        return self.prefix(node) + self.enclosed(node.operand, self.parenthesised(node))
 
     def operand(self, node: ast.Expr, level: int, last: bool) -> str:
         """An operand; whose end cannot be seen, like a quantifier's, stands in parentheses unless it is the last."""
-        return f"({self.expr(node)})" if not last and open_ended(node) else self.expr(node, level)
+        return self.enclosed(node, level_of(node) < level or (not last and open_ended(node)))
 
     def _binary(self, node: ast.Binary) -> str:
         if node.op == "^":
@@ -149,7 +154,15 @@ class Notation:
         _, left, right = LEVELS[node.op]
         return f"{self.operand(node.left, left, False)} {self.sign(node.op)} {self.operand(node.right, right, True)}"
 
+    def _chained(self, node: ast.Chained) -> str:
+        first, *rest = node.operands
+        return self.expr(first, ADDITIVE) + "".join(
+            f" {self.sign(op)} {self.expr(operand, ADDITIVE)}" for op, operand in zip(node.ops, rest)
+        )
+
     def exponent(self, node: ast.Expr) -> str:
+        if ast.is_parenthesised(node):
+            return f"^{self.expr(node)}"
         if self.unicode and isinstance(node, ast.Number) and node.text in ("2", "3") and not node.unit:
             return "²" if node.text == "2" else "³"
         if isinstance(node, ast.Unary) and node.op == "-":
@@ -210,8 +223,8 @@ def open_ended(node: ast.Expr) -> bool:
             last, level = node.right, ADDITIVE
         else:
             return False
-        if level_of(last) < level:
-            return False  # in parentheses
+        if level_of(last) < level or ast.is_parenthesised(last):
+            return False
         node = last
 
 
@@ -229,13 +242,14 @@ def level_of(node: ast.Expr) -> int:
 
 _NODE_LEVELS: dict[type[ast.Expr], int] = {
     ast.Number: POSTFIX, ast.Boolean: POSTFIX, ast.Name: POSTFIX, ast.Attribute: POSTFIX, ast.Call: POSTFIX,
-    ast.Infix: COMPARISON, ast.IfElse: SUM, ast.Within: COMPARISON, ast.InZone: COMPARISON, ast.Temporal: UNARY,
+    ast.Chained: COMPARISON, ast.Infix: COMPARISON, ast.IfElse: SUM, ast.Within: COMPARISON, ast.InZone: COMPARISON, ast.Temporal: UNARY,
     ast.Until: UNTIL, ast.Quantified: UNARY, ast.RecordValue: POSTFIX, ast.ListValue: POSTFIX,
 }  # fmt: skip
 
 _HANDLERS: dict[type[ast.Expr], Callable[[Notation, Any], str]] = {
     ast.Number: Notation._number, ast.Boolean: Notation._boolean, ast.Name: Notation._name, ast.Attribute: Notation._attribute,
     ast.Call: Notation._call, ast.Infix: Notation._infix, ast.Unary: Notation._unary, ast.Binary: Notation._binary,
+    ast.Chained: Notation._chained,
     ast.IfElse: Notation._if_else, ast.Within: Notation._within, ast.InZone: Notation._in_zone,
     ast.Temporal: Notation._temporal, ast.Until: Notation._until, ast.Quantified: Notation._quantified,
     ast.RecordValue: Notation._record, ast.ListValue: Notation._list,

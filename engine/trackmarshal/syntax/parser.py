@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import tempfile
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
@@ -15,9 +10,6 @@ from trackmarshal.syntax import ast
 from trackmarshal.syntax.errors import StrayText
 from trackmarshal.syntax.keywords import DECLARATIONS, RESERVED
 from trackmarshal.syntax.names import GREEK
-
-if TYPE_CHECKING:
-    from lark import Lark
 
 # Where a declaration starts: its keyword in column 1, or what looks like one with a misspelt keyword.
 _START = re.compile(
@@ -68,20 +60,21 @@ def parse(file: SourceFile) -> tuple[ast.Module, list[Diagnostic]]:
 
 def parse_item(file: SourceFile, start: int, end: int, found: list[Diagnostic]) -> ast.Item | None:
     """Parse the declaration between two offsets; errors go into `found`."""
-    from lark.exceptions import UnexpectedInput
-
+    from trackmarshal.syntax import lalr
     from trackmarshal.syntax.build import Builder, Refused
 
+    text = file.text[start:end]
     try:
-        tree = parser().parse(file.text[start:end])
-        item = Builder(file, start, MAX_DEPTH).build(tree)
-    except UnexpectedInput as error:
+        try:
+            item = lalr.parse(text, Builder(file, start, MAX_DEPTH), MAX_DEPTH)
+        except Refused as refused:
+            lalr.parse(text, None, MAX_DEPTH)  # what does not even parse is reported as that
+            found.append(refused.diagnostic)
+            return None
+    except lalr.Unexpected as error:
         from trackmarshal.syntax.mistakes import explained
 
         found.append(explained(error, file, start, end))
-        return None
-    except Refused as error:
-        found.append(error.diagnostic)
         return None
     if not isinstance(item, ast.Item):
         raise AssertionError(f"the grammar built a {type(item).__name__}")
@@ -105,67 +98,10 @@ def _stray(file: SourceFile, start: int) -> StrayText:
     return StrayText(span, f"`{word}`", column_1, hint or f"the keywords are {', '.join(DECLARATIONS)}")
 
 
-@cache
-def parser() -> Lark:
-    """The parser of one declaration, from the user's cache where there is one."""
-    return make_parser(_cache_file())
-
-
-def grammar() -> str:
-    """The grammar's text as lark reads it: words end at word ends, units and reserved words are closed lists."""
-    from trackmarshal.units import UNIT_PATTERN
-
-    text = (Path(__file__).with_name("spec.lark")).read_text("utf-8")
-    words = sorted(set(re.findall(r'"([a-z]+)"', re.sub(r"//[^\n]*", "", text))))
-    text = re.sub(r'"([a-z]+)"', lambda match: f"_{match[1].upper()}", text)
-    text += "".join(f"_{word.upper()}.1: /{word}@B/\n" for word in words)
-    letters, reserved = "".join(GREEK), "|".join(sorted(RESERVED))
-    # Spelled out: \w and \b take ² for a letter.
-    text = text.replace("@B", "(?![A-Za-z0-9_@G])").replace("@R", reserved)
-    return text.replace("@U", UNIT_PATTERN).replace("@G", letters)
-
-
-def make_parser(cache_file: str | None = None, strict: bool = False) -> Lark:
-    """The LALR(1) parser; `strict` refuses ambiguities of the grammar (slow, for the tests)."""
-    from lark import Lark
-
-    return Lark(
-        grammar(),
-        parser="lalr",
-        lexer="contextual",
-        start="item",
-        propagate_positions=True,
-        maybe_placeholders=True,
-        cache=cache_file or False,
-        strict=strict,
-    )
-
-
-def _cache_file() -> str | None:
-    """Where the built tables are kept; None where no folder can be written."""
-    from trackmarshal.cache import cache_folder
-
-    folder = cache_folder()
-    if folder is None:
-        return None
-    import hashlib
-
-    import lark
-
-    key = hashlib.sha256((grammar() + lark.__version__).encode()).hexdigest()[:16]
-    target = folder / f"grammar-{key}.lark"
-    if not target.exists():
-        # Lark writes in place: build in a private file first, so that a parallel reader never sees half a table.
-        descriptor, name = tempfile.mkstemp(dir=folder, suffix=".tmp")
-        os.close(descriptor)
-        os.unlink(name)
-        make_parser(name)
-        os.replace(name, target)
-    return str(target)
-
-
 def is_unicode(text: str) -> bool:
     """Whether mathematical signs come first in the file; the formatter keeps one style throughout."""
+    if text.isascii():
+        return False
     code = _NOT_CODE.sub("", text)
     sign, word = _SIGN.search(code), _WORD.search(code)
     return sign is not None and (word is None or sign.start() < word.start())

@@ -45,7 +45,8 @@ class Wrapping:
         return self._lay(node, level_of(node) < level, column, tail)
 
     def _lay(self, node: ast.Expr, parentheses: bool, column: int, tail: int) -> str:
-        flat = self.notation.expr(node)
+        parentheses = parentheses or ast.is_parenthesised(node)
+        flat = self.notation.bare(node)
         if column + len(flat) + 2 * parentheses + tail > WIDTH:
             handler = _HANDLERS.get(type(node))
             if handler is not None:
@@ -53,10 +54,10 @@ class Wrapping:
                 flat = handler(self, node, inside, tail + parentheses)
         return f"({flat})" if parentheses else flat
 
-    def append(self, text: str, column: int, more: str, indent: int) -> str:
-        """A text, and two blanks and more if that fits, else more on a line of its own."""
-        if end_column(text, column) + 2 + len(more) <= WIDTH:
-            return f"{text}  {more}"
+    def append(self, text: str, column: int, more: str, indent: int, blanks: int = 2) -> str:
+        """A text, and blanks and more if that fits, else more on a line of its own."""
+        if end_column(text, column) + blanks + len(more) <= WIDTH:
+            return f"{text}{' ' * blanks}{more}"
         return f"{text.rstrip()}{new_line(indent)}{more}"
 
     def fill(
@@ -109,6 +110,15 @@ class Wrapping:
             text += self._operand(operand, wanted, open_end, inner + len(sign), tail if last else 0)
         return text
 
+    def _chained(self, node: ast.Chained, column: int, tail: int) -> str:
+        first, *rest = node.operands
+        text, inner = self.lay(first, ADDITIVE, column), column + 2
+        for number, (op, operand) in enumerate(zip(node.ops, rest), start=1):
+            sign = self.notation.sign(op) + " "
+            after = tail if number == len(rest) else 0
+            text += new_line(inner) + sign + self.lay(operand, ADDITIVE, inner + len(sign), after)
+        return text
+
     def _unary(self, node: ast.Unary, column: int, tail: int) -> str:
         prefix = self.notation.prefix(node)
         return prefix + self._lay(node.operand, self.notation.parenthesised(node), column + len(prefix), tail)
@@ -159,7 +169,7 @@ class Wrapping:
                 lines.append(word + self.lay(node.condition, EXPRESSION, column + len(word)))
                 inner = column + 2
                 lines.append("  then " + self._operand(node.then, SUM, False, inner + len("then ")))
-            if not isinstance(node.otherwise, ast.IfElse):
+            if not isinstance(node.otherwise, ast.IfElse) or ast.is_parenthesised(node.otherwise):
                 break
             node, word = node.otherwise, "else if "
         lines.append("else " + self.lay(node.otherwise, SUM, column + len("else "), tail))
@@ -234,26 +244,28 @@ def _chain(node: ast.Binary) -> tuple[ast.Expr, list[tuple[str, ast.Expr]]]:
     rest: list[tuple[str, ast.Expr]] = []
     if level == IMPLICATION:
         first: ast.Expr = node.left
-        tree: ast.Expr = node
-        while isinstance(tree, ast.Binary) and tree.op == node.op:
-            following = tree.right
-            chained = isinstance(following, ast.Binary) and following.op == node.op
-            rest.append(
-                (tree.op, following.left if isinstance(following, ast.Binary) and chained else following)
-            )
-            tree = following
-        return first, rest
+        while True:
+            following = node.right
+            if (
+                not isinstance(following, ast.Binary)
+                or following.op != node.op
+                or ast.is_parenthesised(following)
+            ):
+                rest.append((node.op, following))
+                return first, rest
+            rest.append((node.op, following.left))
+            node = following
     first = node
     while isinstance(first, ast.Binary) and LEVELS[first.op][0] == level:
         rest.append((first.op, first.right))
         first = first.left
-        if left != level or open_ended(first):
+        if left != level or open_ended(first) or ast.is_parenthesised(first):
             break
     return first, rest[::-1]
 
 
 _HANDLERS: dict[type[ast.Expr], Callable[[Wrapping, Any, int, int], str]] = {
-    ast.Binary: Wrapping._binary, ast.Unary: Wrapping._unary, ast.Temporal: Wrapping._temporal, ast.Until: Wrapping._until,
+    ast.Binary: Wrapping._binary, ast.Chained: Wrapping._chained, ast.Unary: Wrapping._unary, ast.Temporal: Wrapping._temporal, ast.Until: Wrapping._until,
     ast.Quantified: Wrapping._quantified, ast.Infix: Wrapping._infix, ast.IfElse: Wrapping._if_else,
     ast.Within: Wrapping._within, ast.InZone: Wrapping._in_zone, ast.Attribute: Wrapping._attribute, ast.Call: Wrapping._call,
     ast.RecordValue: Wrapping._record, ast.ListValue: Wrapping._list,

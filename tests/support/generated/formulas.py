@@ -24,7 +24,7 @@ from support.generated.vocabulary import (
 )
 
 #: Functions whose last digit depends on the platform's libm.
-INEXACT = ("sin", "cos", "tan", "exp", "log", "pow", "atan2")
+INEXACT = ("sin", "cos", "tan", "exp", "log", "pow", "atan2", "asin", "acos", "tanh")
 _COMPARISONS = ("<=", "<", ">=", ">", "==", "!=", "≤", "≥", "≠")
 _CONNECTIVES = ("and", "or", "implies", "iff", "xor")
 _WINDOWED = ("always", "eventually", "historically", "once")
@@ -108,7 +108,7 @@ class FormulaWriter:
                 )
             )
         if dimension == NUMBER:
-            ways.append(lambda: f"floor({self.number(NUMBER, depth - 1, scope, self._any)})")
+            ways.append(lambda: self._stepped(depth, scope))
             if self.inexact == "any" or (self.inexact == "gentle" and soft):
                 ways += [lambda: self._inexact(depth, scope)] * 3
         ways += [
@@ -179,7 +179,13 @@ class FormulaWriter:
 
     def _extremum(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
         args = [self.number(dimension, depth - 1, scope, soft) for _ in range(self.choices.pick((2, 2, 3)))]
-        return f"{self.choices.pick(('min', 'max'))}({', '.join(args)})"
+        return f"{self.choices.pick(('min', 'max', 'hypot') if len(args) == 2 else ('min', 'max'))}({', '.join(args)})"
+
+    def _stepped(self, depth: int, scope: Scope) -> str:
+        """Functions that jump: an error of their argument does not stay small."""
+        name = self.choices.pick(("floor", "ceil", "round", "sign"))
+        dimension = self.choices.pick(COMMON) if name == "sign" else NUMBER
+        return f"{name}({self.number(dimension, depth - 1, scope, self._any)})"
 
     def _choice(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
         condition = self.formula(depth - 1, scope, soft=self._any)

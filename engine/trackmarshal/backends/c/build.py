@@ -14,15 +14,19 @@ from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
+from trackmarshal.backends.c.expressions import called
 from trackmarshal.backends.c.glue import glue
 from trackmarshal.backends.c.source import Source
 from trackmarshal.cache import cache_folder
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.operators import FUNCTIONS
 
+#: Functions of libm of which another one may give other digits.
+OWN_DIGITS = sorted({c for name, function in FUNCTIONS.items() if function.libm for c in called(name)[1]})
 #: Without these, a compiler may fuse, re-associate, or compute functions of constants by other code than libm's.
 EXACT = (
     "-std=c99", "-ffp-contract=off", "-fno-fast-math",
-    *(f"-fno-builtin-{name}" for name in ("sin", "cos", "tan", "exp", "log", "pow", "atan2")),
+    *(f"-fno-builtin-{name}" for name in OWN_DIGITS),
 )  # fmt: skip
 #: sqrt as one instruction: nobody reads errno. Signals of the floating-point unit are not used either.
 FAST = ("-O2", "-fno-math-errno", "-fno-trapping-math")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from trackmarshal.backends.c.layout import Input
-from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.backends.c.places import _bordered, _setters, sources
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir.spec import FieldType
@@ -27,10 +27,13 @@ def _main(source: Source) -> Iterator[str]:
     yield ""
     yield "#include <stdio.h>"
     yield ""
-    for item in plan.inputs.values():
-        if item.kind == "columns":
-            for info, c_name in item.fields:
-                yield from _column(item, info, c_name)
+    columns = [
+        (item, info) for item in plan.inputs.values() if item.kind == "columns" for info, _ in item.fields
+    ]
+    # What stands beside them in the program is one word, but for one.
+    arrays = distinct((f"{item.name}.{info.name}" for item, info in columns), ["out_emergency"])
+    for item, info in columns:
+        yield from _column(item, info, arrays[f"{item.name}.{info.name}"])
     given = sources(plan)
     if any(_bordered(plan, name) for name in given):
         yield "static const double left[4] = {-100.0, 6.0, 100.0, 6.0}; /* m: x, y by turns */"
@@ -61,7 +64,7 @@ def _main(source: Source) -> Iterator[str]:
             yield f"  if (!{admit}(&context, {args}, &fault)) {{ {unusable} }}"
         yield f"  if ({names[name]}(&context, {args}{closed}) != TM_OK) {{ {unusable} }}"
     for item in plan.inputs.values():
-        yield from _assignments(item)
+        yield from _assignments(item, arrays)
     if not plan.inputs:
         yield "  in.unused = 0;"
     if source.doored:
@@ -89,35 +92,36 @@ def _quoted(text: str) -> str:
     return '"' + comment(text).replace('"', "'") + '"'
 
 
-def _column(item: Input, info: FieldType, c_name: str) -> Iterator[str]:
+def _column(item: Input, info: FieldType, array: str) -> Iterator[str]:
     assert item.signal is not None
+    name = info.name
     count = SAMPLES if item.signal.sequence else 1
     if info.kind == "bool":
-        yield f"static const tm_flag {item.c_name}_{c_name}[{count}] = {{{', '.join(['TM_TRUE'] * count)}}};"
+        yield f"static const tm_flag {array}[{count}] = {{{', '.join(['TM_TRUE'] * count)}}};"
         return
-    step = 0.1 if info.increasing else 0.5 if item.signal.sequence and c_name in ("x", "s") else 0.0
+    step = 0.1 if info.increasing else 0.5 if item.signal.sequence and name in ("x", "s") else 0.0
     start = (
         info.default
         if info.default is not None
         else 1.0
-        if c_name in ("length", "width", "grip")
+        if name in ("length", "width", "grip")
         else 30.0
-        if not item.signal.sequence and c_name == "x"
+        if not item.signal.sequence and name == "x"
         else 0.0
     )
     values = ", ".join(repr(round(start + step * k, 6)) for k in range(count))
-    yield f"static const double {item.c_name}_{c_name}[{count}] = {{{values}}};"
+    yield f"static const double {array}[{count}] = {{{values}}};"
 
 
-def _assignments(item: Input) -> Iterator[str]:
+def _assignments(item: Input, arrays: dict[str, str]) -> Iterator[str]:
     if item.kind == "event":
         yield f"  in.{item.c_name} = TM_FALSE;"
         return
     assert item.signal is not None
     if item.kind == "columns":
         yield f"  in.{item.c_name}.count = {SAMPLES if item.signal.sequence else 1}u;"
-        for _, c_name in item.fields:
-            yield f"  in.{item.c_name}.{c_name} = {item.c_name}_{c_name};"
+        for info, c_name in item.fields:
+            yield f"  in.{item.c_name}.{c_name} = {arrays[f'{item.name}.{info.name}']};"
         return
     for info, c_name in item.fields:
         yield f"  in.{item.c_name}.{c_name} = {'TM_TRUE' if info.kind == 'bool' else '0.0'};"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import assert_never
 
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
@@ -11,6 +12,7 @@ from trackmarshal.backends.c.slots import mark
 from trackmarshal.backends.c.statements import Block
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import COMPARISONS, ConnectiveOp, Extreme, FunctionName, Measure
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.source import Span
 
@@ -29,20 +31,61 @@ class Value:
         return (self.worst_sat, self.worst_margin), (self.best_sat, self.best_margin)
 
 
-#: Built-in functions whose C is not a call of libm of the same name.
-_FUNCTIONS = {
-    "abs": "fabs",
-    "min": "tm_min",
-    "max": "tm_max",
-    "pow": "tm_pow",
-    "floor": "floor",
-    "sqrt": "sqrt",
-}
-_LIBM = ("sin", "cos", "tan", "exp", "log", "atan2")
-_MARGINS: dict[str, Callable[[str, str], str]] = {
-    "<": lambda a, b: f"{b} - {a}", "<=": lambda a, b: f"{b} - {a}", ">": lambda a, b: f"{a} - {b}",
-    ">=": lambda a, b: f"{a} - {b}", "==": lambda a, b: f"-fabs({a} - {b})", "!=": lambda a, b: f"fabs({a} - {b})",
-}  # fmt: skip
+def called(name: FunctionName) -> tuple[str, frozenset[str]]:
+    """The C function of a function of numbers, and which functions of libm that is, or calls."""
+    match name:
+        case "abs":
+            return "fabs", frozenset()
+        case "sign":
+            return "tm_sign", frozenset()
+        case "min":
+            return "tm_min", frozenset()
+        case "max":
+            return "tm_max", frozenset()
+        case "hypot":
+            return "tm_hypot", frozenset(["sqrt"])
+        case "pow":
+            return "tm_pow", frozenset(["pow"])
+        case "round":
+            return "rint", frozenset(["rint"])
+        case "sqrt" | "floor" | "ceil" | "exp" | "log" | "tanh":
+            return name, frozenset([name])
+        case "sin" | "cos" | "tan" | "asin" | "acos" | "atan2":
+            return name, frozenset([name])
+        case _:
+            assert_never(name)
+
+
+def margin(measure: Measure, a: str, b: str) -> str:
+    """C of a comparison's margin."""
+    match measure:
+        case Measure.ROOM_ABOVE:
+            return f"{b} - {a}"
+        case Measure.ROOM_BELOW:
+            return f"{a} - {b}"
+        case Measure.NEARNESS:
+            return f"-fabs({a} - {b})"
+        case Measure.DISTANCE:
+            return f"fabs({a} - {b})"
+        case _:
+            assert_never(measure)
+
+
+def extreme(kind: Extreme) -> tuple[str, str]:
+    """The C operator that joins whether formulas hold, and the function that joins their margins."""
+    match kind:
+        case Extreme.LEAST:
+            return "&&", "tm_least"
+        case Extreme.GREATEST:
+            return "||", "tm_greatest"
+        case _:
+            assert_never(kind)
+
+
+def neutral(kind: Extreme) -> tuple[str, str]:
+    """C of whether nothing holds, and of its margin."""
+    holds, least = kind.neutral
+    return ("true" if holds else "false"), ("TM_INF" if least > 0.0 else "-TM_INF")
 
 
 class Writer:
@@ -92,14 +135,14 @@ class Writer:
     def add(self, block: Block, text: str, target: str | None = None) -> None:
         block.add(text, target, self.note())
 
-    def free(self, node: ir.IR) -> frozenset[ir.Axis]:
+    def free(self, node: ir.Num | ir.Formula) -> frozenset[ir.Axis]:
         """The axes whose variables a node depends on."""
         found = self._free.get(node)
         if found is None:
             found = self._free[node] = self._free_of(node)
         return found
 
-    def _free_of(self, node: ir.IR) -> frozenset[ir.Axis]:
+    def _free_of(self, node: ir.Num | ir.Formula) -> frozenset[ir.Axis]:
         match node:
             case ir.Column():
                 return frozenset([node.axis])
@@ -114,11 +157,10 @@ class Writer:
                 return self.free(node.operand) | {node.axis}
             case ir.Until():
                 return self.free(node.left) | self.free(node.right) | {node.axis}
-            case _:
+            case _:  # nodes that bind no axis
                 result: frozenset[ir.Axis] = frozenset()
-                for child in node.children():
-                    if isinstance(child, (ir.Num, ir.Formula)):
-                        result |= self.free(child)
+                for child in ir.operands(node):
+                    result |= self.free(child)
                 return result
 
     def home(self, axes: frozenset[ir.Axis], block: Block) -> Block:
@@ -178,20 +220,14 @@ class Writer:
                 return f"in->{self.plan.input(node.signal).c_name}.{self.plan.field_name(node.signal, node.field)}"
             case ir.Arith():
                 left, right = self.number(node.left, at), self.number(node.right, at)
-                if node.op not in ("+", "-", "*", "/"):
-                    raise AssertionError(f"unknown operator {node.op}")
                 return f"{left} {node.op} {right}"
             case ir.Neg():
                 return f"-{self.number(node.operand, at)}"
             case ir.Func():
                 args = ", ".join([self.number(arg, at) for arg in node.args])
-                if node.name in _FUNCTIONS:
-                    self.libm |= {node.name} & {"pow", "sqrt", "floor"}
-                    return f"{_FUNCTIONS[node.name]}({args})"
-                if node.name in _LIBM:
-                    self.libm.add(node.name)
-                    return f"{node.name}({args})"
-                raise self.refuse(node, f"the function `{node.name}` has no C counterpart")
+                function, libm = called(node.name)
+                self.libm |= libm
+                return f"{function}({args})"
             case ir.Choose():
                 condition = self.formula(node.condition, at)
                 then, otherwise = self.number(node.then, at), self.number(node.otherwise, at)
@@ -202,12 +238,18 @@ class Writer:
                 return (
                     f"tm_lookup(&c->tables.{self.plan.tables[node.table]}, {self.number(node.argument, at)})"
                 )
-            case ir.Along():
-                return self._along(node, at)
+            case ir.Station():
+                return f"{self._projected(node, at)}.station"
+            case ir.Offset():
+                return f"{self._projected(node, at)}.offset"
+            case ir.Direction():
+                return f"{self._projected(node, at)}.direction"
+            case ir.Distance():
+                return f"{self._on_line('distance', node.line)}, {self.number(node.x, at)}, {self.number(node.y, at)})"
+            case ir.StationGap():
+                return f"{self._on_line('gap', node.line)}, {self.number(node.start, at)}, {self.number(node.end, at)})"
             case _:
-                raise self.refuse(
-                    node, f"the C generator does not know numbers of kind {type(node).__name__}"
-                )
+                assert_never(node)
 
     def _column(self, node: ir.Column | ir.Flag, at: Block) -> str:
         assert node.axis is not None
@@ -220,34 +262,24 @@ class Writer:
             return f"{place}[tm_before({index}, {-node.offset}u)]"
         return f"{place}[{index}]"
 
-    def _along(self, node: ir.Along, at: Block) -> str:
-        args = [self.number(arg, at) for arg in node.args]
-        line = node.line
+    def _on_line(self, what: str, line: ir.Line) -> str:
+        """The call of a function of a line, up to its last arguments."""
         if line.kind == "path":
-            signal = self.plan.input(line.name).c_name
+            signal = f"in->{self.plan.input(line.name).c_name}"
             x, y = (self.plan.field_name(line.name, name) for name in ("x", "y"))
-            target = f"in->{signal}.x, in->{signal}.y, in->{signal}.count".replace(".x,", f".{x},").replace(
-                ".y,", f".{y},"
-            )
-            names = ("tm_path_gap", "tm_path_distance", "tm_path_project")
-        else:
-            target = f"c, &c->shapes.{self.plan.shape(line).c_name}"
-            names = ("tm_line_gap", "tm_line_distance", "tm_line_project")
-        if node.what == "station_gap":
-            return f"{names[0]}({target}, {args[0]}, {args[1]})"
-        if node.what == "distance":
-            return f"{names[1]}({target}, {args[0]}, {args[1]})"
-        if node.what not in ("station", "offset", "direction"):
-            raise self.refuse(node, f"the C generator does not know `{node.what}`")
-        # Station, offset and direction of one point are three nodes; the projection is made once.
-        key = ("projection", line, *args)
+            return f"tm_path_{what}({signal}.{x}, {signal}.{y}, {signal}.count"
+        return f"tm_line_{what}(c, &c->shapes.{self.plan.shape(line).c_name}"
+
+    def _projected(self, node: ir.Projected, at: Block) -> str:
+        """The name of a point's projection, made once: its station, offset and direction are three nodes."""
+        x, y = self.number(node.x, at), self.number(node.y, at)
+        key = ("projection", node.line, x, y)
         known = at.known.get(key)
         if known is None:
             known = at.known[key] = f"r{self.fresh()}"
-            self.add(
-                at, f"const tm_projection {known} = {names[2]}({target}, {args[0]}, {args[1]});", str(known)
-            )
-        return f"{known}.{node.what}"
+            call = f"{self._on_line('project', node.line)}, {x}, {y})"
+            self.add(at, f"const tm_projection {known} = {call};", f"{known}")
+        return f"{known}"
 
     # Formulas ---------------------------------------------------------------------------------------------------
 
@@ -271,7 +303,7 @@ class Writer:
                 return self._flag(node, at)
             case ir.Compare():
                 return self._compare(node, at)
-            case ir.Geometry():
+            case ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 return self._geometry(node, at)
             case ir.Not():
                 inner = self.formula(node.operand, at)
@@ -292,9 +324,7 @@ class Writer:
                 first.binds[node.axis] = "0u"
                 return self._carried(self.formula(node.operand, first), at, first)
             case _:
-                raise self.refuse(
-                    node, f"the C generator does not know formulas of kind {type(node).__name__}"
-                )
+                assert_never(node)
 
     def value(
         self, at: Block, worst_sat: str, worst_margin: str, best_sat: str = "", best_margin: str = ""
@@ -336,34 +366,32 @@ class Writer:
         )  # fmt: skip
 
     def _compare(self, node: ir.Compare, at: Block) -> Value:
-        if node.op not in _MARGINS:
-            raise AssertionError(f"unknown comparison {node.op}")
         a, b = self.number(node.left, at), self.number(node.right, at)
-        margin, sat = _MARGINS[node.op](a, b), f"{a} {node.op} {b}"
+        apart, sat = margin(COMPARISONS[node.op].measure, a, b), f"{a} {node.op} {b}"
         if self.known:
-            value = self.value(at, sat, margin)
+            value = self.value(at, sat, apart)
             self.add(at, f"suspect |= tm_wild({value.worst_margin});")
             return value
         k = self.fresh()
         self.add(at, f"const bool k{k} = tm_finite({a}) && tm_finite({b});", f"k{k}")
-        self.add(at, f"const double d{k} = {margin};", f"d{k}")
+        self.add(at, f"const double d{k} = {apart};", f"d{k}")
         return self.value(
             at, f"k{k} && ({sat})", f"k{k} ? d{k} : -TM_INF", f"!k{k} || ({sat})", f"k{k} ? d{k} : TM_INF"
         )
 
     def _geometry(self, node: ir.Geometry, at: Block) -> Value:
-        args = [self.number(arg, at) for arg in node.args]
-        if node.what == "swept_clear":
-            self.libm |= {"sin", "cos", "sqrt"}
-            text = f"tm_swept_clear({', '.join(args)})"
-        elif node.what in ("swept_inside", "in_area"):
-            assert node.area is not None
-            shape = f"c, &c->shapes.{self.plan.shape(node.area).c_name}"
-            text = f"tm_in_area({shape}, {', '.join(args)})"
-            if node.what == "swept_inside":
-                text = f"tm_swept_inside({shape}, {', '.join(args)}, {self.bounds.get(node, 'TM_INF')})"
-        else:
-            raise self.refuse(node, f"the C generator does not know the predicate `{node.what}`")
+        args = ", ".join([self.number(arg, at) for arg in ir.operands(node) if isinstance(arg, ir.Num)])
+        match node:
+            case ir.SweptClear():
+                self.libm |= {"sin", "cos", "sqrt"}
+                text = f"tm_swept_clear({args})"
+            case ir.SweptInside():
+                bound = self.bounds.get(node, "TM_INF")
+                text = f"tm_swept_inside({self._area(node.area)}, {args}, {bound})"
+            case ir.InArea():
+                text = f"tm_in_area({self._area(node.area)}, {args})"
+            case _:
+                assert_never(node)
         k = self.fresh()
         self.add(at, f"const double d{k} = {text};", f"d{k}")
         if self.known:
@@ -378,25 +406,35 @@ class Writer:
             f"k{k} ? d{k} : TM_INF",
         )
 
+    def _area(self, area: ir.Area) -> str:
+        return f"c, &c->shapes.{self.plan.shape(area).c_name}"
+
     def negated(self, inner: Value, at: Block) -> Value:
         return self.value(
             at, f"!{inner.best_sat}", f"-{inner.best_margin}", f"!{inner.worst_sat}", f"-{inner.worst_margin}"
         )
 
-    def connect(self, op: str, a: Value, b: Value, at: Block) -> Value:
-        if op in ("and", "or"):
-            sign, pick = ("&&", "tm_least") if op == "and" else ("||", "tm_greatest")
-            texts = []
-            for (x_sat, x_margin), (y_sat, y_margin) in zip(a.sides, b.sides):
-                texts += [f"{x_sat} {sign} {y_sat}", f"{pick}({x_margin}, {y_margin})"]
-            return self.value(at, *texts)
-        if op == "implies":
-            return self.connect("or", self.negated(a, at), b, at)
-        if op == "xor":
-            return self._differ(a, b, at)
-        if op == "iff":
-            return self.negated(self._differ(a, b, at), at)
-        raise AssertionError(f"unknown connective {op}")
+    def connect(self, op: ConnectiveOp, a: Value, b: Value, at: Block) -> Value:
+        match op:
+            case "and":
+                return self._extreme(Extreme.LEAST, a, b, at)
+            case "or":
+                return self._extreme(Extreme.GREATEST, a, b, at)
+            case "implies":
+                return self._extreme(Extreme.GREATEST, self.negated(a, at), b, at)
+            case "xor":
+                return self._differ(a, b, at)
+            case "iff":
+                return self.negated(self._differ(a, b, at), at)
+            case _:
+                assert_never(op)
+
+    def _extreme(self, kind: Extreme, a: Value, b: Value, at: Block) -> Value:
+        sign, pick = extreme(kind)
+        texts = []
+        for (x_sat, x_margin), (y_sat, y_margin) in zip(a.sides, b.sides):
+            texts += [f"{x_sat} {sign} {y_sat}", f"{pick}({x_margin}, {y_margin})"]
+        return self.value(at, *texts)
 
     def _differ(self, a: Value, b: Value, at: Block) -> Value:
         surely = f"({a.worst_sat} && !{b.best_sat}) || ({b.worst_sat} && !{a.best_sat})"
@@ -420,10 +458,10 @@ class Writer:
         numbers = [self.fresh() for _ in nodes]
         names = (("s", "m"),) if self.known else (("ws", "wm"), ("bs", "bm"))
         for node, k in zip(nodes, numbers):
-            sat, margin = ("true", "TM_INF") if node.quantifier == "for all" else ("false", "-TM_INF")
+            holds, least = neutral(node.extreme)
             for s, m in names:
-                self.add(at, f"bool {s}{k} = {sat};", f"{s}{k}")
-                self.add(at, f"double {m}{k} = {margin};", f"{m}{k}")
+                self.add(at, f"bool {s}{k} = {holds};", f"{s}{k}")
+                self.add(at, f"double {m}{k} = {least};", f"{m}{k}")
         i, total = f"i{self.fresh()}", f"t{self.fresh()}"
         self.add(at, f"const size_t {total} = {self.count(axis)};", total)
         loop = at.open(f"for (size_t {i} = 0u; {i} < {total}; ++{i})")
@@ -432,9 +470,10 @@ class Writer:
             if owners is not None:
                 self.rule, self._span = owners[place], owners[place].span
             guard = None if node.guard is None else self.formula(node.guard, loop)
+            every = node.extreme is Extreme.LEAST
             if (
                 self.known
-                and node.quantifier == "for all"
+                and every
                 and isinstance(node.body, ir.Geometry)
                 and axis in self.free(node.body)  # else it is computed ahead of the loop, once
                 and self._once(node.body)
@@ -442,12 +481,12 @@ class Writer:
                 # The least margin is asked for: one that is greater than the least so far need not be exact.
                 self.bounds[node.body] = f"m{k}"
             body = self.formula(node.body, loop)
-            sign, pick = ("&&", "tm_least") if node.quantifier == "for all" else ("||", "tm_greatest")
+            sign, pick = extreme(node.extreme)
             for side, (s, m) in enumerate(names):
                 condition = ""
                 if guard is not None:
                     # In the worst case all that may be in range counts against a `for all`: its guard's best side.
-                    condition = guard.sides[side if node.quantifier == "exists" else 1 - side][0]
+                    condition = guard.sides[1 - side if every else side][0]
                 body_sat, body_margin = body.sides[side]
                 new_sat, new_margin = f"{s}{k} {sign} {body_sat}", f"{pick}({m}{k}, {body_margin})"
                 if condition:

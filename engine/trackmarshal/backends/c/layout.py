@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import assert_never
 
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.ir import nodes as ir
@@ -108,6 +109,24 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         columns.setdefault(node.name, set()).update(("x", "y"))
                     case ir.Line() | ir.Area():
                         shapes[shape_key(node)] = isinstance(node, ir.Area)
+                    case (
+                        ir.Const()
+                        | ir.Arith()
+                        | ir.Neg()
+                        | ir.Func()
+                        | ir.Choose()
+                        | ir.Truth()
+                        | ir.Compare()
+                    ):
+                        pass  # what they are made of is below, too
+                    case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+                        pass
+                    case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not() | ir.Connective():
+                        pass
+                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
+                        pass
+                    case _:
+                        assert_never(node)
     for name in whole:
         columns.setdefault(name, set())
     if whole:
@@ -129,10 +148,13 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
     result.params = distinct(name for name in spec.params if name in set(params))
     result.tables = distinct(name for name in spec.tables if name in set(tables))
     order = sorted(shapes)
-    c_names = distinct("_".join(part for part in (key[0], key[1], key[2]) if part) for key in order)
-    for key, c_name in zip(order, c_names.values()):
+    c_names = distinct(".".join(part for part in key if part) for key in order)
+    for key, c_name in zip(order, c_names.values(), strict=True):
         result.shapes[key] = Shape(key, c_name, key[0], shapes[key])
-    result.rule_names = distinct(rule.name.casefold() for rule in result.rules)
-    folded = dict(zip([rule.name for rule in result.rules], result.rule_names.values()))
-    result.rule_names = folded
+    rules_ = distinct((rule.name for rule in result.rules), endings=_ENDINGS)
+    result.rule_names = {name: c_name.lower() for name, c_name in rules_.items()}
     return result
+
+
+#: What the names of a rule's functions end in, after the rule's own: no other rule's name may.
+_ENDINGS = ("_known", "_any", "_along", "_start", "_push", "_finish", "_advance")

@@ -8,72 +8,64 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 _PLAIN = re.compile(r"[ -~]*")
-_KEYWORDS = frozenset(
-    [
-        "auto",
-        "break",
-        "case",
-        "char",
-        "const",
-        "continue",
-        "default",
-        "do",
-        "double",
-        "else",
-        "enum",
-        "extern",
-        "float",
-        "for",
-        "goto",
-        "if",
-        "inline",
-        "int",
-        "long",
-        "register",
-        "restrict",
-        "return",
-        "short",
-        "signed",
-        "sizeof",
-        "static",
-        "struct",
-        "switch",
-        "typedef",
-        "union",
-        "unsigned",
-        "void",
-        "volatile",
-        "while",
-        "_Bool",
-        "bool",
-        "true",
-        "false",
-        "count",
-    ]
+#: Keywords of C and C++, newer standards' and common extensions included: the header may end up in any program.
+_KEYWORDS = (
+    "auto break case char const continue default do double else enum extern float for goto if inline int long register restrict"
+    " return short signed sizeof static struct switch typedef union unsigned void volatile while bool true false alignas alignof"
+    " constexpr nullptr static_assert thread_local typeof typeof_unqual asm fortran and and_eq bitand bitor catch char8_t char16_t"
+    " char32_t class co_await co_return co_yield compl concept const_cast consteval constinit decltype delete dynamic_cast explicit"
+    " export friend mutable namespace new noexcept not not_eq operator or or_eq private protected public reinterpret_cast requires"
+    " static_cast template this throw try typeid typename using virtual wchar_t xor xor_eq"
 )
+#: Macros in lower case: of the standard headers, and of compilers that are not asked for strict C.
+_MACROS = (
+    "complex imaginary noreturn errno stdin stdout stderr assert offsetof math_errhandling fpclassify isfinite isinf isnan isnormal"
+    " signbit isgreater isgreaterequal isless islessequal islessgreater isunordered"
+    " unix linux i386 arm mips sparc sun vax hpux vms near far huge pascal cdecl interface"
+)
+#: Members of our own structs, beside which names of a spec stand.
+_MEMBERS = "count unused"
+_KNOWN = frozenset(" ".join([_KEYWORDS, _MACROS, _MEMBERS]).split(" "))
+_WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+
+
+def plain(name: str) -> bool:
+    """Whether a name is a C identifier as it stands."""
+    return _WORD.fullmatch(name) is not None and name.casefold() not in _KEYWORDS.split(" ")
 
 
 def identifier(name: str) -> str:
-    """A C identifier for a name of a spec: lower case, what C does not know spelled out."""
+    """A C identifier for a name of a spec, which is nothing to the compiler and to no header.
+
+    What C does not know is spelled out. A name ends in an underscore where it is a keyword or a macro, or might be one: all in
+    capitals, or with our own prefix `tm_`; one that begins with an underscore or a digit begins with an n instead.
+    """
     text = "".join(
         c if c.isascii() and (c.isalnum() or c == "_") else "_" if c in ".-" else f"u{ord(c):x}" for c in name
     )
-    if text.casefold() in _KEYWORDS or text[:1].isdigit() or not text:
-        text = f"{text}_" if text and not text[:1].isdigit() else f"n{text}"
-    return text
+    if not text or text[0].isdigit() or text[0] == "_":
+        text = f"n{text}"
+    folded = text.casefold()
+    return f"{text}_" if folded in _KNOWN or text.isupper() or "tm_" in folded else text
 
 
-def distinct(names: Iterable[str]) -> dict[str, str]:
-    """Names to C identifiers, no two alike."""
-    taken: set[str] = set()
+def distinct(
+    names: Iterable[str], taken: Iterable[str] = (), endings: tuple[str, ...] = ()
+) -> dict[str, str]:
+    """Names to C identifiers, no two alike, not even in capitals: macros are made of them.
+
+    None is one of those that are taken (in lower case), and none ends in one of the endings.
+    """
+    used = set(taken)
     result: dict[str, str] = {}
     for name in names:
-        base = made = identifier(name)
+        base = identifier(name)
+        made = base = f"{base}_" if endings and base.casefold().endswith(endings) else base
         number = 2
-        while made in taken:
+        while made.casefold() in used:
             made = f"{base}_{number}"
             number += 1
-        taken.add(made)
+        used.add(made.casefold())
         result[name] = made
     return result
 

@@ -5,23 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import assert_never
 
-from trackmarshal.backends.c.expressions import Value, Writer
+from trackmarshal.backends.c import parts
+from trackmarshal.backends.c.expressions import Value, Writer, extreme, neutral
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.statements import Block, prune, render
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import FieldType, RuleInfo
 
 #: Samples that a monitor holds: as many as fall into its longest window, and a few.
 CAPACITY = 1024
-Timed = ir.Temporal | ir.Until | ir.Shift | ir.Edge
 _POINTWISE = (
     ir.Const, ir.Param, ir.Column, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Truth, ir.Flag, ir.Compare, ir.Not,
     ir.Connective, ir.Guarded, ir.Temporal, ir.Until, ir.Shift, ir.Edge, ir.Axis,
 )  # fmt: skip
-_PAST = ("historically", "once", "since")
 
 
 @dataclass(frozen=True)
@@ -51,22 +52,17 @@ def obstacle(rule: RuleInfo) -> str | None:
             return f"it reads more than the present sample ({type(node).__name__})"
         if isinstance(node, (ir.Column, ir.Flag)) and (node.axis is not rule.formula.axis or node.offset):
             return "it reads more than the present sample"
-        if isinstance(node, (ir.Temporal, ir.Until)) and node.op not in _PAST and node.upper is None:
+        if isinstance(node, (ir.Temporal, ir.Until)) and not node.past and node.upper is None:
             return f"`{node.op}` without an upper bound inside a formula is decided at the end only"
     return None
 
 
-def _top(rule: RuleInfo) -> tuple[str | None, ir.Formula]:
+def _top(rule: RuleInfo) -> tuple[Extreme | None, ir.Formula]:
     """`always` or `eventually` over all of the timeline, if that is what the rule is, and what stands in it."""
     assert isinstance(rule.formula, ir.First)
     operand = rule.formula.operand
-    if (
-        isinstance(operand, ir.Temporal)
-        and operand.op not in _PAST
-        and operand.upper is None
-        and not operand.lower
-    ):
-        return operand.op, operand.operand
+    if isinstance(operand, ir.Temporal) and not operand.past and operand.upper is None and not operand.lower:
+        return operand.extreme, operand.operand
     return None, operand
 
 
@@ -78,10 +74,10 @@ class _OnlineWriter(Writer):
     def _column(self, node: ir.Column | ir.Flag, at: Block) -> str:
         assert node.axis is not None
         name = self.plan.field_name(node.axis.signal, node.field or "")
-        return f"m->{name}[tm_ring({self.index(node.axis, at)})]"
+        return f"m->ring.{name}[tm_ring({self.index(node.axis, at)})]"
 
     def _formula(self, node: ir.Formula, at: Block) -> Value:
-        if isinstance(node, Timed):
+        if isinstance(node, ir.Timed):
             index = self.index(node.axis, at)
             texts = []
             for stream in self.streams[node]:
@@ -100,6 +96,11 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
     over, operand = _top(rule)
     axis = rule.formula.axis
     name = plan.rule_names[rule.name]
+    others = set(plan.rule_names.values()) - {name}
+    while (
+        f"tm_online_{name}" in parts.functions() or name in others
+    ):  # a rule called as an operator of ours is
+        name = f"{name}_"
     nodes = _inner_first(operand)
     read = {node.field for node in ir.below(operand) if isinstance(node, (ir.Column, ir.Flag))}
     timed = any(isinstance(node, (ir.Temporal, ir.Until)) for node in nodes)
@@ -143,10 +144,10 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
     return Monitor(rule, name, fields, "\n".join(types), "\n".join(prototypes), "\n".join(text))
 
 
-def _inner_first(operand: ir.Formula) -> list[Timed]:
+def _inner_first(operand: ir.Formula) -> list[ir.Timed]:
     """The temporal operators of a formula, those inside others before them."""
-    found: dict[ir.IR, None] = {}
-    stack: list[tuple[ir.IR, bool]] = [(operand, False)]
+    found: dict[ir.Num | ir.Formula, None] = {}
+    stack: list[tuple[ir.Num | ir.Formula, bool]] = [(operand, False)]
     while stack:
         node, ready = stack.pop()
         if node in found:
@@ -155,20 +156,20 @@ def _inner_first(operand: ir.Formula) -> list[Timed]:
             found[node] = None
             continue
         stack.append((node, True))
-        stack += [(child, False) for child in node.children() if isinstance(child, (ir.Num, ir.Formula))]
-    return [node for node in found if isinstance(node, Timed)]
+        stack += [(child, False) for child in ir.operands(node)]
+    return [node for node in found if isinstance(node, ir.Timed)]
 
 
-def _inner(formulas: list[ir.Formula], nodes: list[Timed]) -> list[int]:
+def _inner(formulas: list[ir.Formula], nodes: list[ir.Timed]) -> list[int]:
     """Numbers of the outermost temporal operators inside formulas."""
     found: set[int] = set()
-    stack: list[ir.IR] = list(formulas)
+    stack: list[ir.Num | ir.Formula] = list(formulas)
     while stack:
         node = stack.pop()
-        if isinstance(node, Timed):
+        if isinstance(node, ir.Timed):
             found.add(nodes.index(node))
         else:
-            stack += [child for child in node.children() if isinstance(child, (ir.Num, ir.Formula))]
+            stack += ir.operands(node)
     return sorted(found)
 
 
@@ -181,7 +182,7 @@ def _have(inner: list[int]) -> list[str]:
 
 
 def _stage(
-    writer: _OnlineWriter, axis: ir.Axis, number: int, nodes: list[Timed], operands: list[ir.Formula], inputs: list[tuple[int, int]]
+    writer: _OnlineWriter, axis: ir.Axis, number: int, nodes: list[ir.Timed], operands: list[ir.Formula], inputs: list[tuple[int, int]]
 ) -> list[str]:  # fmt: skip
     """The operands of an operator at every sample for which they are known."""
     loop = Block(f"for (; m->given[{number}] < have; ++m->given[{number}])")
@@ -197,7 +198,7 @@ def _stage(
 
 
 def _step(
-    node: Timed, number: int, flow: str, queue: str, stack: str, time: str, given: list[str], opposite: str, target: str
+    node: ir.Timed, number: int, flow: str, queue: str, stack: str, time: str, given: list[str], opposite: str, target: str
 ) -> str:  # fmt: skip
     have = f"m->given[{number}]"
     match node:
@@ -205,27 +206,27 @@ def _step(
             window = (
                 f"{literal(node.lower or 0.0)}, {literal(math.inf if node.upper is None else node.upper)}"
             )
-            place = f"m->{time}, {have}" if node.op in _PAST else f"m->{time}, {have}, m->count, m->finished"
+            place = f"m->ring.{time}, {have}" + ("" if node.past else ", m->count, m->finished")
             if isinstance(node, ir.Until):
-                name = "tm_online_since" if node.op == "since" else "tm_online_until"
+                name = "tm_online_since" if node.past else "tm_online_until"
                 return (
                     f"{name}({flow}, {queue}, {stack}, {place}, {window}, {given[0]}, {given[1]}, {target});"
                 )
-            name = "tm_online_back" if node.op in _PAST else "tm_online_ahead"
-            least = "true" if node.op in ("always", "historically") else "false"
+            name = "tm_online_back" if node.past else "tm_online_ahead"
+            least = "true" if node.extreme is Extreme.LEAST else "false"
             return f"{name}({flow}, {queue}, {place}, {window}, {least}, {given[0]}, {target});"
         case ir.Shift():
             ahead, weak = ("true" if node.step > 0 else "false"), ("true" if node.weak else "false")
             return f"tm_online_shift({flow}, {have}, m->finished, {ahead}, {weak}, {given[0]}, {target});"
         case ir.Edge():
-            rising = "true" if node.op == "rising" else "false"
+            rising = "true" if node.rising else "false"
             return f"tm_online_edge({flow}, {have}, {rising}, {given[0]}, {opposite}, {target});"
         case _:
-            raise AssertionError(f"unknown temporal operator {type(node).__name__}")
+            assert_never(node)
 
 
 def _results(
-    writer: _OnlineWriter, axis: ir.Axis, nodes: list[Timed], operand: ir.Formula, over: str | None
+    writer: _OnlineWriter, axis: ir.Axis, nodes: list[ir.Timed], operand: ir.Formula, over: Extreme | None
 ) -> list[str]:
     loop = Block("for (; m->done < have; ++m->done)")
     loop.binds[axis] = "m->done"
@@ -233,7 +234,7 @@ def _results(
     arguments = f"{value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin}"
     writer.add(loop, f"tm_decide(&m->result[tm_ring(m->done)], false, {arguments});")
     if over is not None:
-        sign, pick = ("&&", "tm_least") if over == "always" else ("||", "tm_greatest")
+        sign, pick = extreme(over)
         for side, (sat, margin) in zip(("worst", "best"), value.sides):
             writer.add(loop, f"m->{side}_sat = m->{side}_sat {sign} {sat};")
             writer.add(loop, f"m->{side}_margin = {pick}(m->{side}_margin, {margin});")
@@ -259,8 +260,11 @@ def _types(
     yield "typedef struct {"
     yield "  size_t count;\n  size_t done;\n  tm_result verdict;\n  bool finished;\n  bool broken; /* a sample did not fit */"
     yield "  bool worst_sat;\n  bool best_sat;\n  double worst_margin;\n  double best_margin;"
-    for info, c_name in fields:
-        yield f"  {'tm_flag' if info.kind == 'bool' else 'double'} {c_name}[TM_MAX_ONLINE];"
+    if fields:
+        yield "  struct {"
+        for info, c_name in fields:
+            yield f"    {'tm_flag' if info.kind == 'bool' else 'double'} {c_name}[TM_MAX_ONLINE];"
+        yield "  } ring; /* the samples */"
     yield "  tm_result result[TM_MAX_ONLINE];"
     if flows:
         yield f"  size_t given[{flows // 2}];\n  tm_flow flow[{flows}];\n  tm_stream stream[{streams}];"
@@ -273,8 +277,8 @@ def _types(
 
 
 def _functions(
-    rule: RuleInfo, name: str, fields: tuple[tuple[FieldType, str], ...], time: str, nodes: list[Timed], stages: list[str],
-    oldest: list[str], over: str | None, queues: int,
+    rule: RuleInfo, name: str, fields: tuple[tuple[FieldType, str], ...], time: str, nodes: list[ir.Timed], stages: list[str],
+    oldest: list[str], over: Extreme | None, queues: int,
 ) -> Iterator[str]:  # fmt: skip
     flows = 2 * len(nodes)
     yield f"/* Begin a timeline of {comment(rule.name)}. */"
@@ -282,7 +286,7 @@ def _functions(
     yield "{"
     yield "  m->count = 0u;\n  m->done = 0u;\n  m->finished = false;\n  m->broken = false;"
     yield "  m->verdict.verdict = TM_OPEN;\n  m->verdict.margin = TM_NAN;"
-    start, margin = ("true", "TM_INF") if over == "always" else ("false", "-TM_INF")
+    start, margin = neutral(over or Extreme.GREATEST)
     yield f"  m->worst_sat = {start};\n  m->best_sat = {start};\n  m->worst_margin = {margin};\n  m->best_margin = {margin};"
     if flows:
         yield f"  for (size_t i = 0u; i < {flows}u; ++i) {{"
@@ -304,9 +308,9 @@ def _functions(
         yield "  if ((m->verdict.verdict == TM_OPEN) && (m->done > 0u)) { m->verdict = m->result[0]; }"
     else:
         worst, best = ("m->finished && m->worst_sat", "m->best_sat")
-        if over == "eventually":
+        if over is Extreme.GREATEST:
             worst, best = ("m->worst_sat", "!m->finished || m->best_sat")
-        yield f"  if (m->finished || {'!m->best_sat' if over == 'always' else 'm->worst_sat'}) {{"
+        yield f"  if (m->finished || {'!m->best_sat' if over is Extreme.LEAST else 'm->worst_sat'}) {{"
         yield f"    tm_decide(&m->verdict, false, {worst}, {best}, m->worst_margin, m->best_margin);"
         yield "  }"
     yield "}"
@@ -321,14 +325,14 @@ def _functions(
         yield f"  if ({text} < needed) {{ needed = {text}; }}"
     yield "  m->broken = ((m->count - needed) + 2u) >= TM_MAX_ONLINE;"
     if time:
-        last = f"m->{time}[tm_ring(m->count - 1u)]"
+        last = f"m->ring.{time}[tm_ring(m->count - 1u)]"
         yield f"  m->broken = m->broken || !tm_finite(sample->{time}) || ((m->count > 0u) && !({last} < sample->{time}));"
     yield "  if (m->broken) {"
     yield "    tm_undefined(&m->verdict);"
     yield "    return false;"
     yield "  }"
     for _, c_name in fields:
-        yield f"  m->{c_name}[tm_ring(m->count)] = sample->{c_name};"
+        yield f"  m->ring.{c_name}[tm_ring(m->count)] = sample->{c_name};"
     if not fields:
         yield "  (void)sample;"
     yield "  ++m->count;"
@@ -381,7 +385,7 @@ def glue(found: list[Monitor]) -> Iterator[str]:
     yield "}"
     for item in found:
         name = item.c_name
-        yield f"static size_t tmg_online_{name}(tm_context *c, tm_online_{name} *m, size_t n, const void *const *columns, tm_result *out) {{"
+        yield f"static size_t tmg_pushed_{name}(tm_context *c, tm_online_{name} *m, size_t n, const void *const *columns, tm_result *out) {{"
         yield "  size_t read = 0u;"
         yield f"  tm_online_{name}_start(m);"
         yield "  (void)columns;"
@@ -404,7 +408,7 @@ def glue(found: list[Monitor]) -> Iterator[str]:
     yield "  (void)c; (void)memory; (void)n; (void)columns; (void)out;"
     yield "  switch (monitor) {"
     for i, item in enumerate(found):
-        yield f"    case {i}u: return tmg_online_{item.c_name}(c, (tm_online_{item.c_name} *)memory, n, columns, out);"
+        yield f"    case {i}u: return tmg_pushed_{item.c_name}(c, (tm_online_{item.c_name} *)memory, n, columns, out);"
     yield "    default: return 0u;"
     yield "  }"
     yield "}"

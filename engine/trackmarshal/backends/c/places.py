@@ -7,11 +7,13 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.backends.c import parts
 from trackmarshal.backends.c.layout import Layout, Shape
 from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.runtime.case import Case
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.lines import Line
 
 if TYPE_CHECKING:
     from trackmarshal.backends.c.program import Library
@@ -31,7 +33,7 @@ def uses_paths(plan: Layout) -> bool:
 
 def has_geometry(plan: Layout) -> bool:
     formulas = [root for rule in plan.rules for root in (rule.formula, rule.active) if root is not None]
-    return any(isinstance(node, (ir.Geometry, ir.Along)) for root in formulas for node in ir.below(root))
+    return any(isinstance(node, ir.Geometry | ir.Along) for root in formulas for node in ir.below(root))
 
 
 def sources(plan: Layout) -> dict[str, list[Shape]]:
@@ -48,9 +50,14 @@ def own_places(plan: Layout) -> list[Shape]:
     return [shape for shape in plan.shapes.values() if shape.kind in ("zone", "place")]
 
 
+#: Names of functions `tm_set_...` and `tm_admit_...` of our own, and of what the door remembers beside each line.
+_TAKEN = ("table", "plan", "shared", "limits", "t", "number", "begun", "admitted")
+
+
 def _setters(plan: Layout) -> dict[str, str]:
     """Signal or place -> name of the C function that sets it."""
-    names = distinct([*sources(plan), *(shape.key[1] for shape in own_places(plan))])
+    admitting = (name.removeprefix("tm_admit_") for name in parts.functions() if name.startswith("tm_admit_"))
+    names = distinct([*sources(plan), *(shape.key[1] for shape in own_places(plan))], (*_TAKEN, *admitting))
     return {name: f"tm_set_{c_name}" for name, c_name in names.items()}
 
 
@@ -308,7 +315,7 @@ class PlaceSetter:
         self._now: list[tuple[Any, ...] | None] = [None] * len(self._names)
         self._status = [0] * len(self._names)
 
-    def put(self, case: Case) -> None:
+    def put(self, case: Frame) -> None:
         """Raises TrackmarshalError E473 for a track that the C geometry refuses."""
         for index, name in enumerate(self._names):
             given = self._given(case, name)
@@ -323,13 +330,12 @@ class PlaceSetter:
                     help="choose another backend",
                 )
 
-    def _given(self, case: Case, name: str) -> tuple[Any, ...]:
+    def _given(self, case: Frame, name: str) -> tuple[Any, ...]:
         if name not in self._plan.spec.signals:
-            return (case.places.get(name, self._plan.spec.places[name].points), (), False)
+            return (case.settings.places.get(name, self._plan.spec.places[name].points), (), False)
         if _bordered(self._plan, name):
-            left, right = case.lines.get((name, "left"), ()), case.lines.get((name, "right"), ())
-            return (left, right, case.closed.get(name, False))
-        return (case.lines[name, ""], (), False)
+            return case.corridor(name)
+        return (case.line(name, ""), (), False)
 
     def _put(self, index: int, given: tuple[Any, ...]) -> int:
         left, right = _flat(given[0]), _flat(given[1])
@@ -345,5 +351,7 @@ class PlaceSetter:
         return status
 
 
-def _flat(points: Sequence[tuple[float, float]]) -> array[float]:
+def _flat(points: Line | Sequence[tuple[float, float]]) -> array[float]:
+    if isinstance(points, Line):
+        return array("d", points.points.tobytes()) or array("d", [0.0])
     return array("d", chain.from_iterable(points)) or array("d", [0.0])

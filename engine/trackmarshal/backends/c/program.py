@@ -5,7 +5,9 @@ from __future__ import annotations
 import ctypes
 import math
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from trackmarshal.backends.c.build import library
@@ -13,11 +15,14 @@ from trackmarshal.backends.c.glue import Flat, flat
 from trackmarshal.backends.c.header import CAPACITIES, capacities
 from trackmarshal.backends.c.places import PlaceSetter
 from trackmarshal.backends.c.source import Source, generate
-from trackmarshal.backends.numpy.program import Program, Run
+from trackmarshal.backends.numpy.program import NumpyProgram
+from trackmarshal.backends.numpy.views import CaseView
+from trackmarshal.backends.results import Stateless, rated
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.case import Case
-from trackmarshal.runtime.verdict import VERDICTS, CaseResult
+from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
+from trackmarshal.runtime.program import Rated
+from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 
 #: Sizes that programs are compiled with. Series cost memory for every sample, bounds of loops do not.
 _CLASSES = (256, 4096, 65536, 1 << 20, 1 << 24)
@@ -61,18 +66,20 @@ class _Result(ctypes.Structure):
     _fields_ = [("margin", ctypes.c_double), ("verdict", ctypes.c_int)]
 
 
-def _refused(case: Case, status: int) -> TrackmarshalError:
+def _refused(case: Frame, status: int) -> TrackmarshalError:
     return TrackmarshalError("E473", f"the program refuses the input of case {case.id!r} (status {status})")
 
 
-class CProgram:
+class CProgram(Stateless):
     """The compiled rules; `run` evaluates them on cases. Raises TrackmarshalError E470 to E473.
 
     doored: for `step.Stepper`, whose cycles pass the input contract's door first; `run` is not for such programs.
     """
 
+    backend = "c"
+
     def __init__(self, spec: Spec, rules: Sequence[RuleInfo], doored: bool = False) -> None:
-        self.spec = spec
+        super().__init__(spec, rules)
         self.source = generate(spec, rules, doored=doored)
         self.rules = self.source.plan.rules
         self.order: Flat = flat(self.source)
@@ -83,23 +90,50 @@ class CProgram:
         self._changed: set[str] = set()
         self._library: Library | None = None
         self._places: PlaceSetter | None = None
-        self._numpy: Program | None = None
+        self._numpy: NumpyProgram | None = None
 
-    def run(self, cases: Sequence[Case]) -> CRun:
-        """Evaluate all rules on all cases."""
+    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+        """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
+        verdicts, margins = self.run(frames)
+        width = len(self.rules)
+        found = []
+        for index, frame in enumerate(frames):
+            part = slice(index * width, (index + 1) * width)
+            codes, own = bytearray(verdicts[part].tobytes()), list(margins[part])
+            for place, rule in enumerate(self.rules):
+                if frame.faults and frame.unusable(rule.reads) is not None:
+                    codes[place], own[place] = _UNDEFINED, math.nan
+            one = rated(self.rules, frame, partial(self._values, frame), bytes(codes), own)
+            found.append(Rated(one.verdicts, one.margins, self._explained(one, frame)))
+        return found
+
+    def run(self, frames: Sequence[Frame]) -> tuple[array[int], array[float]]:
+        """Codes and margins of all rules on all frames, one frame after the other."""
         count = len(self.rules)
-        margins, verdicts = array("d", bytes(8 * count * len(cases))), array("b", bytes(count * len(cases)))
-        for index, case in enumerate(cases):
+        margins, verdicts = array("d", bytes(8 * count * len(frames))), array("b", bytes(count * len(frames)))
+        for index, frame in enumerate(frames):
             self._one(
-                case, margins.buffer_info()[0] + 8 * count * index, verdicts.buffer_info()[0] + count * index
+                frame, margins.buffer_info()[0] + 8 * count * index, verdicts.buffer_info()[0] + count * index
             )
-        return CRun(self, cases, margins, verdicts)
+        return verdicts, margins
 
-    def values(self, cases: Sequence[Case]) -> Run:
-        """The values of all formulas in them, as numpy computes them: what decided is not kept by generated code."""
+    def _explained(self, one: Rated, frame: Frame) -> Callable[[int, bool], RuleResult]:
+        """Explains with the series of generated code."""
+
+        def explain(number: int, series: bool = False) -> RuleResult:
+            result = one.explain(number, series)
+            rule = self.rules[number]
+            if result.series is None or frame.unusable(rule.reads) is not None:
+                return result
+            return replace(result, series=self.along(frame, rule))
+
+        return explain
+
+    def _values(self, frame: Frame) -> CaseView:
+        """The values of all formulas on a frame, as numpy computes them."""
         if self._numpy is None:
-            self._numpy = Program(self.spec, self.rules)
-        return self._numpy.run(cases)
+            self._numpy = NumpyProgram(self.spec, self.rules)
+        return CaseView(self._numpy.run([frame]), 0)
 
     def number(self, rule: RuleInfo) -> int:
         """The place of a rule among the results."""
@@ -127,7 +161,7 @@ class CProgram:
         self._places = PlaceSetter(self.source.plan, self._library) if self.source.plan.shapes else None
         return self._library
 
-    def new_library(self, samples: int, elements: int, border: int, settings: Case | None) -> Library:
+    def new_library(self, samples: int, elements: int, border: int, settings: Settings | None) -> Library:
         """A library with just these capacities, and a context of its own, configured by a case's overrides."""
         declared = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border}
         made = Library(self.source, {name: declared.get(name) or self._size(name, 0) for name in self._kinds})
@@ -137,7 +171,7 @@ class CProgram:
 
     def reset(self, lib: Library) -> None:
         """Put the spec's own parameters and tables back."""
-        self._override(Case(), lib, self._changed)
+        self._override(NO_SETTINGS, lib, self._changed)
         self._changed.clear()
 
     def _size(self, name: str, wanted: int) -> int:
@@ -159,58 +193,59 @@ class CProgram:
             "E473", f"{wanted} is more than the {_CLASSES[-1]} that generated programs hold"
         )
 
-    def _one(self, case: Case, margins: int, verdicts: int) -> None:
+    def _one(self, case: Frame, margins: int, verdicts: int) -> None:
         lib, (counts, columns, numbers, flags, *_) = self._prepared(case)
         status = lib.dll.tmg_run(lib.context, 1, counts, columns, numbers, flags, margins, verdicts)
         if status != 0:
             raise _refused(case, status)
 
-    def along(self, case: Case, rule: RuleInfo) -> tuple[list[str], list[float]]:
+    def along(self, case: Frame, rule: RuleInfo) -> tuple[list[str], list[float]]:
         """Verdict and margin of a rule's formula at every sample of its timeline."""
         assert rule.along is not None
         lib, (counts, columns, numbers, flags, *_) = self._prepared(case)
-        found = (_Result * case.counts[rule.along.signal])()
+        found = (_Result * case.count(rule.along.signal))()
         status = lib.dll.tmg_along(lib.context, self.number(rule), counts, columns, numbers, flags, found)
         if status != 0:
             raise _refused(case, status)
         return [VERDICTS[result.verdict] for result in found], [result.margin for result in found]
 
-    def _prepared(self, case: Case) -> tuple[Library, tuple[Any, ...]]:
+    def _prepared(self, case: Frame) -> tuple[Library, tuple[Any, ...]]:
         """A library that holds the case, configured for it, and the addresses of its input; the rest keeps them alive."""
         order = self.order
-        counts = [case.counts[name] for name in order.counts]
+        counts = [case.count(name) for name in order.counts]
         sequences = [n for n, name in zip(counts, order.counts) if self.spec.signals[name].sequence]
         elements = [n for n, name in zip(counts, order.counts) if not self.spec.signals[name].sequence]
-        knots = max((len(rows[0]) for rows in case.tables.values()), default=0)
+        knots = max((len(rows[0]) for rows in case.settings.tables.values()), default=0)
         border = max((len(points) for points in case.lines.values()), default=0)
-        place = max((len(points) for points in case.places.values()), default=0)
+        place = max((len(points) for points in case.settings.places.values()), default=0)
         lib = self.library_for(max(sequences, default=0), max(elements, default=0), border, place, knots)
         self._configure(case, lib)
-        kept = [_column(case.columns[name][field], flag) for name, field, flag in order.columns]
+        kept = [_column(case, name, field) for name, field, _ in order.columns]
         given = (
             array("Q", counts),
             array("Q", [column.buffer_info()[0] for column in kept]),
-            array("d", [case.scalars[name][field] for name, field in order.numbers]),
-            array("b", [_flag(case.scalars[name][field]) for name, field in order.flags]),
+            array("d", [case.value(name, field) for name, field in order.numbers]),
+            array("b", [_flag(case.flag(name, field)) for name, field in order.flags]),
         )
         return lib, (*(numbers.buffer_info()[0] for numbers in given), given, kept)
 
-    def _configure(self, case: Case, lib: Library) -> None:
+    def _configure(self, case: Frame, lib: Library) -> None:
         """Put a case's overrides into the context, and the spec's own values where the case before had others."""
-        self._override(case, lib, self._changed | case.params.keys() | case.tables.keys())
-        self._changed = {*case.params, *case.tables}
+        settings = case.settings
+        self._override(settings, lib, self._changed | settings.params.keys() | settings.tables.keys())
+        self._changed = {*settings.params, *settings.tables}
         if self._places is not None:
             self._places.put(case)
 
-    def _override(self, case: Case, lib: Library, names: set[str]) -> None:
+    def _override(self, settings: Settings, lib: Library, names: set[str]) -> None:
         for name in names:
             if name in self._params:
                 lib.dll.tmg_set_param(
-                    lib.context, self._params[name], case.params.get(name, self.spec.params[name].value)
+                    lib.context, self._params[name], settings.params.get(name, self.spec.params[name].value)
                 )
             elif name in self._tables:
                 info = self.spec.tables[name]
-                rows = case.tables.get(name, (info.knots, info.values))
+                rows = settings.tables.get(name, (info.knots, info.values))
                 knots, values = array("d", rows[0]), array("d", rows[1])
                 if lib.dll.tmg_set_table(
                     lib.context,
@@ -222,51 +257,17 @@ class CProgram:
                     raise TrackmarshalError("E473", f"the program refuses table `{name}`")
 
 
-class CRun:
-    """The values of a program for some cases."""
-
-    def __init__(
-        self, program: CProgram, cases: Sequence[Case], margins: array[float], verdicts: array[int]
-    ) -> None:
-        self.program = program
-        self.cases = cases
-        self._margins = margins
-        self._verdicts = verdicts
-
-    def outcome(self, index: int, rule: RuleInfo) -> tuple[str, float]:
-        """Verdict and margin of a rule in one case."""
-        if self.cases[index].blocks(rule.reads):
-            return "undefined", math.nan
-        place = index * len(self.program.rules) + self.program.number(rule)
-        return VERDICTS[self._verdicts[place]], self._margins[place]
-
-    def verdicts(self, rule: RuleInfo) -> tuple[list[str], list[float]]:
-        """Verdict and margin of a rule in each case, without witnesses."""
-        pairs = [self.outcome(index, rule) for index in range(len(self.cases))]
-        return [verdict for verdict, _ in pairs], [margin for _, margin in pairs]
-
-    def results(self, series: bool = False) -> Iterator[CaseResult]:
-        """The results of every case, with witnesses."""
-        from trackmarshal.backends.c.witnesses import case_result
-
-        values = self.program.values(self.cases)
-        for index, case in enumerate(self.cases):
-            yield case_result(self, index, case, values, series)
-
-
-def evaluate(
-    spec: Spec, rules: Sequence[RuleInfo], cases: Sequence[Case], series: bool = False
-) -> Iterator[CaseResult]:
-    """Evaluate rules on cases with generated C."""
-    return CProgram(spec, rules).run(cases).results(series)
-
-
-def _column(values: Sequence[Any], flag: bool) -> array[Any]:
-    """A column as a C array; never without memory, so that its address is one."""
-    if flag:
-        return array("b", [_flag(value) for value in values] or [0])
-    return array("d", values or [0.0])
+def _column(frame: Frame, signal: str, field: str) -> Any:
+    """A column as C takes it; never without memory, so that its address is one."""
+    columns = frame.columns[signal]
+    if field in columns.names.flags:
+        return array("b", columns.column(field).tolist() or [0])
+    return array("d", columns.listed(field) or [0.0])
 
 
 def _flag(value: bool | None) -> int:
     return -1 if value is None else int(value)
+
+
+#: Its place in VERDICTS.
+_UNDEFINED = VERDICTS.index("undefined")

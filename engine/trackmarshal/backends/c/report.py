@@ -8,26 +8,20 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 
 from trackmarshal.backends.c.build import EXACT, library
+from trackmarshal.backends.c.expressions import called
 from trackmarshal.backends.c.header import CAPACITIES, capacities
 from trackmarshal.backends.c.online import CAPACITY
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.operators import FUNCTIONS
 
+#: What rules call, and what our own functions call besides.
 LIBM = (
-    "fabs",
-    "sqrt",
-    "floor",
-    "ceil",
-    "sin",
-    "cos",
-    "tan",
-    "exp",
-    "log",
-    "pow",
-    "atan2",
+    *dict.fromkeys(("fabs", *chain.from_iterable(called(name)[1] for name in FUNCTIONS))),
     "hypot",
     "remainder",
 )

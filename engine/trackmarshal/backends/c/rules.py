@@ -201,7 +201,7 @@ def _axis(rule: RuleInfo) -> ir.Axis | None:
         return None
     if active is not None and not (isinstance(active, ir.Quantify) and active.axis is formula.axis):
         return None
-    looping = (ir.Quantify, ir.First, ir.Temporal, ir.Until, ir.Shift, ir.Edge, ir.Geometry, ir.Along)
+    looping = ir.Quantify | ir.First | ir.Timed | ir.Geometry | ir.Along
     inner = [
         node
         for root in roots(rule)

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-#: Names that the generator makes up are a letter or two and a number; only they are tracked.
-_MADE = re.compile(r"\b[a-z]{1,2}\d+\b")
+#: Names that the generator makes up are a letter or two and a number; only they are tracked. Members of structs are none.
+_MADE = re.compile(r"(?<![\w.])(?<!->)[a-z]{1,2}\d+\b")
 
 
 @dataclass(eq=False)

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
 from trackmarshal.backends.c.names import literal
 from trackmarshal.backends.c.slots import mark
 from trackmarshal.backends.c.statements import Block
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
 
 if TYPE_CHECKING:
     from trackmarshal.backends.c.expressions import Writer
 
-Timed = ir.Temporal | ir.Until | ir.Shift | ir.Edge
 
-
-def series(self: Writer, node: Timed, block: Block) -> tuple[int, ...]:
+def series(self: Writer, node: ir.Timed, block: Block) -> tuple[int, ...]:
     """The series that hold a formula's value at every sample: one for what is known, else the worst and the best case."""
     operands = [node.left, node.right] if isinstance(node, ir.Until) else [node.operand]
     free: frozenset[ir.Axis] = frozenset()
@@ -31,7 +30,7 @@ def series(self: Writer, node: Timed, block: Block) -> tuple[int, ...]:
     return known
 
 
-def _written(self: Writer, node: Timed, operands: list[ir.Formula], home: Block) -> tuple[int, ...]:
+def _written(self: Writer, node: ir.Timed, operands: list[ir.Formula], home: Block) -> tuple[int, ...]:
     total = f"in->{self.plan.input(node.axis.signal).c_name}.count"
     sides = 1 if self.known else 2
     sources: list[list[int]] = []
@@ -55,7 +54,7 @@ def _written(self: Writer, node: Timed, operands: list[ir.Formula], home: Block)
     return result
 
 
-def _call(self: Writer, node: Timed, total: str, own: list[int], other: list[int], target: int) -> str:
+def _call(self: Writer, node: ir.Timed, total: str, own: list[int], other: list[int], target: int) -> str:
     """The pass over the timeline; `other` are the operands' opposite sides."""
     match node:
         case ir.Temporal() | ir.Until():
@@ -68,17 +67,15 @@ def _call(self: Writer, node: Timed, total: str, own: list[int], other: list[int
             signal = self.plan.input(node.axis.signal).c_name
             times = f"in->{signal}.{self.plan.field_name(node.axis.signal, 't')}"
             window = f"c, {times}, {total}, {literal(lower)}, {literal(upper)}"
-            past = "true" if node.op in ("historically", "once", "since") else "false"
+            past = "true" if node.past else "false"
             if isinstance(node, ir.Until):
                 return f"tm_held({window}, {past}, {mark(own[0])}u, {mark(own[1])}u, {mark(target)}u);"
-            least = "true" if node.op in ("always", "historically") else "false"
+            least = "true" if node.extreme is Extreme.LEAST else "false"
             return f"tm_extreme({window}, {past}, {least}, {mark(own[0])}u, {mark(target)}u);"
         case ir.Shift():
-            if node.step not in (1, -1):
-                raise self.refuse(node, f"a step of {node.step} samples")
             ahead, weak = ("true" if node.step > 0 else "false"), ("true" if node.weak else "false")
             return f"tm_shift(c, {total}, {ahead}, {weak}, {mark(own[0])}u, {mark(target)}u);"
         case ir.Edge():
-            return f"tm_edge(c, {total}, {'true' if node.op == 'rising' else 'false'}, {mark(own[0])}u, {mark(other[0])}u, {mark(target)}u);"
+            return f"tm_edge(c, {total}, {'true' if node.rising else 'false'}, {mark(own[0])}u, {mark(other[0])}u, {mark(target)}u);"
         case _:
-            raise AssertionError(f"unknown temporal operator {type(node).__name__}")
+            assert_never(node)

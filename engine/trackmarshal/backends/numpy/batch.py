@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from itertools import chain, repeat
 from typing import Any
 
 import numpy as np
@@ -13,25 +12,22 @@ from numpy.typing import NDArray
 from trackmarshal.backends.numpy.curves import Curve, Curves
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.case import Case
-from trackmarshal.runtime.together import array
+from trackmarshal.runtime.frame import Frame
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
 class Batch:
-    """Cases that are evaluated together; arrays have `rank` axes, padded where lengths differ."""
+    """Frames that are evaluated together; arrays have `rank` axes, padded where lengths differ."""
 
-    def __init__(self, spec: Spec, cases: Sequence[Case], rank: int, curves: Mapping[str, Curve]) -> None:
+    def __init__(self, spec: Spec, cases: Sequence[Frame], rank: int, curves: Mapping[str, Curve]) -> None:
         self.spec = spec
         self.cases = cases
         self.size = len(cases)
         self.rank = rank
         self._curves = curves
         self._counts: dict[str, list[int]] = {}
-        self._together = [case.together for case in cases]
-        self._signals: dict[str, list[dict[str, Sequence[Any]]]] = {}
         self._sizes: dict[ir.Axis, int] = {}
         self._columns: dict[tuple[str, str], Floats] = {}
         self._masks: dict[ir.Axis, Bools | None] = {}
@@ -40,7 +36,7 @@ class Batch:
         #: The prepared object of every case, or one that all share, by the place that it is for.
         self.owners: dict[ir.IR, list[Any]] = {}
         #: Whether any case overrides a parameter.
-        self.overridden = any(case.params for case in cases)
+        self.overridden = any(case.settings.params for case in cases)
 
     # Values of cases ------------------------------------------------------------------------------------------
 
@@ -59,19 +55,19 @@ class Batch:
         own = self.spec.params[name].value
         if not self.overridden:
             return np.float64(own)
-        return self.numbers([case.params.get(name, own) for case in self.cases])
+        return self.numbers([case.settings.params.get(name, own) for case in self.cases])
 
     def sample(self, signal: str, field: str, index: int) -> Any:
         """A field of one sample of every case's timeline."""
-        return self.per_case([case.columns[signal][field][index] for case in self.cases])
+        return self.per_case([case.columns[signal].column(field)[index] for case in self.cases])
 
     def scalar(self, signal: str, field: str) -> Any:
         """A field of every case's record."""
-        return self.numbers([case.scalars[signal][field] for case in self.cases])
+        return self.numbers(self.table(signal, field)[:, 0].tolist())
 
     def event(self, signal: str, field: str) -> Any:
         """A Boolean of every case as 1, 0 and NaN for a missing value."""
-        return self.per_case(_codes([case.scalars[signal][field] for case in self.cases]))
+        return self.per_case(_codes([case.flag(signal, field) for case in self.cases]))
 
     def curve(self, name: str) -> Callable[[Any], Any]:
         """A table: one function where all cases have the same."""
@@ -79,7 +75,7 @@ class Batch:
         made: dict[Any, Curve] = {None: own}
         rows = []
         for case in self.cases:
-            table = case.tables.get(name)
+            table = case.settings.tables.get(name)
             key = (
                 table if table is None or 0.0 not in (*table[0], *table[1]) else repr(table)
             )  # tells -0.0 from 0.0
@@ -94,7 +90,7 @@ class Batch:
         """How many samples or elements each case has."""
         counts = self._counts.get(signal)
         if counts is None:
-            counts = self._counts[signal] = [case.counts[signal] for case in self.cases]
+            counts = self._counts[signal] = [case.columns[signal].count for case in self.cases]
         return counts
 
     def lengths(self, signal: str) -> NDArray[np.intp]:
@@ -105,32 +101,38 @@ class Batch:
         """(cases, longest): a column of every case, its last value repeated as padding."""
         table = self._columns.get((signal, field))
         if table is None:
-            rows = self._rows(signal, field)
-            read = array(self._together, (signal, field), rows)
-            table = self._columns[signal, field] = self._stack(rows, signal) if read is None else read
+            table = self._columns[signal, field] = self._stacked(signal, field)
         return table
 
-    def _rows(self, signal: str, field: str) -> list[Sequence[Any]]:
-        """A column of every case."""
-        signals = self._signals.get(signal)
-        if signals is None:
-            signals = self._signals[signal] = [case.columns[signal] for case in self.cases]
-        return [columns[field] for columns in signals]
+    def _stacked(self, signal: str, field: str) -> Floats:
+        """The numbers of a column, of arrays that were put into one already where they were."""
+        own = [case.columns[signal] for case in self.cases]
+        row = own[0].names.rows[field]
+        first = own[0].stack
+        if first is not None and len(first[0]) == len(own):
+            stack = first[0]
+            if all(
+                c.stack is not None and c.stack[0] is stack and c.stack[1] == i for i, c in enumerate(own)
+            ):
+                return stack[:, row]
+        return self._padded([columns.values[row] for columns in own], signal)
 
-    def _stack(self, rows: list[Sequence[Any]], signal: str) -> Floats:
+    def _padded(self, rows: list[NDArray[Any]], signal: str) -> Floats:
         """(cases, longest)."""
         counts = self.counts(signal)
         longest = max(counts)
-        if min(counts) < longest:
-            rows = [
-                [*column, *repeat(column[-1] if column else 0.0, longest - len(column))] for column in rows
-            ]
-        numbers = chain.from_iterable(rows)
-        return np.fromiter(numbers, np.float64, self.size * longest).reshape(self.size, longest)
+        if min(counts) == longest:
+            return np.array(rows, dtype=np.float64).reshape(self.size, longest)
+        made = np.zeros((self.size, longest))
+        for target, given in zip(made, rows):
+            target[: len(given)] = given
+            target[len(given) :] = given[-1] if len(given) else 0.0
+        return made
 
     def flags(self, signal: str, field: str) -> Floats:
         """(cases, longest): a column of Booleans as 1, 0 and NaN for a missing value, padded."""
-        return self._stack([_codes(row) for row in self._rows(signal, field)], signal)
+        rows = [np.array(_codes(case.columns[signal].listed(field))) for case in self.cases]
+        return self._padded(rows, signal)
 
     # Axes -----------------------------------------------------------------------------------------------------
 

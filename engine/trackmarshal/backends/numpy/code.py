@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, assert_never
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from trackmarshal.backends.numpy.batch import before, column_index
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
 from trackmarshal.backends.numpy.sharing import representatives
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
 
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
@@ -24,15 +25,15 @@ _CALLED: dict[str, Any] = {
     "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
-    "project": places.project, "distance": places.distance, "gap": places.gap, "predicate": places.predicate, "least": places.least, "within": places.within, "temporal": time.operator,
+    "project": places.project, "distance": places.distance, "gap": places.gap, "inside_area": places.swept_inside, "clear": places.swept_clear,
+    "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator,
 }  # fmt: skip
 
-#: What a projection onto a line gives, in this order.
-PROJECTIONS = ("station", "offset", "direction")
 #: Numbers that are read from the input as they are.
 _INPUTS = (ir.Column, ir.Sample, ir.Scalar)
 #: An expression of the best case, or of the worst.
 Side = Callable[[bool], str]
+Point = tuple[ir.Num, ir.Num]
 
 
 class Variables(NamedTuple):
@@ -84,7 +85,7 @@ class Code:
         #: Where each formula's variables are.
         self.formulas: dict[ir.IR, Variables] = {}
         #: Objects that the source names.
-        self.named: dict[str, Any] = {**_CALLED, **{f"{name}_": f for name, f in steps.FUNCTIONS.items()}}
+        self.named: dict[str, Any] = {**_CALLED, **{f"{name}_": f for name, f in steps.CALLS.items()}}
         self.fixed: list[str] = []
         self.varying: list[str] = []
         #: The variables that `fixed` leaves behind.
@@ -95,10 +96,10 @@ class Code:
         self._is_fixed: set[ir.IR] = set()
         last_use = {child: node for node in nodes for child in self._inputs(node)}
         #: Points that are projected onto each line.
-        self._points: dict[ir.Line, list[tuple[ir.IR, ...]]] = {}
+        self._points: dict[ir.Line, list[Point]] = {}
         for node in nodes:
-            if isinstance(node, ir.Along) and node.what in PROJECTIONS:
-                self._points.setdefault(node.line, []).append(tuple(self._inputs(node)))
+            if isinstance(node, ir.Projected):
+                self._points.setdefault(node.line, []).append(self._point(node))
         for node in nodes:
             self._emit(node)
             for child in self._inputs(node):
@@ -139,7 +140,7 @@ class Code:
 
     # Variables ------------------------------------------------------------------------------------------------
 
-    def _emit(self, node: ir.IR) -> None:
+    def _emit(self, node: ir.Num | ir.Formula) -> None:
         if node in self._numbers:
             return
         if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(self._inputs(node)):
@@ -155,16 +156,21 @@ class Code:
                     node,
                     f"if {condition.best} is not {condition.worst}: {name} = where({unknown}, nan, {name})",
                 )
-        elif isinstance(node, ir.Formula):
+        else:
             made = self.formulas[node] = self._formula(node, len(self.formulas))
             if node in self._is_fixed:
                 self.left.extend(made.names)
-        else:
-            raise AssertionError(f"neither a number nor a formula: {type(node).__name__}")
 
-    def _inputs(self, node: ir.IR) -> list[ir.IR]:
+    def _inputs(self, node: ir.Num | ir.Formula) -> list[ir.Num | ir.Formula]:
         """What a node is computed of."""
-        return [self._same[child] for child in _inputs(node)]
+        return [self._same[child] for child in ir.operands(node)]
+
+    def _point(self, node: ir.Projected) -> Point:
+        """The point that is projected."""
+        x, y = self._inputs(node)
+        assert isinstance(x, ir.Num)
+        assert isinstance(y, ir.Num)
+        return x, y
 
     def _line(self, node: ir.IR, text: str) -> None:
         (self.fixed if node in self._is_fixed else self.varying).append(text)
@@ -213,56 +219,50 @@ class Code:
             case ir.Scalar():
                 return f"b.scalar({node.signal!r}, {node.field!r})"
             case ir.Arith():
-                if node.op not in steps.ARITHMETIC:
-                    raise AssertionError(f"unknown operation {node.op}")
                 return f"{at[0]} {node.op} {at[1]}"
             case ir.Neg():
                 return f"-{at[0]}"
             case ir.Func():
-                if node.name not in steps.FUNCTIONS:
-                    raise AssertionError(f"unknown function {node.name}")
                 return f"{node.name}_({', '.join(at)})"
             case ir.Choose():
                 return f"where({self.formulas[self._same[node.condition]].sat(False)}, {at[0]}, {at[1]})"
             case ir.Lookup():
                 return f"b.curve({node.table!r})({at[0]})"
-            case ir.Along():
-                return self._along(node, at)
+            case ir.Station():
+                return f"{self._projected(node)}[0]"
+            case ir.Offset():
+                return f"{self._projected(node)}[1]"
+            case ir.Direction():
+                return f"{self._projected(node)}[2]"
+            case ir.Distance():
+                return f"distance(b, {self._hold(node.line)}, {', '.join(at)})"
+            case ir.StationGap():
+                return f"gap(b, {self._hold(node.line)}, {', '.join(at)})"
             case _:
-                raise AssertionError(f"unknown number {type(node).__name__}")
+                assert_never(node)
 
-    def _along(self, node: ir.Along, at: Sequence[str]) -> str:
-        if node.what in PROJECTIONS:
-            return f"{self._projected(node)}[{PROJECTIONS.index(node.what)}]"
-        arguments = f"b, {self._hold(node.line)}, {', '.join(at)}"
-        match node.what:
-            case "distance":
-                return f"distance({arguments})"
-            case "station_gap":
-                return f"gap({arguments})"
-            case _:
-                raise AssertionError(f"unknown number along a line {node.what}")
-
-    def _projected(self, node: ir.Along) -> str:
+    def _projected(self, node: ir.Projected) -> str:
         """The variable of a point's projection onto a line. All points that are plain input are projected with the first one."""
-        own = tuple(self._inputs(node))
-        if ("p", node.line, own) not in self._names:
+        point = self._point(node)
+        if ("p", node.line, point) not in self._names:
             plain = [
-                args
-                for args in self._points[node.line]
-                if ("p", node.line, args) not in self._names and all(isinstance(arg, _INPUTS) for arg in args)
+                (x, y)
+                for x, y in self._points[node.line]
+                if ("p", node.line, (x, y)) not in self._names
+                and isinstance(x, _INPUTS)
+                and isinstance(y, _INPUTS)
             ]
-            together = list(dict.fromkeys([own, *plain]))
+            together = list(dict.fromkeys([point, *plain]))
             points = []
-            for args in together:
-                for arg in args:
-                    self._emit(arg)
-                points.append(_tuple(self._numbers[arg] for arg in args))
+            for x, y in together:
+                self._emit(x)
+                self._emit(y)
+                points.append(_tuple((self._numbers[x], self._numbers[y])))
             names = [f"p{len(self._names) + k}" for k in range(len(together))]
-            self._names |= {("p", node.line, args): name for args, name in zip(together, names)}
+            self._names |= {("p", node.line, other): name for other, name in zip(together, names)}
             line = self._hold(node.line)
             self.varying.append(f"{_tuple(names)} = project(b, {line}, {', '.join(points)})")
-        return self._names["p", node.line, own]
+        return self._names["p", node.line, point]
 
     def _column(self, read: str, axis: ir.Axis, field: str, offset: int) -> str:
         """A field of the variable of an axis, `offset` samples on; before the start it is that of the first one."""
@@ -290,23 +290,27 @@ class Code:
                 self._line(node, f"{both} = flagged({codes})")
                 return own._replace(says=BOTH)
             case ir.Compare():
-                measure, says = steps.COMPARISONS[node.op]
+                measure, says = steps.MEASURED[node.op]
                 x, y = at
                 self._line(node, f"{both} = compared({measure.format(x=x, y=y)}, {x}, {y})")
                 return own._replace(says=says)
-            case ir.Geometry():
-                if node.what == "in_area" and node not in self._weighed:
-                    self._line(node, f"{both} = within(b, {self._hold(node)}, {_tuple(at)})")
-                    return own._replace(says=BOTH)
-                if node in self._asked:
-                    along = self._asked[node]
-                    self._least[node] = f"g{number}"
-                    least = (
-                        f"least(b, {self._hold(node)}, {_tuple(at)}, {1 + along.level}, {self._mask(along)})"
-                    )
-                    self._line(node, f"{both}, g{number} = {least}")
+            case ir.InArea():
+                weighed = node in self._weighed
+                call = "in_area" if weighed else "within"
+                self._line(node, f"{both} = {call}(b, {self._hold(node.area)}, {', '.join(at)})")
+                return own if weighed else own._replace(says=BOTH)
+            case ir.SweptInside():
+                asked = f"b, {self._hold(node.area)}, {', '.join(at)}"
+                along = self._asked.get(node)
+                if along is None:
+                    self._line(node, f"{both} = inside_area({asked})")
                     return own
-                self._line(node, f"{both} = predicate(b, {self._hold(node)}, {_tuple(at)})")
+                self._least[node] = f"g{number}"
+                axis = f"axis={1 + along.level}, mask={self._mask(along)}"
+                self._line(node, f"{both}, g{number} = least({asked}, {axis})")
+                return own
+            case ir.SweptClear():
+                self._line(node, f"{both} = clear({', '.join(at)})")
                 return own
             case ir.Not():
                 return self._negation(node, number, parts[0])
@@ -330,7 +334,7 @@ class Code:
                     lambda best: f"first({body.sat(best)}, {index})",
                 )  # fmt: skip
             case _:
-                raise AssertionError(f"unknown formula {type(node).__name__}")
+                assert_never(node)
 
     def _sides(
         self, node: ir.Formula, number: int, parts: Sequence[Variables], says: int, margin: Side, sat: Side
@@ -379,12 +383,10 @@ class Code:
             case "iff":
                 return self._given(node, number, f"negate(differ({left.value}, {right.value}))")
             case _:
-                raise AssertionError(f"unknown connective {node.op}")
+                assert_never(node.op)
 
     def _quantifier(self, node: ir.Quantify, number: int, *parts: Variables) -> Variables:
-        if node.quantifier not in ("for all", "exists"):
-            raise AssertionError(f"unknown quantifier {node.quantifier}")
-        every = node.quantifier == "for all"
+        every = node.extreme is Extreme.LEAST
         reduce, axis, body = "every" if every else "some", 1 + node.axis.level, parts[-1]
         maybe = surely = self._mask(node.axis)
         if node.guard is not None:
@@ -407,15 +409,17 @@ class Code:
         """The variable of what is there along an axis."""
         return self._once("m", axis, f"b.mask({self._hold(axis)})")
 
-    def _asked_for_least(self, nodes: Sequence[ir.IR], roots: Sequence[ir.IR]) -> dict[ir.IR, ir.Axis]:
+    def _asked_for_least(
+        self, nodes: Sequence[ir.Num | ir.Formula], roots: Sequence[ir.Formula]
+    ) -> dict[ir.Num | ir.Formula, ir.Axis]:
         """Swept footprints in an area that one `for all` asks for and nobody else, with its axis."""
         uses = Counter(child for node in nodes for child in self._inputs(node))
         uses.update(self._same[root] for root in roots)
         return {
             self._same[node.body]: node.axis
             for node in nodes
-            if isinstance(node, ir.Quantify) and node.quantifier == "for all" and node.guard is None
-            if isinstance(node.body, ir.Geometry) and node.body.what == "swept_inside"
+            if isinstance(node, ir.Quantify) and node.extreme is Extreme.LEAST and node.guard is None
+            if isinstance(node.body, ir.SweptInside)
             if uses[self._same[node.body]] == 1
         }
 
@@ -432,14 +436,10 @@ def _denied(says: int) -> int:
     return (says & AT_LEAST and ABOVE) | (says & ABOVE and AT_LEAST)
 
 
-def _inputs(node: ir.IR) -> list[ir.IR]:
-    return [child for child in node.children() if isinstance(child, (ir.Num, ir.Formula))]
-
-
-def _weighed(roots: Iterable[ir.Formula]) -> set[ir.IR]:
+def _weighed(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
     """Formulas whose margins count. Of guards, and of conditions of numbers, it only counts whether they hold."""
-    found: set[ir.IR] = set()
-    stack: list[ir.IR] = list(roots)
+    found: set[ir.Formula] = set()
+    stack = list(roots)
     while stack:
         node = stack.pop()
         if node in found:
@@ -448,14 +448,14 @@ def _weighed(roots: Iterable[ir.Formula]) -> set[ir.IR]:
         if isinstance(node, (ir.Quantify, ir.Guarded)):
             stack.append(node.body)
         else:
-            stack.extend(child for child in _inputs(node) if isinstance(child, ir.Formula))
+            stack.extend(child for child in ir.operands(node) if isinstance(child, ir.Formula))
     return found
 
 
-def _ordered(roots: Iterable[ir.Formula]) -> list[ir.IR]:
+def _ordered(roots: Iterable[ir.Formula]) -> list[ir.Num | ir.Formula]:
     """All nodes below roots, children first; iterative, so depth is no limit."""
-    done: dict[ir.IR, None] = {}
-    stack: list[tuple[ir.IR, bool]] = [(root, False) for root in reversed(list(roots))]
+    done: dict[ir.Num | ir.Formula, None] = {}
+    stack: list[tuple[ir.Num | ir.Formula, bool]] = [(root, False) for root in reversed(list(roots))]
     while stack:
         node, ready = stack.pop()
         if node in done:
@@ -464,7 +464,7 @@ def _ordered(roots: Iterable[ir.Formula]) -> list[ir.IR]:
             done[node] = None
         else:
             stack.append((node, True))
-            stack.extend((child, False) for child in reversed(_inputs(node)))
+            stack.extend((child, False) for child in reversed(ir.operands(node)))
     return list(done)
 
 

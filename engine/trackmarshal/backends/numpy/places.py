@@ -7,15 +7,16 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from itertools import accumulate
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.numpy import logic
+from trackmarshal.backends.numpy import logic, touching
 from trackmarshal.backends.numpy.batch import Batch
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime import geometry
+from trackmarshal.runtime.lines import Line
 
 Floats = NDArray[np.float64]
 
@@ -26,23 +27,42 @@ MANY = 400
 _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
 
-def predicate(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any, Any]:
-    """The worst and the best margin of a geometric predicate: its signed distance."""
+def swept_inside(batch: Batch, area: ir.Area, *args: Any) -> tuple[Any, Any]:
+    """The worst and the best margin [m] of: a box (two poses, length, width) sweeps nothing but an area."""
     shape = np.broadcast(*args).shape
     if 0 in shape:  # of no object
-        margin = np.empty(shape)
-        return margin, margin
-    if node.what == "swept_clear":
-        margin = np.asarray(geometry.boxes_clear(*args))
-    else:
-        assert node.area is not None
-        ask = "signed_distance" if node.what == "in_area" else "margin_inside"
-        (margin,) = _ask(batch, node.area, ask, args, shape)
-    return _sides(margin)
+        return _sides(np.empty(shape))
+    margin = _ask(batch, area, "margin_inside", args, shape)[0]
+    return _sides(_settled(_owners(batch, area), margin, args))
+
+
+def _settled(owners: Sequence[Any], margin: Any, args: Sequence[Any]) -> Any:
+    """Margins of swept footprints in the areas of all cases, or of one that they share: those next to zero are exact."""
+    one = len(owners) == 1
+    return touching.settled(
+        margin, args, lambda at, row: touching.inside(owners[0 if one else at[0]].border, row)
+    )
+
+
+def swept_clear(*args: Any) -> tuple[Any, Any]:
+    """The same of: what a box (two poses, length, width) sweeps is clear of another (a pose, length, width)."""
+    shape = np.broadcast(*args).shape
+    if 0 in shape:
+        return _sides(np.empty(shape))
+    margin = np.asarray(geometry.boxes_clear(*args))
+    return _sides(touching.settled(margin, args, lambda at, row: touching.clear(row)))
+
+
+def in_area(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
+    """The same of: a point is in an area."""
+    shape = np.broadcast(x, y).shape
+    return _sides(
+        _ask(batch, area, "signed_distance", (x, y), shape)[0] if 0 not in shape else np.empty(shape)
+    )
 
 
 def _sides(margin: Any) -> tuple[Any, Any]:
-    """The worst and the best margin of a signed distance."""
+    """The worst and the best margin of signed distances; NaN is none."""
     known = ~np.isnan(margin)
     return (margin, margin) if known.all() else logic.partly(margin, known)
 
@@ -50,52 +70,52 @@ def _sides(margin: Any) -> tuple[Any, Any]:
 class Least:
     """The margins of a predicate of which only the least along an axis is asked, and all of them on demand."""
 
-    def __init__(self, margin: Any, inexact: Any, exactly: Callable[[Any], Any]) -> None:
-        """`exactly` gives the margins at some places of the flattened margins."""
-        self._margin, self._inexact, self._exactly = margin, inexact, exactly
+    def __init__(self, exactly: Callable[[], Any]) -> None:
+        """`exactly` gives all margins."""
+        self._exactly = exactly
 
     @cached_property
     def value(self) -> logic.Value:
         """The predicate's value everywhere; worked out when first asked for."""
-        margin = self._margin.copy()
-        margin.ravel()[self._inexact] = self._exactly(self._inexact)
-        return logic.value(*_sides(margin), logic.AT_LEAST)
+        return logic.value(*_sides(self._exactly()), logic.AT_LEAST)
 
 
-def least(
-    batch: Batch, node: ir.Geometry, args: Sequence[Any], axis: int, mask: Any
-) -> tuple[Any, Any, Least | None]:
+def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tuple[Any, Any, Least | None]:
     """The worst and the best margin of swept footprints in an area, of which only the least along an axis counts.
 
     Those that are greater than the least may differ from the truth. The third value knows the truth; None: the first two do.
     """
-    assert node.area is not None
     shape = np.broadcast(*args).shape
     size = shape[axis]
     if size == 1 or math.prod(shape) <= MANY or math.prod(shape[axis:]) > size:
-        return (*predicate(batch, node, args), None)
-    owners = _owners(batch, node.area)
+        return (*swept_inside(batch, area, *args), None)
+    owners = _owners(batch, area)
     if len(owners) > 1:
-        return (*predicate(batch, node, args), None)
+        return (*swept_inside(batch, area, *args), None)
     body = [_flat(arg, shape) for arg in args]
     counted = np.ones(shape, dtype=np.bool_) if mask is None else np.broadcast_to(mask, shape)
     flat, exact = owners[0].least_inside(body, size, counted.reshape(-1))
-    margin = flat.reshape(shape)
+    # What is next to zero is the least of its trajectory, or as good as: all that counts is exact there, and none is left out.
+    margin = _settled(owners, flat.reshape(shape), args)
 
-    def exactly(places: Any) -> Any:
-        return owners[0].margin_inside(*(arg if arg.ndim == 0 else arg[places] for arg in body))
+    def exactly() -> Any:
+        made = margin.copy()
+        places = (~exact).nonzero()[0]
+        made.ravel()[places] = owners[0].margin_inside(
+            *(arg if arg.ndim == 0 else arg[places] for arg in body)
+        )
+        return _settled(owners, made, args)
 
-    return (*_sides(margin), Least(margin, (~exact).nonzero()[0], exactly))
+    return (*_sides(margin), Least(exactly))
 
 
-def within(batch: Batch, node: ir.Geometry, args: Sequence[Any]) -> tuple[Any, Any]:
+def within(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
     """Whether points are in an area, as margins that are infinite; cheap for points that are nowhere near it."""
-    assert node.area is not None
-    shape = np.broadcast(*args).shape
-    if 0 not in shape and not any(area.near(*args) for area in _owners(batch, node.area)):
+    shape = np.broadcast(x, y).shape
+    if 0 not in shape and not any(owner.near(x, y) for owner in _owners(batch, area)):
         margin = np.full(shape, -np.inf)
         return margin, margin
-    worst, best = predicate(batch, node, args)
+    worst, best = in_area(batch, area, x, y)
     decided = np.where(worst >= 0.0, np.inf, -np.inf)
     return decided, decided if best is worst else np.where(best >= 0.0, np.inf, -np.inf)
 
@@ -203,11 +223,10 @@ def _keep(batch: Batch, key: tuple[Any, ...], owner: Any, make: Callable[[], Any
 
 
 def _corridor(batch: Batch, index: int, name: str) -> geometry.Corridor:
-    case = batch.cases[index]
-    left, right, closed = case.lines[name, "left"], case.lines[name, "right"], case.closed.get(name, False)
+    left, right, closed = batch.cases[index].corridor(name)
     key = ("corridor", id(left), id(right), closed)
     corridor: geometry.Corridor = _keep(
-        batch, key, (left, right), lambda: geometry.Corridor(_points(left), _points(right), closed)
+        batch, key, (left, right), lambda: geometry.Corridor(left.points, right.points, closed)
     )
     return corridor
 
@@ -215,7 +234,7 @@ def _corridor(batch: Batch, index: int, name: str) -> geometry.Corridor:
 def _area(batch: Batch, index: int, area: ir.Area) -> geometry.Polygon | geometry.Corridor:
     if area.kind == "corridor":
         return _corridor(batch, index, area.name)
-    points = batch.cases[index].places.get(area.name, batch.spec.places[area.name].points)
+    points = batch.cases[index].settings.places.get(area.name, batch.spec.places[area.name].points)
     polygon: geometry.Polygon = _keep(
         batch, ("polygon", id(points)), points, lambda: geometry.Polygon(_points(points))
     )
@@ -227,20 +246,18 @@ def _line(batch: Batch, index: int, line: ir.Line) -> geometry.Polyline:
     points: Any
     match line.kind:
         case "place":
-            points, closed = case.places.get(line.name, batch.spec.places[line.name].points), False
+            points, closed = case.settings.places.get(line.name, batch.spec.places[line.name].points), False
         case "signal":
-            points, closed = case.lines[line.name, line.field], case.closed.get(line.name, False)
+            points, closed = case.line(line.name, line.field), case.closed.get(line.name, False)
         case "path":
             columns = case.columns[line.name]
-            points = np.stack(
-                [np.asarray(columns["x"], dtype=float), np.asarray(columns["y"], dtype=float)], axis=1
-            )
+            points = np.stack([columns.column("x"), columns.column("y")], axis=1)
             return geometry.Polyline(points, False)
         case "centre":
             centre: geometry.Polyline = _corridor(batch, index, line.name).centre
             return centre
         case _:
-            raise AssertionError(f"unknown line {line.kind}")
+            assert_never(line.kind)
     made: geometry.Polyline = _keep(
         batch, ("line", id(points), closed), points, lambda: geometry.Polyline(_points(points), closed)
     )
@@ -248,7 +265,7 @@ def _line(batch: Batch, index: int, line: ir.Line) -> geometry.Polyline:
 
 
 def _points(points: Any) -> Floats:
-    return np.asarray(points, dtype=np.float64).reshape(-1, 2)
+    return points.points if isinstance(points, Line) else np.asarray(points, dtype=np.float64).reshape(-1, 2)
 
 
 def _to_paths(batch: Batch, signal: str, args: Sequence[Any], shape: tuple[int, ...]) -> Any:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import cached_property
+from collections.abc import Sequence
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -14,22 +14,26 @@ from trackmarshal.backends.numpy.code import Code
 from trackmarshal.backends.numpy.curves import Curve
 from trackmarshal.backends.numpy.logic import AT_LEAST, NEITHER, Side, Value, value
 from trackmarshal.backends.numpy.views import CaseView
-from trackmarshal.backends.results import case_result
+from trackmarshal.backends.results import Stateless, rated
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.case import Case
-from trackmarshal.runtime.verdict import CaseResult
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.program import Rated
+from trackmarshal.runtime.verdict import VERDICTS
 
-_VERDICTS = np.array(["satisfied", "undefined", "violated", "inactive"])
-_SATISFIED, _UNDEFINED, _VIOLATED, _INACTIVE = range(4)
+#: Codes of verdicts: their places in VERDICTS.
+_SATISFIED, _VIOLATED, _UNDEFINED, _INACTIVE = map(
+    VERDICTS.index, ("satisfied", "violated", "undefined", "inactive")
+)
 
 
-class Program:
-    """The compiled rules; `run` evaluates them on a batch of cases."""
+class NumpyProgram(Stateless):
+    """The compiled rules; `run` evaluates them on a batch of frames."""
+
+    backend = "numpy"
 
     def __init__(self, spec: Spec, rules: Sequence[RuleInfo]) -> None:
-        self.spec = spec
-        self.rules = [rule for rule in rules if rule.formula is not None]
+        super().__init__(spec, rules)
         self.rows = {rule.name: row for row, rule in enumerate(self.rules)}
         formulas = [rule.formula for rule in self.rules if rule.formula is not None]
         ranges = [rule.active for rule in self.rules if rule.active is not None]
@@ -56,15 +60,18 @@ class Program:
             # numpy takes arrays without axes faster than numbers.
             self._left = tuple(map(_without_axes, self._fixed(self._batch(()))))
 
-    def run(self, cases: Sequence[Case]) -> Run:
-        """Evaluate all rules on all cases."""
+    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+        return self.run(frames).rated()
+
+    def run(self, cases: Sequence[Frame]) -> Run:
+        """Evaluate all rules on all frames, cases or seen by one candidate."""
         batch = self._batch(cases)
         # Undefined values are part of the language: divisions by zero and NaN are no cause for warnings.
         with np.errstate(all="ignore"):
             left = self._fixed(batch) if batch.overridden else self._left
             return Run(self, batch, self._varying(batch, left))
 
-    def _batch(self, cases: Sequence[Case]) -> Batch:
+    def _batch(self, cases: Sequence[Frame]) -> Batch:
         return Batch(self.spec, cases, self.code.rank, self._curves)
 
 
@@ -85,6 +92,7 @@ class _Cases:
         """(sides, cases) of whether they hold, and of their margins."""
         rows = [_of_cases(values[place], size) for place in self._margins]
         margins = np.concatenate(rows, axis=None).reshape(len(rows), size)
+        margins += 0.0  # a margin of zero is 0.0 by definition
         sat = np.where(self._strict, margins > 0.0, margins >= 0.0)
         for row, place in self._unsaid:
             sat[row] = _of_cases(values[place], size).ravel()
@@ -104,7 +112,7 @@ def _of_cases(array: Any, size: int) -> Any:
 class Run:
     """The values of a program for one batch."""
 
-    def __init__(self, program: Program, batch: Batch, values: tuple[Any, ...]) -> None:
+    def __init__(self, program: NumpyProgram, batch: Batch, values: tuple[Any, ...]) -> None:
         self.program = program
         self.batch = batch
         self._values = values
@@ -134,41 +142,36 @@ class Run:
         size = self.batch.size
         return _of_cases(side.sat, size).ravel().tolist(), _of_cases(side.margin, size).ravel().tolist()
 
-    def verdicts(self, rule: RuleInfo) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-        """(cases,) verdict names and (cases,) margins of a rule, without witnesses."""
-        row = self.program.rows[rule.name]
-        verdicts, margins = self._verdicts
-        return verdicts[row], margins[row]
+    def rated(self) -> list[Rated]:
+        """The outcome of every frame; witnesses are looked for when they are asked for."""
+        codes, margins = self.verdicts
+        by_frame = codes.T.tobytes()
+        width = len(self.program.rules)
+        return [
+            rated(
+                self.program.rules, frame, partial(CaseView, self, index),
+                by_frame[index * width : (index + 1) * width], margins[:, index].tolist(),
+            )
+            for index, frame in enumerate(self.batch.cases)
+        ]  # fmt: skip
 
     @cached_property
-    def _verdicts(self) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-        """The same of all rules, (rules, cases)."""
+    def verdicts(self) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """(rules, frames) codes of verdicts, their places in VERDICTS, and margins."""
         program, values, size = self.program, self._values, self.batch.size
         rules = len(program.rules)
         sat, margins = program.settled.read(values, size)
         empty = np.zeros((rules, size), dtype=np.bool_)
         empty[program.ranged] = ~sat[rules:]
         sat, margins = sat[:rules], margins[:rules]
-        code = np.where(sat, _SATISFIED, _VIOLATED)
+        code = np.where(sat, _SATISFIED, _VIOLATED).astype(np.uint8)
         if any(values[worst] is not values[best] for worst, best in program.margins):
             possible, best = program.possible.read(values, size)
             code[possible & ~sat] = _UNDEFINED
             margins = np.where(sat, margins, np.where(possible, np.nan, best))
         code[empty], margins[empty] = _INACTIVE, np.inf
         for index, case in enumerate(self.batch.cases):
-            if case.unusable:
-                blocked = [case.blocks(rule.reads) for rule in self.program.rules]
+            if case.faults:
+                blocked = [case.unusable(rule.reads) is not None for rule in self.program.rules]
                 code[blocked, index], margins[blocked, index] = _UNDEFINED, np.nan
-        return _VERDICTS.take(code), margins
-
-    def results(self, series: bool = False) -> Iterator[CaseResult]:
-        """The results of every case, with witnesses."""
-        for index, case in enumerate(self.batch.cases):
-            yield case_result(self.program.rules, case, CaseView(self, index), series)
-
-
-def evaluate(
-    spec: Spec, rules: Sequence[RuleInfo], cases: Sequence[Case], series: bool = False
-) -> Iterator[CaseResult]:
-    """Evaluate rules on cases, all at once."""
-    return Program(spec, rules).run(cases).results(series)
+        return code, margins

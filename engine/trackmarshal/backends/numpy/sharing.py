@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Mapping
 from typing import Any
 
 from trackmarshal.ir import nodes as ir
 
 #: Fields that say how a value is shown, not what it is. Of all others, also of those that a node gets one day, a difference counts;
 #: spans are never compared.
-_SHOWN = {"unit", "names", "name"}
+_SHOWN = {"unit", "shown", "names", "name"}
 #: Nodes of which `name` is what is read, not what is shown.
 _NAMED = (ir.Param, ir.Func)
 
 
-def representatives(nodes: Iterable[ir.IR]) -> dict[ir.IR, ir.IR]:
+def representatives(nodes: Iterable[ir.Num | ir.Formula]) -> dict[ir.Num | ir.Formula, ir.Num | ir.Formula]:
     """For each of some nodes, given children first, the first one that is computed alike."""
-    same: dict[ir.IR, ir.IR] = {}
-    known: dict[Hashable, ir.IR] = {}
+    same: dict[ir.Num | ir.Formula, ir.Num | ir.Formula] = {}
+    known: dict[Hashable, ir.Num | ir.Formula] = {}
     for node in nodes:
         parts = [
             _key(getattr(node, field), same)
@@ -28,7 +28,7 @@ def representatives(nodes: Iterable[ir.IR]) -> dict[ir.IR, ir.IR]:
     return same
 
 
-def _key(part: Any, same: dict[ir.IR, ir.IR]) -> Hashable:
+def _key(part: Any, same: Mapping[Any, ir.IR]) -> Hashable:
     """What a field has in common with fields that say the same."""
     if isinstance(part, tuple):
         return tuple(_key(item, same) for item in part)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 
 from trackmarshal.backends.numpy import logic
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import COMPARISONS, FUNCTIONS, ComparisonOp, FunctionName, Measure
 
 #: Numbers that one thread adds up.
 FEW = 4096
@@ -27,20 +28,71 @@ def _pow(x: Any, y: Any) -> Any:
     return np.where(np.isnan(x) | np.isnan(y), np.nan, power)
 
 
-ARITHMETIC = ("+", "-", "*", "/")
-FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "abs": np.abs, "sqrt": np.sqrt, "floor": np.floor, "sin": np.sin, "cos": np.cos, "tan": np.tan, "exp": np.exp,
-    "log": np.log, "atan2": np.arctan2,
-    # Adding 0.0 turns -0.0 into 0.0: see `ir.arithmetic`.
-    "min": lambda x, y: np.minimum(x, y) + 0.0, "max": lambda x, y: np.maximum(x, y) + 0.0,
-    "pow": _pow,
-}  # fmt: skip
+def _function(name: FunctionName) -> Callable[..., Any]:
+    match name:
+        case "abs":
+            return np.abs
+        case "sign":
+            return np.sign
+        case "sqrt":
+            return np.sqrt
+        case "hypot":
+            return lambda x, y: np.sqrt(x * x + y * y)  # in these steps: see `ir.arithmetic`
+        case "floor":
+            return np.floor
+        case "ceil":
+            return np.ceil
+        case "round":
+            return np.rint
+        case "min":
+            return lambda x, y: np.minimum(x, y) + 0.0  # turns -0.0 into 0.0: see `ir.arithmetic`
+        case "max":
+            return lambda x, y: np.maximum(x, y) + 0.0
+        case "pow":
+            return _pow
+        case "exp":
+            return np.exp
+        case "log":
+            return np.log
+        case "sin":
+            return np.sin
+        case "cos":
+            return np.cos
+        case "tan":
+            return np.tan
+        case "asin":
+            return np.arcsin
+        case "acos":
+            return np.arccos
+        case "atan2":
+            return np.arctan2
+        case "tanh":
+            return np.tanh
+        case _:
+            assert_never(name)
+
+
+def _measured(measure: Measure) -> str:
+    match measure:
+        case Measure.ROOM_ABOVE:
+            return "{y} - {x}"
+        case Measure.ROOM_BELOW:
+            return "{x} - {y}"
+        case Measure.NEARNESS:
+            return "-abs({x} - {y})"
+        case Measure.DISTANCE:
+            return "abs({x} - {y})"
+        case _:
+            assert_never(measure)
+
+
+#: What functions of numbers are called with.
+CALLS: dict[FunctionName, Callable[..., Any]] = {name: _function(name) for name in FUNCTIONS}
 #: How far a comparison is from its boundary, and what that says. By gradual underflow a difference is 0 for equal numbers only.
-COMPARISONS = {
-    "<": ("{y} - {x}", logic.ABOVE), "<=": ("{y} - {x}", logic.AT_LEAST),
-    ">": ("{x} - {y}", logic.ABOVE), ">=": ("{x} - {y}", logic.AT_LEAST),
-    "==": ("-abs({x} - {y})", logic.AT_LEAST), "!=": ("abs({x} - {y})", logic.ABOVE),
-}  # fmt: skip
+MEASURED: dict[ComparisonOp, tuple[str, int]] = {
+    op: (_measured(comparison.measure), logic.AT_LEAST if comparison.holds_at_zero else logic.ABOVE)
+    for op, comparison in COMPARISONS.items()
+}
 
 
 def compared(margin: Any, x: Any, y: Any) -> tuple[Any, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, assert_never
 
 import numpy as np
 
@@ -11,19 +11,18 @@ from trackmarshal.backends.numpy import temporal
 from trackmarshal.backends.numpy.batch import Batch
 from trackmarshal.backends.numpy.logic import NEITHER, Side, Value
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
 
 #: Whether a formula holds, and its margin.
 Pair = tuple[Any, Any]
 
 
-def operator(
-    batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, operands: Sequence[Value]
-) -> Value:
+def operator(batch: Batch, node: ir.Timed, operands: Sequence[Value]) -> Value:
     """The value of a temporal formula at every sample of every case."""
     pairs = [(value.worst, value.best) for value in operands]
     single = all(worst is best for worst, best in pairs)
     timed = isinstance(node, (ir.Temporal, ir.Until))
-    blocked = [timed and case.blocks([(node.axis.signal, "t")]) for case in batch.cases]
+    blocked = [timed and case.unusable([(node.axis.signal, "t")]) is not None for case in batch.cases]
     worst = _side(batch, node, [w for w, _ in pairs], [b for _, b in pairs], blocked, False)
     if single and not any(blocked):
         return Value(worst, worst)
@@ -31,7 +30,7 @@ def operator(
 
 
 def _side(
-    batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, sides: list[Side], others: list[Side], blocked: list[bool], best: bool
+    batch: Batch, node: ir.Timed, sides: list[Side], others: list[Side], blocked: list[bool], best: bool
 ) -> Side:  # fmt: skip
     axis = 1 + node.axis.level
     size = batch.count(node.axis)
@@ -70,28 +69,24 @@ def _last(side: Side, shape: tuple[int, ...], axis: int) -> Pair:
 
 
 def _kernel(
-    batch: Batch, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, index: int, n: int, sides: list[Pair], others: list[Pair]
+    batch: Batch, node: ir.Timed, index: int, n: int, sides: list[Pair], others: list[Pair]
 ) -> Pair:  # fmt: skip
     match node:
         case ir.Temporal():
-            windows = temporal.windows(
-                _times(batch, node, index, n), node.lower, node.upper, node.op in ("historically", "once")
-            )
-            kernel = temporal.always if node.op in ("always", "historically") else temporal.eventually
+            windows = temporal.windows(_times(batch, node, index, n), node.lower, node.upper, node.past)
+            kernel = temporal.always if node.extreme is Extreme.LEAST else temporal.eventually
             return kernel(*sides[0], windows)
         case ir.Until():
-            windows = temporal.windows(
-                _times(batch, node, index, n), node.lower, node.upper, node.op == "since"
-            )
-            held = temporal.until if node.op == "until" else temporal.since
+            windows = temporal.windows(_times(batch, node, index, n), node.lower, node.upper, node.past)
+            held = temporal.since if node.past else temporal.until
             return held(*sides[0], *sides[1], windows)
         case ir.Shift():
             return temporal.shift(*sides[0], node.step, node.weak)
         case ir.Edge():
-            edge = temporal.rising if node.op == "rising" else temporal.falling
+            edge = temporal.rising if node.rising else temporal.falling
             return edge(*sides[0], *others[0])
         case _:
-            raise AssertionError(f"unknown temporal operator {type(node).__name__}")
+            assert_never(node)
 
 
 def _times(batch: Batch, node: ir.Temporal | ir.Until, index: int, n: int) -> Any:

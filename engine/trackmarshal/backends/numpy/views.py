@@ -74,13 +74,13 @@ class CaseView:
         return row
 
     def count(self, axis: ir.Axis) -> int:
-        return max(0, self._case.counts[axis.signal] - axis.width + 1)
+        return max(0, self._case.count(axis.signal) - axis.width + 1)
 
     def times(self, axis: ir.Axis) -> Sequence[float]:
-        return self._case.columns[axis.signal]["t"]
+        return self._case.columns[axis.signal].listed("t")
 
     def name(self, axis: ir.Axis, index: int) -> int | str:
-        return self._case.names[axis.signal][index] if axis.kind == "elements" else index
+        return self._case.columns[axis.signal].name(index)
 
     def along(self, node: ir.Formula, axis: ir.Axis, env: dict[int, int]) -> list[Truth]:
         sides = self.sides(node, axis, env)

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Sequence
+from functools import cache, partial
+from typing import assert_never
 
 from trackmarshal.backends import witness
 from trackmarshal.backends.reference import geometry, temporal
-from trackmarshal.backends.results import case_result
+from trackmarshal.backends.results import Stateless, rated
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.case import Case, Point
+from trackmarshal.ir.operators import Extreme
+from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, known, least, negate
-from trackmarshal.runtime.verdict import Bound, CaseResult, Truth
+from trackmarshal.runtime.lines import Point
+from trackmarshal.runtime.program import Rated
+from trackmarshal.runtime.verdict import Bound, Truth
 
 #: The index of the variable of each axis that is bound, by the axis's level.
 Env = dict[int, int]
@@ -22,9 +27,9 @@ Env = dict[int, int]
 class Reference:
     """Values of the nodes of a spec for one case; each (node, indices) is computed once."""
 
-    def __init__(self, spec: Spec, case: Case) -> None:
+    def __init__(self, spec: Spec, frame: Frame) -> None:
         self.spec = spec
-        self.case = case
+        self.frame = frame
         self._truths: dict[tuple[int, tuple[tuple[int, int], ...]], Truth] = {}
         self._series: dict[tuple[int, tuple[tuple[int, int], ...]], list[Truth]] = {}
         self._lines: dict[int, tuple[list[Point], bool]] = {}
@@ -37,14 +42,14 @@ class Reference:
             case ir.Const():
                 return node.value
             case ir.Param():
-                return self.case.params.get(node.name, self.spec.params[node.name].value)
+                return self.frame.settings.params.get(node.name, self.spec.params[node.name].value)
             case ir.Column():
-                column = self.case.columns[node.axis.signal][node.field]
+                column = self.frame.columns[node.axis.signal].listed(node.field)
                 return float(column[max(0, env[node.axis.level] + node.offset)])
             case ir.Sample():
-                return float(self.case.columns[node.signal][node.field][node.index])
+                return float(self.frame.columns[node.signal].listed(node.field)[node.index])
             case ir.Scalar():
-                return float(self.case.scalars[node.signal][node.field])
+                return self.frame.value(node.signal, node.field)
             case ir.Arith():
                 return arithmetic.arith(node.op, self.number(node.left, env), self.number(node.right, env))
             case ir.Neg():
@@ -58,21 +63,29 @@ class Reference:
                 return self.number(node.then if verdict == "satisfied" else node.otherwise, env)
             case ir.Lookup():
                 table = self.spec.tables[node.table]
-                knots, values = self.case.tables.get(node.table, (table.knots, table.values))
+                knots, values = self.frame.settings.tables.get(node.table, (table.knots, table.values))
                 return arithmetic.interpolate(knots, values, self.number(node.argument, env))
-            case ir.Along():
-                return self._along(node, [self.number(arg, env) for arg in node.args])
+            case ir.Station():
+                return self._projected(node, env)[0]
+            case ir.Offset():
+                return self._projected(node, env)[1]
+            case ir.Direction():
+                return self._projected(node, env)[2]
+            case ir.Distance():
+                return geometry.distance_to_line(
+                    self.number(node.x, env), self.number(node.y, env), *self.line(node.line)
+                )
+            case ir.StationGap():
+                points, closed = self.line(node.line)
+                return geometry.station_gap(
+                    points, self.number(node.start, env), self.number(node.end, env), closed
+                )
             case _:
-                raise AssertionError(f"unknown number {type(node).__name__}")
+                assert_never(node)
 
-    def _along(self, node: ir.Along, args: list[float]) -> float:
-        points, closed = self.line(node.line)
-        if node.what == "station_gap":
-            return geometry.station_gap(points, args[0], args[1], closed)
-        if node.what == "distance":
-            return geometry.distance_to_line(args[0], args[1], points, closed)
-        station, offset, direction = geometry.project(args[0], args[1], points, closed)
-        return {"station": station, "offset": offset, "direction": direction}[node.what]
+    def _projected(self, node: ir.Projected, env: Env) -> tuple[float, float, float]:
+        """Station, offset and direction of a point."""
+        return geometry.project(self.number(node.x, env), self.number(node.y, env), *self.line(node.line))
 
     def line(self, line: ir.Line) -> tuple[list[Point], bool]:
         """The points of a line, and whether it is closed."""
@@ -81,27 +94,24 @@ class Reference:
         return self._lines[id(line)]
 
     def _line(self, line: ir.Line) -> tuple[list[Point], bool]:
-        case = self.case
+        frame = self.frame
         match line.kind:
             case "place":
-                return list(case.places.get(line.name, self.spec.places[line.name].points)), False
+                return list(frame.settings.places.get(line.name, self.spec.places[line.name].points)), False
             case "signal":
-                return list(case.lines[line.name, line.field]), case.closed.get(line.name, False)
+                return list(frame.line(line.name, line.field).tuples), frame.closed.get(line.name, False)
             case "path":
-                columns = case.columns[line.name]
-                return list(zip(columns["x"], columns["y"])), False
+                columns = frame.columns[line.name]
+                return list(zip(columns.listed("x"), columns.listed("y"))), False
             case "centre":
                 left, right, closed = self.corridor(line.name)
                 return geometry.centre_line(left, right, closed), closed
             case _:
-                raise AssertionError(f"unknown line {line.kind}")
+                assert_never(line.kind)
 
     def corridor(self, name: str) -> tuple[Sequence[Point], Sequence[Point], bool]:
-        return (
-            self.case.lines[name, "left"],
-            self.case.lines[name, "right"],
-            self.case.closed.get(name, False),
-        )
+        left, right, closed = self.frame.corridor(name)
+        return left.tuples, right.tuples, closed
 
     # Formulas -------------------------------------------------------------------------------------------------
 
@@ -124,8 +134,8 @@ class Reference:
                 if not (math.isfinite(a) and math.isfinite(b)):
                     return UNDEFINED
                 return known(arithmetic.compare(node.op, a, b), arithmetic.margin(node.op, a, b))
-            case ir.Geometry():
-                margin = self._geometry(node, [self.number(arg, env) for arg in node.args])
+            case ir.SweptInside() | ir.SweptClear() | ir.InArea():
+                margin = self._geometry(node, env)
                 return UNDEFINED if math.isnan(margin) else known(margin >= 0.0, margin)
             case ir.Not():
                 return negate(self.truth(node.operand, env))
@@ -143,47 +153,54 @@ class Reference:
             case ir.First():
                 return self.truth(node.operand, {**env, node.axis.level: 0})
             case _:
-                raise AssertionError(f"unknown formula {type(node).__name__}")
+                assert_never(node)
 
     def _flag(self, node: ir.Flag, env: Env) -> Truth:
         if node.axis is not None:
             assert node.field is not None
-            value = self.case.columns[node.signal][node.field][max(0, env[node.axis.level] + node.offset)]
+            column = self.frame.columns[node.signal].listed(node.field)
+            value = column[max(0, env[node.axis.level] + node.offset)]
         else:
-            value = self.case.scalars[node.signal][node.field or ""]
+            value = self.frame.flag(node.signal, node.field or "")
         if value is None:
             return UNDEFINED
         return TRUE if value else FALSE
 
-    def _geometry(self, node: ir.Geometry, args: list[float]) -> float:
-        if node.what == "in_area":
-            assert node.area is not None
-            return geometry.in_zone_margin(args[0], args[1], self.zone(node.area))
-        pose0, pose1 = (args[0], args[1], args[2]), (args[3], args[4], args[5])
-        length, width = args[6], args[7]
-        if node.what == "swept_clear":
-            return geometry.clear_margin(
-                pose0, pose1, length, width, (args[8], args[9], args[10]), args[11], args[12]
-            )
-        if node.what == "swept_inside":
-            assert node.area is not None
-            if node.area.kind == "zone":
-                return geometry.hull_in_polygon_margin(self.zone(node.area), pose0, pose1, length, width)
-            left, right, closed = self.corridor(node.area.name)
-            return geometry.hull_inside_margin(left, right, closed, pose0, pose1, length, width)
-        raise AssertionError(f"unknown predicate {node.what}")
+    def _geometry(self, node: ir.Geometry, env: Env) -> float:
+        match node:
+            case ir.InArea():
+                return geometry.in_zone_margin(
+                    self.number(node.x, env), self.number(node.y, env), self.zone(node.area)
+                )
+            case ir.SweptClear():
+                return geometry.clear_margin(
+                    self._pose(node.start, env), self._pose(node.end, env),
+                    self.number(node.length, env), self.number(node.width, env),
+                    self._pose(node.box, env), self.number(node.box_length, env), self.number(node.box_width, env),
+                )  # fmt: skip
+            case ir.SweptInside():
+                start, end = self._pose(node.start, env), self._pose(node.end, env)
+                length, width = self.number(node.length, env), self.number(node.width, env)
+                if node.area.kind == "zone":
+                    return geometry.hull_in_polygon_margin(self.zone(node.area), start, end, length, width)
+                return geometry.hull_inside_margin(*self.corridor(node.area.name), start, end, length, width)
+            case _:
+                assert_never(node)
+
+    def _pose(self, pose: ir.Pose, env: Env) -> tuple[float, float, float]:
+        return self.number(pose.x, env), self.number(pose.y, env), self.number(pose.heading, env)
 
     def zone(self, area: ir.Area) -> Sequence[Point]:
-        return self.case.places.get(area.name, self.spec.places[area.name].points)
+        return self.frame.settings.places.get(area.name, self.spec.places[area.name].points)
 
     def count(self, axis: ir.Axis) -> int:
         """How many values the variable of an axis takes."""
-        return max(0, self.case.counts[axis.signal] - axis.width + 1)
+        return max(0, self.frame.count(axis.signal) - axis.width + 1)
 
     def _quantify(self, node: ir.Quantify, env: Env) -> Truth:
-        join = least if node.quantifier == "for all" else greatest
-        value = TRUE if node.quantifier == "for all" else FALSE
-        worst, best = value.worst, value.best
+        every = node.extreme is Extreme.LEAST
+        join = least if every else greatest
+        worst = best = Bound(*node.extreme.neutral)
         for index in range(self.count(node.axis)):
             inner = {**env, node.axis.level: index}
             guard = TRUE if node.guard is None else self.truth(node.guard, inner)
@@ -191,13 +208,13 @@ class Reference:
             # In the worst case every element that may be in range counts against a `for all`, and only those
             # that surely are count for an `exists`; in the best case the other way round.
             in_worst, in_best = guard.best.sat, guard.worst.sat
-            if node.quantifier == "exists":
+            if not every:
                 in_worst, in_best = in_best, in_worst
             worst = join(worst, body.worst) if in_worst else worst
             best = join(best, body.best) if in_best else best
         return Truth(worst, best)
 
-    def series(self, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, env: Env) -> list[Truth]:
+    def series(self, node: ir.Timed, env: Env) -> list[Truth]:
         """The value of a temporal formula at every sample of its timeline."""
         key = (id(node), tuple(item for item in env.items() if item[0] != node.axis.level))
         values = self._series.get(key)
@@ -209,19 +226,18 @@ class Reference:
         """The value of any formula at every sample of a timeline."""
         return [self.truth(node, {**env, axis.level: k}) for k in range(self.count(axis))]
 
-    def _temporal(self, node: ir.Temporal | ir.Until | ir.Shift | ir.Edge, env: Env) -> list[Truth]:
+    def _temporal(self, node: ir.Timed, env: Env) -> list[Truth]:
         axis = node.axis
         match node:
             case ir.Temporal():
                 operand = self.along(node.operand, axis, env)
-                past = node.op in ("historically", "once")
-                windows = temporal.windows(self.times(axis), node.lower, node.upper, past)
-                kernel = temporal.always if node.op in ("always", "historically") else temporal.eventually
+                windows = temporal.windows(self.times(axis), node.lower, node.upper, node.past)
+                kernel = temporal.always if node.extreme is Extreme.LEAST else temporal.eventually
                 return _both(lambda side: kernel(side(operand)[0], side(operand)[1], windows))
             case ir.Until():
                 left, right = self.along(node.left, axis, env), self.along(node.right, axis, env)
-                windows = temporal.windows(self.times(axis), node.lower, node.upper, node.op == "since")
-                held = temporal.until if node.op == "until" else temporal.since
+                windows = temporal.windows(self.times(axis), node.lower, node.upper, node.past)
+                held = temporal.since if node.past else temporal.until
                 return _both(
                     lambda side: held(side(left)[0], side(left)[1], side(right)[0], side(right)[1], windows)
                 )
@@ -232,16 +248,16 @@ class Reference:
                 )
             case ir.Edge():
                 operand = self.along(node.operand, axis, env)
-                edge = temporal.rising if node.op == "rising" else temporal.falling
+                edge = temporal.rising if node.rising else temporal.falling
                 return _both(lambda side: edge(*side(operand), *_OTHER[side](operand)))
             case _:
-                raise AssertionError(f"unknown temporal operator {type(node).__name__}")
+                assert_never(node)
 
     # What witnesses and results ask -------------------------------------------------------------------------
 
     def times(self, axis: ir.Axis) -> Sequence[float]:
         """The times of a timeline's samples."""
-        return self.case.columns[axis.signal]["t"]
+        return self.frame.columns[axis.signal].listed("t")
 
     def sides(self, node: ir.Formula, axis: ir.Axis, env: Env) -> witness.Sides:
         """The values of a formula for all values of the variable of an axis."""
@@ -250,7 +266,7 @@ class Reference:
 
     def name(self, axis: ir.Axis, index: int) -> int | str:
         """What reports call a sample or an element: its number, or an object's id."""
-        return self.case.names[axis.signal][index] if axis.kind == "elements" else index
+        return self.frame.columns[axis.signal].name(index)
 
     def geometry_fault(self, formula: ir.Formula) -> str | None:
         """What makes a corridor or zone that a formula reads unusable."""
@@ -266,12 +282,13 @@ class Reference:
         return None
 
 
-def evaluate(
-    spec: Spec, rules: Sequence[RuleInfo], cases: Iterable[Case], series: bool = False
-) -> Iterator[CaseResult]:
-    """Evaluate rules on cases, one after the other."""
-    for case in cases:
-        yield case_result(rules, case, Reference(spec, case), series)
+class ReferenceProgram(Stateless):
+    """Rules of a spec, evaluated by the reference."""
+
+    backend = "reference"
+
+    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+        return [rated(self.rules, frame, cache(partial(Reference, self.spec, frame))) for frame in frames]
 
 
 def _worst(values: list[Truth]) -> tuple[list[bool], list[float]]:

@@ -66,6 +66,11 @@ class Area:
             return np.full(poses.shape[1], np.nan), np.ones(poses.shape[1], dtype=np.bool_)
         return least_inside(self._region, poses, long, wide, size, counted)
 
+    @property
+    def border(self) -> Border | None:
+        """The border, the region on its left; None where there is none."""
+        return None if self._region is None else self._region.border
+
     def near(self, x: Floats, y: Floats) -> bool:
         """Whether some of these points may be in the region, or have no answer; False if all are off its bounding box."""
         if self._region is None:

@@ -10,20 +10,18 @@ from dataclasses import astuple, dataclass, fields, replace
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
-from trackmarshal.ir.spec import RuleInfo
-from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.cycle import DRIVING, Limits
 from trackmarshal.runtime.decision import Decision
-from trackmarshal.runtime.door import Door
 from trackmarshal.runtime.faults import name_of
-from trackmarshal.runtime.judge import Judge, Judged
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.machine import DRIVE
-from trackmarshal.runtime.supervisor import Supervisor
+from trackmarshal.runtime.program import Judged, Memory, Program
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import cycles
-from trackmarshal.supervision import EvaluatorJudge
+from trackmarshal.supervision import rulebox
 
 #: Stamps are sums of steps; this is far less than a step, s.
 _SLACK = 1e-6
@@ -63,8 +61,7 @@ class Bench:
 
     def __init__(self, recording: Recording, evaluator: Evaluator, limits: Limits | None = None) -> None:
         tables, _ = known_tables(recording, evaluator.spec)
-        self._judge = EvaluatorJudge(evaluator, recording.params, tables)
-        self._spec = evaluator.spec
+        self._box = rulebox(evaluator, recording.params, tables)
         self._limits = Limits() if limits is None else limits
         self._cycles = list(cycles(recording))
 
@@ -84,8 +81,9 @@ class Bench:
         """The decisions of a new Supervisor around the fault, each with the time that its cycle is due, s."""
         last = fault.end if fault.expected is None else max(fault.end, fault.expected.last)
         begin, end = fault.begin - campaign.lead - _SLACK, last + campaign.lead + _SLACK
-        judge, clock = _Saboteur(self._judge), _Clock()
-        supervisor = Supervisor(self._spec, judge, self._limits, clock.read)
+        clock = _Clock()
+        supervisor = self._box.supervisor(self._limits, clock.read)
+        supervisor.program = judge = _Saboteur(supervisor.program)
         said: list[tuple[float, Decision]] = []
         touched = False
         free = -math.inf  # when the Supervisor is done with the cycle before
@@ -133,27 +131,34 @@ class _Clock:
 
 
 class _Saboteur:
-    """A judge that fails as it is told to."""
+    """A program that fails as it is told to."""
 
-    def __init__(self, judge: Judge) -> None:
-        self._judge = judge
-        self.rules: Sequence[RuleInfo] = judge.rules
-        self.identity = judge.identity
+    def __init__(self, program: Program) -> None:
+        self._program = program
+        self.spec, self.rules, self.identity = program.spec, program.rules, program.identity
         self.sabotage = ""
 
-    def judge(self, door: Door) -> tuple[Judged, Judged]:
+    def judge(self, memory: Memory, frame: Frame) -> Judged:
         if self.sabotage == "raises":
             raise ArithmeticError("put in on purpose")
-        driving, emergency = self._judge.judge(door)
+        judged = self._program.judge(memory, frame)
+        driving = judged.rated[DRIVING]
         match self.sabotage:
             case "":
-                return driving, emergency
+                return judged
             case "short":
-                return replace(driving, verdicts=driving.verdicts[:-1]), emergency
+                driving = replace(driving, verdicts=driving.verdicts[:-1])
             case "unknown":
-                return replace(driving, verdicts=b"\xff" + driving.verdicts[1:]), emergency
+                driving = replace(driving, verdicts=b"\xff" + driving.verdicts[1:])
             case other:
                 raise AssertionError(other)
+        return replace(judged, rated={**judged.rated, DRIVING: driving})
+
+    def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
+        return self._program.judge_all(frames)
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+        return self._program.commit(memory, frame, decision)
 
 
 def _outcome(fault: Fault, said: list[tuple[float, Decision]]) -> Outcome:
@@ -242,7 +247,7 @@ def _summary(decision: Decision) -> tuple[object, ...]:
     judged = (
         None
         if decision.judged is None
-        else [(j.verdicts, list(map(repr, j.margins))) for j in decision.judged]
+        else [(r.verdicts, list(map(repr, r.margins))) for r in decision.judged.rated.values()]
     )
     driven = None if decision.driven is None else (decision.driven.number, decision.driven.matrix.tobytes())
     return decision.state, decision.safe, decision.lost, decision.reasons, judged, driven

@@ -30,6 +30,7 @@ class Moment:
     lost: bool = False
     silent: bool = False
     judge: str = ""
+    also: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, cycle: Cycle) -> Moment:
@@ -45,13 +46,15 @@ class Moment:
             "obstacles": [dict(each) for each in cycle.signals["obstacles"]],
             "track": dict(cycle.signals["track"]),
         }
-        return cls(cycle.number, cycle.t, candidates, signals, cycle.t)
+        return cls(cycle.number, cycle.t, candidates, signals, cycle.t, also=cycle.also)
 
     @property
     def cycle(self) -> Cycle:
         """What the Supervisor gets."""
         plans = self.candidates
-        return Cycle(self.number, self.t, plans.get("driving"), plans.get("emergency"), self.signals)
+        return Cycle(
+            self.number, self.t, plans.get("driving"), plans.get("emergency"), self.signals, self.also
+        )
 
     def beside_the_car(self, ahead: float, left: float, turn: float) -> dict[str, float]:
         """A pose relative to the car's: m ahead, m to the left, rad turned."""

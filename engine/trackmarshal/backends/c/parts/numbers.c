@@ -29,6 +29,19 @@ static double tm_max(double a, double b) {
   return ((b > a) ? b : a) + 0.0;
 }
 
+/** 1 for a number above zero, -1 for one below, 0.0 for both zeros; NaN for NaN. */
+static double tm_sign(double x) {
+  if (x > 0.0) {
+    return 1.0;
+  }
+  return (x < 0.0) ? -1.0 : (x + 0.0);
+}
+
+/** The root of the sum of two squares, in these steps: the hypot of one C library is not that of another. */
+static double tm_hypot(double a, double b) {
+  return sqrt((a * a) + (b * b));
+}
+
 /** A power; NaN where an argument is, also where IEEE 754 has 1. */
 static double tm_pow(double x, double y) {
   if (!(x == x) || !(y == y)) {

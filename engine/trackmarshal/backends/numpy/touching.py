@@ -1,0 +1,67 @@
+"""Footprints that touch: margins next to zero by the steps of the definitions, so that all evaluators see one verdict.
+
+Corners of a footprint's two poses that lie on one line are corners of their hull or not, as rounding has it. By which, margins differ
+in the last bits: of no account, but for the sign of a margin that is zero or nearly so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from trackmarshal.backends.reference import geometry
+from trackmarshal.backends.reference.geometry.region import Region, hull_margin
+from trackmarshal.runtime.geometry.border import Border
+
+#: Margins that are no farther from zero are computed anew; far more than rounding makes of tracks of any size [m].
+NEAR = 1e-6
+#: Segments of a border that are farther from a hull than this are not what it touches [m].
+APART = 1.0
+
+
+def settled(
+    margin: Any, args: Sequence[Any], exactly: Callable[[tuple[int, ...], Sequence[float]], float]
+) -> Any:
+    """Margins [m] with those next to zero replaced: `exactly` gives one, of its place and the arguments there."""
+    near = np.abs(margin) <= NEAR
+    if not near.any():
+        return margin
+    margin = np.array(margin)
+    whole = [np.broadcast_to(arg, margin.shape) for arg in args]
+    known: dict[tuple[float, ...], float] = {}  # what stands, touches at every sample alike
+    for place in np.argwhere(near).tolist():
+        at = tuple(place)
+        row = tuple(float(arg[at]) for arg in whole)
+        key = (float(at[0]) if at else 0.0, *row)
+        if key not in known:
+            known[key] = exactly(at, row)
+        margin[at] = known[key]
+    return margin
+
+
+def clear(row: Sequence[float]) -> float:
+    """The signed distance of what a box (two poses, length, width) sweeps from another (a pose, length, width)."""
+    x0, y0, heading0, x1, y1, heading1, length, width, x, y, heading, box_length, box_width = row
+    return geometry.clear_margin(
+        (x0, y0, heading0), (x1, y1, heading1), length, width, (x, y, heading), box_length, box_width
+    )
+
+
+def inside(border: Border, row: Sequence[float]) -> float:
+    """The signed margin of what a box sweeps inside a region, whose border it touches."""
+    x0, y0, heading0, x1, y1, heading1, length, width = row
+    reach = length + width + APART
+    left, right = min(x0, x1) - reach, max(x0, x1) + reach
+    low, high = min(y0, y1) - reach, max(y0, y1) + reach
+    ahead = ((border.ay >= low) | (border.by >= low)) & ((border.ay <= high) | (border.by <= high))
+    ahead &= (border.ax >= left) | (border.bx >= left)  # what a ray along +x from the hull may cross
+    near = ahead & ((border.ax <= right) | (border.bx <= right))
+    region = Region(_segments(border, near), (_segments(border, ahead),))
+    return hull_margin(region, (x0, y0, heading0), (x1, y1, heading1), length, width)
+
+
+def _segments(border: Border, which: Any) -> tuple[tuple[tuple[float, float], tuple[float, float]], ...]:
+    columns = (column[which].tolist() for column in (border.ax, border.ay, border.bx, border.by))
+    return tuple(((ax, ay), (bx, by)) for ax, ay, bx, by in zip(*columns))

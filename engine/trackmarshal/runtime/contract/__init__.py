@@ -1,0 +1,25 @@
+"""The input contract (S-2-C) as data: every door, in Python and in C, is made from these tables."""
+
+from trackmarshal.runtime.contract.checks import KINDS, Check, Kind
+from trackmarshal.runtime.contract.conditions import Condition
+from trackmarshal.runtime.contract.signals import (
+    EGO,
+    EVENT,
+    IS_EMERGENCY,
+    LINES,
+    PLAN,
+    RECORD,
+    SET,
+    TIMELINE,
+    Contract,
+    Field,
+    Signal,
+    of_cases,
+    of_cycles,
+    supervised,
+)
+
+__all__ = [
+    "EGO", "EVENT", "IS_EMERGENCY", "KINDS", "LINES", "PLAN", "RECORD", "SET", "TIMELINE", "Check", "Condition", "Contract", "Field",
+    "Kind", "Signal", "of_cases", "of_cycles", "supervised",
+]  # fmt: skip

@@ -1,0 +1,177 @@
+"""The input contract of a spec as a table: which signals there are, with which fields, and what each has to pass."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
+from trackmarshal.node import Node
+from trackmarshal.runtime.contract.checks import Check, checks_of
+from trackmarshal.source import SourceFile, Span
+
+#: The signal that a candidate stands for, the car's own state, and the event that tells the candidates apart.
+PLAN, EGO, IS_EMERGENCY = "plan", "ego", "emergency"
+#: What the Supervisor itself reads, in SI units.
+_PLAN_FIELDS = {"t": "s", "x": "m", "y": "m", "heading": "rad", "v": "m/s"}
+_EGO_FIELDS = {"x": "m", "y": "m", "heading": "rad"}
+
+TIMELINE, SET, RECORD, LINES, EVENT = "timeline", "set", "record", "lines", "event"
+
+
+class Field(Node):
+    """A field: `kind` number, bool or polyline; numbers come in `unit`; the default is in SI.
+
+    needed: whether it has to be there; one that only orders samples need not.
+    """
+
+    name: str
+    kind: str
+    unit: str
+    default: float | None
+    checks: tuple[Check, ...]
+    needed: bool
+
+    def checked(self, of: str) -> tuple[Check, ...]:
+        """Its checks of values, steps, counts or points."""
+        return tuple(check for check in self.checks if check.kind.of == of)
+
+
+class Signal(Node):
+    """A signal or event. form: timeline and set (columns), record (one value a field), lines, event (one Boolean).
+
+    fields: those that are wanted, in the order of their declaration; a line that is the signal itself has the name "". checks:
+    those of its length. declared: the names of all fields that it may have.
+    """
+
+    name: str
+    form: str
+    fields_: tuple[Field, ...]
+    checks: tuple[Check, ...]
+    declared: frozenset[str]
+
+    @property
+    def numbers(self) -> tuple[Field, ...]:
+        return tuple(field for field in self.fields_ if field.kind == "number")
+
+    @property
+    def flags(self) -> tuple[Field, ...]:
+        return tuple(field for field in self.fields_ if field.kind == "bool")
+
+    @property
+    def lines(self) -> tuple[Field, ...]:
+        return tuple(field for field in self.fields_ if field.kind == "polyline")
+
+
+class Contract(Node):
+    """What cycles, or cases, have to keep.
+
+    plan: what each candidate has to be; None for cases, whose `plan` is a signal as any other. signals: all others, in the order
+    of the spec. tells: whether rules ask which of the candidates they are about. known: the names of all signals and events.
+    """
+
+    plan: Signal | None
+    signals: tuple[Signal, ...]
+    tells: bool
+    known: frozenset[str]
+
+    def signal(self, name: str) -> Signal | None:
+        return next((signal for signal in self.signals if signal.name == name), None)
+
+
+def of_cases(spec: Spec, reads: Iterable[tuple[str, str]]) -> Contract:
+    """The contract of cases for rules that read these (signal, field) pairs: these fields, and the order of samples."""
+    wanted: dict[str, set[str]] = {}
+    for name, field in reads:
+        wanted.setdefault(name, set()).add(field)
+    signals = [_signal(info, wanted[name]) for name, info in spec.signals.items() if name in wanted]
+    events = [_event(name) for name in spec.events if name in wanted]
+    return Contract(None, (*signals, *events), False, _names(spec))
+
+
+def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
+    """The contract of cycles for these rules: every field of every signal that they or the Supervisor read.
+
+    Raises E482 where the spec declares differently what the Supervisor reads.
+    """
+    spec = supervised(spec)
+    read = {signal for rule in rules for signal, _ in rule.reads} | {EGO}
+    signals = [_signal(info, None) for name, info in spec.signals.items() if name in read and name != PLAN]
+    events = [_event(name) for name in spec.events if name in read and name != IS_EMERGENCY]
+    plan = _signal(spec.signals[PLAN], None)
+    return Contract(
+        plan, (*signals, *events), IS_EMERGENCY in read and IS_EMERGENCY in spec.events, _names(spec)
+    )
+
+
+def supervised(spec: Spec) -> Spec:
+    """The spec with all that the Supervisor itself reads declared; raises E482 where it is declared differently."""
+    plan, ego = _part(spec, PLAN, "trajectory", _PLAN_FIELDS), _part(spec, EGO, "state", _EGO_FIELDS)
+    age = ego.field("age")
+    if age is not None and (age.kind != "number" or age.unit != "s"):
+        raise _unfit(f"`ego.age` is declared in {age.unit or age.kind}, not in s")
+    signals = spec.signals | {PLAN: plan, EGO: ego}
+    return Spec(
+        signals, spec.events, spec.params, spec.tables, spec.places, spec.constraints, spec.rules, spec.rulebooks, spec.fingerprint,
+    )  # fmt: skip
+
+
+def _names(spec: Spec) -> frozenset[str]:
+    return frozenset((*spec.signals, *spec.events))
+
+
+def _event(name: str) -> Signal:
+    kind = FieldType("", "bool", "", False, None, None, None, Span(SourceFile("", ""), 0, 0))
+    return Signal(name, EVENT, (_field(kind),), (), frozenset())
+
+
+def _signal(info: SignalType, wanted: set[str] | None) -> Signal:
+    """A signal with the fields of these names, or with all, and those that are needed in any case: orders and borders."""
+    form = SET if info.many else TIMELINE if info.sequence else RECORD if info.kind == "state" else LINES
+    kinds = [
+        kind for kind in info.fields_
+        if wanted is None or kind.name in wanted or (form == TIMELINE and kind.increasing)
+    ]  # fmt: skip
+    if form == LINES:
+        kinds = [kind for kind in kinds if kind.kind == "polyline"]
+        given = {kind.name for kind in kinds}
+        missing = ["left", "right"] if info.kind == "corridor" else [""]
+        kinds += [_line(name, info.span) for name in missing if name not in given]
+    fields = tuple(_field(kind, wanted is None or kind.name in wanted or form == LINES) for kind in kinds)
+    checks = () if form == LINES else checks_of(info)
+    return Signal(info.name, form, fields, checks, frozenset(kind.name for kind in info.fields_))
+
+
+def _line(name: str, span: Span) -> FieldType:
+    return FieldType(name, "polyline", "m", False, None, None, None, span)
+
+
+def _field(kind: FieldType, needed: bool = True) -> Field:
+    return Field(kind.name, kind.kind, kind.unit, kind.default, checks_of(kind), needed)
+
+
+def _part(spec: Spec, name: str, kind: str, needed: dict[str, str]) -> SignalType:
+    """A signal as the spec declares it, with the fields that the Supervisor reads."""
+    signal = spec.signals.get(name)
+    nowhere = Span(SourceFile("", ""), 0, 0)
+    if signal is None:
+        signal = SignalType(name, kind, False, (), nowhere)
+    if signal.kind != kind or signal.many:
+        raise _unfit(f"`{name}` is declared as a {signal.kind}, not as a {kind}")
+    fields = {field.name: field for field in signal.fields_}
+    for field, unit in needed.items():
+        info = fields.get(field, FieldType(field, "number", unit, False, None, None, None, nowhere))
+        if info.kind != "number" or info.unit != unit:
+            raise _unfit(f"`{name}.{field}` is declared in {info.unit or info.kind}, not in {unit}")
+        if field == "t" and not info.increasing:
+            info = FieldType(field, info.kind, unit, True, info.lower, info.upper, info.default, info.span)
+        fields[field] = info
+    return SignalType(name, kind, False, tuple(fields.values()), signal.span)
+
+
+def _unfit(message: str) -> TrackmarshalError:
+    return TrackmarshalError(
+        "E482",
+        message,
+        help="the Supervisor reads plan.t in s, x and y in m, heading in rad, v in m/s, and ego",
+    )

@@ -1,0 +1,149 @@
+"""From what a caller hands in to a frame: each signal by its reader. Faults of structure are found here, for all backends alike."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
+from trackmarshal.runtime.door import values
+from trackmarshal.runtime.door.columns import ColumnsReader, unknown
+from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
+from trackmarshal.runtime.door.values import WrongTypeError
+from trackmarshal.runtime.faults import Fault, fault, name_of
+from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
+
+
+class LinesReader:
+    """Reads a signal of lines: a polyline, or a corridor with its borders and whether they are closed."""
+
+    def __init__(self, signal: Signal) -> None:
+        self.signal = signal
+        self._readers = {field.name: LineReader() for field in signal.lines}
+        self._known = signal.declared | {field.name for field in signal.lines} | {"closed"}
+
+    def read(self, raw: Any, frame: Frame, faults: list[Fault]) -> None:
+        name = self.signal.name
+        before = len(faults)
+        for line in self._readers:
+            frame.lines[name, line] = NOWHERE
+        try:
+            if "" in self._readers:
+                self._line("", raw, frame, faults)
+                return
+            if raw is None:
+                faults.append(fault("missing", name, "", None, "it is not there"))
+                return
+            data = values.mapping(raw)
+            for key in data.keys() - self._known:
+                faults.append(unknown(name, key, self._known))
+            closed = data.get("closed", False)
+            if isinstance(closed, bool | np.bool_):
+                frame.closed[name] = bool(closed)
+            else:
+                faults.append(fault("wrong_type", name, "closed", None, "neither true nor false"))
+            for line in self._readers:
+                self._line(line, data.get(line), frame, faults)
+        except WrongTypeError as error:
+            faults.append(fault("wrong_type", name, "", None, error.message))
+        except Exception:  # what was handed in has a say in how it is read
+            del faults[before:]
+            faults.append(fault("wrong_type", name, "", None, "it cannot be read"))
+
+    def _line(self, line: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
+        place = self.signal.name, line
+        if raw is None:
+            faults.append(fault("missing", *place, None, "it is not there"))
+            return
+        try:
+            frame.lines[place] = self._readers[line].read(raw)
+        except NoLineError as error:
+            faults.append(fault(error.name, *place, error.index, error.message))
+
+
+class SignalsReader:
+    """Reads all signals of a contract but the candidates."""
+
+    def __init__(self, contract: Contract, spelt: bool = False) -> None:
+        columns = [s for s in contract.signals if s.form not in (LINES, EVENT)]
+        self.columns = {s.name: ColumnsReader(s, spelt=spelt) for s in columns}
+        self.lines = {s.name: LinesReader(s) for s in contract.signals if s.form == LINES}
+        self.events = [s.name for s in contract.signals if s.form == EVENT]
+        self.known = contract.known
+
+    def read(self, raw: dict[Any, Any], frame: Frame, faults: list[Fault]) -> None:
+        """Put the signals into a frame. What the spec declares and no rule reads is left out."""
+        for name, reader in self.columns.items():
+            frame.columns[name] = reader.read(raw.get(name), faults)
+        for name, lines in self.lines.items():
+            lines.read(raw.get(name), frame, faults)
+        for name in self.events:
+            frame.events[name] = self._event(name, raw.get(name), faults)
+
+    def refuse_unknown(self, raw: dict[Any, Any], faults: list[Fault], known: frozenset[str]) -> None:
+        """Faults of signals that nothing declares."""
+        if not raw.keys() <= known:
+            for key in raw.keys() - known:
+                faults.append(unknown("signals", key, known))
+
+    @staticmethod
+    def _event(name: str, raw: Any, faults: list[Fault]) -> int:
+        found = values.flag(raw)
+        if raw is None:
+            faults.append(fault("missing", name, "", None, "it is not there"))
+        elif found is None:
+            faults.append(
+                fault("wrong_type", name, "", None, f"{values.worded(raw)} is neither true nor false")
+            )
+        return -1 if found is None else found
+
+
+class CycleReader:
+    """Reads cycles of one contract."""
+
+    def __init__(self, contract: Contract, settings: Settings = NO_SETTINGS) -> None:
+        assert contract.plan is not None
+        self.contract = contract
+        self.settings = settings
+        self.candidates = [(name, ColumnsReader(contract.plan, name)) for name in (DRIVING, EMERGENCY)]
+        self.shared = SignalsReader(contract)
+        #: Signals that a cycle may bring; the candidates come by themselves.
+        self._known = contract.known - {PLAN}
+
+    def read(self, cycle: Cycle) -> tuple[Frame, list[Fault]]:
+        """The frame of a cycle, and what is wrong with the structure of it: types, what is missing, lengths that differ, misspelt
+        names. Number and stamp are not in it."""
+        frame = Frame(settings=self.settings)
+        faults: list[Fault] = []
+        given: dict[str, Columns] = frame.candidates
+        for (name, reader), raw in zip(self.candidates, (cycle.driving, cycle.emergency)):
+            given[name] = reader.read(raw, faults)
+        try:
+            signals = values.mapping(cycle.signals)
+        except Exception:
+            name = "missing" if cycle.signals is None else "wrong_type"
+            faults.append(fault(name, "signals", "", None, "the signals are no object"))
+            signals = {}
+        else:
+            self.shared.refuse_unknown(signals, faults, self._known)
+        self.shared.read(signals, frame, faults)
+        if cycle.also and type(cycle.also) is frozenset:
+            faults = [fault for fault in faults if not known(fault, cycle.also)]
+        return frame, faults
+
+
+def known(fault: Fault, also: frozenset[str]) -> bool:
+    """Whether it is the fault of a name that is known after all."""
+    name = fault.field if fault.signal == "signals" else f"{fault.signal}.{fault.field}"
+    return name_of(fault) == "unknown" and name in also
+
+
+def whole(value: object) -> int | None:
+    """A cycle's number: a whole number of Python or numpy; None for anything else."""
+    if type(value) is int:
+        return value
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        return None
+    return int(value)

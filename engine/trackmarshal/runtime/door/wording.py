@@ -1,0 +1,39 @@
+"""What faults of values are said to be, in the units that data comes in: the same words whichever door found them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from trackmarshal.runtime.contract import Field
+from trackmarshal.units import from_si
+
+
+def worded(name: str, field: Field, values: Any, index: int, count: int = 1) -> str:
+    """A message about an entry of a column, and how many others are like it."""
+    return _one(name, field, values, index) + ("" if count == 1 else f", and {count - 1} more")
+
+
+def _one(name: str, field: Field, values: Any, index: int) -> str:
+    value = float(values[index])
+    if field.kind == "bool":
+        return "the value is missing"
+    shown = f"{from_si(value, field.unit)!r} {field.unit}"
+    match name:
+        case "not_finite":
+            return (
+                "not finite"
+                if math.isfinite(value) or math.isinf(value)
+                else "the value is missing or no number"
+            )
+        case "out_of_range":
+            constants = {k: v for check in field.checks for k, v in check.constants if k in ("low", "high")}
+            low, high = (
+                f"{from_si(bound, field.unit):g}" if isinstance(bound, float) and abs(bound) < 1e300 else inf
+                for bound, inf in ((constants.get("low"), "-inf"), (constants.get("high"), "inf"))
+            )
+            return f"{shown} is outside [{low}, {high}]"
+        case "not_increasing":
+            return f"{float(values[index])!r} follows {float(values[index - 1])!r}"
+        case _:
+            return shown

@@ -1,0 +1,170 @@
+"""One cycle or case in SI units, as every evaluator sees it: columns, sets with their ids, borders, and candidates by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
+from trackmarshal.runtime.cycle import EMERGENCY
+from trackmarshal.runtime.faults import UNUSABLE, Fault, name_of
+from trackmarshal.runtime.lines import Line
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Flags = NDArray[np.int8]
+
+NAN = math.nan
+
+
+class Names:
+    """The columns that a signal has: numbers and flags, each by its row. Frames of one contract share it."""
+
+    __slots__ = ("flags", "numbers", "rows")
+
+    def __init__(self, numbers: Sequence[str], flags: Sequence[str] = ()) -> None:
+        self.numbers, self.flags = tuple(numbers), tuple(flags)
+        self.rows = {name: row for names in (self.numbers, self.flags) for row, name in enumerate(names)}
+
+
+class Columns:
+    """A timeline or set, one entry a sample or element, or a record, of one entry.
+
+    values: (numbers, count) float64, NaN for a missing number; flags: (flags, count) int8: 1, 0, and -1 for a missing one. ids: what
+    the elements of a set are called. absent: columns that are not there, and need not be. `stack`: what many frames' values were put into, and the place of these, or None.
+    """
+
+    __slots__ = ("_listed", "absent", "count", "flags", "ids", "names", "stack", "values")
+
+    def __init__(
+        self, names: Names, values: Floats, flags: Flags | None = None, ids: tuple[str, ...] = ()
+    ) -> None:
+        self.names = names
+        self.values = values
+        self.flags = flags
+        self.count: int = values.shape[1] if flags is None or names.numbers else flags.shape[1]
+        self.ids = ids
+        self.absent: frozenset[str] = frozenset()
+        self.stack: tuple[Floats, int] | None = None
+        self._listed: dict[str, list[Any]] = {}
+
+    def column(self, name: str) -> NDArray[Any]:
+        """(count,) of a field; the array is the frame's own. Raises KeyError where there is none."""
+        row = self.names.rows[name]
+        if name in self.names.flags:
+            assert self.flags is not None
+            return self.flags[row, :]
+        return self.values[row, :]
+
+    def listed(self, name: str) -> list[Any]:
+        """The same as Python's numbers, or True, False and None."""
+        found = self._listed.get(name)
+        if found is None:
+            found = self.column(name).tolist()
+            if name in self.names.flags:
+                found = [None if flag < 0 else flag == 1 for flag in found]
+            self._listed[name] = found
+        return found
+
+    def named(self) -> dict[str, NDArray[Any]]:
+        """All columns by name."""
+        return {name: self.column(name) for name in self.names.rows}
+
+    def name(self, index: int) -> int | str:
+        """What reports call an entry: its id, or its number."""
+        return self.ids[index] if self.ids else index
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What stands in for values of the spec: parameters in SI, tables as knots and values in SI, points of places in m."""
+
+    params: Mapping[str, float] = field(default_factory=dict)
+    tables: Mapping[str, tuple[Sequence[float], Sequence[float]]] = field(default_factory=dict)
+    places: Mapping[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
+    #: Constraints of the spec that do not hold with these values: nothing that is evaluated with them is safe.
+    broken: tuple[str, ...] = ()
+
+
+NO_SETTINGS = Settings()
+#: Faults for which nothing of a signal can be used, whichever field they name.
+_WHOLE = {"not_increasing", "wrong_length", "too_short"}
+
+
+@dataclass(slots=True, eq=False)
+class Frame:
+    """Signals by name. `candidates`: what stands for `plan`, by candidate; a case has none, its `plan` is among the signals.
+
+    events: 1, 0, and -1 for a missing one. faults: what breaks the contract; a candidate's carry its name in place of `plan`.
+    """
+
+    id: object = None
+    settings: Settings = NO_SETTINGS
+    columns: dict[str, Columns] = field(default_factory=dict)
+    events: dict[str, int] = field(default_factory=dict)
+    lines: dict[tuple[str, str], Line] = field(default_factory=dict)
+    closed: dict[str, bool] = field(default_factory=dict)
+    candidates: dict[str, Columns] = field(default_factory=dict)
+    faults: list[Fault] = field(default_factory=list)
+    #: Columns (signal, field) that order the samples of their signal.
+    orders: frozenset[tuple[str, str]] = frozenset()
+
+    def of(self, candidate: str) -> Frame:
+        """The frame as rules see it that rate a candidate: with its `plan`, its own faults and those of what all share."""
+        others = self.candidates.keys() - {candidate}
+        return Frame(
+            candidate, self.settings, {**self.columns, PLAN: self.candidates[candidate]},
+            {**self.events, IS_EMERGENCY: int(candidate == EMERGENCY)}, self.lines, self.closed, {},
+            [
+                Fault(f.code, PLAN, f.field, f.index, f.message) if f.signal == candidate else f
+                for f in self.faults if f.signal not in others
+            ],
+            self.orders,
+        )  # fmt: skip
+
+    def seen(self) -> list[tuple[str, Frame]]:
+        """Every candidate with the frame that rates it; a case by itself, with the name ''."""
+        return [(name, self.of(name)) for name in self.candidates] if self.candidates else [("", self)]
+
+    # What evaluators ask --------------------------------------------------------------------------------------
+
+    def count(self, signal: str) -> int:
+        """How many samples or elements a signal has."""
+        return self.columns[signal].count
+
+    def value(self, signal: str, name: str) -> float:
+        """A number of a record."""
+        return float(self.columns[signal].listed(name)[0])
+
+    def flag(self, signal: str, name: str) -> bool | None:
+        """An event (of no field), or a Boolean of a record; None where it is missing."""
+        if name:
+            found: bool | None = self.columns[signal].listed(name)[0]
+            return found
+        event = self.events[signal]
+        return None if event < 0 else event == 1
+
+    def line(self, signal: str, name: str) -> Line:
+        """A border or line; one of no points where it is missing."""
+        return self.lines[signal, name]
+
+    def corridor(self, signal: str) -> tuple[Line, Line, bool]:
+        """Left and right border, and whether they are closed."""
+        return self.line(signal, "left"), self.line(signal, "right"), self.closed.get(signal, False)
+
+    def unusable(self, reads: Iterable[tuple[str, str]]) -> Fault | None:
+        """The fault for which what reads these (signal, field) pairs has no verdict; None where there is none."""
+        for fault in self.faults:
+            name = name_of(fault)
+            # How samples are ordered, and which of them belong together, counts for every rule.
+            whole = name in _WHOLE or (fault.signal, fault.field) in self.orders
+            if whole or name in UNUSABLE or (fault.signal, fault.field) in self.lines:
+                for signal, field_ in reads:
+                    if signal == fault.signal and (whole or fault.field in ("", field_) or not field_):
+                        return fault
+        return None

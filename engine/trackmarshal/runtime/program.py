@@ -1,0 +1,76 @@
+"""What evaluators of rules are to everything else: programs that judge frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult
+
+if TYPE_CHECKING:
+    from trackmarshal.runtime.decision import Decision
+
+#: Verdict codes (places in VERDICTS) that do not make a trajectory unsafe.
+SAFE_CODES = bytes(i for i, name in enumerate(VERDICTS) if name not in UNSAFE)
+KNOWN_CODES = bytes(range(len(VERDICTS)))
+
+
+@dataclass(frozen=True, slots=True)
+class Rated:
+    """The outcome of all rules for one candidate, or one case.
+
+    verdicts: a code a rule (its place in VERDICTS), in the program's order. margins: (rules,), in SI. explain gives the whole result of
+    the rule of a number, with its witness and, if asked for, its series; it is looked for only then.
+    """
+
+    verdicts: bytes
+    margins: Sequence[float]
+    explain: Callable[[int, bool], RuleResult]
+
+    @property
+    def safe(self) -> bool:
+        """Whether no rule makes it unsafe; nothing is safe by no rule."""
+        return bool(self.verdicts) and not self.verdicts.translate(None, SAFE_CODES)
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """The outcome of one frame: of which one, and by candidate ('' for a case)."""
+
+    about: Frame
+    rated: Mapping[str, Rated]
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What rules remember from one cycle to the next: nothing, as long as no rule speaks of earlier ones."""
+
+
+NOTHING = Memory()
+
+
+class Program(Protocol):
+    """Rules of a spec, compiled. Implemented by the reference, numpy and generated C."""
+
+    @property
+    def spec(self) -> Spec: ...
+
+    @property
+    def rules(self) -> Sequence[RuleInfo]:
+        """The rules, in the order of verdicts."""
+
+    @property
+    def identity(self) -> Mapping[str, Any]:
+        """What verdicts depend on besides frames, for the record: `backend`, the spec's `fingerprint`, the rules."""
+
+    def judge(self, memory: Memory, frame: Frame) -> Judged:
+        """The outcome of all rules for every candidate of a frame, or for a case."""
+
+    def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
+        """The same of many frames, each without memory; cheaper than one by one."""
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+        """What is remembered of a cycle, once it is decided what is driven."""

@@ -1,0 +1,151 @@
+"""Our parser against lark's own, which is made from the same grammar: the same tree, or an error at the same place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+from lark import Lark, Token, Tree
+from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
+
+from property.strategies.ast import modules
+from trackmarshal.source import SourceFile
+from trackmarshal.syntax import ast, lalr
+from trackmarshal.syntax.format import format_module
+from trackmarshal.syntax.grammar import make_parser
+from trackmarshal.syntax.parser import _START
+
+REPOSITORY = Path(__file__).parents[2]
+SPECS = [
+    *REPOSITORY.glob("specs/**/*.spec"),
+    *REPOSITORY.glob("engine/trackmarshal/prelude/*.spec"),
+    *REPOSITORY.glob("tests/golden/s*/**/*.spec"),
+    REPOSITORY / "tests" / "property" / "strategies" / "sample.spec",
+]
+unhurried = settings(
+    deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large], max_examples=150
+)
+
+
+@cache
+def lark() -> Lark:
+    return make_parser()
+
+
+class Recorder:
+    """A builder that only notes what it is called with."""
+
+    def __getattr__(self, node: str) -> Callable[[tuple[int, int], list[Any]], Any]:
+        return lambda place, children: (node, place, [self.noted(child) for child in children])
+
+    @staticmethod
+    def noted(child: Any) -> Any:
+        return (child.type, str(child), child.start_pos) if isinstance(child, lalr.Token) else child
+
+
+def noted(tree: Any) -> Any:
+    """Lark's tree in the same form."""
+    if isinstance(tree, Tree):
+        return (
+            str(tree.data),
+            (tree.meta.start_pos, tree.meta.end_pos),
+            [noted(child) for child in tree.children],
+        )
+    if isinstance(tree, Token):
+        return (tree.type, str(tree), tree.start_pos)
+    return tree
+
+
+def pieces(text: str) -> list[str]:
+    starts = [match.start() for match in _START.finditer(text)]
+    return [text[start:end] for start, end in zip(starts, [*starts[1:], len(text)])]
+
+
+def agree(text: str) -> bool:
+    """Hold both parsers' answers on one declaration against each other; whether it parsed."""
+    try:
+        expected = noted(lark().parse(text))
+    except UnexpectedInput as error:
+        with pytest.raises(lalr.Unexpected) as caught:
+            lalr.parse(text, Recorder(), len(text) + 10)
+        ours = caught.value
+        if isinstance(error, UnexpectedToken):
+            if error.token.type == "$END":
+                assert ours.found == ""
+            else:
+                assert (ours.start, ours.found) == (error.token.start_pos, str(error.token))
+        else:
+            assert isinstance(error, UnexpectedCharacters)
+            assert (ours.start, ours.found) == (error.pos_in_stream, None)
+        assert lalr.accepted(text[: ours.start]) == accepted(text[: ours.start])
+        return False
+    assert lalr.parse(text, Recorder(), len(text) + 10) == expected
+    return True
+
+
+def accepted(before: str) -> set[str]:
+    interactive = lark().parse_interactive(before)
+    try:
+        interactive.exhaust_lexer()
+    except UnexpectedInput as error:
+        return set(getattr(error, "accepts", None) or getattr(error, "allowed", None) or ())
+    return set(interactive.accepts())  # type: ignore[no-untyped-call]
+
+
+@pytest.mark.parametrize("path", SPECS, ids=lambda path: path.stem)
+def test_every_declaration_of_the_specs_at_hand(path: Path) -> None:
+    for piece in pieces(path.read_text("utf-8-sig", "replace").replace("\r\n", "\n")):
+        agree(piece)
+
+
+def test_the_specs_at_hand_parse() -> None:
+    parsed = [
+        agree(piece)
+        for path in SPECS
+        if "golden" not in path.parts
+        for piece in pieces(path.read_text("utf-8"))
+    ]
+    assert all(parsed)
+    assert len(parsed) > 300
+
+
+@unhurried
+@given(modules())
+def test_generated_declarations(module: ast.Module) -> None:
+    for piece in pieces(format_module(module, SourceFile("made.spec", ""))):
+        assert agree(piece)
+
+
+@unhurried
+@given(st.sampled_from(SPECS), st.randoms(use_true_random=False))
+def test_damaged_declarations(path: Path, random: Random) -> None:
+    text = path.read_text("utf-8-sig", "replace").replace("\r\n", "\n")
+    piece = random.choice(pieces(text) or [text])
+    words = text.split()
+    for _ in range(random.randrange(1, 4)):
+        at = random.randrange(len(piece) + 1)
+        put = random.choice(
+            [random.choice(words), f" {random.choice(words)} ", *' ()[]{}|:,.;=<>!^*/+-~"\n²√≤∈−κ5m']
+        )
+        piece = piece[:at] + put + piece[at + random.choice([0, 0, 1, 3]) :]
+    agree(piece)
+
+
+@unhurried
+@given(st.text(st.sampled_from("am1. -/^*²·κ\n(),:<=>in[]%E"), max_size=12))
+@example("3 m/s/ s")
+@example("1 1/m")
+@example("A-1-b")
+@example("5 m/x")
+@example("- - a")
+@example("---")
+def test_numbers_units_and_names_side_by_side(text: str) -> None:
+    agree(f"rule r require a {text}")
+    agree(f"param p : {text} = 1")
+    agree(f"rule {text}")
