@@ -8,7 +8,7 @@ COMPILE := $(BIN)/python -m compileall -q engine trace
 # A file's tests stay together: they share what they prepare.
 PARALLEL := -n auto --dist loadfile
 
-.PHONY: assess test acceptance bench lint format clean
+.PHONY: assess test acceptance embedded bench lint format clean
 
 assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/index.html
 	$(BIN)/trackmarshal assess --out out/assess
@@ -17,10 +17,15 @@ test: $(STAMP) lint  ## everything that CI runs
 	$(BIN)/python -m pytest $(PARALLEL)
 
 acceptance: $(STAMP) lint  ## every "Done when" point that can be a command; takes longer than CI
+	sh tests/embedded/tools.sh
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt pyarrow  # reads our records independently
 	TRACKMARSHAL_FUZZ_CYCLES=1000000 TRACKMARSHAL_KILLS=200 TRACKMARSHAL_GENERATED=10000 TRACKMARSHAL_FUZZ=1000000 TRACKMARSHAL_CYCLES=100000 \
 		$(BIN)/python -m pytest $(PARALLEL) -m ""
 	-TRACKMARSHAL_STEPS=1000000 $(BIN)/trackmarshal bench  # shown, not asserted: how busy the machine is counts too
+
+embedded: $(STAMP)  ## the emitted Supervisor on an emulated Cortex-M7 decides as here, bit for bit; figures in out/embedded
+	sh tests/embedded/tools.sh
+	$(BIN)/python -m pytest -m acceptance tests/acceptance/test_embedded.py
 
 bench: $(STAMP)  ## CPU times, medians, as ratios where a yardstick is at hand
 	$(COMPILE)

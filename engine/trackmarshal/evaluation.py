@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,8 +88,9 @@ class Evaluator:
                 "E404", "the spec has no rule to evaluate", help="without a rule, anything would be safe"
             )
         self.asked = backend
+        self.declared = cache(declared)
         reads = {pair for rule in self.rules for pair in rule.reads}
-        self.reader = CasesReader(spec, reads, declared, self._broken)
+        self.reader = CasesReader(spec, reads, self.declared, self._broken)
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError."""

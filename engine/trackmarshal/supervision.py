@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import BACKENDS, Evaluator
@@ -16,6 +16,9 @@ from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import Settings
 from trackmarshal.runtime.record import Difference, Record, Run, differences
 from trackmarshal.runtime.supervisor import Supervisor
+
+if TYPE_CHECKING:
+    from trackmarshal.backends.c.supervisor import CSupervisor
 
 
 @dataclass(frozen=True)
@@ -29,8 +32,18 @@ class Rulebox:
     def supervisor(
         self, limits: Limits | None = None, clock: Callable[[], float] = time.monotonic
     ) -> Supervisor:
-        """A Supervisor for one run."""
+        """A Supervisor for one run, in Python, whatever judges."""
         return Supervisor(self.evaluator.spec, self.evaluator.program, limits, clock, self.settings)
+
+    def running(
+        self, limits: Limits | None = None, clock: Callable[[], float] = time.monotonic
+    ) -> Supervisor | CSupervisor:
+        """The Supervisor that drives along: all of it generated C where C is asked for."""
+        if self.evaluator.asked != "c":
+            return self.supervisor(limits, clock)
+        from trackmarshal.backends.c.supervisor import CSupervisor
+
+        return CSupervisor(self.evaluator.spec, self.evaluator.rules, limits, clock, self.settings)
 
 
 def rulebox(
@@ -53,7 +66,7 @@ def supervisor(
     record: str | Path | None = None,
     params: Mapping[str, float] | None = None,
     tables: Mapping[str, Any] | None = None,
-) -> Supervisor:
+) -> Supervisor | CSupervisor:
     """A Supervisor for a spec, or for some of its rules.
 
     params and tables override the spec's, in declared units; clock gives s on the clock of the cycles' stamps; record is a new file that
@@ -61,9 +74,9 @@ def supervisor(
     cannot do, where it is asked for.
     """
     box = rulebox(Evaluator(spec, rules, backend), params, tables)
-    made = box.supervisor(limits or Limits(), clock)
+    made = box.running(limits or Limits(), clock)
     if record is not None:
-        made.recorder = Record(record, made.door.contract, made.limits, box.identity)
+        made.recorder = Record(record, made.contract, made.limits, box.identity)
     return made
 
 
@@ -74,7 +87,7 @@ def rerun(run: Run, box: Rulebox) -> Iterator[tuple[Decision, list[Difference]]]
     def clock() -> float:
         return ticks.pop(0)
 
-    again = box.supervisor(run.limits, clock)
+    again = box.running(run.limits, clock)
     for place, recorded in enumerate(run.cycles):
         ticks[:] = recorded.readings
         decision = again.step(recorded.cycle)

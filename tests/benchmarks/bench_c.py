@@ -1,7 +1,7 @@
 """Generated C: one Supervisor step, a batch, the kernel against one written by hand, temporal operators, compiling and loading.
 
 Medians of CPU seconds. The step is all rules of S-1-A on a driving and an emergency trajectory of 50 points, 3 objects and borders of
-2 x 1500 points, from numpy arrays.
+2 x 1500 points, from numpy arrays. The call in C alone is timed in C, while the car drives on from cycle to cycle.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trackmarshal.backends.c.batch import prepared_columns, run_columns
 from trackmarshal.backends.c.build import EXACT, FAST, SHARED, compiler
@@ -33,8 +34,11 @@ SIX = ["friction", "turn_radius", "drive_acceleration", "braking_limit", "speed_
 STEPS = int(os.environ.get("TRACKMARSHAL_STEPS", "20000"))
 LATE = f"C: Supervisor step, 99.9th percentile of {STEPS} to the median"
 GROWTH = f"C: Supervisor, growth over {STEPS} steps"
+CALL = "C: Supervisor step, the call in C"
 LIMITS = {
     "C: Supervisor step": 80e-6,
+    CALL: 20e-6,
+    f"{CALL}, caches emptied, to the same hot (ratio)": 2.5,
     f"{LATE} (ratio)": 4.0,
     f"{GROWTH}, memory": 100_000.0,
     "C: batch, six rules, a trajectory": 1.5e-6,
@@ -53,6 +57,7 @@ LIMITS = {
 def measure() -> dict[str, float]:
     spec = load([ROOT / "specs" / "supervisor"])
     result = _step(spec)
+    result |= _call(spec)
     result |= _point_wise(spec)
     result |= _temporal()
     result |= _online()
@@ -81,6 +86,31 @@ def by_turns(one: Callable[[], object], other: Callable[[], object], repeats: in
             spent[k, side] = time.process_time() - before
     first, second = np.quantile(spent, 0.1, axis=0)
     return float(first), float(second)
+
+
+def emptied(run: Callable[[], object], repeats: int = 60) -> float:
+    """Median CPU seconds of a function before each run of which memory is walked that is larger than all caches.
+
+    So it is run by a loop with a planner in it. A run that returns a float says itself how long it took.
+    """
+    memory = np.zeros(_larger_than_caches(), dtype=np.uint8)
+    spent = []
+    for _ in range(repeats):
+        memory[::64] += 1
+        before = time.process_time()
+        said = run()
+        took = time.process_time() - before
+        spent.append(said if isinstance(said, float) else took)
+    return statistics.median(spent)
+
+
+def _larger_than_caches() -> int:
+    """Bytes: twice the largest cache, but at least 64 and at most 512 MiB."""
+    largest = 0
+    for path in Path("/sys/devices/system/cpu/cpu0/cache").glob("index*/size"):
+        size = path.read_text().strip()
+        largest = max(largest, int(size.removesuffix("K")) << 10 if size.endswith("K") else 0)
+    return min(max(2 * largest, 64 << 20), 512 << 20)
 
 
 def program(spec: Spec, names: list[str] | None = None) -> CProgram:
@@ -116,18 +146,18 @@ def plan(start: float, v: float, braking: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def cycle() -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """The driving trajectory, the emergency one, and what they have in common."""
-    ahead = np.array([60.0, 90.0, -40.0]) + 100.0
-    angle = ahead / 600.0
+def cycle(at: float = 100.0) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """The driving trajectory from a station [m] on, the emergency one, and what they have in common."""
+    ahead = np.array([60.0, 90.0, -40.0]) + at
+    angle, here = ahead / 600.0, at / 600.0
     objects = {"x": 602 * np.cos(angle), "y": 602 * np.sin(angle), "heading": angle + math.pi / 2, "v": np.full(3, 45.0),
                "length": np.full(3, 4.7), "width": np.full(3, 2.8), "age": np.zeros(3)}  # fmt: skip
     empty = np.zeros(0)
     shared: dict[str, Any] = {
-        "ego": {"x": 600 * math.cos(1 / 6), "y": 600 * math.sin(1 / 6), "heading": 1 / 6 + math.pi / 2, "v": 40.0, "age": 0.0},
+        "ego": {"x": 600 * math.cos(here), "y": 600 * math.sin(here), "heading": here + math.pi / 2, "v": 40.0, "age": 0.0},
         "objects": objects, "obstacles": dict.fromkeys(("x", "y", "heading", "length", "width"), empty),
     }  # fmt: skip
-    return plan(100.0, 40.0, 0.0), plan(100.0, 40.0, 9.0), shared
+    return plan(at, 40.0, 0.0), plan(at, 40.0, 9.0), shared
 
 
 def candidate() -> dict[str, Any]:
@@ -164,6 +194,63 @@ def _step(spec: Spec) -> dict[str, float]:
         "C: Supervisor step": float(middle),
         f"{LATE} (ratio)": float(late / middle),
         f"{GROWTH}, memory": float(grown),
+    }
+
+
+class Calls:
+    """Steps in C alone, timed in C. The car drives on by 4 m from cycle to cycle, so that no step is the one before again."""
+
+    CYCLES = 64
+
+    def __init__(self, spec: Spec) -> None:
+        made = CProgram(spec, [rule for rule in spec.rules if rule.kind == "rule"], doored=True)
+        stepper = Stepper(made)
+        assert stepper.track("track", *borders(1500), True) is None
+        self._stepper, order = stepper, made.order
+        cycles = [cycle(4.0 * k) for k in range(self.CYCLES)]
+        #: Columns by cycle, candidate and place; they stay in memory.
+        self._columns = [
+            np.array((emergency if side else driving)[f] if n == "plan" else shared[n].get(f, []), dtype=np.float64)
+            for driving, emergency, shared in cycles
+            for side in (0, 1)
+            for n, f, _ in order.columns
+        ]  # fmt: skip
+        pointers = np.array([column.ctypes.data for column in self._columns], dtype=np.uint64)
+        counts = [50 if n == "plan" else len(cycles[0][2][n]["x"]) for n in order.counts]
+        numbers = np.array([shared[n][f] for _, _, shared in cycles for n, f in order.numbers])
+        flags = np.array([[side] * len(order.flags) for side in (0, 1)], dtype=np.int8)
+        self._kept = (np.array([counts, counts], dtype=np.uint64), pointers, numbers, flags)
+        self._number = ctypes.c_int64(1)
+        self._fault = (ctypes.c_size_t * 4)()
+        self._run = built("timed").timed_steps
+        self._run.restype = ctypes.c_size_t
+        self._widths = 2 * len(order.columns), len(order.numbers)
+
+    def run(self, steps: int) -> NDArray[np.float64]:
+        """CPU seconds of so many steps, one after the other."""
+        stepper, spent = self._stepper, np.ones(steps)
+        counts, pointers, numbers, flags = (ctypes.c_void_p(kept.ctypes.data) for kept in self._kept)
+        columns, size = (ctypes.c_size_t(width) for width in self._widths)
+        done = self._run(
+            stepper._dll.tmg_step, ctypes.c_void_p(stepper._context), ctypes.byref(self._number), ctypes.c_size_t(steps),
+            ctypes.c_size_t(self.CYCLES), counts, pointers, columns, numbers, size, flags,
+            ctypes.c_void_p(stepper.margins.ctypes.data), ctypes.c_void_p(stepper.verdicts.ctypes.data), self._fault,
+            ctypes.c_void_p(spent.ctypes.data),
+        )  # fmt: skip
+        assert done == steps, f"a cycle was refused: {self._fault[0]}"
+        return spent
+
+
+def _call(spec: Spec) -> dict[str, float]:
+    """A step's call in C: one after the other, and each with caches emptied."""
+    calls = Calls(spec)
+    calls.run(500)
+    hot = float(np.median(calls.run(STEPS)))
+    cold = emptied(lambda: float(calls.run(1)[0]))
+    return {
+        CALL: hot,
+        f"{CALL}, caches emptied": cold,
+        f"{CALL}, caches emptied, to the same hot (ratio)": cold / hot,
     }
 
 
@@ -236,18 +323,23 @@ class _Limits(ctypes.Structure):
     ]  # fmt: skip
 
 
+def built(name: str) -> ctypes.CDLL:
+    """A C file beside this one, built with the same flags as generated code."""
+    command = compiler()
+    assert command is not None, "no C compiler"
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / f"{name}.so"
+        source = Path(__file__).with_name(f"{name}.c")
+        made = [*command, *EXACT, *FAST, *SHARED, "-o", str(target), str(source), "-lm"]
+        subprocess.run(made, check=True)
+        return ctypes.CDLL(str(target))
+
+
 class ByHand:
-    """The hand-written kernel, built with the same flags as generated code."""
+    """The hand-written kernel."""
 
     def __init__(self, spec: Spec) -> None:
-        command = compiler()
-        assert command is not None, "no C compiler"
-        with tempfile.TemporaryDirectory() as folder:
-            target = Path(folder) / "kernel.so"
-            source = Path(__file__).with_name("kernel.c")
-            made = [*command, *EXACT, *FAST, *SHARED, "-o", str(target), str(source), "-lm"]
-            subprocess.run(made, check=True)
-            self._dll = ctypes.CDLL(str(target))
+        self._dll = built("kernel")
         short = {name.rpartition(".")[2]: info.value for name, info in spec.params.items()}
         table = next(info for name, info in spec.tables.items() if name.endswith("ax_max"))
         self._table = np.array(table.knots), np.array(table.values)

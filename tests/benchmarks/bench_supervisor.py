@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from trackmarshal.runtime.judge import Judged
 
 from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door import Door
-from trackmarshal.runtime.judge import Judged
 from trackmarshal.runtime.record import Record
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import EvaluatorJudge
@@ -60,6 +60,7 @@ def measure() -> dict[str, float]:
 def _with_c(spec: Spec) -> dict[str, float]:
     """Whole steps with generated door and rules; nothing where there is no compiler."""
     from trackmarshal.backends.c.judge import SteppedDoor
+
     from trackmarshal.supervision import supervisor
 
     def made(clock: Callable[[], float]) -> Supervisor:

@@ -1,11 +1,14 @@
-"""A Supervisor with the generated door and rules decides what the one with the numpy evaluator decides."""
+"""A Supervisor in generated C decides what the one in Python decides, cycle by cycle."""
 
 from __future__ import annotations
 
-import math
+import os
 import random
 import shutil
+import subprocess
+from collections import Counter
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,159 +16,260 @@ import numpy as np
 import pytest
 
 import trackmarshal as tm
-from support.cycles import PERIOD, cycle, mutate
-from trackmarshal.backends.c.judge import SteppedDoor, SteppedJudge
-from trackmarshal.runtime.cycle import Cycle
-from trackmarshal.runtime.faults import name_of
+from support import tape
+from support.cycles import PERIOD, cycle, not_finite
+from support.pairs import Pair, Readings, agree, declared, generated, spec_with
+from support.shared import REPOSITORY, SUPERVISOR
+from trackmarshal import scenarios
+from trackmarshal.backends.c.build import EXACT, compiler
+from trackmarshal.backends.c.supervisor import CSupervisor
+from trackmarshal.cli.replay import evaluator_for
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.faults import FAULTS, name_of
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
-from trackmarshal.supervision import judge_of, rerun
+from trackmarshal.scenarios.faults.campaign import Bench
+from trackmarshal.scenarios.faults.declaration import Fault, load
+from trackmarshal.scenarios.recording import Recording
+from trackmarshal.scenarios.replay import known_tables
+from trackmarshal.supervision import Rulebox, box_of, rerun, rulebox
 
-ROOT = Path(__file__).resolve().parents[2]
-pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+
+FOLDER = REPOSITORY / "specs" / "scenarios"
+RECORDINGS = sorted(path.name for path in FOLDER.glob("*.tmrec.jsonl*"))
+#: TRACKMARSHAL_RUNS=10000 has so many generated runs of 50 cycles.
+RUNS = int(os.environ.get("TRACKMARSHAL_RUNS", "24"))
 
 
-class Pair:
-    """Two Supervisors, one with C, that see the same."""
+@cache
+def evaluator() -> Evaluator:
+    return Evaluator(spec_with())
 
-    def __init__(self, *configuration: str, record: Path | None = None, **given: Any) -> None:
-        self.now = 0.0
-        spec = tm.load([ROOT / "specs" / "supervisor"], [ROOT / name for name in configuration])
-        limits = tm.Limits(budget=1e9)
-        self.c, self.other = (
-            tm.supervisor(spec, backend=b, limits=limits, clock=lambda: self.now, record=r, **given)
-            for b, r in (("c", record), ("numpy", None))
+
+@cache
+def boxed(name: str) -> tuple[Recording, Rulebox]:
+    recording = scenarios.load(FOLDER / name)
+    found = evaluator_for(recording, SUPERVISOR, [], REPOSITORY, None, "numpy")
+    tables, _ = known_tables(recording, found.spec)
+    return recording, rulebox(found, recording.params, tables)
+
+
+@pytest.mark.parametrize("limits", ["driven", "open_loop"])
+@pytest.mark.parametrize("name", RECORDINGS)
+def test_shipped_scenarios(name: str, limits: str) -> None:
+    recording, box = boxed(name)
+    free = replace(Limits.open_loop(), samples=64, elements=32, border=2048)
+    pair = Pair(box.evaluator, box.settings, free if limits == "open_loop" else Limits())
+    cycles = [declared(given, box.evaluator.spec) for given in tm.cycles(recording)]
+    said = [pair.step(given, given.t + 0.01, given.t + 0.02) for given in cycles]
+    assert sum(decision.judged is not None for decision in said) > 10
+
+
+# The campaign of injected faults ---------------------------------------------------------------------------------
+
+CAMPAIGN = load(FOLDER / "faults.yaml", "specs/scenarios/faults.yaml")
+PUT_IN = [fault for fault in CAMPAIGN.faults if not fault.open]
+
+
+class Beside(Supervisor):
+    """The Supervisor in Python with one in C beside it, until its judge is made to fail: in C, nothing can be put in its place."""
+
+    def __init__(self, made: Supervisor, box: Rulebox) -> None:
+        self.__dict__ = made.__dict__
+        self._own, self._read_by_c = made._clock, Readings()
+        self._c = CSupervisor(
+            box.evaluator.spec, box.evaluator.rules, made.limits, self._read_by_c.read, box.settings
         )
-        assert isinstance(self.c.door, SteppedDoor)
-        assert isinstance(self.c.judge, SteppedJudge)
+        self.compared = 0
+        self._clock = self._note
+        self._seen: list[float] = []
 
-    def step(self, given: Cycle | None, now: float) -> str:
-        self.now = now
-        mine, other = self.c.step(given), self.other.step(given)
-        assert (mine.state, mine.safe, mine.lost, mine.number) == (
-            other.state,
-            other.safe,
-            other.lost,
-            other.number,
-        )
-        told = [{(name_of(f), f.signal, f.field, f.index) for f in d.faults} for d in (mine, other)]
-        assert told[0] == told[1]
-        key = [
-            [(v.rule, v.candidate, v.verdict, v.requirements) for v in d.violations] for d in (mine, other)
-        ]
-        assert key[0] == key[1]
-        if mine.judged and other.judged:
-            for a, b in zip(mine.judged, other.judged):
-                assert a.verdicts == b.verdicts
-                np.testing.assert_allclose(a.margins, b.margins, rtol=1e-12, atol=1e-12)
-        if mine.samples is not None and other.samples is not None:
-            for name, column in mine.samples.items():
-                assert column.tobytes() == other.samples[name].tobytes()
-        return mine.state
+    def _note(self) -> float:
+        reading = self._own()
+        self._seen.append(reading)
+        return reading
+
+    def step(self, cycle: Any) -> Decision:
+        self._seen.clear()
+        decision = super().step(cycle)
+        if self._c is not None and getattr(self.program, "sabotage", ""):
+            self._c = None
+        if self._c is not None:
+            self._read_by_c.waiting = list(self._seen)
+            agree(self._c.step(cycle), decision)
+            self.compared += 1
+        return decision
 
 
-@pytest.mark.parametrize("form", ["columns", "records"])
-def test_the_shipped_scenario(form: str) -> None:
-    recording = tm.load_recording(ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl")
-    pair = Pair("specs/tracks/northfield.spec", params=recording.params, tables=recording.tables)
-    states = []
-    for given in tm.cycles(recording):
-        signals = given.signals
-        if form == "columns":
-            signals = {**signals, "objects": columns(signals["objects"]), "obstacles": NOBODY}
-        states.append(pair.step(replace(given, signals=signals), given.t))
-    assert states.count("drive") == 104
-    assert "previous_emergency" in states
+@cache
+def bench() -> tuple[Bench, list[Beside]]:
+    recording = scenarios.load(FOLDER / CAMPAIGN.recording)
+    found = evaluator_for(recording, SUPERVISOR, [], REPOSITORY, None, "numpy", FOLDER)
+    made = Bench(recording, found)
+    box, beside = made._box, []
+
+    class Box(Rulebox):
+        def supervisor(self, *given: Any) -> Supervisor:
+            beside.append(Beside(box.supervisor(*given), box))
+            return beside[-1]
+
+    made._box = Box(box.evaluator, box.settings, box.identity)
+    made._cycles = [declared(given, found.spec) for given in made._cycles]
+    return made, beside
 
 
-def columns(records: list[dict[str, Any]]) -> dict[str, Any]:
-    """A set as columns: what generated C takes at once."""
-    names = ("x", "y", "heading", "v", "length", "width", "age")
-    return {
-        "id": [r["id"] for r in records],
-        **{n: np.array([float(r.get(n, 0.0)) for r in records]) for n in names},
-    }
+@pytest.mark.parametrize("fault", PUT_IN, ids=lambda fault: fault.id)
+def test_injected_faults(fault: Fault) -> None:
+    made, beside = bench()
+    beside.clear()
+    made._decisions(CAMPAIGN, fault)
+    assert beside[0].compared > 1
 
 
-NOBODY = {name: np.zeros(0) for name in ("x", "y", "heading", "length", "width")}
+# Generated runs --------------------------------------------------------------------------------------------------
 
 
-def test_broken_cycles_have_the_same_faults() -> None:
-    pair = Pair()
-    rng = random.Random(11)
-    for number in range(1500):
-        given: Cycle | None = cycle(number, 1 + number % 4, 1 + number % 3)
-        if number % 3 == 2 and given is not None:
-            given = mutate(rng, given)[0]
-        if number % 100 == 50:
-            given = None
-        pair.step(given, number * PERIOD)
+def test_generated_runs() -> None:
+    """Faults of every kind that a cycle can have; TRACKMARSHAL_RUNS=N makes N runs of 50 cycles."""
+    seen, states = Counter[str](), Counter[str]()
+    for seed in range(RUNS):
+        pair = Pair(evaluator())
+        for given, readings in generated(seed):
+            try:
+                decision = pair.step(given, *readings)
+            except AssertionError as error:
+                raise AssertionError(f"run {seed}, {given!r:.300}") from error
+            seen.update(name_of(fault) for fault in decision.faults)
+            seen.update([decision.lost] if decision.lost else [])
+            states[decision.state] += 1
+    wanted = set(FAULTS) - {"judge_failed", "incomplete", "not_configured", "internal"}
+    if RUNS >= 200:
+        assert set(seen) >= wanted, wanted - set(seen)
+    assert len(seen) > 15
+    assert min(states[name] for name in ("drive", "previous_emergency", "no_safe_trajectory")) > RUNS
 
 
-def test_records_that_break_the_contract_have_the_same_faults() -> None:
-    pair = Pair()
-    good = {
-        "id": "a",
-        "x": 60.0,
-        "y": 0.0,
-        "heading": 0.0,
-        "v": 20.0,
-        "length": 4.7,
-        "width": 2.0,
-        "age": 0.0,
-    }
-    records: list[Any] = [
-        [good],
-        [good, good],
-        [{**good, "v": math.nan}],
-        [{"id": "a"}],
-        [7],
-        [{**good, "x": "1"}],
-    ]
-    states = []
-    for number, objects in enumerate(records * 2):
-        given = cycle(number)
-        given.signals["objects"] = objects
-        states.append(pair.step(given, number * PERIOD))
-    assert [state == "drive" for state in states] == [True, False, False, False, False, False] * 2
+def test_more_reasons_than_there_is_room_for() -> None:
+    pair = Pair(evaluator())
+    given = cycle(0, 4, 3)
+    for table in (given.driving, given.emergency, given.signals["objects"], given.signals["obstacles"]):
+        for name in set(table) - {"id"}:
+            table[name] = np.full(len(table[name]), np.nan)
+    given.signals["objects"] |= {f"misspelt_{n}": 1.0 for n in range(60)}
+    decision = pair.step(given, 0.0, 0.01)
+    assert decision.more
+    assert len(decision.faults) == 64
+    assert not pair.step(cycle(1), 0.1, 0.11).more
 
 
-def test_tracks_that_change() -> None:
-    pair = Pair()
-    for number in range(12):
-        given = cycle(number)
-        left = given.signals["track"]["left"].copy()
-        if number in (4, 5):
-            left[:, 1] = 0.5  # the car no longer fits
-        if number in (7, 8):
-            left = np.zeros((1, 2))
-        given.signals["track"]["left"] = left
-        assert (pair.step(given, number * PERIOD) == "drive") == (number in (0, 1, 2, 3, 6, 9, 10, 11)), (
-            number
-        )
+# The shell -------------------------------------------------------------------------------------------------------
+
+
+def test_what_never_came_back_from_c_drives_nothing() -> None:
+    pair = Pair(evaluator())
+    pair.step(cycle(0), 0.0, 0.01)
+    made = pair.c.stepper
+    run, made._run = made._run, lambda *_: None
+    pair.clocks[0].waiting = [0.1, 0.11]
+    decision = pair.c.step(cycle(1))
+    assert (decision.safe, decision.driven, decision.fallback, decision.state) == (
+        False,
+        None,
+        None,
+        "no_safe_trajectory",
+    )
+    assert [name_of(f) for f in decision.faults] == ["incomplete"]
+    made._run = run
+    pair.clocks[0].waiting = [0.2, 0.21]
+    assert pair.c.step(cycle(2)).driven is None  # what C stored is not known here, and steps are missing
+
+
+def test_a_step_never_raises(monkeypatch: pytest.MonkeyPatch) -> None:
+    pair = Pair(evaluator())
+    pair.step(cycle(0), 0.0, 0.01)
+    calls = []
+
+    def failing(*_: Any) -> Any:
+        calls.append(1)
+        raise MemoryError
+
+    monkeypatch.setattr(pair.c._reader, "read", failing)
+    pair.clocks[0].waiting = [0.1]
+    decision = pair.c.step(cycle(1))
+    assert calls
+    assert [name_of(f) for f in decision.faults] == ["internal"]
+    assert decision.state == "previous_emergency"
+
+
+def test_parameters_and_tables_are_put_in_and_checked() -> None:
+    spec = spec_with()
+    slow = tm.supervisor(spec, backend="c", params={"v_max": 10.0}, clock=lambda: 0.01)
+    decision = slow.step(cycle(0))
+    assert "speed_limit" in {violation.rule for violation in decision.violations}
+    assert decision.violations[0].witness is not None
+    with pytest.raises(TrackmarshalError) as caught:
+        tm.supervisor(spec, backend="c", params={"b_rear": 9.0, "b_front": 3.0})
+    assert caught.value.code == "E403"
 
 
 def test_a_record_runs_again_the_same_with_either(tmp_path: Path) -> None:
-    pair = Pair(record=tmp_path / "run.arrows")
+    now = [0.0]
+    spec = spec_with()
+    made = tm.supervisor(spec, backend="c", clock=lambda: now[0], record=tmp_path / "run.arrows")
+    assert isinstance(made, CSupervisor)
     rng = random.Random(12)
     for number in range(60):
         given = cycle(number)
         if number % 5 == 3:
-            given = mutate(rng, given)[0]
+            given = not_finite(rng, given)[0]
         if number == 31:
             given.driving["v"][:] = 100.0
-        pair.step(given, number * PERIOD)
-    assert pair.c.record_error == ""
+        now[0] = number * PERIOD
+        made.step(given)
+    made.close()
+    assert made.record_error == ""
     run = read((tmp_path / "run.arrows").read_bytes(), "run")
     assert len(run.cycles) == 60
-    spec = tm.load([ROOT / "specs" / "supervisor"])
-    assert [d for _, found in rerun(run, spec, judge_of(run, spec)) for d in found] == []
-    with_numpy = [d for _, found in rerun(run, spec, judge_of(run, spec, "numpy")) for d in found]
+    assert [d for _, found in rerun(run, box_of(run, spec)) for d in found] == []
+    with_numpy = [d for _, found in rerun(run, box_of(run, spec, "numpy")) for d in found]
     assert {d.column for d in with_numpy} <= {"violations", "margins.driving", "margins.emergency"}
 
 
-def test_the_generated_rules_go_with_the_generated_door() -> None:
-    pair = Pair()
-    supervisor = Supervisor(tm.load([ROOT / "specs" / "supervisor"]), pair.c.judge, clock=lambda: 0.0)
-    decision = supervisor.step(cycle(0))
-    assert [name_of(f) for f in decision.faults] == ["judge_failed"]
+# In a process of its own -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("compiled_by", ["gcc", "clang"])
+def test_under_sanitizers_and_to_the_bit(
+    compiled_by: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The same runs in a program of their own, under the address and undefined-behaviour sanitizers: the same decisions, bit by bit.
+
+    Limits are those that tm_init puts in. Every second run begins where the one before ended, so that nothing comes from memory.
+    """
+    if shutil.which(compiled_by) is None:
+        pytest.skip(f"{compiled_by} is not installed")
+    monkeypatch.setattr("trackmarshal.backends.c.supervisor.Stepper", tape.Taped)
+    runs = []
+    for seed in range(1000, 1000 + max(2, RUNS // 4)):
+        pair = Pair(evaluator())
+        for given, readings in generated(seed):
+            pair.step(given, *readings)
+        runs.append(pair.c.stepper)
+    source = runs[0].source
+    tape.write(tmp_path, source)
+    sizes = [f"-D{name}={value}u" for name, value in runs[0].sizes.items()]
+    flags = [*EXACT, "-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    command = [compiled_by, *flags, *sizes, "player.c", "-o", "player", "-lm"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    for place, made in enumerate(runs):
+        (tmp_path / "tape").write_bytes(made.tape)
+        ran = subprocess.run(
+            ["./player", "tape", "said"], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert (ran.returncode, ran.stderr[:3000]) == (0, ""), place
+        assert (tmp_path / "said").read_bytes() == bytes(made.said), place

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from trackmarshal.runtime.case import Case
+from trackmarshal.runtime.cases import AT_ONCE
 
 from property.strategies.specs import repeatable
 from support.agreement import compiled
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.case import Case
-from trackmarshal.runtime.cases import AT_ONCE
 
 SPEC = """
 module changed

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import hashlib
+import json
 import os
 import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from unittest import mock
@@ -17,13 +16,13 @@ from unittest import mock
 import pytest
 
 from support.agreement import outcomes
+from support.emitted import SCENARIOS, emit, name_of
 from support.shared import SUPERVISOR
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.report import complexity, libm
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.results import chosen_rules
-from trackmarshal.cli import compile as verb
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import CHUNK, Evaluator, load
 from trackmarshal.ir import nodes as ir
@@ -44,39 +43,89 @@ def source() -> Source:
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    folder = tmp_path_factory.mktemp("compiled")
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--project")
-    parser.add_argument("--quiet", action="store_true")
-    verb.configure(parser)
-    assert verb.run(parser.parse_args([str(SUPERVISOR), "--out", str(folder), "--quiet"])) == 0
-    return folder
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The shipped Supervisor, with the cycles of one scenario."""
+    return emit(tmp_path_factory.mktemp("compiled"), recordings=[SCENARIOS[0]])
+
+
+CYCLES = f"{name_of(SCENARIOS[0])}.cycles"
+#: Files that are written for a whole Supervisor.
+FILES = {"supervisor.c", "supervisor.h", "main.c", "cycles.c", "cycles.h", "CMakeLists.txt", "report.md"}
 
 
 def test_files(written: Path) -> None:
-    assert {path.name for path in written.iterdir()} == {
-        "supervisor.c",
-        "supervisor.h",
-        "main.c",
-        "CMakeLists.txt",
-        "report.md",
-    }
+    assert {path.name for path in written.iterdir()} == FILES | {CYCLES}
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_clean_and_sanitized(written: Path, compiler: str) -> None:
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
-    program = written / f"example_{compiler}"
+    program = written.parent / f"example_{compiler}"
     sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-    command = [compiler, *STRICT, *sanitizers, "-O1", "supervisor.c", "main.c", "-o", str(program), "-lm"]
+    sources = [name for name in FILES if name.endswith(".c")]
+    command = [compiler, *STRICT, *sanitizers, "-O1", *sources, "-o", str(program), "-lm"]
     done = subprocess.run(command, cwd=written, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    ran = subprocess.run([str(program)], capture_output=True, text=True, check=False)
+    runs_from_cycles(program, written)
+
+
+def runs_from_cycles(program: Path, written: Path) -> None:
+    """From a file, and from standard input."""
+    ran = subprocess.run([str(program), CYCLES], cwd=written, capture_output=True, text=True, check=False)
     assert (ran.returncode, ran.stderr) == (0, "")
-    assert len(ran.stdout.splitlines()) == len(source().rules)
-    assert re.search(r"^friction\s+satisfied", ran.stdout, re.MULTILINE)
+    decided = [line for line in ran.stdout.splitlines() if line.startswith("decision ")]
+    assert len(decided) > 90
+    assert decided[0].startswith("decision drive safe driving 0 ")
+    with (written / CYCLES).open(encoding="utf-8") as file:
+        again = subprocess.run([str(program)], stdin=file, capture_output=True, text=True, check=False)
+    assert again.stdout == ran.stdout
+
+
+@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+def test_rules_alone_come_with_constant_data(tmp_path: Path, compiler: str) -> None:
+    """What cannot be supervised with gets an example of one input."""
+    if shutil.which(compiler) is None:
+        pytest.skip(f"{compiler} is not installed")
+    text = (
+        'module alone\n\nsignal gap : state { ahead: m, closing: m/s }\nevent raining "it rains"\n\n'
+        'rule apart "Stay apart"\n  satisfies R-1\n  require gap.ahead > 2 m\n\n'
+        'rule slow "Close in slowly in the rain"\n  satisfies R-1\n  whenever raining\n  require gap.closing < 3 m/s\n'
+    )
+    spec = tmp_path / "alone.spec"
+    spec.write_text(text, encoding="utf-8")
+    folder = emit(tmp_path / "out", spec=spec, recordings=[])
+    assert {path.name for path in folder.iterdir()} == FILES - {"cycles.c", "cycles.h"}
+    command = [compiler, *STRICT, "supervisor.c", "main.c", "-o", "example", "-lm"]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    ran = subprocess.run([str(folder / "example")], capture_output=True, text=True, check=False)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert [line.split()[:2] for line in ran.stdout.splitlines()] == [
+        ["apart", "violated"],
+        ["slow", "inactive"],
+    ]
+    with pytest.raises(TrackmarshalError, match="takes no cycles") as caught:
+        emit(tmp_path / "more", spec=spec, recordings=[elsewhere(tmp_path)])
+    assert caught.value.code == "E475"
+
+
+def elsewhere(folder: Path) -> Path:
+    """A scenario that names no track."""
+    path = folder / "elsewhere.tmrec.jsonl"
+    lines = (SCENARIOS[0].parent / "cut_in.tmrec.jsonl").read_text(encoding="utf-8").splitlines()
+    head = {key: value for key, value in json.loads(lines[0]).items() if key != "use"}
+    path.write_text("\n".join([json.dumps(head), *lines[1:], ""]), encoding="utf-8")
+    return path
+
+
+def test_recordings_that_do_not_go_together_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(TrackmarshalError, match="not of the same vehicle and track") as caught:
+        emit(tmp_path / "out", recordings=[SCENARIOS[0], elsewhere(tmp_path)])
+    assert caught.value.code == "E475"
+    with pytest.raises(TrackmarshalError, match="two recordings have the name") as caught:
+        emit(tmp_path / "out", recordings=[SCENARIOS[0], SCENARIOS[0]])
+    assert caught.value.code == "E475"
 
 
 def test_every_rule_statement_names_rule_requirement_and_line() -> None:
@@ -116,7 +165,10 @@ def test_report_knows_libm_and_complexity() -> None:
 def test_report_says_what_an_integrator_asks(written: Path) -> None:
     text = (written / "report.md").read_text(encoding="utf-8")
     assert re.search(r"^- Context: \d{6} bytes\.$", text, re.MULTILINE)
-    assert re.search(r"^- libm: .*sqrt.*hypot, remainder\.$", text, re.MULTILINE)
+    assert re.search(r"^- libm: .*sqrt.*remainder\.$", text, re.MULTILINE)
+    assert re.search(
+        r"^- Margins whose last .*: .*contact \(cos, sin\).*heading_integrity", text, re.MULTILINE
+    )
     assert re.search(r"^\| friction \| .*trajectory\.spec:\d+ \| \d+ \| plan \(64\) \|$", text, re.MULTILINE)
     if shutil.which("gcc") is not None:
         stack = re.search(r"^- Stack: at most (\d+) bytes, .*`tm_\w+` > `tm_\w+`", text, re.MULTILINE)
@@ -263,6 +315,4 @@ def test_the_emitted_build_file_builds(written: Path, tmp_path: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
         assert "warning" not in done.stderr
-    ran = subprocess.run([str(tmp_path / "supervisor_example")], capture_output=True, text=True, check=False)
-    assert ran.returncode == 0
-    assert len(ran.stdout.splitlines()) == len(source().rules)
+    runs_from_cycles(tmp_path / "supervisor_example", written)

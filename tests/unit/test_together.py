@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from trackmarshal.runtime.cases import AT_ONCE
+from trackmarshal.runtime.together import floats
 
 from support.agreement import compiled, differences, results
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.cases import AT_ONCE
-from trackmarshal.runtime.together import floats
 
 SPEC = """
 module together

@@ -82,3 +82,11 @@ def test_an_allowance_is_laid_out_as_the_clauses_beside_it() -> None:
     laid = 'rule a\n  allow     W301, W302 because "why"\n  require   a < b\n'
     assert format_text(SourceFile("t.spec", text)) == laid
     assert format_text(SourceFile("t.spec", laid)) == laid
+
+
+def test_what_is_shared_is_looked_at_once(tmp_path: Path) -> None:
+    """Written out, the last of these has more than 10^18 operands."""
+    lets = "".join(f"  let x{i + 1} = x{i} + x{i}\n  let y{i + 1} = y{i} + y{i}\n" for i in range(60))
+    first = "  let x0 = ego.v\n  let y0 = ego.heading\n"
+    made = compiled(tmp_path, rule("a", "x60 == 1 m/s and y60 < 90", first + lets))
+    assert [f.code for f in made.found] == ["W301", "W302"]

@@ -1,17 +1,28 @@
 """Compile rules to freestanding C: source, header, build file, an example, and a report for whoever integrates it.
 
 trackmarshal compile specs/supervisor --target c --out build/supervisor
+
+With --cycles, a recording or the record of a run is written as a file that the example runs from.
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from trackmarshal.cli.options import choose_rules
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.backends.c.source import Source
+    from trackmarshal.evaluation import Evaluator
+    from trackmarshal.runtime.record import Run
+    from trackmarshal.scenarios.recording import Recording
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -22,34 +33,48 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--name", default="supervisor", metavar="NAME", help="the name of the C files (default: supervisor)"
     )
+    parser.add_argument(
+        "--cycles", action="append", default=[], metavar="RECORDING",
+        help="write the cycles of a recording, or of a run's record, for the example; its vehicle and track are compiled in",
+    )  # fmt: skip
 
 
 def run(args: argparse.Namespace) -> int:
-    from trackmarshal.backends.c.door import has_door
-    from trackmarshal.backends.c.example import cmake, main_c
+    from trackmarshal.backends.c.contract import can_be_supervised
+    from trackmarshal.backends.c.example import example
     from trackmarshal.backends.c.names import plain
     from trackmarshal.backends.c.report import report
     from trackmarshal.backends.c.source import generate
     from trackmarshal.evaluation import Evaluator, broken_constraints, load
 
-    if not plain(args.name) or args.name in ("main", "glue"):
+    if not plain(args.name) or args.name in ("main", "cycles", "glue"):
         raise TrackmarshalError(
             "E474",
             f"`{args.name}` is no name for a C file",
-            help="letters, digits and _, no digit first; not `main`",
+            help="letters, digits and _, no digit first; not `main` or `cycles`",
         )
-    spec = load([Path(args.spec)], [Path(path) for path in args.settings], optional_project(args))
+    project = optional_project(args)
+    given = [_read(path) for path in args.cycles]
+    settings = [*_used(given, project), *(Path(path) for path in args.settings)]
+    spec = load([Path(args.spec)], settings, project)
     broken = broken_constraints(spec)
     if broken:
         raise TrackmarshalError(
             "E403", broken[0], help="change the parameters in the spec or the configuration"
         )
-    rules = Evaluator(spec, args.rule, "reference").rules
-    source = generate(spec, rules, args.name, online=True, doored=has_door(spec))
+    evaluator = Evaluator(spec, args.rule, "reference")
+    source = generate(spec, evaluator.rules, args.name, online=True, doored=can_be_supervised(spec))
+    if given and source.supervised is None:
+        raise TrackmarshalError(
+            "E475", "no Supervisor can be made of this spec, so it takes no cycles", help="leave out --cycles"
+        )
     texts = {
-        f"{args.name}.h": source.header, f"{args.name}.c": source.source, "CMakeLists.txt": cmake(source),
-        "main.c": main_c(source), "report.md": report(source),
+        f"{args.name}.h": source.header, f"{args.name}.c": source.source, **example(source), "report.md": report(source),
     }  # fmt: skip
+    texts |= {
+        f"{name}.cycles": "".join(f"{line}\n" for line in _cycles(one, source, evaluator))
+        for name, one in given
+    }
     folder = Path(args.out)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -64,3 +89,56 @@ def run(args: argparse.Namespace) -> int:
             f"{len(source.rules)} rules, {len(source.source.splitlines())} lines of C in {folder}: {', '.join(texts)}"
         )
     return 0
+
+
+def _read(path: str) -> tuple[str, Recording | Run]:
+    """A recording or the record of a run, and the name of its file of cycles."""
+    from trackmarshal.cli.record import is_record
+    from trackmarshal.runtime.record import read
+    from trackmarshal.scenarios import content, load
+
+    if is_record(path):
+        return Path(path).stem, read(content.read(Path(path), path), path)
+    return Path(path).name.partition(".")[0], load(path)
+
+
+def _used(given: list[tuple[str, Recording | Run]], project: Path | None) -> list[Path]:
+    """The configuration modules that recordings name; raises E475 where they name different ones, or two have one name."""
+    from trackmarshal.cli.replay import configuration
+    from trackmarshal.scenarios.recording import Recording
+
+    names = [name for name, _ in given]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise TrackmarshalError(
+            "E475", f"two recordings have the name `{twice}`", help="compile once for each of them"
+        )
+    named = {name: configuration(one, project) for name, one in given if isinstance(one, Recording)}
+    first, *others = named or [""]
+    for name in others:
+        if named[name] != named[first]:
+            raise TrackmarshalError(
+                "E475",
+                f"`{first}` and `{name}` are not of the same vehicle and track",
+                help="compile once for each of them",
+            )
+    return named.get(first, [])
+
+
+def _cycles(one: Recording | Run, source: Source, evaluator: Evaluator) -> Iterator[str]:
+    """The lines of a file of cycles; raises E403 where the recording's parameters break a constraint."""
+    from trackmarshal.scenarios import cycle_file
+    from trackmarshal.scenarios.recording import Recording
+    from trackmarshal.scenarios.replay import known_tables
+    from trackmarshal.supervision import rulebox
+
+    if isinstance(one, Recording):
+        tables, _ = known_tables(one, evaluator.spec)
+        return cycle_file.of_recording(one, source, rulebox(evaluator, one.params, tables).settings)
+    identity = one.identity
+    if identity.get("fingerprint") != evaluator.spec.fingerprint:
+        print(
+            "note: a run was under another spec than is compiled; its decisions may differ", file=sys.stderr
+        )
+    box = rulebox(evaluator, identity.get("params"), identity.get("tables"))
+    return cycle_file.of_run(one, source, box.settings)

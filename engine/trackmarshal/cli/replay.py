@@ -129,12 +129,11 @@ def evaluator_for(
     With `known`, recordings with the same specs and configuration share an evaluator.
     """
     from trackmarshal.evaluation import Evaluator, load
-    from trackmarshal.scenarios.fields import check_fields
+    from trackmarshal.scenarios.fields import check_fields, declared_names
     from trackmarshal.scenarios.replay import known_tables
-    from trackmarshal.scenarios.supervised import ALSO
 
-    near = folder or Path(recording.source).parent
-    used = [_setting(name, recording, near, project).resolve() for name in recording.use]
+    used = configuration(recording, project, folder)
+    within = project or project_of(folder or Path(recording.source).parent)
     made_of = (
         (spec_path, *more),
         (*used, *settings),
@@ -145,10 +144,10 @@ def evaluator_for(
     evaluator = None if known is None else known.get(made_of)
     if evaluator is None:
         spec: Spec = load([spec_path, *more], [*used, *settings], project)
-        evaluator = Evaluator(spec, rules, backend, lambda: ALSO)
+        evaluator = Evaluator(spec, rules, backend, lambda: declared_names([spec, *_project_specs(within)]))
         if known is not None:
             known[made_of] = evaluator
-    check_fields(recording, evaluator.spec, lambda: _project_specs(project or project_of(near)))
+    check_fields(recording, evaluator.spec, lambda: _project_specs(within))
     tables, _ = known_tables(recording, evaluator.spec)
     try:
         configured = evaluator.reader.settings({"params": recording.params, "tables": tables})
@@ -162,6 +161,12 @@ def evaluator_for(
             help="change the parameters in the spec, the configuration or the recording",
         )
     return evaluator
+
+
+def configuration(recording: Recording, project: Path | None, folder: Path | None = None) -> list[Path]:
+    """The configuration modules that a recording names, such as a track; raises E431."""
+    near = folder or Path(recording.source).parent
+    return [_setting(name, recording, near, project).resolve() for name in recording.use]
 
 
 def _setting(name: str, recording: Recording, near: Path, project: Path | None) -> Path:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Protocol
 
-from trackmarshal.ir.spec import Spec
+from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import MOST_REASONS, Decision, Violation
@@ -93,7 +93,9 @@ class Supervisor:
         self.program = program
         self.held = Held()
         self.memory: Memory = NOTHING
-        self.door = Door(of_cycles(spec, program.rules), self.limits, settings)
+        #: The input contract of its cycles.
+        self.contract = of_cycles(spec, program.rules)
+        self.door = Door(self.contract, self.limits, settings)
         #: Keeps the run, where there is one.
         self.recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
@@ -101,7 +103,7 @@ class Supervisor:
         self._clock = clock
         self._last = -math.inf
         self._steps = 0
-        self._rules = named_rules(program)
+        self._rules = named_rules(program.rules)
 
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
@@ -178,7 +180,7 @@ class Supervisor:
         except Exception:
             value = math.nan
         readings[which] = value
-        if not self._last <= value < math.inf:
+        if not (math.isfinite(value) and value >= self._last):
             faults.append(fault("bad_clock", "clock", "", None, f"{value!r} after {self._last!r}"))
             return math.nan
         self._last = value
@@ -246,11 +248,10 @@ class Supervisor:
 Named = tuple[str, tuple[str, ...], str]
 
 
-def named_rules(program: Program) -> list[Named]:
-    """The rules of a program as decisions speak of them."""
+def named_rules(rules: Sequence[RuleInfo]) -> list[Named]:
+    """Rules as decisions speak of them."""
     return [
-        (rule.name, tuple(dict.fromkeys(name for name, _ in rule.satisfies)), rule.unit)
-        for rule in program.rules
+        (rule.name, tuple(dict.fromkeys(name for name, _ in rule.satisfies)), rule.unit) for rule in rules
     ]
 
 

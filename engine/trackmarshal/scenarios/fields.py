@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.scenarios.recording import COLUMNS, Recording
+
+if TYPE_CHECKING:
+    from trackmarshal.evaluation import Evaluator
 
 #: What the format has by itself, by signal, and the tables that readers and the generator make.
 _POSE = ("x", "y", "heading")
@@ -18,6 +23,35 @@ OWN: dict[str, tuple[str, ...]] = {
     "obstacles": ("id", *_POSE, "length", "width"),
     "tables": ("ax_max", "grip"),
 }
+
+
+def own_names(recording: Recording) -> frozenset[str]:
+    """The names, `objects` and `ego.kappa`, that a recording may have whatever specs declare: the format's, and those of its header."""
+    names = {"ego", "objects", "obstacles", "track"}
+    for where, fields in OWN.items():
+        signals = ("plan", DRIVING, EMERGENCY) if where == "plan" else (where,)
+        names |= {
+            f"{signal}.{field}" for signal in signals for field in (*fields, *recording.extra.get(where, ()))
+        }
+    return frozenset(names)
+
+
+def declared_names(specs: Iterable[Spec]) -> frozenset[str]:
+    """The names of signals and their fields that specs declare; those of `plan` for each candidate too."""
+    names: set[str] = set()
+    for spec in specs:
+        names |= {*spec.signals, *spec.events}
+        for signal in spec.signals.values():
+            labels = ("plan", DRIVING, EMERGENCY) if signal.name == "plan" else (signal.name,)
+            names |= {f"{label}.{field.name}" for label in labels for field in signal.fields_}
+    return frozenset(names)
+
+
+def further_names(recording: Recording, evaluator: Evaluator) -> frozenset[str]:
+    """What else is declared, where a recording has names that neither it nor the evaluator's spec declares: looked for only then."""
+    known = own_names(recording) | declared_names([evaluator.spec])
+    names = {f"{where}.{name}" for where, name, _ in _names(recording) if where != "tables"}
+    return frozenset() if names <= known else evaluator.declared()
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:

@@ -12,7 +12,7 @@ from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.semantics import errors
-from trackmarshal.semantics.errors import BareAngle, ExactlyEqual
+from trackmarshal.semantics.errors import BareAngle, ExactlyEqual, WrongDimension
 from trackmarshal.semantics.values import NumberValue
 from trackmarshal.source import Span
 from trackmarshal.units import NUMBER, show
@@ -41,6 +41,9 @@ class Advice:
     def __init__(self, signals: dict[str, SignalType]) -> None:
         self._signals = signals
         self.units: dict[str, str] = {}
+        #: What was found of numbers, which formulas share: written out, they can be far more than they are.
+        self._angles: dict[ir.Num, bool] = {}
+        self._measured: dict[ir.Num, bool] = {}
 
     def compared(self, op: str, left: NumberValue, right: NumberValue, span: Span) -> ExactlyEqual | None:
         """What is to be said of a comparison of two numbers of one dimension."""
@@ -59,8 +62,16 @@ class Advice:
                 return self.bare(number, other.span)
         return None
 
-    def argument(self, value: NumberValue, unit: str, declared: Span | None) -> BareAngle | None:
-        """What is to be said of a number where one in a unit is wanted."""
+    def in_unit(
+        self, value: NumberValue, unit: str, what: str, declared: Span | None
+    ) -> BareAngle | WrongDimension | None:
+        """What is to be said of a plain number where one in a unit is declared.
+
+        A literal without a unit is refused where it is one in % or deg, a hundredth of what it looks like; 1 and rad are the same number.
+        """
+        if value.bare and unit not in ("1", "rad") and value.dimension == NUMBER:
+            wanted, hint = f"a number in {unit}", f"write the unit: `{_text(value)} {unit}`"
+            return WrongDimension(value.span, declared, what, wanted, "a bare number", hint)
         return self.bare(value, declared) if unit in ANGLES and self._bare(value) else None
 
     def bare(self, value: NumberValue, other: Span | None) -> BareAngle:
@@ -79,6 +90,17 @@ class Advice:
 
     def angle(self, node: ir.Num) -> bool:
         """Whether a plain number is an angle by the units that were declared."""
+        if node not in self._angles:
+            self._angles[node] = self._is_angle(node)
+        return self._angles[node]
+
+    def measured(self, node: ir.Num) -> bool:
+        """Whether a number comes from measurements: from fields with a unit, or by arithmetic that leaves whole numbers."""
+        if node not in self._measured:
+            self._measured[node] = self._is_measured(node)
+        return self._measured[node]
+
+    def _is_angle(self, node: ir.Num) -> bool:
         match node:
             case ir.Column():
                 return self._unit(node.axis.signal, node.field) in ANGLES
@@ -112,8 +134,7 @@ class Advice:
             case _:
                 assert_never(node)
 
-    def measured(self, node: ir.Num) -> bool:
-        """Whether a number comes from measurements: from fields with a unit, or by arithmetic that leaves whole numbers."""
+    def _is_measured(self, node: ir.Num) -> bool:
         match node:
             case ir.Column():
                 return self._unit(node.axis.signal, node.field) != "1"

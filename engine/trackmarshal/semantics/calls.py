@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from itertools import pairwise
 from typing import TYPE_CHECKING, assert_never
 
 from trackmarshal.diagnostics.base import close_matches
@@ -95,7 +96,8 @@ def call(
     wanted = 1 if isinstance(item, ast.Table) else len(item.parameters)
     fits = len(args) == wanted
     if not fits:
-        self.found.append(WrongArity(at, function, _count(wanted), _given(len(args)), item.span.head))
+        comma, declared = decimal_comma(*(arg.__dict__["span"] for arg in args)), item.span.head
+        self.found.append(WrongArity(at, function, _count(wanted), _given(len(args)), declared, comma))
     values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
     if not fits:
         raise Poison
@@ -157,6 +159,7 @@ def expand(
             self.fail(
                 WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension))
             )
+        self.advise(self.advice.in_unit(value, item.result, f"the value of `{item.name}`", item.span.head))
     return NumberValue(value.node, value.dimension, span, written=value.written or own_unit(item.result))
 
 
@@ -214,7 +217,7 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
                 unit_hint(value, wanted),
             )
         )
-    self.warn(self.advice.argument(value, kind, parameter.span))
+    self.advise(self.advice.in_unit(value, kind, f"argument `{parameter.name}`", parameter.span))
     return value
 
 
@@ -226,7 +229,12 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         least = "at least " if more else ""
         self.found.append(
             WrongArity(
-                _name_of_call(function, args, span), function, least + _count(wanted), _given(len(args))
+                _name_of_call(function, args, span),
+                function,
+                least + _count(wanted),
+                _given(len(args)),
+                None,
+                decimal_comma(*(arg.__dict__["span"] for arg in args)),
             )
         )
     values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))
@@ -235,7 +243,7 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     numbers = [v for v in values if isinstance(v, NumberValue)]
     dimension = _dimension(self, function, dimensions, numbers)
     if function in ("sin", "cos", "tan"):
-        self.warn(self.advice.argument(numbers[0], "rad", None))
+        self.advise(self.advice.in_unit(numbers[0], "rad", "the angle", None))
     kept = common(*numbers) if dimensions is Dimensions.KEPT else ""
     if not more:
         made = self.make(ir.Func, called, tuple(v.node for v in numbers))
@@ -288,7 +296,8 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     fits = len(args) in counts
     if not fits:
         at = _name_of_call(function, args, span)
-        self.found.append(WrongArity(at, function, wanted, _given(len(args))))
+        comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
+        self.found.append(WrongArity(at, function, wanted, _given(len(args)), None, comma))
     if function in EDGES:
         operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))
         axis = self.timeline(f"`{function}`", _name_of_call(function, args, span), ctx)
@@ -447,6 +456,15 @@ def _given(number: int) -> str:
 
 
 _LITERAL = re.compile(r"([-−]?\s*[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(\S*)")
+
+
+def decimal_comma(*spans: Span) -> str:
+    """What to write where two arguments look like one number with a decimal comma, `f(1,5 m)`; empty where none do."""
+    for first, second in pairwise(spans):
+        text = first.file.text
+        if first.text.isdecimal() and text[first.end : second.start] == "," and second.text[:1].isdecimal():
+            return f"numbers have a decimal point: `{first.text}.{second.text}`"
+    return ""
 
 
 def unit_hint(value: NumberValue, wanted: Dimension) -> str:

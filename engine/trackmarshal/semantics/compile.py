@@ -314,13 +314,8 @@ class _Compiler:
             wanted = f"{name(dimension)} [{item.unit}]" if dimension != NUMBER else name(dimension)
             declared = item.span.word(item.unit)
             self.x.fail(WrongDimension(value.span, declared, what, wanted, quantity(value.dimension), hint))
-        if value.bare and item.unit != "1":  # of an angle, or a percentage: which other numbers look like
-            declared = item.span.word(item.unit)
-            if item.unit != "rad":
-                what, wanted = f"parameter `{item.name}`", f"a number in {item.unit}"
-                hint = f"write the unit: `{value.span.text} {item.unit}`"
-                self.x.fail(WrongDimension(value.span, declared, what, wanted, "a bare number", hint))
-            self.x.warn(self.x.advice.bare(value, declared))
+        what = f"parameter `{item.name}`"
+        self.x.advise(self.x.advice.in_unit(value, item.unit, what, item.span.word(item.unit)))
         return self._constant(value.node, value.span, module)
 
     def _constant(self, node: ir.Num, span: Span, module: str) -> float:

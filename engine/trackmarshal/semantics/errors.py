@@ -140,6 +140,7 @@ class WrongArity(Diagnostic):
     text = "`{name}` takes {wanted}; {given}"
     label = "{given}"
     other_label = "declared here"
+    remedy = "{hint}"
     explanation = "The number of arguments differs from the number of parameters of the definition or the built-in function."
 
     span: Span
@@ -147,6 +148,7 @@ class WrongArity(Diagnostic):
     wanted: str
     given: str
     other: Span | None = None
+    hint: str = ""
 
 
 class UnknownField(Diagnostic):

@@ -131,7 +131,10 @@ class Expressions:
         """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
         self.found.append(TooLarge(span, "nested too deeply"))
 
-    def warn(self, diagnostic: Diagnostic | None) -> None:
+    def advise(self, diagnostic: Diagnostic | None) -> None:
+        """Report what was found, if anything was; fail where it is an error."""
+        if diagnostic is not None and diagnostic.level == "error":
+            self.fail(diagnostic)
         if diagnostic is not None:
             self.found.append(diagnostic)
 
@@ -403,7 +406,7 @@ class Expressions:
         self, op: str, left: NumberValue, right: NumberValue, span: Span, ctx: Context
     ) -> FormulaValue:
         self.same("compare", left, right)
-        self.warn(self.advice.compared(op, left, right, span))
+        self.advise(self.advice.compared(op, left, right, span))
         unit, shown = show(left.dimension), of_limit(left, right)
         node = self.make(
             ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span, shown
@@ -413,14 +416,15 @@ class Expressions:
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
-            self.warn(self.advice.joined(left, right))
+            self.advise(self.advice.joined(left, right))
             return
         sides = (
             ("left side", "right side")
             if action in ("compare", "add", "subtract")
             else ("first one", "second one")
         )
-        hint = calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension)
+        hint = calls.decimal_comma(left.span, right.span)
+        hint = hint or calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension)
         hint = hint or _factor(left.dimension, right.dimension, *sides)
         self.fail(
             DimensionMismatch(

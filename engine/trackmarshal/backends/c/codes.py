@@ -24,4 +24,9 @@ CODES = {
         " than there is room for), is not evaluated at all.",
     ),
     "E474": ("the output folder cannot be written", "`compile` writes its files into the folder of `--out`, and makes it if need be."),
+    "E475": (
+        "cycles that this program cannot run from",
+        "`compile --cycles` writes recordings as files for the example that comes with a Supervisor in C. Vehicle and track are compiled in,"
+        " so all of them have to name the same; each needs a name of its own; and the spec has to be one that can supervise.",
+    ),
 }  # fmt: skip

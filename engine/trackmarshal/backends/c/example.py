@@ -1,151 +1,178 @@
-"""What comes with the generated code: an example program of one cycle, and a build file."""
+"""What comes with the generated code: an example program and a build file.
+
+A whole Supervisor gets a program that runs from a file of cycles; rules alone get one that checks constant data.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+from trackmarshal.backends.c.contract import Supervised
+from trackmarshal.backends.c.cycles import FORMAT, FOUND, LETTERS, VERSION, digest, label
+from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.backends.c.places import _bordered, _setters, sources
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir.spec import FieldType
-from trackmarshal.runtime.contract import IS_EMERGENCY
+from trackmarshal.runtime.contract import EVENT, LINES, RECORD, TIMELINE, Signal
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.runtime.faults import FAULTS
+from trackmarshal.runtime.machine import STATES
 
-#: Samples of the example's timelines; its sets have one element.
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+#: Samples of timelines in constant data; its sets have one element.
 SAMPLES = 8
 
 
-def main_c(source: Source) -> str:
-    """A program that checks one cycle of constant data and prints the verdicts."""
-    return "\n".join([*_main(source), ""])
-
-
-def _main(source: Source) -> Iterator[str]:
-    plan = source.plan
-    yield "/* One cycle with constant data: replace the numbers by those of the planner and of perception. */"
-    yield f'#include "{source.name}.h"'
-    yield ""
-    yield "#include <stdio.h>"
-    yield ""
-    columns = [
-        (item, info) for item in plan.inputs.values() if item.kind == "columns" for info, _ in item.fields
-    ]
-    # What stands beside them in the program is one word, but for one.
-    arrays = distinct((f"{item.name}.{info.name}" for item, info in columns), ["out_emergency"])
-    for item, info in columns:
-        yield from _column(item, info, arrays[f"{item.name}.{info.name}"])
-    given = sources(plan)
-    if any(_bordered(plan, name) for name in given):
-        yield "static const double left[4] = {-100.0, 6.0, 100.0, 6.0}; /* m: x, y by turns */"
-        yield "static const double right[4] = {-100.0, -6.0, 100.0, -6.0};"
-    if any(not _bordered(plan, name) for name in given):
-        yield "static const double line[4] = {-100.0, 0.0, 100.0, 0.0}; /* m: x, y by turns */"
-    yield "static tm_context context; /* too large for many a stack */"
-    yield ""
-    yield "int main(void)"
-    yield "{"
-    yield f"  static const char *const verdicts[5] = {{{', '.join(_quoted(v) for v in ('satisfied', 'violated', 'undefined', 'inactive', 'open'))}}};"
-    yield f"  static const char *const rules[TM_RULES] = {{{', '.join(_quoted(code.rule.name) for code in source.rules)}}};"
-    yield "  tm_input in;"
-    yield "  tm_output out;"
-    if source.doored:
-        yield "  tm_input emergency;"
-        yield "  tm_output out_emergency;"
-        yield "  const tm_stamp stamp = {1, 0.0, 0.0};"
-        yield "  tm_fault fault;"
-    yield '  if (tm_init(&context) != TM_OK) { (void)puts("a table or place of the spec is unusable"); }'
-    names = _setters(plan)
-    for name in given:
-        args = "left, 2u, right, 2u" if _bordered(plan, name) else "line, 2u"
-        closed = ", false" if _bordered(plan, name) else ""
-        unusable = f'(void)puts("{comment(name)} is unusable");'
-        if source.doored:
-            admit = names[name].replace("tm_set_", "tm_admit_", 1)
-            yield f"  if (!{admit}(&context, {args}, &fault)) {{ {unusable} }}"
-        yield f"  if ({names[name]}(&context, {args}{closed}) != TM_OK) {{ {unusable} }}"
-    for item in plan.inputs.values():
-        yield from _assignments(item, arrays)
-    if not plan.inputs:
-        yield "  in.unused = 0;"
-    if source.doored:
-        yield "  emergency = in;"
-        if IS_EMERGENCY in plan.inputs:
-            yield f"  emergency.{plan.input(IS_EMERGENCY).c_name} = TM_TRUE;"
-        yield "  if (!tm_admit(&context, &stamp, &in, &emergency, &fault)) {"
-        yield '    (void)printf("refused: fault %d of %s.%s\\n", (int)fault.name, fault.signal, fault.field);'
-        yield "    return 1;"
-        yield "  }"
-        yield "  if (tm_check_both(&context, &in, &emergency, &out, &out_emergency) != TM_OK) {"
+def example(source: Source) -> dict[str, str]:
+    """The files of the example by name, with the build file."""
+    if source.supervised is None:
+        files = {"main.c": _render("check.c.j2", _constant(source))}
     else:
-        yield "  if (tm_check(&context, &in, &out) != TM_OK) {"
-    yield '    (void)puts("the input does not fit");'
-    yield "    return 1;"
-    yield "  }"
-    yield "  for (size_t i = 0u; i < TM_RULES; ++i) {"
-    yield '    (void)printf("%-24s %-10s %g\\n", rules[i], verdicts[out.rule[i].verdict], out.rule[i].margin);'
-    yield "  }"
-    yield "  return 0;"
-    yield "}"
+        context = _supervisor(source, source.supervised)
+        files = {name: _render(f"{name}.j2", context) for name in ("main.c", "cycles.c", "cycles.h")}
+    programs = [name for name in files if name.endswith(".c")]
+    return files | {
+        "CMakeLists.txt": _render("CMakeLists.txt.j2", {"name": source.name, "sources": programs})
+    }
 
 
-def _quoted(text: str) -> str:
-    return '"' + comment(text).replace('"', "'") + '"'
+def _render(template: str, context: Mapping[str, Any]) -> str:
+    return _environment().get_template(template).render(context)
 
 
-def _column(item: Input, info: FieldType, array: str) -> Iterator[str]:
+@cache
+def _environment() -> Environment:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    return Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+        keep_trailing_newline=True, autoescape=False,
+    )  # fmt: skip
+
+
+def _text(name: str) -> str:
+    """What may stand between the quotation marks of C."""
+    return comment(name).replace('"', "'")
+
+
+# A whole Supervisor ----------------------------------------------------------------------------------------------
+
+
+def _supervisor(source: Source, given: Supervised) -> dict[str, Any]:
+    plan, contract = source.plan, given.contract
+    assert contract.plan is not None
+    candidates = [_columns(contract.plan, given.plan, name, name) for name in (DRIVING, EMERGENCY)]
+    signals = [*candidates, *(_signal(source, given, signal) for signal in contract.signals)]
+    return {
+        "name": source.name,
+        "format": FORMAT, "version": VERSION, "letters": LETTERS, "found": FOUND, "digest": digest(source),
+        "plan": candidates[0],
+        "signals": signals,
+        "limits": list(LIMITS),
+        "params": [{"name": label(name), "c": c_name} for name, c_name in plan.params.items()],
+        "tables": [{"name": label(name), "c": c_name} for name, c_name in plan.tables.items()],
+        "faults": list(FAULTS),
+        "states": list(STATES),
+        "rules": [label(code.rule.name) for code in source.rules],
+        "borders": [signal for signal in signals if signal["form"] == "lines"],
+        "has_flags": any(s["form"] == "event" or (s["form"] == "record" and s["flags"]) for s in signals),
+        "has_flag_columns": any(s["form"] == "columns" and s["flags"] for s in signals),
+    }  # fmt: skip
+
+
+def _signal(source: Source, given: Supervised, signal: Signal) -> dict[str, Any]:
+    c_name = given.signals[signal.name]
+    if signal.form == EVENT:
+        return {"form": "event", "name": label(signal.name), "member": f"signals.{c_name}", "flags": 0}
+    if signal.form == LINES:
+        fields = [
+            {"name": label(field.name or "line"), "c": given.lines[signal.name, field.name], "row": row}
+            for row, field in enumerate(signal.lines)
+        ]
+        closed = any(field.name for field in signal.lines)
+        return {
+            "form": "lines", "name": label(signal.name), "c": c_name, "member": f"signals.{c_name}", "type": f"tm_in_{c_name}",
+            "what": f"Borders or a line: {comment(signal.name)}", "fields": fields, "closed": closed, "flags": 0,
+        }  # fmt: skip
+    return _columns(signal, source.plan.input(signal.name), c_name, f"signals.{c_name}")
+
+
+def _columns(signal: Signal, item: Input, c_name: str, member: str) -> dict[str, Any]:
+    """A timeline, set or record. The rows of numbers and of flags are counted each by themselves."""
+    names = {info.name: name for info, name in item.fields}
+    fields = [
+        {"name": label(field.name), "c": names[field.name], "kind": field.kind, "row": row}
+        for group in (signal.numbers, signal.flags)
+        for row, field in enumerate(group)
+    ]
+    return {
+        "form": "record" if signal.form == RECORD else "columns", "name": label(member.rpartition(".")[2]), "c": c_name,
+        "member": member, "type": f"tm_in_{item.c_name}", "what": f"A {signal.form}: {comment(member.rpartition('.')[2])}",
+        "capacity": "TM_MAX_SAMPLES" if signal.form == TIMELINE else "TM_MAX_ELEMENTS",
+        "fields": fields, "numbers": len(signal.numbers), "flags": len(signal.flags),
+    }  # fmt: skip
+
+
+# Rules alone -----------------------------------------------------------------------------------------------------
+
+
+def _constant(source: Source) -> dict[str, Any]:
+    plan = source.plan
+    setters = _setters(plan)
+    places = [
+        ({"setter": setters[name], "name": _text(name)}, _bordered(plan, name)) for name in sources(plan)
+    ]
+    inputs = list(plan.inputs.values())
+    columns = [(item, info) for item in inputs if item.kind == "columns" for info, _ in item.fields]
+    # What stands beside them in the program is one word.
+    arrays = distinct(f"{item.name}.{info.name}" for item, info in columns)
+    assignments = [pair for item in inputs for pair in _assignments(item, arrays)]
+    return {
+        "name": source.name,
+        "data": [_data(item, info, arrays[f"{item.name}.{info.name}"]) for item, info in columns],
+        "bordered": [place for place, bordered in places if bordered],
+        "lined": [place for place, bordered in places if not bordered],
+        "rules": [_text(code.rule.name) for code in source.rules],
+        "assignments": assignments or [("unused", "0")],
+    }
+
+
+def _data(item: Input, info: FieldType, array: str) -> dict[str, Any]:
     assert item.signal is not None
-    name = info.name
     count = SAMPLES if item.signal.sequence else 1
     if info.kind == "bool":
-        yield f"static const tm_flag {array}[{count}] = {{{', '.join(['TM_TRUE'] * count)}}};"
-        return
-    step = 0.1 if info.increasing else 0.5 if item.signal.sequence and name in ("x", "s") else 0.0
+        return {"type": "tm_flag", "name": array, "values": ["TM_TRUE"] * count}
+    step = 0.1 if info.increasing else 0.5 if item.signal.sequence and info.name in ("x", "s") else 0.0
     start = (
         info.default
         if info.default is not None
         else 1.0
-        if name in ("length", "width", "grip")
+        if info.name in ("length", "width", "grip")
         else 30.0
-        if not item.signal.sequence and name == "x"
+        if not item.signal.sequence and info.name == "x"
         else 0.0
     )
-    values = ", ".join(repr(round(start + step * k, 6)) for k in range(count))
-    yield f"static const double {array}[{count}] = {{{values}}};"
+    values = [repr(round(start + step * k, 6)) for k in range(count)]
+    return {"type": "double", "name": array, "values": values}
 
 
-def _assignments(item: Input, arrays: dict[str, str]) -> Iterator[str]:
+def _assignments(item: Input, arrays: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     if item.kind == "event":
-        yield f"  in.{item.c_name} = TM_FALSE;"
+        yield item.c_name, "TM_FALSE"
         return
     assert item.signal is not None
     if item.kind == "columns":
-        yield f"  in.{item.c_name}.count = {SAMPLES if item.signal.sequence else 1}u;"
-        for info, c_name in item.fields:
-            yield f"  in.{item.c_name}.{c_name} = {arrays[f'{item.name}.{info.name}']};"
+        yield f"{item.c_name}.count", f"{SAMPLES if item.signal.sequence else 1}u"
+        yield from ((f"{item.c_name}.{c}", arrays[f"{item.name}.{info.name}"]) for info, c in item.fields)
         return
     for info, c_name in item.fields:
-        yield f"  in.{item.c_name}.{c_name} = {'TM_TRUE' if info.kind == 'bool' else '0.0'};"
+        yield f"{item.c_name}.{c_name}", "TM_TRUE" if info.kind == "bool" else "0.0"
     if not item.fields:
-        yield f"  in.{item.c_name}.unused = 0;"
-
-
-def cmake(source: Source) -> str:
-    """A build file with the flags that keep arithmetic as it is written."""
-    name = source.name
-    flags = "-Wall -Wextra -Wconversion -pedantic -ffp-contract=off -fno-fast-math"
-    return f"""cmake_minimum_required(VERSION 3.13)
-project({name} C)
-set(CMAKE_C_STANDARD 99)
-set(CMAKE_C_STANDARD_REQUIRED ON)
-set(CMAKE_C_EXTENSIONS OFF)
-if(NOT CMAKE_BUILD_TYPE)
-  set(CMAKE_BUILD_TYPE Release)
-endif()
-# Fused or re-associated arithmetic would give other margins than the spec's other evaluators.
-add_compile_options({flags})
-add_library({name} STATIC {name}.c)
-target_include_directories({name} PUBLIC ${{CMAKE_CURRENT_SOURCE_DIR}})
-target_link_libraries({name} PUBLIC m)
-add_executable({name}_example main.c)
-target_link_libraries({name}_example PRIVATE {name})
-"""
+        yield f"{item.c_name}.unused", "0"

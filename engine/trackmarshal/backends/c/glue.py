@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from trackmarshal.backends.c.door import LIMITS
+from trackmarshal.backends.c.binding import glue as supervised
 from trackmarshal.backends.c.online import glue as online
 from trackmarshal.backends.c.source import Source
 
@@ -56,10 +56,16 @@ def glue(source: Source) -> str:
 
 
 def _lines(source: Source) -> Iterator[str]:
-    plan, order = source.plan, flat(source)
     yield f'#include "{source.name}.c"'
     yield "size_t tmg_size(void) { return sizeof(tm_context); }"
     yield "int tmg_init(void *c) { return (int)tm_init((tm_context *)c); }"
+    yield from _rules(source) if source.supervised is None else supervised(source.supervised)
+    yield from online(list(source.monitors))
+
+
+def _rules(source: Source) -> Iterator[str]:
+    """The rules by themselves."""
+    plan, order = source.plan, flat(source)
     yield "int tmg_set_param(void *context, size_t index, double value) {"
     yield "  tm_context *c = (tm_context *)context;"
     yield "  (void)c; (void)value;"
@@ -80,7 +86,7 @@ def _lines(source: Source) -> Iterator[str]:
     yield "}"
     from trackmarshal.backends.c.places import glue as places
 
-    yield from places(plan, source.doored)
+    yield from places(plan)
     yield "static void tmg_input(tm_input *in, const size_t *counts, const void *const *columns, const double *numbers,"
     yield "                      const signed char *flags) {"
     yield "  (void)in; (void)counts; (void)columns; (void)numbers; (void)flags;"
@@ -120,53 +126,6 @@ def _lines(source: Source) -> Iterator[str]:
     yield "  return worst;"
     yield "}"
     yield from _along(source)
-    if source.doored:
-        yield from _step(sizes)
-    yield from online(list(source.monitors))
-
-
-def _step(sizes: tuple[int, int, int, int]) -> Iterator[str]:
-    """One cycle through the door and all rules: the driving trajectory's input first, then the emergency one's."""
-    given = ", ".join(f"&{name}[{n}]" for name, n in zip(("counts", "columns", "numbers", "flags"), (sizes[0], sizes[1], 0, sizes[3])))  # fmt: skip
-    yield "int tmg_step(void *context, const int64_t *number, const double *times, const size_t *counts, const void *const *columns,"
-    yield "             const double *numbers, const signed char *flags, double *margins, signed char *verdicts, tm_fault *fault) {"
-    yield "  tm_context *c = (tm_context *)context;"
-    yield "  tm_stamp stamp;"
-    yield "  tm_input driving;"
-    yield "  tm_input emergency;"
-    yield "  tm_output out[2];"
-    yield "  int status;"
-    yield "  stamp.number = *number;"
-    yield "  stamp.t = times[0];"
-    yield "  stamp.now = times[1];"
-    yield "  tmg_input(&driving, counts, columns, numbers, flags);"
-    yield f"  tmg_input(&emergency, {given});"
-    yield "  (void)tm_admit(c, &stamp, &driving, &emergency, fault);"
-    yield "  status = (int)tm_check_both(c, &driving, &emergency, &out[0], &out[1]);"
-    yield "  for (size_t k = 0; k < 2; ++k) {"
-    yield "    for (size_t r = 0; r < TM_RULES; ++r) {"
-    yield "      margins[k * TM_RULES + r] = out[k].rule[r].margin;"
-    yield "      verdicts[k * TM_RULES + r] = (signed char)out[k].rule[r].verdict;"
-    yield "    }"
-    yield "  }"
-    yield "  return status;"
-    yield "}"
-    yield "/* A cycle whose data is none: its stamp counts all the same. */"
-    yield "void tmg_refuse(void *context, const int64_t *number, const double *times, tm_fault *fault) {"
-    yield "  tm_context *c = (tm_context *)context;"
-    yield "  tm_stamp stamp;"
-    yield "  stamp.number = *number;"
-    yield "  stamp.t = times[0];"
-    yield "  stamp.now = times[1];"
-    yield '  (void)tm_refuse(fault, TM_FAULT_NONE, "", "", TM_NOWHERE);'
-    yield "  (void)tm_admit_stamp(&c->door, &stamp, fault);"
-    yield "  c->door.admitted = false;"
-    yield "}"
-    yield "void tmg_limits(void *context, const double *limits) {"
-    yield "  tm_context *c = (tm_context *)context;"
-    for index, (name, _, _) in enumerate(LIMITS):
-        yield f"  c->door.limits.{name} = limits[{index}];"
-    yield "}"
 
 
 def _along(source: Source) -> Iterator[str]:

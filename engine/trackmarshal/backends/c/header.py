@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from trackmarshal.backends.c import door
+from trackmarshal.backends.c import interface
+from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.online import TYPES, Monitor
@@ -23,13 +24,18 @@ CAPACITIES = {
 
 
 def header(
-    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor], doored: bool
+    plan: Layout,
+    codes: Sequence[RuleCode],
+    series: int,
+    name: str,
+    monitors: Sequence[Monitor],
+    supervised: Supervised | None,
 ) -> str:
     """The text of the header file."""
-    return "\n".join(_lines(plan, codes, series, name, monitors, doored))
+    return "\n".join(_lines(plan, codes, series, name, monitors, supervised))
 
 
-def capacities(plan: Layout) -> list[str]:
+def capacities(plan: Layout, supervised: Supervised | None = None) -> list[str]:
     """The capacities that a program has."""
     found = []
     inputs = [
@@ -40,7 +46,7 @@ def capacities(plan: Layout) -> list[str]:
     if any(not signal.sequence for signal in inputs):
         found.append("TM_MAX_ELEMENTS")
     kinds = {shape.kind for shape in plan.shapes.values()}
-    if kinds & {"corridor", "centre", "signal"}:
+    if kinds & {"corridor", "centre", "signal"} or (supervised is not None and supervised.borders):
         found.append("TM_MAX_BORDER")
     if kinds & {"zone", "place"}:
         found.append("TM_MAX_PLACE")
@@ -50,7 +56,12 @@ def capacities(plan: Layout) -> list[str]:
 
 
 def _lines(
-    plan: Layout, codes: Sequence[RuleCode], series: int, name: str, monitors: Sequence[Monitor], doored: bool
+    plan: Layout,
+    codes: Sequence[RuleCode],
+    series: int,
+    name: str,
+    monitors: Sequence[Monitor],
+    supervised: Supervised | None,
 ) -> Iterator[str]:
     guard = f"TM_{name.upper()}_H"
     yield f"/* Generated from a spec by trackmarshal. Fingerprint {plan.spec.fingerprint[:16]}."
@@ -61,10 +72,10 @@ def _lines(
     yield ""
     yield "#include <stdbool.h>"
     yield "#include <stddef.h>"
-    if doored:
+    if supervised is not None:
         yield "#include <stdint.h>"
     yield ""
-    for macro in capacities(plan):
+    for macro in capacities(plan, supervised):
         value, what = CAPACITIES[macro]
         if macro == "TM_MAX_KNOTS":
             value = max(value, *(len(plan.spec.tables[t].knots) for t in plan.tables))
@@ -77,9 +88,9 @@ def _lines(
         yield ""
     yield from _CONSTANTS
     yield from _inputs(plan)
-    if doored:
-        yield from door.types(plan)
-    yield from _context(plan, series, doored)
+    if supervised is not None:
+        yield from interface.types(plan, supervised)
+    yield from _context(plan, series, supervised)
     yield "/* The rules, in the order of their results. */"
     yield "enum {"
     for index, code in enumerate(codes):
@@ -92,17 +103,18 @@ def _lines(
     yield "  tm_result rule[TM_RULES];"
     yield "} tm_output;"
     yield ""
-    yield "tm_status tm_init(tm_context *c);"
-    yield "tm_status tm_check(tm_context *c, const tm_input *in, tm_output *out);"
-    if plan.tables:
+    if supervised is None:
+        yield "tm_status tm_init(tm_context *c);"
+        yield "tm_status tm_check(tm_context *c, const tm_input *in, tm_output *out);"
+    else:
+        yield from interface.results(supervised)
+        yield from interface.prototypes(plan, supervised)
+    if plan.tables and supervised is None:
         yield "bool tm_set_table(tm_table *table, const double *knots, const double *values, size_t count);"
     from trackmarshal.backends.c.places import prototypes
 
-    yield from prototypes(plan)
+    yield from prototypes(plan, supervised is not None)
     yield ""
-    if doored:
-        yield from door.prototypes(plan)
-        yield ""
     if monitors:
         yield "/* Rules along a timeline, a sample at a time: start, push, ..., finish. */"
         yield from TYPES
@@ -135,7 +147,10 @@ _CONSTANTS = [
     "  TM_TOO_SHORT = 2,",
     "  TM_UNUSABLE = 3,",
     "  TM_UNSUPPORTED = 4,",
-    "  TM_REFUSED = 5 /* the cycle was not admitted */",
+    "  TM_BAD_LIMIT = 5,",
+    "  TM_BAD_PARAM = 6, /* not finite, or outside its range */",
+    "  TM_BAD_TABLE = 7, /* no row, too many, not finite, or knots that do not ascend */",
+    "  TM_BAD_CONSTRAINT = 8 /* parameters that the spec does not let stand together */",
     "} tm_status;",
     "",
     "/* One rule's verdict, and its margin: positive inside, NaN when undefined. */",
@@ -190,7 +205,7 @@ def unit(info: FieldType) -> str:
     return f"{unit}{low}{high}{', increasing' if info.increasing else ''}"
 
 
-def _context(plan: Layout, series: int, doored: bool) -> Iterator[str]:
+def _context(plan: Layout, series: int, supervised: Supervised | None) -> Iterator[str]:
     if plan.tables:
         yield "/* A table: linear between knots, clamped outside. Filled by tm_set_table. */"
         yield "typedef struct {"
@@ -215,12 +230,16 @@ def _context(plan: Layout, series: int, doored: bool) -> Iterator[str]:
         yield "typedef struct {"
         for name, c_name in plan.params.items():
             info = plan.spec.params[name]
-            unit = comment(show(parse_unit(info.unit)[2]))
-            yield f"  double {c_name}; /* {unit}; {comment(name)} {comment(str(info.span))} */"
+            shown = comment(show(parse_unit(info.unit)[2]))
+            low = "" if info.lower is None else f", from {info.lower!r}"
+            high = "" if info.upper is None else f", to {info.upper!r}"
+            yield f"  double {c_name}; /* {shown}{low}{high}; {comment(name)} {comment(str(info.span))} */"
         yield "} tm_params;"
         yield ""
+    if supervised is not None:
+        yield from interface.memory(plan, supervised)
     yield "typedef struct {"
-    members = ["  tm_door door;"] if doored else []
+    members = [] if supervised is None else interface.members(plan, supervised)
     if plan.params:
         members.append("  tm_params params;")
     if plan.tables:

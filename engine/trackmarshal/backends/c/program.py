@@ -47,13 +47,6 @@ class Library:
         }.items():
             getattr(self.dll, name).argtypes = kinds
             getattr(self.dll, name).restype = ctypes.c_int
-        if source.doored:
-            self.dll.tmg_step.argtypes = [pointer] * 10
-            self.dll.tmg_step.restype = ctypes.c_int
-            self.dll.tmg_admit_place.argtypes = [pointer, size, pointer, size, pointer, size, pointer]
-            self.dll.tmg_admit_place.restype = ctypes.c_int
-            self.dll.tmg_refuse.argtypes, self.dll.tmg_refuse.restype = [pointer] * 4, None
-            self.dll.tmg_limits.argtypes, self.dll.tmg_limits.restype = [pointer] * 2, None
         bytes_ = self.dll.tmg_size()
         self._memory = ctypes.create_string_buffer(bytes_ + 64)
         self.context = (ctypes.addressof(self._memory) + 63) & ~63
@@ -71,16 +64,13 @@ def _refused(case: Frame, status: int) -> TrackmarshalError:
 
 
 class CProgram(Stateless):
-    """The compiled rules; `run` evaluates them on cases. Raises TrackmarshalError E470 to E473.
-
-    doored: for `step.Stepper`, whose cycles pass the input contract's door first; `run` is not for such programs.
-    """
+    """The compiled rules; `run` evaluates them on cases. Raises TrackmarshalError E470 to E473."""
 
     backend = "c"
 
-    def __init__(self, spec: Spec, rules: Sequence[RuleInfo], doored: bool = False) -> None:
+    def __init__(self, spec: Spec, rules: Sequence[RuleInfo]) -> None:
         super().__init__(spec, rules)
-        self.source = generate(spec, rules, doored=doored)
+        self.source = generate(spec, rules)
         self.rules = self.source.plan.rules
         self.order: Flat = flat(self.source)
         self._kinds = set(capacities(self.source.plan))
@@ -160,14 +150,6 @@ class CProgram(Stateless):
         self._changed.clear()
         self._places = PlaceSetter(self.source.plan, self._library) if self.source.plan.shapes else None
         return self._library
-
-    def new_library(self, samples: int, elements: int, border: int, settings: Settings | None) -> Library:
-        """A library with just these capacities, and a context of its own, configured by a case's overrides."""
-        declared = {"TM_MAX_SAMPLES": samples, "TM_MAX_ELEMENTS": elements, "TM_MAX_BORDER": border}
-        made = Library(self.source, {name: declared.get(name) or self._size(name, 0) for name in self._kinds})
-        if settings is not None:
-            self._override(settings, made, {*settings.params, *settings.tables})
-        return made
 
     def reset(self, lib: Library) -> None:
         """Put the spec's own parameters and tables back."""

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 
+from trackmarshal.backends.c import calls
 from trackmarshal.backends.c.build import EXACT, library
 from trackmarshal.backends.c.expressions import called
 from trackmarshal.backends.c.header import CAPACITIES, capacities
@@ -125,6 +126,8 @@ def _lines(source: Source) -> Iterator[str]:
         most, chain = deepest(source, usage)
         yield f"- Stack: at most {most} bytes, libm's own left out (no recursion; {' > '.join(f'`{name}`' for name in chain)})."
     yield f"- libm: {', '.join(libm(source)) or 'nothing'}."
+    own = [f"{name} ({', '.join(functions)})" for name, functions in calls.inexact(source).items()]
+    yield f"- Margins whose last digits depend on the C library: {', '.join(own) or 'none'}."
     yield ""
     if limits:
         yield "| capacity | default | bounds |"
@@ -147,7 +150,7 @@ def _lines(source: Source) -> Iterator[str]:
         span = code.rule.span
         yield f"| {code.rule.name} | {span.file.path}:{span.line} | {total} | {', '.join(dict.fromkeys(loops)) or 'nothing'} |"
     yield ""
-    if source.doored:
+    if source.supervised is not None:
         yield "The door passes over every column once (twice where it increases)."
     yield "A rule is computed once, taking everything for known; only where something is not known, a second time with worst and best"
     yield "cases (about twice the values). Geometry adds at most one pass over all segments of a line or border for each pose or point;"

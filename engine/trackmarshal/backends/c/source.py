@@ -5,14 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from trackmarshal.backends.c import door, parts
+from trackmarshal.backends.c import machine, parts
+from trackmarshal.backends.c.configuration import configuration
+from trackmarshal.backends.c.contract import Supervised, supervised_layout
+from trackmarshal.backends.c.door import Door
 from trackmarshal.backends.c.header import header
+from trackmarshal.backends.c.judging import calls as rule_calls
+from trackmarshal.backends.c.judging import judge
 from trackmarshal.backends.c.layout import Layout, layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.online import Monitor, monitors
+from trackmarshal.backends.c.places import calls, initial, own_places, setters
 from trackmarshal.backends.c.rules import GroupCode, RuleCode, group_codes, rule_code
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.contract import EGO, PLAN
 
 
 @dataclass(frozen=True)
@@ -25,8 +30,8 @@ class Source:
     source: str
     name: str
     monitors: tuple[Monitor, ...]
-    #: Whether cycles have to pass the door before rules count.
-    doored: bool
+    #: The input contract, where the program is a whole Supervisor and not the rules alone.
+    supervised: Supervised | None
 
     @property
     def series(self) -> int:
@@ -42,16 +47,20 @@ def generate(
 ) -> Source:
     """C for the chosen rules; raises TrackmarshalError E470 for a rule that has no C counterpart.
 
-    online: with a monitor, a sample at a time, of every rule along a timeline that can have one. doored: with the input
-    contract of the Supervisor's cycles, for specs that `door.has_door`.
+    online: with a monitor, a sample at a time, of every rule along a timeline that can have one. doored: the whole Supervisor around
+    the rules; raises E482 for a spec that cannot be supervised with.
     """
-    plan = layout(spec, rules, (PLAN, EGO) if doored else ())
+    supervised: Supervised | None = None
+    if doored:
+        plan, supervised = supervised_layout(spec, rules)
+    else:
+        plan = layout(spec, rules)
     codes = tuple(rule_code(plan, rule) for rule in plan.rules)
     series = max((code.series for code in codes), default=0)
     found = tuple(monitors(plan)) if online else ()
     return Source(
-        plan, codes, header(plan, codes, series, name, found, doored),
-        "\n".join([*_source(plan, codes, name, found, doored), ""]), name, found, doored,
+        plan, codes, header(plan, codes, series, name, found, supervised),
+        "\n".join([*_source(plan, codes, name, found, supervised), ""]), name, found, supervised,
     )  # fmt: skip
 
 
@@ -69,10 +78,24 @@ _COMPILER = (
 
 
 def _source(
-    plan: Layout, codes: Sequence[RuleCode], name: str, found: Sequence[Monitor], doored: bool
+    plan: Layout,
+    codes: Sequence[RuleCode],
+    name: str,
+    found: Sequence[Monitor],
+    supervised: Supervised | None,
 ) -> Iterator[str]:
     groups = group_codes(plan)
-    tail = list(_check(plan, codes, groups, doored)) + list(_init(plan, doored))
+    data = list(_data(plan))
+    types: list[str] = []
+    if supervised is None:
+        tail = [*_check(plan, codes, groups), *data, *_init(plan), *setters(plan)]
+    else:
+        door = Door(supervised, calls(plan, supervised.lines))
+        types = list(machine.types(supervised, door.parts))
+        tail = [
+            *data, *setters(plan, True), "", *door.functions, *judge(plan, supervised, codes, groups),
+            *machine.functions(supervised), *configuration(plan, supervised),
+        ]  # fmt: skip
     bodies = [
         *(code.text for code in codes), *(group.text for group in groups), *(monitor.text for monitor in found)
     ]  # fmt: skip
@@ -86,6 +109,7 @@ def _source(
     yield "#define TM_INF ((double)INFINITY)"
     yield "#define TM_NAN ((double)NAN)"
     yield ""
+    yield from types
     known = parts.functions()
     for function in parts.needed([*bodies, *tail]):
         yield known[function]
@@ -93,9 +117,7 @@ def _source(
     yield from tail
 
 
-def _check(
-    plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode], doored: bool
-) -> Iterator[str]:
+def _check(plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
     yield "/* Whether an input fits the capacities, and has the samples that every timeline has. */"
     yield "static tm_status tm_fits(const tm_input *in)"
     yield "{"
@@ -115,67 +137,39 @@ def _check(
     yield "tm_status tm_check(tm_context *c, const tm_input *in, tm_output *out)"
     yield "{"
     yield "  const tm_status status = tm_fits(in);"
-    if doored:
-        yield "  if (!c->door.admitted) {"
-        yield "    for (size_t i = 0u; i < TM_RULES; ++i) { tm_undefined(&out->rule[i]); }"
-        yield "    return TM_REFUSED;"
-        yield "  }"
     yield "  if (status != TM_OK) {"
     yield "    for (size_t i = 0u; i < TM_RULES; ++i) { tm_undefined(&out->rule[i]); }"
     yield "    return status;"
     yield "  }"
-    yield from _calls(codes, groups)
+    yield from rule_calls(codes, groups)
     yield "  return TM_OK;"
     yield "}"
     yield ""
-    if doored:
-        mine = [code for code in codes if door.of_candidate(code.rule)]
-        own = [group for group in groups if all(door.of_candidate(rule) for rule in group.rules)]
-        shared = [_constant(code) for code in codes if code not in mine]
-        yield from door.functions(plan)
-        yield from door.check_both(plan, _calls(mine, own), shared)
 
 
-def _calls(codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
-    """Statements that compute rules: groups first taking everything for known, then what is left."""
-    grouped = {rule.name for group in groups for rule in group.rules}
-    for group in groups:
-        names = {rule.name for rule in group.rules}
-        yield f"  if (!{group.c_name}(c, in, out)) {{"
-        for code in codes:
-            if code.rule.name in names:
-                yield f"    tm_rule_{code.c_name}(c, in, &out->rule[{_constant(code)}]); /* {comment(code.rule.name)} */"
-        yield "  }"
-    for code in codes:
-        if code.rule.name not in grouped:
-            yield f"  tm_rule_{code.c_name}(c, in, &out->rule[{_constant(code)}]); /* {comment(code.rule.name)} */"
-
-
-def _constant(code: RuleCode) -> str:
-    return f"TM_RULE_{code.c_name.upper()}"
-
-
-def _init(plan: Layout, doored: bool) -> Iterator[str]:
+def _data(plan: Layout) -> Iterator[str]:
+    """The spec's own tables and places."""
     spec = plan.spec
     for table, c_name in plan.tables.items():
         info = spec.tables[table]
         yield f"/* {comment(table)} {comment(str(info.span))} */"
         for what, numbers in (("knots", info.knots), ("values", info.values)):
             yield f"static const double tm_{c_name}_{what}[{len(numbers)}] = {{{', '.join(literal(v) for v in numbers)}}};"
-    zones = [s for s in plan.shapes.values() if s.kind in ("zone", "place")]
-    for shape in zones:
+    for shape in own_places(plan):
         place = spec.places[shape.key[1]]
         flat = ", ".join(literal(v) for point in place.points for v in point)
         yield f"/* {comment(place.name)} {comment(str(place.span))} */"
         yield f"static const double tm_{shape.c_name}_points[{2 * len(place.points)}] = {{{flat}}};"
     yield ""
+
+
+def _init(plan: Layout) -> Iterator[str]:
+    spec = plan.spec
     yield "/* The spec's own parameters, tables and places. Tracks and lines of signals are set by the caller. */"
     yield "tm_status tm_init(tm_context *c)"
     yield "{"
     yield "  tm_status status = TM_OK;"
-    if doored:
-        yield from door.initial(plan)
-    elif not plan.params and not plan.tables and not plan.shapes:
+    if not plan.params and not plan.tables and not plan.shapes:
         yield "  (void)c;"
     for name, c_name in plan.params.items():
         param = spec.params[name]
@@ -183,8 +177,6 @@ def _init(plan: Layout, doored: bool) -> Iterator[str]:
     for table, c_name in plan.tables.items():
         count = len(spec.tables[table].knots)
         yield f"  if (!tm_set_table(&c->tables.{c_name}, tm_{c_name}_knots, tm_{c_name}_values, {count}u)) {{ status = TM_UNUSABLE; }}"
-    from trackmarshal.backends.c.places import initial
-
     yield from initial(plan)
     yield "  return status;"
     yield "}"
@@ -195,6 +187,3 @@ def _init(plan: Layout, doored: bool) -> Iterator[str]:
         yield "{"
         yield "  return tm_fill_table(table, knots, values, count);"
         yield "}"
-    from trackmarshal.backends.c.places import setters
-
-    yield from setters(plan)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from trackmarshal.runtime.cycle import Cycle
+from trackmarshal.runtime.lines import Line
 
 #: Time that a verdict takes when nothing is wrong, s.
 USUAL_DELAY = 0.005
@@ -44,7 +45,10 @@ class Moment:
             "ego": dict(cycle.signals["ego"]),
             "objects": [dict(each) for each in cycle.signals["objects"]],
             "obstacles": [dict(each) for each in cycle.signals["obstacles"]],
-            "track": dict(cycle.signals["track"]),
+            "track": {
+                name: line.points.tolist() if isinstance(line, Line) else line
+                for name, line in cycle.signals["track"].items()
+            },
         }
         return cls(cycle.number, cycle.t, candidates, signals, cycle.t, also=cycle.also)
 

@@ -8,11 +8,15 @@ from functools import cache
 from pathlib import Path
 
 #: The files, in the order in which their functions may call each other.
-FILES = ("numbers", "verdicts", "temporal", "online", "door", "exact", "geometry", "prepare")
+FILES = ("numbers", "verdicts", "temporal", "online", "exact", "geometry", "prepare", "door", "machine")
 #: Begins with letters, not with a word boundary: that is found ten times as fast.
 _NAME = re.compile(r"tm_[a-z0-9_]+")
 #: Comments say what a spec says, which may be anything.
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+
+
+#: What a Supervisor's step is made of, around the functions that are generated for its contract; needed as a whole.
+STEP = Path(__file__).with_name("step.c")
 
 
 @cache

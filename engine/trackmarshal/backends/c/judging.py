@@ -1,0 +1,80 @@
+"""All rules on both candidates of a cycle in C; what reads nothing of a candidate is computed once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from trackmarshal.backends.c.contract import Supervised
+from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.rules import GroupCode, RuleCode
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
+
+
+def of_candidate(rule: RuleInfo) -> bool:
+    """Whether a rule reads anything that differs between the candidates."""
+    if any(signal in (PLAN, IS_EMERGENCY) for signal, _ in rule.reads):
+        return True
+    for root in (rule.formula, rule.active):
+        for node in ir.below(root) if root is not None else ():
+            named = getattr(node, "signal", None) or (node.name if isinstance(node, ir.Line) else None)
+            if named in (PLAN, IS_EMERGENCY):
+                return True
+    return False
+
+
+def constant(code: RuleCode) -> str:
+    """The place of a rule's result."""
+    return f"TM_RULE_{code.c_name.upper()}"
+
+
+def calls(codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
+    """Statements that compute rules: groups first taking everything for known, then what is left."""
+    grouped = {rule.name for group in groups for rule in group.rules}
+    for group in groups:
+        names = {rule.name for rule in group.rules}
+        yield f"  if (!{group.c_name}(c, in, out)) {{"
+        for code in codes:
+            if code.rule.name in names:
+                yield f"    tm_rule_{code.c_name}(c, in, &out->rule[{constant(code)}]); /* {comment(code.rule.name)} */"
+        yield "  }"
+    for code in codes:
+        if code.rule.name not in grouped:
+            yield f"  tm_rule_{code.c_name}(c, in, &out->rule[{constant(code)}]); /* {comment(code.rule.name)} */"
+
+
+def judge(
+    plan: Layout, given: Supervised, codes: Sequence[RuleCode], groups: Sequence[GroupCode]
+) -> Iterator[str]:
+    """Definition of the judge: a cycle that has passed the door, and all rules' results in the decision."""
+    mine = [code for code in codes if of_candidate(code.rule)]
+    own = [group for group in groups if all(of_candidate(rule) for rule in group.rules)]
+    told = plan.inputs.get(IS_EMERGENCY)
+    yield "/* All rules on both candidates of a cycle that the door let pass. */"
+    yield "static void tm_judge(tm_context *c, const tm_cycle *cycle, tm_look *look)"
+    yield "{"
+    yield "  tm_input given;"
+    yield "  const tm_input *in = &given;"
+    yield "  tm_output *out = &look->out->driving;"
+    yield f"  given.{given.plan.c_name} = *cycle->driving;"
+    for signal in given.inputs:
+        yield f"  given.{given.signals[signal.name]} = *cycle->signals.{given.signals[signal.name]};"
+    for signal in given.events:
+        if signal.name in plan.inputs:
+            yield f"  given.{given.signals[signal.name]} = cycle->signals.{given.signals[signal.name]};"
+    if told is not None:
+        yield f"  given.{told.c_name} = TM_FALSE;"
+    yield from calls(codes, groups)
+    yield f"  given.{given.plan.c_name} = *cycle->emergency;"
+    if told is not None:
+        yield f"  given.{told.c_name} = TM_TRUE;"
+    yield "  out = &look->out->emergency;"
+    yield from calls(mine, own)
+    for code in codes:
+        if code not in mine:
+            yield f"  out->rule[{constant(code)}] = look->out->driving.rule[{constant(code)}];"
+    yield "  c->marks.judge = c->serial;"
+    yield "}"
+    yield ""

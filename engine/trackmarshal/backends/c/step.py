@@ -1,0 +1,310 @@
+"""A Supervisor in C as Python calls it: one context and its buffers, one call a cycle, numbers in SI."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import struct
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmarshal.backends.c.binding import HEAD, SAID, words
+from trackmarshal.backends.c.build import library
+from trackmarshal.backends.c.header import CAPACITIES, capacities
+from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
+from trackmarshal.backends.c.source import Source
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.frame import Columns
+from trackmarshal.runtime.lines import Line
+
+Floats = NDArray[np.float64]
+#: Statuses of a configuration by number, those that can be.
+STATUSES = {3: "unusable", 5: "limit", 6: "parameter", 7: "table", 8: "constraint"}
+_NOWHERE = ctypes.c_size_t(-1).value
+_CLOCK = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p)
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """A fault (`rule` None) by its name and place, or a rule's number with the candidate."""
+
+    name: str
+    signal: str
+    field: str
+    index: int | None
+    rule: int | None
+    candidate: int
+    lost: bool
+
+
+class Said(NamedTuple):
+    """A decision as C gives it; see tm_decision in the header. verdicts, margins: (2, rules), driving first."""
+
+    serial: int
+    state: int
+    safe: int
+    driven: int
+    first: int
+    driven_number: int
+    driven_t: float
+    stored: int
+    stored_number: int
+    stored_t: float
+    lost: int
+    now: float
+    finished: float
+    valid_until: float
+    judged: int
+    fault_count: int
+    reason_count: int
+    more: int
+
+
+class _Fault(ctypes.Structure):
+    """A `tm_fault`."""
+
+    _fields_ = [
+        ("name", ctypes.c_int),
+        ("signal", ctypes.c_char_p),
+        ("field", ctypes.c_char_p),
+        ("index", ctypes.c_size_t),
+    ]
+
+
+class _Result(ctypes.Structure):
+    """A `tm_result`."""
+
+    _fields_ = [("margin", ctypes.c_double), ("verdict", ctypes.c_int)]
+
+
+class _Reason(ctypes.Structure):
+    """A `tm_reason`."""
+
+    _fields_ = [
+        ("kind", ctypes.c_int),
+        ("fault", _Fault),
+        ("rule", ctypes.c_size_t),
+        ("candidate", ctypes.c_int),
+        ("result", _Result),
+    ]
+
+
+class Stepper:
+    """One context. limits: by name, the capacities `samples`, `elements` and `border` among them; parameters and tables by their
+    qualified names, in SI, in place of the spec's. clock: s, called when the rules are done; NaN is put in where it raises.
+
+    Raises TrackmarshalError E471 or E472 without a compiler, E473 for a configuration that C refuses.
+    """
+
+    def __init__(
+        self, source: Source, limits: Mapping[str, float], clock: Callable[[], float], params: Mapping[str, float] | None = None,
+        tables: Mapping[str, tuple[Sequence[float], Sequence[float]]] | None = None,
+    ) -> None:  # fmt: skip
+        given = source.supervised
+        if given is None:
+            raise ValueError("the program is the rules alone")
+        self.source = source
+        self.words = words(given)
+        knots = max((len(rows[0]) for rows in (tables or {}).values()), default=0)
+        self.sizes = self._sizes(source, limits, knots)
+        self._dll = dll = ctypes.CDLL(str(library(source, self.sizes)))
+        size, pointer = ctypes.c_size_t, ctypes.c_void_p
+        for name, kinds, result in (
+            ("tmg_size", [], size), ("tmg_decision_size", [], size), ("tmg_reasons", [], size), ("tmg_reason_size", [], size),
+            ("tmg_stored", [size], size), ("tmg_init", [pointer], ctypes.c_int),
+            ("tmg_configure", [pointer] * 7, ctypes.c_int),
+            ("tmg_step", [pointer], None),
+        ):  # fmt: skip
+            getattr(dll, name).argtypes, getattr(dll, name).restype = kinds, result
+        if dll.tmg_reason_size() != ctypes.sizeof(_Reason):
+            raise AssertionError("the compiler lays structs out differently than ctypes")
+        self._memory = ctypes.create_string_buffer(dll.tmg_size() + 64)
+        self.context = (ctypes.addressof(self._memory) + 63) & ~63
+        self._place = self.context - ctypes.addressof(self._memory)
+        self._decision = ctypes.create_string_buffer(dll.tmg_decision_size() + 64)
+        decision = (ctypes.addressof(self._decision) + 63) & ~63
+        self._reasons = decision + dll.tmg_reasons()
+        self._format = struct.Struct(self.words.format)
+        self._in = ctypes.create_string_buffer(self._format.size)
+        self._said = struct.Struct("=" + "".join(kind for _, kind in SAID))
+        self._out = ctypes.create_string_buffer(self._said.size)
+        count = len(source.rules)
+        #: (2, rules) margins and verdict codes (places in runtime.verdict.VERDICTS) of the last step; driving first.
+        self.margins = np.full((2, count), np.nan)
+        self.verdicts = np.full((2, count), 2, dtype=np.int8)
+        self._most = max(self.sizes.get(name, 1) for name in ("TM_MAX_SAMPLES", "TM_MAX_ELEMENTS"))
+        fields = [item.fields for item in source.plan.inputs.values() if item.kind != "event"]
+        width = sum(map(len, fields)) + len(given.plan.fields)
+        self._numbers = np.zeros(max(1, width * self._most))
+        self._flags = np.zeros(max(1, width * self._most), dtype=np.int8)
+        self._bases = self._numbers.ctypes.data, self._flags.ctypes.data
+        self._lines: list[tuple[Line | None, int, int]] = [(None, 0, 0)] * len(self.words.lines)
+        #: Texts of faults that were found before; reasons speak of them up to the next step.
+        self._kept: Any = None
+
+        def reading(_: object) -> float:
+            try:
+                return float(clock())
+            except Exception:
+                return math.nan
+
+        self._clock = _CLOCK(reading)
+        addresses = (
+            self.context, ctypes.addressof(self._in), ctypes.cast(self._clock, pointer).value or 0, decision,
+            ctypes.addressof(self._out), self.margins.ctypes.data, self.verdicts.ctypes.data,
+        )  # fmt: skip
+        #: All that a call needs, in one place.
+        self._where = np.array(addresses, dtype=np.uint64)
+        self._bound = ctypes.c_void_p(self._where.ctypes.data)
+        self._run = dll.tmg_step
+        self.status = int(dll.tmg_init(self.context))
+        self._configure(limits, params or {}, tables or {})
+
+    @staticmethod
+    def _sizes(source: Source, limits: Mapping[str, float], knots: int) -> dict[str, int]:
+        spec = source.plan.spec
+        declared = {
+            "TM_MAX_SAMPLES": int(limits["samples"]),
+            "TM_MAX_ELEMENTS": int(limits["elements"]),
+            "TM_MAX_BORDER": int(limits["border"]),
+            "TM_MAX_PLACE": max(
+                CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0
+            ),
+            "TM_MAX_KNOTS": max(
+                CAPACITIES["TM_MAX_KNOTS"][0], knots, *(len(t.knots) for t in spec.tables.values()), 0
+            ),
+        }
+        return {name: declared[name] for name in capacities(source.plan, source.supervised)}
+
+    def _configure(
+        self,
+        limits: Mapping[str, float],
+        params: Mapping[str, float],
+        tables: Mapping[str, tuple[Sequence[float], Sequence[float]]],
+    ) -> None:
+        spec, plan = self.source.plan.spec, self.source.plan
+        held = np.array([limits[name] for name in LIMITS], dtype=np.float64)
+        values = np.array([params.get(name, spec.params[name].value) for name in plan.params] or [0.0])
+        rows = [tables.get(name, (spec.tables[name].knots, spec.tables[name].values)) for name in plan.tables]
+        columns = [[np.array(row[i], dtype=np.float64) for row in rows] for i in (0, 1)]
+        addresses = [
+            np.array([column.ctypes.data for column in each] or [0], dtype=np.uint64) for each in columns
+        ]
+        counts = np.array([len(column) for column in columns[0]] or [0], dtype=np.uint64)
+        which = ctypes.c_char_p()
+        given = (held, values, *addresses, counts)
+        status = self._dll.tmg_configure(
+            self.context, *(each.ctypes.data for each in given), ctypes.addressof(which)
+        )
+        if status:
+            what = STATUSES.get(status, "value")
+            name = (which.value or b"").decode()
+            raise TrackmarshalError(
+                "E473", f"the generated Supervisor refuses the {what} `{name}`", help="change it"
+            )
+
+    # A cycle ---------------------------------------------------------------------------------------------------
+
+    def step(
+        self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
+        closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
+    ) -> Said:  # fmt: skip
+        """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`, None for one that is
+        missing; what is wrong with it already, as (name, signal, field, index)."""
+        given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
+        self._kept = self._found(found, given) if found else None
+        self._columns(columns, given)
+        self._bordered(lines, given)
+        given += closed
+        given += events
+        self._format.pack_into(self._in, 0, *given)
+        self._run(self._bound)
+        return Said._make(self._said.unpack_from(self._out))
+
+    def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said:
+        """A cycle was due and did not come, or what came is none, for what was `found`."""
+        given: list[Any] = [0, 0, 0, 0, 0.0, now, 0, 0]
+        self._kept = self._found(found, given) if found else None
+        width = len(self._format.unpack(bytes(self._format.size))) - len(HEAD)
+        self._format.pack_into(self._in, 0, *given, *[0] * width)
+        self._run(self._bound)
+        return Said._make(self._said.unpack_from(self._out))
+
+    @staticmethod
+    def lost(said: Said) -> str:
+        """Why nothing stored is driven; empty where it is, or need not be."""
+        return FAULT_NAMES[said.lost] if said.lost else ""
+
+    def reasons(self, said: Said) -> list[Reason]:
+        """Why the cycle of the last step is not safe."""
+        listed = (_Reason * said.reason_count).from_address(self._reasons)
+        result = []
+        for one in listed:
+            found = one.fault
+            index = None if found.index == _NOWHERE else int(found.index)
+            rule = int(one.rule) if one.kind == 1 else None
+            signal, field = (found.signal or b"").decode(), (found.field or b"").decode()
+            result.append(
+                Reason(FAULT_NAMES[found.name], signal, field, index, rule, int(one.candidate), one.kind == 2)
+            )
+        return result
+
+    def stored(self, place: int) -> Floats:
+        """(samples,) of a number of `plan`, in the context's memory: the stored trajectory's first `count` are in use."""
+        offset = self._place + self._dll.tmg_stored(place)
+        seen: Floats = np.frombuffer(
+            memoryview(self._memory), np.float64, self.sizes["TM_MAX_SAMPLES"], offset
+        )
+        return seen
+
+    def _columns(self, columns: Sequence[Columns | None], given: list[Any]) -> None:
+        """Copy the columns one after the other into memory whose address is known; of one that is too long, C needs the count alone."""
+        numbers, flags = [], []
+        place, mark = self._bases
+        for entry in columns:
+            if entry is None:
+                given += (0, 0, 0)
+                continue
+            count = entry.count
+            given += (place, mark, count)
+            if count > self._most:
+                continue
+            numbers.append(entry.values.reshape(-1))
+            place += entry.values.nbytes
+            if entry.flags is not None:
+                flags.append(entry.flags.reshape(-1))
+                mark += entry.flags.nbytes
+        np.concatenate(numbers, out=self._numbers[: (place - self._bases[0]) // 8])
+        if flags:
+            np.concatenate(flags, out=self._flags[: mark - self._bases[1]])
+
+    def _bordered(self, lines: Sequence[Line], given: list[Any]) -> None:
+        """Lines where they are: a frame keeps them, and nobody can change them."""
+        for place, line in enumerate(lines):
+            known = self._lines[place]
+            if known[0] is not line:
+                known = self._lines[place] = (line, *_memory_of(line.points))
+            given += (known[1], known[2], line.number)
+
+    @staticmethod
+    def _found(found: Sequence[tuple[str, str, str, int | None]], given: list[Any]) -> Any:
+        """Faults as C reads them; they live as long as what is returned."""
+        texts = [(signal.encode(), field.encode()) for _, signal, field, _ in found]
+        listed = (_Fault * len(found))()
+        for place, ((name, _, _, index), (signal, field)) in enumerate(zip(found, texts)):
+            listed[place] = _Fault(
+                FAULT_NAMES.index(name), signal, field, _NOWHERE if index is None else index
+            )
+        given[6:8] = (ctypes.addressof(listed), len(found))
+        return listed, texts
+
+
+def _memory_of(points: Floats) -> tuple[int, int]:
+    """Address and number of points; raises ValueError for what C cannot read as they are."""
+    if points.dtype != np.float64 or points.shape[1:] != (2,) or not points.flags.c_contiguous:
+        raise ValueError("a line's points do not stand one after the other")
+    return (points.ctypes.data if len(points) else 0), len(points)

@@ -1,0 +1,208 @@
+"""The Supervisor in C behind Python's surface: what callers hand in becomes a frame, one call decides, and a Decision comes out."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+
+from trackmarshal.backends.c.source import generate
+from trackmarshal.backends.c.step import Reason, Said, Stepper
+from trackmarshal.backends.c.words import Wording
+from trackmarshal.backends.numpy.program import NumpyProgram
+from trackmarshal.backends.numpy.views import CaseView
+from trackmarshal.backends.results import rated
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.contract import of_cycles
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
+from trackmarshal.runtime.decision import Decision, Violation
+from trackmarshal.runtime.door.door import Stamp, stamp_of
+from trackmarshal.runtime.door.reading import CycleReader
+from trackmarshal.runtime.faults import NAMES, Fault, fault
+from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
+from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
+from trackmarshal.runtime.plan import Plan
+from trackmarshal.runtime.program import Judged, Rated
+from trackmarshal.runtime.supervisor import Recorder, incomplete, internal, named_rules
+from trackmarshal.runtime.verdict import VERDICTS, RuleResult
+
+#: Nothing stands in C's `driven`, the driving trajectory, the stored one.
+_NOTHING, _THIS, _STORED = range(3)
+
+
+class CSupervisor:
+    """Decides in every cycle what is driven, as `runtime.supervisor.Supervisor` does, by generated C.
+
+    clock gives s on the clock that stamps are from. Raises TrackmarshalError E470 to E473 for what generated C cannot do, E482 for a
+    spec that cannot be supervised with.
+    """
+
+    def __init__(
+        self, spec: Spec, rules: list[RuleInfo], limits: Limits | None = None, clock: Callable[[], float] = time.monotonic,
+        settings: Settings = NO_SETTINGS,
+    ) -> None:  # fmt: skip
+        if settings.places:
+            raise TrackmarshalError(
+                "E473", "a generated Supervisor has the places of its spec", help="put them into the spec"
+            )
+        self.limits = Limits() if limits is None else limits
+        self.spec = spec
+        self.contract = of_cycles(spec, rules)
+        source = generate(spec, rules, doored=True)
+        self.rules = source.plan.rules
+        self.stepper = Stepper(source, asdict(self.limits), clock, settings.params, settings.tables)
+        #: Keeps the run, where there is one.
+        self.recorder: Recorder | None = None
+        #: Why the record is not complete; empty where it is.
+        self.record_error = ""
+        words = self.stepper.words
+        self._shared, self._lines, self._closed, self._events = (
+            words.columns[2:],
+            words.lines,
+            words.closed,
+            words.events,
+        )
+        self._reader = CycleReader(self.contract, settings)
+        self._words = Wording(self.contract, self.limits)
+        self._named = named_rules(self.rules)
+        self._clock = clock
+        self._steps = 0
+        self._stored: Plan | None = None
+        self._numpy: NumpyProgram | None = None
+
+    def step(self, cycle: Cycle | None) -> Decision:
+        """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
+        try:
+            now = float(self._clock())
+        except Exception:
+            now = math.nan
+        self._steps += 1
+        frame: Frame | None = None
+        stamp = Stamp(None, None, ())
+        found: list[Fault] = []
+        try:
+            if isinstance(cycle, Cycle):
+                stamp = stamp_of(cycle)
+                frame, structure = self._reader.read(cycle)
+                found = [*stamp.faults, *structure]
+            elif cycle is not None:
+                found.append(fault("wrong_type", "cycle", "", None, "not a Cycle"))
+            said = self._call(frame, stamp, now, found)
+        except Exception as error:  # what was handed in has a say in how it is read
+            frame, found = None, [internal(error)]
+            said = self._call(None, stamp, now, found)
+        try:
+            decision = self._decision(said, frame, stamp, now, found)
+        except Exception as error:
+            decision = self._nothing(said, stamp, internal(error))
+        self._words.read(said)
+        if self.recorder is not None:
+            try:
+                self.recorder.append(cycle, frame, decision, (now, decision.finished))
+            except Exception as error:
+                self.record_error = f"{type(error).__name__}: {error}"
+        return decision
+
+    def close(self) -> None:
+        """End the record, where there is one."""
+        if self.recorder is not None:
+            self.recorder.close()
+
+    # Parts ------------------------------------------------------------------------------------------------------
+
+    def _call(self, frame: Frame | None, stamp: Stamp, now: float, found: list[Fault]) -> Said:
+        given = [(NAMES[f.code], f.signal, f.field, f.index) for f in found] if found else ()
+        if frame is None:
+            return self.stepper.none_came(now, given)
+        columns = [*frame.candidates.values(), *(frame.columns[name] for name in self._shared)]
+        lines = [frame.line(*place) for place in self._lines]
+        closed = [frame.closed.get(name, False) for name in self._closed]
+        events = [frame.events[name] for name in self._events]
+        return self.stepper.step(stamp.number, stamp.t, now, columns, lines, closed, events, given)
+
+    def _decision(
+        self, said: Said, frame: Frame | None, stamp: Stamp, now: float, found: list[Fault]
+    ) -> Decision:
+        state, driven, t = STATES[said.state], None, math.nan if stamp.t is None else stamp.t
+        judged = None
+        if said.judged and frame is not None:
+            judged = self._judged(frame)
+        faults: tuple[Fault, ...] = ()
+        violations: tuple[Violation, ...] = ()
+        if said.reason_count:
+            reasons = self.stepper.reasons(said)
+            faults = self._words.faults(reasons, found, frame, stamp, now, said)
+            if judged is not None:
+                violations = tuple(self._violation(one, judged) for one in reasons if one.rule is not None)
+        if frame is not None:
+            frame.faults = [f for f in faults if f.signal != "supervisor"]
+        if said.safe and frame is not None and stamp.number is not None:
+            self._stored = Plan(EMERGENCY, stamp.number, t, frame.candidates[EMERGENCY])
+            driven = Plan(DRIVING, stamp.number, t, frame.candidates[DRIVING])
+        elif not said.stored:
+            self._stored = None
+        elif said.driven == _STORED:
+            driven = self._stored
+        driven_too = (driven is not None) == (said.driven != _NOTHING)
+        if said.serial != self._steps or not driven_too or not self._agrees(said):
+            return self._nothing(said, stamp, *faults, incomplete("step"))
+        return Decision(
+            stamp.number, t, said.now, said.finished, state, bool(said.safe), driven, self._stored, said.valid_until,
+            self.stepper.lost(said), faults, violations, bool(said.more), judged,
+        )  # fmt: skip
+
+    def _nothing(self, said: Said, stamp: Stamp, *faults: Fault) -> Decision:
+        """C did not decide this cycle, or of another trajectory than is known here: nothing is driven."""
+        self._stored = None
+        t = math.nan if stamp.t is None else stamp.t
+        return Decision(
+            stamp.number, t, said.now, said.finished, NO_SAFE_TRAJECTORY, False, None, None, said.valid_until, "none_stored", faults, (),
+            False, None,
+        )  # fmt: skip
+
+    def _agrees(self, said: Said) -> bool:
+        """Whether the trajectory that C has stored is the one that is known here."""
+        stored = self._stored
+        if stored is None:
+            return not said.stored
+        return bool(said.stored) and (stored.number, stored.t) == (said.stored_number, said.stored_t)
+
+    def _judged(self, frame: Frame) -> Judged:
+        verdicts, margins = self.stepper.verdicts, self.stepper.margins
+        return Judged(
+            frame,
+            {
+                name: self._rated(frame, name, verdicts[row].tobytes(), margins[row].tolist())
+                for row, name in enumerate((DRIVING, EMERGENCY))
+            },
+        )
+
+    def _rated(self, frame: Frame, candidate: str, verdicts: bytes, margins: Sequence[float]) -> Rated:
+        """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
+
+        def explain(number: int, series: bool = False) -> RuleResult:
+            if self._numpy is None:
+                self._numpy = NumpyProgram(self.spec, self.rules)
+            seen, program = frame.of(candidate), self._numpy
+            return rated(
+                self.rules, seen, lambda: CaseView(program.run([seen]), 0), verdicts, margins
+            ).explain(number, series)
+
+        return Rated(verdicts, margins, explain)
+
+    def _violation(self, reason: Reason, judged: Judged) -> Violation:
+        assert reason.rule is not None
+        candidate, place = (DRIVING, EMERGENCY)[reason.candidate], reason.rule
+        one, (name, requirements, unit) = judged.rated[candidate], self._named[reason.rule]
+        margin = float(one.margins[place])
+        return Violation(
+            name,
+            requirements,
+            candidate,
+            VERDICTS[one.verdicts[place]],
+            margin,
+            unit,
+            lambda: one.explain(place, False),
+        )
