@@ -5,9 +5,9 @@ from __future__ import annotations
 import hashlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
@@ -15,6 +15,10 @@ from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import Judged, Program, Rated
 from trackmarshal.runtime.verdict import CaseResult
+
+if TYPE_CHECKING:
+    from trackmarshal.semantics.compile import Compiled
+    from trackmarshal.syntax import ast
 
 #: Evaluators by name, the default first; `auto` is generated C where that can be had, else numpy.
 BACKENDS = ("numpy", "reference", "c", "auto")
@@ -28,7 +32,8 @@ CODES = {
     "E402": (
         "a configuration that does not fit",
         "A configuration is a module whose parameters, tables, zones and lines replace those of the same name in the spec; each "
-        "must exist there, with the same unit's dimension, and lie inside the range that the spec declares.",
+        "must exist there, with the same unit's dimension, and lie inside the range that the spec declares. Rules, constraints and whatever "
+        "else demands something would not be in force there, and are refused.",
     ),
     "E404": (
         "nothing to evaluate",
@@ -83,8 +88,9 @@ class Evaluator:
                 "E404", "the spec has no rule to evaluate", help="without a rule, anything would be safe"
             )
         self.asked = backend
+        self.declared = cache(declared)
         reads = {pair for rule in self.rules for pair in rule.reads}
-        self.reader = CasesReader(spec, reads, declared, self._broken)
+        self.reader = CasesReader(spec, reads, self.declared, self._broken)
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError."""
@@ -199,25 +205,97 @@ def load(
     compiled.raise_errors()
     spec = compiled.spec
     for path in configuration:
-        settings = compile_paths([Path(path)], shown_from)
-        settings.raise_errors()
-        spec = configure(spec, settings.spec)
+        spec = configure(spec, _settings(Path(path), shown_from, compiled))
     return spec
 
 
-def setting_names(configuration: Iterable[Path]) -> set[str]:
-    """The short names of everything that configuration modules set."""
+def _settings(path: Path, shown_from: Path | None, compiled: Compiled) -> Spec:
+    """What a configuration module sets; raises Diagnostics, and E402 for what it holds that would be left out.
+
+    Modules of the spec that it uses are in force already, with the values that they have there.
+    """
+    from trackmarshal.semantics.compile import compile_paths
+    from trackmarshal.semantics.modules import from_prelude
+
+    made = compile_paths([path], shown_from)
+    made.raise_errors()
+    known = {module.path.resolve() for module in compiled.library.modules.values()}
+    own = [module for module in made.library.modules.values() if module.path.resolve() not in known]
+    _refuse_ignored([module.tree for module in own if not from_prelude(module)])
+    files = {module.file.path for module in (*own, *(made.library.modules[name] for name in made.asked))}
+    params, tables, places = made.spec.params, made.spec.tables, made.spec.places
+    return Spec(
+        {},
+        {},
+        {name: info for name, info in params.items() if info.span.file.path in files},
+        {name: info for name, info in tables.items() if info.span.file.path in files},
+        {name: info for name, info in places.items() if info.span.file.path in files},
+        (),
+        (),
+        (),
+        made.spec.fingerprint,
+    )
+
+
+def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
+    """Refuse everything in configuration modules that demands something, or means to: only values of theirs are used."""
+    from trackmarshal.syntax import ast
+
+    items = [item for tree in trees for item in tree.items]
+    values = [item for item in items if isinstance(item, (ast.Param, ast.Table, ast.Place, ast.Define))]
+    nodes = [node for item in values for node in item.walk()]
+    called = {node.function for node in nodes if isinstance(node, ast.Call)}
+    called |= {node.name for node in nodes if isinstance(node, ast.Name)}
+    for item in items:
+        match item:
+            case ast.ModuleName() | ast.Use() | ast.Reference() | ast.Param() | ast.Table() | ast.Place():
+                continue
+            case ast.Define():
+                if item.name in called:
+                    continue
+                what = f"the {item.keyword} `{item.name}`"
+            case ast.Rule():
+                what = f"the rule `{item.name}`"
+            case ast.Assume():
+                what = f"the assumption `{item.name}`"
+            case ast.Constrain():
+                what = "a `constrain`"
+            case ast.Signal():
+                what = f"the signal `{item.name}`"
+            case ast.Event():
+                what = f"the event `{item.name}`"
+            case ast.State():
+                what = f"the state `{item.name}`"
+            case ast.Rulebook():
+                what = f"the rulebook `{item.name}`"
+            case ast.Test():
+                what = f"a test of `{item.rule}`"
+            case _:
+                raise AssertionError(f"unknown declaration {type(item).__name__}")
+        raise TrackmarshalError(
+            "E402",
+            f"a configuration holds {what}, which would not be in force",
+            file=item.span.file.path,
+            line=item.span.line,
+            help="a configuration only sets values; move it to the spec, or name this file as a part of the spec",
+        )
+
+
+def setting_names(paths: Iterable[Path], configuration: Sequence[Path]) -> set[str]:
+    """The short names of everything that configuration modules set in a spec; raises as `load` does."""
     from trackmarshal.semantics.compile import compile_paths
 
-    names: set[str] = set()
-    for path in configuration:
-        settings = compile_paths([path]).spec
-        names |= {
-            name.rpartition(".")[2]
-            for kind in (settings.params, settings.tables, settings.places)
-            for name in kind
-        }
-    return names
+    if not configuration:
+        return set()
+    compiled = compile_paths(paths)
+    compiled.raise_errors()
+    found = [_settings(path, None, compiled) for path in configuration]
+    return {
+        name.rpartition(".")[2]
+        for settings in found
+        for kind in (settings.params, settings.tables, settings.places)
+        for name in kind
+    }
 
 
 def configure(spec: Spec, settings: Spec) -> Spec:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import read_regular
 
 FORMAT = "trackmarshal-results"
 VERSION = 1
@@ -349,7 +350,7 @@ def load(path: Path, shown: str | None = None) -> ResultsFile:
     try:
         if path.stat().st_size > MAX_BYTES:
             raise _refused(f"larger than {MAX_BYTES // 1_000_000} MB")
-        data = json.loads(path.read_bytes().decode("utf-8"), parse_constant=_no_constant)
+        data = json.loads(read_regular(path).decode("utf-8"), parse_constant=_no_constant)
         return ResultsFile.from_json(data)
     except TrackmarshalError as error:
         raise TrackmarshalError("T290", error.message, file=name, help=_HELP) from error
@@ -404,7 +405,10 @@ class _Fields:
         value = self.data.get(name)
         if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float))):
             raise _refused(f"{self.what}: `{name}` must be a number or null, not {_kind(value)}")
-        return None if value is None else float(value)
+        try:
+            return None if value is None else float(value)
+        except OverflowError as error:  # a whole number of hundreds of digits
+            raise _refused(f"{self.what}: `{name}` is beyond the range of IEEE double") from error
 
     def array(self, name: str) -> list[Any]:
         value: list[Any] = self._get(name, [], list, "a list")

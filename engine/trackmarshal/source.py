@@ -7,12 +7,13 @@ from bisect import bisect_right
 from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import read_regular
 
 #: The largest spec file that is read. 10,000 lines are about 0.6 MB.
 MAX_BYTES = 4_000_000
 
 CODES = {
-    "E001": ("the file cannot be read", "The file does not exist, is a folder, or its permissions forbid reading it."),
+    "E001": ("the file cannot be read", "The file does not exist, is a folder, a pipe or a device, or its permissions forbid reading it."),
     "E002": (
         "the file is too large",
         f"Spec files are read by people; one of more than {MAX_BYTES // 1_000_000} MB is taken for something else, and refused "
@@ -21,6 +22,11 @@ CODES = {
     "E003": ("the file is empty", "A spec file starts with `module NAME`. An empty file demands nothing, which is hardly meant."),
     "E004": ("the file is not UTF-8", "Spec files are UTF-8 text, with or without a byte order mark, with LF or CRLF line ends."),
     "E006": ("no spec files here", "The folder holds no file whose name ends in .spec, so that nothing would be checked or evaluated."),
+    "E007": (
+        "almost the name of a spec",
+        "The file's suffix differs from .spec only by upper and lower case, so `use` would not find it and half of all systems would not read "
+        "it. It is refused rather than left out: a rule less would read as safe.",
+    ),
     "E005": (
         "a control character in the file",
         "A NUL or another control character is never part of a spec; the file may be binary. Characters that turn the direction of "
@@ -140,8 +146,7 @@ def read(path: Path, shown: str | None = None) -> SourceFile:
     """Read a spec file; raises E001 to E005. `shown` is the path that reports print."""
     name = shown or str(path)
     try:
-        with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)  # no more: it may be a device without an end
+        data = read_regular(path, MAX_BYTES + 1)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         message = getattr(error, "strerror", None) or str(error)
         raise TrackmarshalError(

@@ -33,15 +33,19 @@ SPEED = over(LENGTH, TIME)
 ACCELERATION = over(SPEED, TIME)
 FORCE = times(MASS, ACCELERATION)
 
-#: Name -> (factor to SI, as a decimal a person can check; dimension).
-UNITS: dict[str, tuple[float, Dimension]] = {
-    "m": (1.0, LENGTH), "km": (1000.0, LENGTH), "cm": (0.01, LENGTH), "mm": (0.001, LENGTH),
-    "s": (1.0, TIME), "ms": (0.001, TIME), "us": (1e-6, TIME), "min": (60.0, TIME), "h": (3600.0, TIME),
-    "kg": (1.0, MASS), "t": (1000.0, MASS),
-    "N": (1.0, FORCE), "kN": (1000.0, FORCE), "J": (1.0, times(FORCE, LENGTH)),
-    "W": (1.0, times(FORCE, SPEED)), "kW": (1000.0, times(FORCE, SPEED)),
-    "Hz": (1.0, over(NUMBER, TIME)),
-    "rad": (1.0, NUMBER), "deg": (math.pi / 180.0, NUMBER), "%": (0.01, NUMBER),
+#: pi/180 to 74 bits, as a ratio of whole numbers so small that the product with any number of up to 21 bits (every
+#: multiple of a half up to a million) is exact: what people write in degrees is rounded once, by the quotient.
+_DEGREE = _F(2339260349, 134029745180)
+
+#: Name -> (exact factor to SI; dimension).
+UNITS: dict[str, tuple[Fraction, Dimension]] = {
+    "m": (_F(1), LENGTH), "km": (_F(1000), LENGTH), "cm": (_F(1, 100), LENGTH), "mm": (_F(1, 1000), LENGTH),
+    "s": (_F(1), TIME), "ms": (_F(1, 1000), TIME), "us": (_F(1, 10**6), TIME), "min": (_F(60), TIME), "h": (_F(3600), TIME),
+    "kg": (_F(1), MASS), "t": (_F(1000), MASS),
+    "N": (_F(1), FORCE), "kN": (_F(1000), FORCE), "J": (_F(1), times(FORCE, LENGTH)),
+    "W": (_F(1), times(FORCE, SPEED)), "kW": (_F(1000), times(FORCE, SPEED)),
+    "Hz": (_F(1), over(NUMBER, TIME)),
+    "rad": (_F(1), NUMBER), "deg": (_DEGREE, NUMBER), "%": (_F(1, 100), NUMBER),
 }  # fmt: skip
 
 #: The regular expression of one unit with its exponent, longest names first.
@@ -53,12 +57,12 @@ _NAMED = {FORCE: "N", times(FORCE, LENGTH): "J", times(FORCE, SPEED): "W", NUMBE
 
 @lru_cache(maxsize=1024)
 def parse_unit(text: str) -> tuple[float, float, Dimension]:
-    """A unit as written to (multiplier, divisor, dimension): SI value = number * multiplier / divisor.
+    """A unit as written to (multiplier, divisor, dimension): see `to_si`.
 
-    Multiplier and divisor stay apart so that 60 km/h is 60 * 1000 / 3600, correctly rounded once each.
+    Multiplier and divisor are whole numbers without a common factor, 5 and 18 for km/h.
     Raises ValueError for anything that is not a unit of the list.
     """
-    multiplier, divisor, dimension = 1.0, 1.0, NUMBER
+    whole, dimension = _F(1), NUMBER
     sign, name = 1, ""
     for part in _parts(text):
         if part in ("/", "*"):
@@ -70,22 +74,17 @@ def parse_unit(text: str) -> tuple[float, float, Dimension]:
         if name not in UNITS:
             raise ValueError(name)
         factor, dim = UNITS[name]
-        exponent *= sign
-        dimension = times(dimension, power(dim, Fraction(exponent)))
-        for _ in range(abs(exponent)):
-            if exponent > 0:
-                multiplier, divisor = _scaled(multiplier, divisor, factor)
-            else:
-                divisor, multiplier = _scaled(divisor, multiplier, factor)
-    return multiplier, divisor, dimension
+        whole *= factor ** (sign * exponent)
+        dimension = times(dimension, power(dim, Fraction(sign * exponent)))
+    return _double(whole.numerator), _double(whole.denominator), dimension
 
 
-def _scaled(up: float, down: float, factor: float) -> tuple[float, float]:
-    """Multiply by a factor; one like 0.001 divides by its exact reciprocal instead."""
-    inverse = round(1 / factor)
-    if factor < 1 and 1 / inverse == factor:
-        return up, down * inverse
-    return up * factor, down
+def _double(number: int) -> float:
+    """The double next to a whole number; what is beyond them becomes infinite, which no literal may be."""
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf
 
 
 def _parts(text: str) -> list[str]:
@@ -109,15 +108,54 @@ def _exponent(part: str) -> tuple[str, int]:
 
 
 def to_si(number: float, unit: str) -> float:
-    """A number in a unit to SI."""
+    """A number in a unit to SI: `number * multiplier / divisor`, each rounded once.
+
+    Every number that has a unit goes through this, in specs and in data, so that one number in one unit is one double
+    wherever it stands. Arrays do the same two operations in the same order, and get the same bits:
+    `array * multiplier / divisor` with the multiplier and the divisor of `parse_unit`.
+    """
     multiplier, divisor, _ = parse_unit(unit)
     return number * multiplier / divisor
 
 
 def from_si(number: float, unit: str) -> float:
-    """An SI number in a unit."""
+    """An SI number in a unit, for people: where any double of the unit gives the number back by `to_si`, such a one.
+
+    Some SI numbers are between the values of two neighbours in the unit; nothing that is computed with goes this way.
+    """
     multiplier, divisor, _ = parse_unit(unit)
-    return number * divisor / multiplier
+    near = number * divisor / multiplier
+    for candidate in (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
+        if candidate * multiplier / divisor == number:
+            return candidate
+    return near
+
+
+def in_full(number: float, unit: str) -> str:
+    """An SI number as an author would write it in a unit, `130 km/h`, with all of its digits."""
+    return digits(number, unit) + ("" if unit == "1" else f" {unit}")
+
+
+def digits(number: float, unit: str) -> str:
+    """An SI number in a unit, without it, and with all of its digits: numbers that differ look different."""
+    value = from_si(number, unit)
+    short = f"{value:g}"
+    return short if math.isnan(value) or float(short) == value else repr(value)
+
+
+def written(value: float, unit: str, shown: str = "", digits: int = 4) -> str:
+    """An SI value as people read it: in the unit `shown` where there is one, else in `unit`, which is SI: -12.4 km/h."""
+    number = (from_si(value, shown) if shown else value) + 0.0  # no minus before a zero
+    text = f"{number:.{digits}g}"
+    return text if (shown or unit) == "1" else f"{text} {shown or unit}"
+
+
+def beside(value: float, unit: str, shown: str = "", digits: int = 4) -> str:
+    """The same, with the SI value beside it where that is another number: -12.4 km/h (-3.444 m/s)."""
+    text = written(value, unit, shown, digits)
+    if not shown or not math.isfinite(value) or parse_unit(shown)[:2] == (1.0, 1.0):
+        return text
+    return f"{text} ({written(value, unit, '', digits)})"
 
 
 def show(dimension: Dimension) -> str:

@@ -19,9 +19,9 @@ from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.scenarios import load as load_recording
+from trackmarshal.scenarios.fields import own_names
 from trackmarshal.scenarios.recording import CANDIDATES
 from trackmarshal.scenarios.replay import known_tables
-from trackmarshal.scenarios.supervised import ALSO
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
@@ -74,7 +74,7 @@ def test_seed_oracle(kind: str) -> None:
 def test_recording(name: str) -> None:
     """Both candidates of every tenth cycle, all rules."""
     recording = load_recording(shared("data", "scenarios", f"{name}.saa"))
-    evaluator = Evaluator(spec(), None, "reference", lambda: ALSO)
+    evaluator = Evaluator(spec(), None, "reference", lambda: own_names(recording))
     tables, _ = known_tables(recording, spec())
     cases = [
         evaluator.read(

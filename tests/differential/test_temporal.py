@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from support.shared import oracle
 from trackmarshal.backends.numpy import temporal
 from trackmarshal.backends.reference import temporal as reference
 
-ORACLES = Path(__file__).parents[3] / "shared" / "oracles"
 #: operator of the oracle -> (kernel, past)
 WINDOWED = {
     "always": ("always", False),
@@ -105,12 +103,11 @@ class Walker:
 
 
 def entries(file: str) -> list[Any]:
-    """An oracle's entries; none, and so a skipped test, where the shared folder is absent."""
-    path = ORACLES / file
-    if not path.is_file():
-        reason = f"{path} is not here: oracles are shared, not part of the repository"
-        return [pytest.param(None, marks=pytest.mark.skip(reason=reason))]
-    loaded = json.loads(path.read_text(encoding="utf-8"))["entries"]
+    """An oracle's entries; none, and so a skipped test, where it is not ours and the shared folder is absent."""
+    try:
+        loaded = oracle(file)["entries"]
+    except pytest.skip.Exception as skipped:
+        return [pytest.param(None, marks=pytest.mark.skip(reason=str(skipped)))]
     return [pytest.param(entry, id=entry["id"]) for entry in loaded]
 
 

@@ -25,6 +25,7 @@ GROUPS = (
     ("E1", "Syntax"),
     ("E2", "Names and clauses"),
     ("E3", "Dimensions and values"),
+    ("W", "Warnings"),
     ("E4", "Tests, projects and commands"),
     ("D1", "Recordings and data files"),
     ("D2", "Cases: the input contract"),
@@ -34,7 +35,7 @@ GROUPS = (
 HEAD = """# Errors
 
 Every message has a code that stays the same from release to release. `trackmarshal explain CODE` prints what stands here. The exit
-status is 1 where something was found, 2 where an input or an argument cannot be used.
+status is 1 where something was found, 2 where an input or an argument cannot be used; with `--exit-zero`, 0 instead of 1.
 
 """
 

@@ -23,7 +23,12 @@ def copy_project(target: Path) -> Path:
 
 def command(project: Path, *arguments: str) -> tuple[int, str, str]:
     """Exit status, standard output and standard error of `trackmarshal ... --project PROJECT`."""
+    return run_command(*arguments, "--project", str(project))
+
+
+def run_command(*arguments: str) -> tuple[int, str, str]:
+    """Exit status, standard output and standard error of `trackmarshal ...`, in this process."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        status = main([*arguments, "--project", str(project)])
+        status = main([*arguments])
     return status, out.getvalue(), err.getvalue()

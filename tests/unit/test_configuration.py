@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
-from support.project import command
+from support.project import command, run_command
 from support.shared import REPOSITORY
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import load
 
+FREE_LAP = REPOSITORY / "specs" / "scenarios" / "free_lap.tmrec.jsonl"
 SPEC = """module rules
 signal plan : series { t: s increasing, v: m/s }
 param v_max : m/s = 50 m/s in [0, 100]
@@ -68,3 +70,128 @@ def test_the_command_line_counts_more_than_the_recording() -> None:
     )[1]
     assert "friction" not in plain
     assert "friction" in compact
+
+
+IGNORED = {
+    "rule `slower`": 'rule slower "slower"\n  for all p in plan\n  require p.v <= 1 m/s\n',
+    "assumption": 'assume A-SLOW "slow"\n  owner "somebody"\n',
+    "constrain": "constrain v_max <= 3 m/s\n",
+    "signal": "signal other : state { v: m/s }\n",
+    "event": 'event blue_flag "shown"\n',
+    "rulebook": 'rulebook order "order"\n  slow ~ slow\n',
+    "test of `slow`": 'test slow "slow"\n  given plan = line(v: 1 m/s, length: 1 m)\n  expect satisfied\n',
+    "define `limit`": "define limit(a: m) -> m = a + 1 m\n",
+    "predicate `fine`": "predicate fine(a: m) = a < 1 m\n",
+}
+
+
+@pytest.mark.parametrize("what", IGNORED)
+@pytest.mark.parametrize("verb", ["eval", "compile", "replay"])
+def test_what_would_not_be_in_force_is_refused(what: str, verb: str, spec: Path, tmp_path: Path) -> None:
+    """A rule in a configuration demanded nothing, without a word."""
+    needs = ("rule `slower`", "rulebook", "test of `slow`")
+    head = "module vehicle\nuse rules\n" if what in needs else "module vehicle\n"
+    (tmp_path / "vehicle.spec").write_text(
+        head + "param v_max : m/s = 4 m/s\n" + IGNORED[what], encoding="utf-8"
+    )
+    (tmp_path / "cases.jsonl").write_text('{"signals": {"plan": {"t": [0], "v": [1]}}}\n')
+    arguments = {
+        "eval": ["eval", str(spec), "--data", str(tmp_path / "cases.jsonl")],
+        "compile": ["compile", str(spec), "--out", str(tmp_path / "out")],
+        "replay": ["replay", str(FREE_LAP), "--spec", str(spec)],
+    }
+    status, _, err = run_command(*arguments[verb], "--with", str(tmp_path / "vehicle.spec"))
+    assert status == 2
+    assert "error[E402]" in err, err
+    assert "would not be in force" in err
+    assert what in err
+    line = head.count("\n") + 2
+    assert f"vehicle.spec:{line}" in err
+    assert "help: " in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_rule_in_a_module_that_a_configuration_uses_is_refused_too(spec: Path, tmp_path: Path) -> None:
+    (tmp_path / "more.spec").write_text(SPEC.replace("module rules", "module more").replace("slow", "slower"))
+    with pytest.raises(TrackmarshalError, match="E402") as caught:
+        configured(spec, "use more\nparam v_max : m/s = 4 m/s\n")
+    assert "more.spec" in str(caught.value.file)
+
+
+def test_a_configuration_may_use_what_its_values_are_made_of(spec: Path, tmp_path: Path) -> None:
+    """Definitions that its values need, and a module of the spec itself, whose values stay as they are."""
+    assert configured(spec, "define half(a: m/s) -> m/s = a / 2\nparam v_max : m/s = half(60 m/s)\n") == 30.0
+    (tmp_path / "base.spec").write_text("module base\nparam w : m = 3 m\nrule odd require w > 1 m\n")
+    spec.write_text(SPEC.replace("module rules\n", "module rules\nuse base\n"), encoding="utf-8")
+    first = tmp_path / "first.spec"
+    first.write_text("module first\nparam w : m = 2 m\n")
+    second = tmp_path / "second.spec"
+    second.write_text("module second\nuse base\nparam v_max : m/s = 5 * w / 1 s\n")
+    made = load(spec, [first, second])
+    assert made.params["base.w"].value == 2.0  # not back to 3
+    assert made.params["rules.v_max"].value == 15.0
+
+
+def test_a_module_of_the_spec_may_be_the_configuration(tmp_path: Path) -> None:
+    (tmp_path / "a.spec").write_text("module a\nparam w : m = 3 m\nrule odd require w > 1 m\n")
+    (tmp_path / "b.spec").write_text("module b\nparam w : m = 2 m\nrule even require w > 1 m\n")
+    assert load(tmp_path, [tmp_path / "b.spec"]).params["a.w"].value == 2.0
+
+
+TRAJECTORY = "trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }"
+CONSTRAINED = SPEC.replace("series { t: s increasing, v: m/s }", TRAJECTORY)
+CONSTRAINED += 'param slowest : m/s = 3 m/s\nconstrain slowest <= v_max because "it is the slowest"\n'
+
+
+def refused(*arguments: str | Path) -> None:
+    status, _, err = run_command(*map(str, arguments))
+    assert status == 2
+    assert "error[E403]" in err, err
+    assert "slowest <= v_max" in err
+
+
+def test_what_breaks_a_constraint_is_not_compiled(tmp_path: Path) -> None:
+    """Neither by the spec's own values nor by those of a configuration."""
+    (tmp_path / "good.spec").write_text(CONSTRAINED)
+    (tmp_path / "bad.spec").write_text(CONSTRAINED.replace("50 m/s", "2 m/s"))
+    (tmp_path / "car.spec").write_text("module car\nparam v_max : m/s = 1 m/s\n")
+    refused("compile", tmp_path / "bad.spec", "--out", tmp_path / "out")
+    refused("compile", tmp_path / "good.spec", "--with", tmp_path / "car.spec", "--out", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    status, _, err = run_command(
+        "compile", str(tmp_path / "good.spec"), "--out", str(tmp_path / "out"), "--quiet"
+    )
+    assert (status, err) == (0, "")
+
+
+def test_what_breaks_a_constraint_is_not_tested(tmp_path: Path) -> None:
+    (tmp_path / "bad.spec").write_text(CONSTRAINED.replace("50 m/s", "2 m/s"))
+    status, _, err = run_command("test", str(tmp_path / "bad.spec"))
+    assert status == 1
+    assert "error[E307]" in err
+
+
+@pytest.mark.parametrize("verb", ["replay", "explain"])
+def test_the_recording_does_not_hide_a_constraint_that_the_command_line_breaks(
+    verb: str, tmp_path: Path
+) -> None:
+    """Its own value would hold, but does not count."""
+    head, *cycles = FREE_LAP.read_text().splitlines()
+    made = json.loads(head)
+    made.update(use=[], params={"v_max": 50.0}, tables={})
+    (tmp_path / "run.tmrec.jsonl").write_text("\n".join([json.dumps(made), *cycles[:3]]) + "\n")
+    (tmp_path / "good.spec").write_text(CONSTRAINED)
+    (tmp_path / "car.spec").write_text("module car\nparam v_max : m/s = 1 m/s\n")
+    what = ("--rule", "slow", "--at", "0") if verb == "explain" else ()
+    arguments = (verb, tmp_path / "run.tmrec.jsonl", "--spec", tmp_path / "good.spec", *what)
+    refused(*arguments, "--with", tmp_path / "car.spec")
+    assert run_command(*map(str, arguments))[0] == 0
+
+
+def test_explain_takes_the_command_lines_values_as_replay_does() -> None:
+    """The recording is of a car with more grip than the compact one."""
+    recording = str(REPOSITORY / "specs" / "scenarios" / "cut_in.tmrec.jsonl")
+    compact = ("--with", str(REPOSITORY / "specs" / "vehicles" / "compact.spec"))
+    arguments = ("explain", recording, "--rule", "friction", "--at", "11.2", "--candidate", "emergency")
+    assert "mu = 1.32517839" in command(REPOSITORY, *arguments)[1]
+    assert "mu = 0.9" in command(REPOSITORY, *arguments, *compact)[1]

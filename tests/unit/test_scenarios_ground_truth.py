@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
 
 import pytest
 
+from support.shared import oracle
 from trackmarshal.scenarios.ground_truth import (
     Envelope,
     LaneState,
@@ -18,13 +17,9 @@ from trackmarshal.scenarios.ground_truth import (
     worst,
 )
 
-ORACLE = Path(__file__).parents[3] / "shared" / "oracles" / "envelope_dev.json"
-
 
 def test_worked_cases() -> None:
-    if not ORACLE.exists():
-        pytest.skip(f"{ORACLE} is not there")
-    cases = json.loads(ORACLE.read_text())["cases"]
+    cases = oracle("envelope_dev.json")["cases"]
     assert len(cases) == 200
     for case in cases:
         found = same_lane(case["gap0"], case["v"], case["u"], case["b"])

@@ -106,7 +106,7 @@ def test_a_file_too_large_is_refused_before_it_is_read_whole(tmp_path: Path) -> 
 def test_a_device_without_an_end_is_refused() -> None:
     with pytest.raises(TrackmarshalError) as caught:
         read(Path("/dev/zero"))
-    assert caught.value.code == "E002"
+    assert caught.value.code == "E001"
 
 
 @given(st.text(alphabet="ab \n\té", min_size=1))

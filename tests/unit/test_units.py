@@ -31,6 +31,7 @@ from trackmarshal.units import (
     show,
     times,
     to_si,
+    written,
 )  # fmt: skip
 
 #: The exact factors to SI, written independently of the table under test.
@@ -169,3 +170,14 @@ def test_how_messages_call_them(dimension: Dimension, shown: str, spoken: str) -
 def test_what_is_not_shown_is_refused() -> None:
     with pytest.raises(ValueError, match="furlong"):
         parse_shown("furlong/s")
+
+
+@pytest.mark.parametrize(
+    ("number", "unit", "text"),
+    [
+        (to_si(130.0, "km/h"), "km/h", "130 km/h"), (36.0, "m/s", "36 m/s"), (1.1, "1", "1.1"), (100.00000000000001, "m", "100.00000000000001 m"),
+        (1234567.0, "1", "1234567.0"), (math.inf, "m", "inf m"), (math.nan, "1", "nan"), (-0.5, "1/m", "-0.5 1/m"),
+    ],
+)  # fmt: skip
+def test_numbers_that_differ_are_written_differently(number: float, unit: str, text: str) -> None:
+    assert written(number, unit) == text

@@ -12,7 +12,7 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory, Rated
-from trackmarshal.runtime.verdict import VERDICTS, RuleResult, Truth
+from trackmarshal.runtime.verdict import VERDICTS, RuleResult, Truth, Witness
 
 if TYPE_CHECKING:
     from trackmarshal.runtime.decision import Decision
@@ -103,7 +103,13 @@ def rule_result(
     witness = Descent(values).find(formula)
     unit = rule.unit if rule.unit != "mixed" else witness.unit if witness is not None else "1"
     reason = (values.geometry_fault(formula) or "") if verdict == "undefined" else ""
-    return RuleResult(rule.name, verdict, margin, unit, witness, reason, along)
+    shown = shown_unit(witness, unit)
+    return RuleResult(rule.name, verdict, margin, unit, witness, reason, along, shown)
+
+
+def shown_unit(witness: Witness | None, unit: str) -> str:
+    """The unit in which a rule's margin is shown: the one of the limit that decided, where it measures the same."""
+    return witness.shown if witness is not None and witness.unit == unit else ""
 
 
 def _series(rule: RuleInfo, values: CaseValues, wanted: bool) -> tuple[list[str], list[float]] | None:

@@ -136,7 +136,8 @@ class Descent:
                 for offset, name in enumerate(names):
                     binders[name] = self._values.name(axis, env[level] + offset)
         unit = node.unit if isinstance(node, ir.Compare) else "1" if isinstance(node, ir.Flag) else "m"
-        return Witness(binders, self._values.truth(node, env).margin, unit, node.span)
+        shown = node.shown if isinstance(node, ir.Compare) else ""
+        return Witness(binders, self._values.truth(node, env).margin, unit, node.span, shown)
 
     def _pick(
         self,

@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 from trackmarshal import __version__
+from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project
 
 
@@ -63,12 +64,19 @@ def run(args: argparse.Namespace) -> int:
               "python": platform.python_version(), "spec_fingerprint": made.compiled.spec.fingerprint, "command": "trackmarshal assess"},
         faults=trace.fault_rows(made.fault_cases, made.fault_results),
     )  # fmt: skip
-    outside = [truth for run_ in made.runs for truth in run_.ground_truth.values() if not truth.inside]
+    outside = [run_ for run_ in made.runs if not all(truth.inside for truth in run_.ground_truth.values())]
+    expected = {str(scenario.path): scenario.expect for scenario in made.project.scenarios}
+    unmet = [s for s, run_, _ in made.replays if expected.get(s.scenario) == "ground_truth" and not run_.met]
+    unlike = sorted({run_.scenario for run_ in (*outside, *unmet)})
     if not args.quiet:
         print(
             f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {len(made.runs)} scenarios run, "
             f"{len(made.fault_results) - len(faults)} of {len(made.fault_results)} faults found as expected, {len(gaps)} gaps"
         )
-        print(page)
+        for scenario in unlike:
+            say(f"{scenario} is not as its ground truth says")
+        say(str(page))
     errors = any(d.level == "error" for d in found)
-    return 1 if failed or gaps or outside or faults or errors else 0
+    if matrix.unusable:
+        return 2
+    return 1 if failed or gaps or unlike or faults or errors else 0

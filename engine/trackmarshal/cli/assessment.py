@@ -44,7 +44,14 @@ class Assessment:
         from trackmarshal import trace
         from trackmarshal.cli.check import unknown_requirements
 
-        wrong = [*self.found, *unknown_requirements(self.compiled, self.root)]
+        # Where a rule stands in the matrix, the matrix itself says what is wrong with its links.
+        seen = {(item.file, ref.line, ref.column) for item in self.items for ref in item.satisfies}
+        loose = (
+            link
+            for link in unknown_requirements(self.compiled, self.root)
+            if (link.span.file.path, link.span.line, link.span.column) not in seen
+        )
+        wrong = [*self.found, *loose]
         return trace.build(
             self.root, self.items, self.tests, self.results, self.runs, date.today(),
             spec_fingerprint=self.compiled.spec.fingerprint, run_fingerprints=self.run_fingerprints,
@@ -58,6 +65,7 @@ def read_specs(root: Path) -> tuple[Project, Compiled, list[PreparedTest], list[
 
     A rule with an error is left out, so whatever it was to cover is a gap, beside the error itself.
     """
+    from trackmarshal.cli.check import unconstrained
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
     from trackmarshal.trace import requirements
@@ -67,7 +75,7 @@ def read_specs(root: Path) -> tuple[Project, Compiled, list[PreparedTest], list[
     if compiled.failures:
         raise compiled.failures[0]
     prepared, found = prepare(compiled)
-    return project, compiled, prepared, [*compiled.found, *found]
+    return project, compiled, prepared, [*compiled.found, *found, *unconstrained(compiled)]
 
 
 def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = True) -> Assessment:

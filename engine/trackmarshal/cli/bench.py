@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-from trackmarshal.cli.output import dump, table
+from trackmarshal.cli.output import dump, say, table
 from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -62,8 +62,7 @@ def run(args: argparse.Namespace) -> int:
             ]
             for n, v, limit in rows
         ]
-        print(_machine())
-        print(table(shown, ["benchmark", "median", "limit", "ratio"]))
+        say(_machine(), *table(shown, ["benchmark", "median", "limit", "ratio"]))
     return 1 if any(limit is not None and value > limit for _, value, limit in rows) else 0
 
 

@@ -77,7 +77,7 @@ def unconstrained(compiled: Compiled) -> list[Diagnostic]:
         return []
     from trackmarshal.backends.reference.evaluator import Reference
     from trackmarshal.runtime.frame import Frame
-    from trackmarshal.units import from_si
+    from trackmarshal.units import in_full
 
     values = Reference(spec, Frame())
     found: list[Diagnostic] = []
@@ -89,9 +89,7 @@ def unconstrained(compiled: Compiled) -> list[Diagnostic]:
             continue
         if values.truth(constraint.formula, {}).verdict != "satisfied":
             infos = [spec.params[name] for name in params]
-            shown = ", ".join(
-                f"{i.name.rpartition('.')[2]} = {from_si(i.value, i.unit):g} {i.unit}" for i in infos
-            )
+            shown = ", ".join(f"{i.name.rpartition('.')[2]} = {in_full(i.value, i.unit)}" for i in infos)
             found.append(
                 Unconstrained(
                     constraint.span.head,

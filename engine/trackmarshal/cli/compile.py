@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.options import choose_rules
+from trackmarshal.cli.output import say
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -44,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.backends.c.names import plain
     from trackmarshal.backends.c.report import report
     from trackmarshal.backends.c.source import generate
-    from trackmarshal.evaluation import Evaluator, load
+    from trackmarshal.evaluation import Evaluator, broken_constraints, load
 
     if not plain(args.name) or args.name in ("main", "cycles", "glue"):
         raise TrackmarshalError(
@@ -56,6 +57,11 @@ def run(args: argparse.Namespace) -> int:
     given = [_read(path) for path in args.cycles]
     settings = [*_used(given, project), *(Path(path) for path in args.settings)]
     spec = load([Path(args.spec)], settings, project)
+    broken = broken_constraints(spec)
+    if broken:
+        raise TrackmarshalError(
+            "E403", broken[0], help="change the parameters in the spec or the configuration"
+        )
     evaluator = Evaluator(spec, args.rule, "reference")
     source = generate(spec, evaluator.rules, args.name, online=True, doored=can_be_supervised(spec))
     if given and source.supervised is None:
@@ -79,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
             "E474", f"cannot write to {folder}: {error.strerror}", help="choose another folder with --out"
         ) from error
     if not args.quiet:
-        print(
+        say(
             f"{len(source.rules)} rules, {len(source.source.splitlines())} lines of C in {folder}: {', '.join(texts)}"
         )
     return 0

@@ -1,5 +1,7 @@
 """Evaluate rules of a spec on given data: one case a line of JSON in, one result a line out, in order.
 
+The exit status is 1 when a case is not safe, 2 when a line could not be read.
+
 trackmarshal eval specs/supervisor --data cases.jsonl --rule friction --format jsonl
 """
 
@@ -15,10 +17,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.options import choose_rules
-from trackmarshal.cli.output import dump, number, rule_json, table
+from trackmarshal.cli.output import dump, rule_json, say, table
 from trackmarshal.cli.project import optional_project
-from trackmarshal.diagnostics.excerpt import printable
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import open_regular
+from trackmarshal.units import written
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
@@ -134,7 +137,7 @@ def _lines(path: str) -> Iterator[bytes]:
             "D102", "there is no standard input", file=path, help="name a file with --data"
         )
     try:
-        with nullcontext(sys.stdin.buffer) if path == "-" else Path(path).open("rb") as stream:
+        with nullcontext(sys.stdin.buffer) if path == "-" else open_regular(Path(path)) as stream:
             while line := stream.readline(MAX_LINE):
                 yield line
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
@@ -149,28 +152,27 @@ def _flush(
     evaluator: Evaluator,
     args: argparse.Namespace,
 ) -> int:
-    """Evaluate and print a chunk; 2 when a line could not be read, else 0."""
+    """Evaluate and print a chunk; 2 when a line could not be read, 1 when a case is not safe, else 0."""
     cases = [case for _, case in pending if not isinstance(case, TrackmarshalError)]
     results = iter(evaluator.evaluate(cases, args.series))
     status = 0
     for identity, case in pending:
         if isinstance(case, TrackmarshalError):
             status = 2
-            print(_error_line(identity, case, args.format))
+            say(*_error_lines(identity, case, args.format))
         else:
-            show = _json_line if args.format == "jsonl" else _text
-            print(show(next(results)))
+            result = next(results)
+            say(*([_json_line(result)] if args.format == "jsonl" else _text(result)))
+            status = max(status, 0 if result.safe else 1)
     return status
 
 
-def _error_line(identity: object, error: TrackmarshalError, format_: str) -> str:
+def _error_lines(identity: object, error: TrackmarshalError, format_: str) -> list[str]:
     if format_ == "jsonl":
         found = {"code": error.code, "message": error.message, "line": error.line, "help": error.help}
-        return dump({"id": identity, "error": found})
+        return [dump({"id": identity, "error": found})]
     lines = [f"case {identity}: error[{error.code}]: {error.message}", f"  --> {error.file}:{error.line}"]
-    return "\n".join(
-        printable(line) for line in [*lines, *([f"  = help: {error.help}"] if error.help else [])]
-    )
+    return [*lines, *([f"  = help: {error.help}"] if error.help else [])]
 
 
 def _json_line(result: CaseResult) -> str:
@@ -186,29 +188,19 @@ def _json_line(result: CaseResult) -> str:
     return dump(line)
 
 
-def _text(result: CaseResult) -> str:
+def _text(result: CaseResult) -> list[str]:
     rows = []
     for name, rule in result.rules.items():
-        where = printable(
+        where = (
             ", ".join(f"{k}={v}" for k, v in rule.witness.binders.items()) if rule.witness else rule.reason
         )
         span = str(rule.witness.span) if rule.witness and rule.witness.span else ""
-        shown = number(rule.margin)
-        rows.append(
-            [
-                name,
-                rule.verdict,
-                f"{shown:.6g}" if isinstance(shown, float) else shown,
-                rule.unit,
-                where,
-                span,
-            ]
-        )
+        margin = written(rule.margin, rule.unit, rule.shown, 6)
+        si = written(rule.margin, rule.unit, "", 6)
+        rows.append([name, rule.verdict, margin, "" if si == margin else si, where, span])
     lines = [
-        printable(f"case {result.id}: {'safe' if result.safe else 'UNSAFE'}"),
-        table(rows, ["rule", "verdict", "margin", "unit", "at", "decided by"]),
+        f"case {result.id}: {'safe' if result.safe else 'UNSAFE'}",
+        *table(rows, ["rule", "verdict", "margin", "in SI", "at", "decided by"]),
     ]
-    lines += [printable(f"input: {fault}") for fault in result.faults] + [
-        f"constraint: {text}" for text in result.broken
-    ]
-    return "\n".join(lines)
+    lines += [f"input: {fault}" for fault in result.faults]
+    return lines + [f"constraint: {' '.join(text.split())}" for text in result.broken]

@@ -14,8 +14,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.options import configure_with
+from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.units import beside
 
 if TYPE_CHECKING:
     from trackmarshal.backends.reference.evaluator import Reference
@@ -69,16 +71,17 @@ def _code(code: str) -> int:
 def _verdict(args: argparse.Namespace) -> int:
     from trackmarshal.backends.reference.evaluator import Reference
     from trackmarshal.backends.results import outcome, rule_result
-    from trackmarshal.cli.replay import default_spec, evaluator_for
+    from trackmarshal.cli.replay import default_spec, evaluator_for, overruled
     from trackmarshal.scenarios import load
     from trackmarshal.scenarios.replay import known_tables
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
-    recording = load(args.what)
+    settings = [Path(p) for p in args.settings]
+    recording = overruled(load(args.what), spec_path, settings)
     evaluator = evaluator_for(
         recording,
         spec_path,
-        [Path(p) for p in args.settings],
+        settings,
         optional_project(args),
         [args.rule],
         "reference",
@@ -95,9 +98,7 @@ def _verdict(args: argparse.Namespace) -> int:
         values = Reference(evaluator.spec, case)
         rule = evaluator.rules[0]
         result = rule_result(rule, case, values, outcome(rule, case, values))
-        print(
-            "\n".join(_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}"))
-        )
+        say(*_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}"))
     return 0
 
 
@@ -109,7 +110,7 @@ def _told(evaluator: Evaluator, result: RuleResult, values: Reference, heading: 
     lines = [
         heading,
         f"{rule.name}: {rule.title}",
-        f"  {result.verdict}, margin {_figure(result.margin)} {result.unit}",
+        f"  {result.verdict}, margin {beside(result.margin, result.unit, result.shown, 9)}",
     ]
     lines.append(
         f"  satisfies {', '.join(name for name, _ in rule.satisfies) or 'nothing'}; declared at {rule.span}"
@@ -129,17 +130,18 @@ def _told(evaluator: Evaluator, result: RuleResult, values: Reference, heading: 
         )
     if witness.span is not None:
         lines.append(f"  by {witness.span}: {' '.join(witness.span.text.split())}")
-    lines += [f"    {text} = {_figure(value)}" for text, value in _numbers(node, env, values)]
+    lines += [f"    {text} = {shown}" for text, shown in _numbers(node, env, values)]
     return lines
 
 
-def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[tuple[str, float]]:
+def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[tuple[str, str]]:
     """Both sides of a comparison, and each input, parameter and table value in them."""
     from trackmarshal.ir import nodes as ir
 
-    rows: list[tuple[str, float]] = []
+    rows: list[tuple[str, str]] = []
     if isinstance(node, ir.Compare):
-        rows += [("left side", values.number(node.left, env)), ("right side", values.number(node.right, env))]
+        for name, side in (("left side", node.left), ("right side", node.right)):
+            rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     leaves: dict[str, float] = {}
     for part in ir.below(node):
         if isinstance(part, ir.Column):
@@ -160,7 +162,7 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
             ends = (part.start, part.end) if isinstance(part, ir.StationGap) else (part.x, part.y)
             inside = ", ".join(_figure(values.number(end, env)) for end in ends)
             leaves[f"{part.spoken} along {part.line.name} of ({inside})"] = values.number(part, env)
-    return rows + sorted(leaves.items())
+    return rows + [(name, _figure(value)) for name, value in sorted(leaves.items())]
 
 
 def _figure(value: float) -> str:

@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from trackmarshal.cli.output import print_problem
+from trackmarshal.cli.output import print_problem, say
 from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -43,12 +43,12 @@ def run(args: argparse.Namespace) -> int:
             continue
         changed += 1
         if args.check:
-            print(f"would lay out {_shown(path)}")
+            say(f"would lay out {_shown(path)}")
             status = max(status, 1)
         else:
             _replace(path, text)
             if not args.quiet:
-                print(f"laid out {_shown(path)}")
+                say(f"laid out {_shown(path)}")
     if not args.quiet and not changed and not status:
         print(f"{seen} files, nothing to change", file=sys.stderr)
     return status

@@ -27,7 +27,11 @@ OK, FINDINGS, UNUSABLE, INTERNAL = 0, 1, 2, 3
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run the command; 0 all well, 1 findings, 2 unusable input or arguments, 3 internal error."""
+    """Run the command; 0 all well, 1 findings, 2 unusable input or arguments, 3 internal error.
+
+    Findings are what somebody has to look at: an error in a spec, a declared expectation that is not met (a test, a ground truth, a
+    recorded decision, a demand of the V-model) and, where nothing is expected of it, something unsafe. With `--exit-zero` they give 0.
+    """
     arguments = sys.argv[1:] if argv is None else argv
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # text that the terminal's encoding lacks is escaped
@@ -78,7 +82,9 @@ def _guarded(arguments: list[str]) -> int:
     except Exception as error:
         if os.environ.get("TRACKMARSHAL_DEBUG"):
             raise
-        print(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
+        from trackmarshal.cli.output import say
+
+        say(f"internal error: {type(error).__name__}: {error}", file=sys.stderr)
         print(
             "  This is a defect of trackmarshal. Set TRACKMARSHAL_DEBUG=1 for the details and report it.",
             file=sys.stderr,
@@ -98,24 +104,42 @@ def _path(error: OSError) -> str | None:
 
 
 def _dispatch(arguments: list[str]) -> int:
-    verb = next((a for a in arguments if not a.startswith("-")), None)
+    before, verb, after = _at_the_verb(arguments)
     if verb not in VERBS:
-        return _overview(verb, arguments)
+        return _overview(verb, before)
     module = importlib.import_module(f"trackmarshal.cli.{_module(verb)}")
     parser = argparse.ArgumentParser(
         prog=f"trackmarshal {verb}",
         description=module.__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    _common(parser)
+    module.configure(parser)
+    args = parser.parse_args([*before, *after])
+    status: int = module.run(args)
+    return OK if status == FINDINGS and args.exit_zero else status
+
+
+def _common(parser: argparse.ArgumentParser) -> None:
+    """The options of every verb, which may stand before it too."""
     parser.add_argument(
         "--project", metavar="DIR", help="the project to work on (default: the one this folder is in)"
     )
     parser.add_argument("--quiet", action="store_true", help="no progress, only results")
-    module.configure(parser)
-    rest = list(arguments)
-    rest.remove(verb)
-    status: int = module.run(parser.parse_args(rest))
-    return status
+    parser.add_argument(
+        "--exit-zero", action="store_true", help="exit 0 where there are findings; not for unusable input"
+    )
+
+
+def _at_the_verb(arguments: list[str]) -> tuple[list[str], str | None, list[str]]:
+    """What stands before the verb, the verb, and what follows it; an option's value is no verb."""
+    place = 0
+    while place < len(arguments) and arguments[place].startswith("-"):
+        # argparse takes `--proj` for `--project` too
+        place += 2 if arguments[place].startswith("--p") and "=" not in arguments[place] else 1
+    if place >= len(arguments):
+        return arguments, None, []
+    return arguments[:place], arguments[place], arguments[place + 1 :]
 
 
 def _module(verb: str) -> str:
@@ -137,7 +161,9 @@ def _overview(verb: str | None, arguments: list[str]) -> int:
     from trackmarshal.diagnostics.base import close_matches
 
     hint = close_matches(verb, VERBS)
-    print(f"error: unknown verb `{verb}`" + (f"; {hint}" if hint else ""), file=sys.stderr)
+    from trackmarshal.cli.output import say
+
+    say(f"error: unknown verb `{verb}`" + (f"; {hint}" if hint else ""), file=sys.stderr)
     print("\n".join(lines), file=sys.stderr)
     return UNUSABLE
 

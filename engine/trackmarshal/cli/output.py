@@ -5,12 +5,14 @@ from __future__ import annotations
 import json
 import math
 import sys
+import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from time import monotonic
-from typing import Any, TypeVar
+from typing import Any, TextIO, TypeVar
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.units import written
 
 
 def number(value: float) -> float | str:
@@ -22,13 +24,19 @@ def number(value: float) -> float | str:
 
 def rule_json(result: RuleResult) -> dict[str, Any]:
     """A rule's result as `eval` and `replay` write it."""
-    entry: dict[str, Any] = {"verdict": result.verdict, "margin": number(result.margin), "unit": result.unit}
+    entry: dict[str, Any] = {
+        "verdict": result.verdict,
+        "margin": number(result.margin),
+        "unit": result.unit,
+        "shown": written(result.margin, result.unit, result.shown),
+    }
     witness = result.witness
     entry["witness"] = witness.binders if witness is not None else {}
     if witness is not None:
         if witness.span is not None:
             entry["span"] = str(witness.span)
-        entry["decides"] = {"margin": number(witness.margin), "unit": witness.unit}
+        shown = written(witness.margin, witness.unit, witness.shown)
+        entry["decides"] = {"margin": number(witness.margin), "unit": witness.unit, "shown": shown}
     if result.reason:
         entry["reason"] = result.reason
     if result.series is not None:
@@ -38,8 +46,33 @@ def rule_json(result: RuleResult) -> dict[str, Any]:
 
 
 def dump(value: object) -> str:
-    """One line of strict JSON."""
-    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+    """One line of strict JSON; what a terminal would act on is written as JSON escapes it."""
+    text = json.dumps(value, allow_nan=False, ensure_ascii=False)
+    return text if text.isascii() and text.isprintable() else "".join(map(_in_json, text))
+
+
+def plain(text: str) -> str:
+    """Text of a file (a name, a title, a message) as one line that a terminal shows and never acts on.
+
+    Characters that move the cursor, change colours, break the line or turn the direction of writing become `\\x1b`, `\\n`, `\\u202e`.
+    """
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(char.encode("unicode_escape").decode() if _acts(char) else char for char in text)
+
+
+def say(*lines: str, file: TextIO | None = None) -> None:
+    """Print lines for people: the one way of text to the terminal, where every control character is escaped."""
+    for line in lines:
+        print(plain(line), file=file)
+
+
+def _acts(char: str) -> bool:
+    return unicodedata.category(char) in ("Cc", "Cf", "Cs", "Zl", "Zp")
+
+
+def _in_json(char: str) -> str:
+    return json.dumps(char)[1:-1] if _acts(char) else char
 
 
 def print_problem(error: TrackmarshalError) -> None:
@@ -62,7 +95,7 @@ def progress(items: Sequence[T], what: str, quiet: bool) -> Iterator[T]:
         if monotonic() - start > 1.0:
             done = 30 * index // max(1, len(items))
             print(
-                f"\r{what} [{'#' * done}{'.' * (30 - done)}] {index}/{len(items)}",
+                f"\r{plain(what)} [{'#' * done}{'.' * (30 - done)}] {index}/{len(items)}",
                 end="",
                 file=sys.stderr,
                 flush=True,
@@ -73,10 +106,8 @@ def progress(items: Sequence[T], what: str, quiet: bool) -> Iterator[T]:
         print("\r" + " " * 70 + "\r", end="", file=sys.stderr, flush=True)
 
 
-def table(rows: Iterable[Sequence[str]], head: Sequence[str]) -> str:
-    """Aligned columns for a terminal."""
-    lines = [list(head), *[list(row) for row in rows]]
+def table(rows: Iterable[Sequence[str]], head: Sequence[str]) -> list[str]:
+    """Lines with aligned columns for a terminal."""
+    lines = [list(head), *[[plain(cell) for cell in row] for row in rows]]
     widths = [max(len(line[i]) for line in lines) for i in range(len(head))]
-    return "\n".join(
-        "  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines
-    )
+    return ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines]

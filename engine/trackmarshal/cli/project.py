@@ -42,5 +42,10 @@ def optional_project(args: argparse.Namespace) -> Path | None:
                 "E410", f"{root} has no {MARKER}", help="--project names a project's folder"
             )
         return root.resolve()
-    here = Path.cwd()
+    return project_of(Path.cwd())
+
+
+def project_of(folder: Path) -> Path | None:
+    """The project that a folder is in, or None."""
+    here = folder.resolve()
     return next((folder for folder in (here, *here.parents) if (folder / MARKER).is_file()), None)

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.cli.output import dump, number, progress, rule_json
+from trackmarshal.cli.output import dump, number, progress, rule_json, say
+from trackmarshal.files import read_regular
 from trackmarshal.runtime.faults import Fault
 
 if TYPE_CHECKING:
@@ -25,9 +26,8 @@ def is_record(path: str) -> bool:
     from trackmarshal.runtime import record
 
     try:
-        with Path(path).open("rb") as file:
-            return record.is_record(file.read(4))
-    except OSError:
+        return record.is_record(read_regular(Path(path), 4))
+    except (OSError, ValueError):
         return False  # said by whoever reads it as a recording
 
 
@@ -43,7 +43,7 @@ def replay_record(
     box = box_of(run, spec, backend)
     recorded = run.identity.get("fingerprint")
     if recorded != box.identity["fingerprint"] and not quiet:
-        print(
+        say(
             f"note: {path}: another spec was in force than the one given here; its decisions may differ",
             file=sys.stderr,
         )
@@ -64,11 +64,11 @@ def replay_record(
             for line in _lines(path, decision, box.evaluator.rules, place not in places):
                 print(line)
     else:
-        print(_summary(path, run, decisions, found))
+        say(*_summary(path, run, decisions, found))
     return 1 if found or run.missed else 0
 
 
-def _summary(path: str, run: Run, decisions: Sequence[Decision], found: Sequence[Difference]) -> str:
+def _summary(path: str, run: Run, decisions: Sequence[Decision], found: Sequence[Difference]) -> list[str]:
     counts = Counter(decision.action for decision in decisions)
     ending = "" if run.ended else f"; not closed, {run.rest} bytes behind the last whole cycle"
     lines = [
@@ -79,7 +79,7 @@ def _summary(path: str, run: Run, decisions: Sequence[Decision], found: Sequence
     if run.missed:
         lines.append(f"{run.missed} cycles could not be written; what was decided in them is not known")
     if not found:
-        return "\n".join([*lines, "same decisions, bit for bit"])
+        return [*lines, "same decisions, bit for bit"]
     places = {difference.place for difference in found}
     lines.append(f"{len(places)} cycles were decided otherwise:")
     for difference in found[:SHOWN]:
@@ -87,7 +87,7 @@ def _summary(path: str, run: Run, decisions: Sequence[Decision], found: Sequence
             f"  cycle {difference.place} at {difference.t:g} s, {difference.column}: recorded {difference.recorded!r:.60}, "
             f"now {difference.now!r:.60}"
         )
-    return "\n".join([*lines, *(["  ..."] if len(found) > SHOWN else [])])
+    return [*lines, *(["  ..."] if len(found) > SHOWN else [])]
 
 
 def _lines(path: str, decision: Decision, rules: Sequence[RuleInfo], same: bool) -> list[str]:

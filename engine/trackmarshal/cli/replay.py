@@ -1,23 +1,25 @@
 """Run the rules over recordings: both candidates of every cycle, what is driven, and the ground truth.
 
 Recordings are `.tmrec.jsonl` (this tool's own format) or `.saa` (ScenarioArchitect). With --out, results are kept as
-evidence for the traceability matrix. A record of a run (`.arrows`) is run again at the recorded times: the exit status says
-whether every decision is the recorded one.
+evidence for the traceability matrix. The exit status is 1 when a run is outside of its ground truth, or unsafe where it has
+none. A record of a run (`.arrows`) is run again at the recorded times: the exit status is 1 when a decision is not the recorded one.
 """
 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.options import choose_rules
-from trackmarshal.cli.output import dump, number, progress, rule_json, table
-from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.cli.output import dump, number, plain, progress, rule_json, say, table
+from trackmarshal.cli.project import find_project, optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.units import beside
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
@@ -28,6 +30,19 @@ if TYPE_CHECKING:
 
 CODES = {
     "E431": ("a configuration that a recording names is not there", "A recording's `use` names configuration modules (a vehicle, a track) by their path from the project, or from the recording's own folder."),
+    "E432": (
+        "a recording names what is not its to name",
+        "Recordings come from elsewhere, so what they name is not simply opened: `use` holds relative paths of .spec files inside the project "
+        "(without a project: inside the recording's folder), whatever links lie on the way, and nothing else.",
+    ),
+    "E433": (
+        "a name that is no file name",
+        "`replay --out` calls its files by the recording's name, which has to be one that stays in that folder, and another one for each run.",
+    ),
+    "E434": (
+        "nothing to export",
+        "`--mcap` exports the record of a run of the Supervisor, which has every decision and its reasons; a recording has none yet.",
+    ),
 }  # fmt: skip
 
 
@@ -45,40 +60,53 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.record import is_record, replay_record
-    from trackmarshal.evaluation import load, setting_names
+    from trackmarshal.evaluation import load
     from trackmarshal.scenarios import load as load_recording
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
     project = optional_project(args)
     status = 0
     settings = [Path(p) for p in args.settings]
+    written: set[str] = set()
     for path in args.scenarios:
         if is_record(path):
             spec = load([spec_path], settings, project)
             status = max(status, replay_record(path, spec, args.backend, args.format, args.quiet, args.mcap))
             if not args.out:
                 continue
-        recording = load_recording(path)
+        elif args.mcap:
+            raise TrackmarshalError(
+                "E434",
+                "`--mcap` exports the record of a run, and this is none",
+                file=path,
+                help='run it under a Supervisor that records (`tm.supervisor(spec, record="run.arrows")`, docs/supervisor.md), then '
+                "`trackmarshal replay run.arrows --mcap FILE`",
+            )
+        recording = overruled(load_recording(path), spec_path, settings)
+        if args.out:
+            _claim(recording, written)
         evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend or "numpy")
-        recording = _without(recording, setting_names(settings))
         outcome = run_one(recording, evaluator, args.quiet)
         lines = json_lines(outcome)
         if args.format == "jsonl":
             for line in lines:
                 print(line)
         else:
-            print(summary(outcome, evaluator))
+            say(*summary(outcome, evaluator))
         if args.out:
             from trackmarshal.cli.evidence import write_run
 
             write_run(Path(args.out), outcome, evaluator, json_lines(outcome))
-        if outcome.fired:
-            status = 1
+        if not outcome.met:
+            status = max(status, 1)
     return status
 
 
-def _without(recording: Recording, names: set[str]) -> Recording:
+def overruled(recording: Recording, spec_path: Path, settings: list[Path]) -> Recording:
     """The recording without the vehicle values that the command line sets: what a person says now counts more."""
+    from trackmarshal.evaluation import setting_names
+
+    names = setting_names([spec_path], settings)
     params = {name: value for name, value in recording.params.items() if name not in names}
     tables = {name: rows for name, rows in recording.tables.items() if name not in names}
     return replace(recording, params=params, tables=tables)
@@ -101,10 +129,11 @@ def evaluator_for(
     With `known`, recordings with the same specs and configuration share an evaluator.
     """
     from trackmarshal.evaluation import Evaluator, load
+    from trackmarshal.scenarios.fields import check_fields, declared_names
     from trackmarshal.scenarios.replay import known_tables
-    from trackmarshal.scenarios.supervised import ALSO
 
     used = configuration(recording, project, folder)
+    within = project or project_of(folder or Path(recording.source).parent)
     made_of = (
         (spec_path, *more),
         (*used, *settings),
@@ -115,9 +144,10 @@ def evaluator_for(
     evaluator = None if known is None else known.get(made_of)
     if evaluator is None:
         spec: Spec = load([spec_path, *more], [*used, *settings], project)
-        evaluator = Evaluator(spec, rules, backend, lambda: ALSO)
+        evaluator = Evaluator(spec, rules, backend, lambda: declared_names([spec, *_project_specs(within)]))
         if known is not None:
             known[made_of] = evaluator
+    check_fields(recording, evaluator.spec, lambda: _project_specs(within))
     tables, _ = known_tables(recording, evaluator.spec)
     try:
         configured = evaluator.reader.settings({"params": recording.params, "tables": tables})
@@ -140,15 +170,65 @@ def configuration(recording: Recording, project: Path | None, folder: Path | Non
 
 
 def _setting(name: str, recording: Recording, near: Path, project: Path | None) -> Path:
-    folders = [near, *([project] if project else [])]
-    for folder in folders:
-        if (folder / name).is_file():
-            return folder / name
-    message, help_ = (
+    """The configuration that a recording names: a spec of its project, or of the project at hand; raises E431 and E432."""
+    roots = [os.path.realpath(root) for root in (project, project_of(near) or near) if root is not None]
+    folders = [] if PurePath(name).is_absolute() or "\0" in name else [near, project]
+    places = [Path(os.path.realpath(folder / name)) for folder in folders if folder is not None]
+    inside = [place for place in places if any(place.is_relative_to(root) for root in roots)]
+    fitting = [place for place in inside if name.endswith(".spec") and place.suffix == ".spec"]
+    found = next((place for place in fitting if place.is_file()), None)
+    if found is not None:
+        return found
+    if len(fitting) < len(places) or not places:
+        raise TrackmarshalError(
+            "E432",
+            f"`use` names `{name}`, which is no spec of the project",
+            file=recording.source,
+            help="name a .spec file inside the project, by a relative path; another one is given with --with",
+        )
+    raise TrackmarshalError(
+        "E431",
         f"`{name}` is neither beside the recording nor in the project",
-        "correct the recording's `use`, or its place",
+        file=recording.source,
+        help="correct the recording's `use`, or its place",
     )
-    raise TrackmarshalError("E431", message, file=recording.source, help=help_)
+
+
+def _project_specs(project: Path | None) -> list[Spec]:
+    """All specs of a project, for what they declare; whatever is wrong with them is said elsewhere."""
+    from trackmarshal.semantics.compile import compile_paths
+    from trackmarshal.trace import requirements
+
+    if project is None:
+        return []
+    named = requirements.load(project, []).specs
+    return [compile_paths([project / str(path) for path in named] or [project / "specs"], project).spec]
+
+
+def _claim(recording: Recording, written: set[str]) -> None:
+    """Take a recording's name for the files of its run; raises E433."""
+    name = recording.name
+    problem = ""
+    if (
+        not name.strip(" .")
+        or name != plain(name)
+        or name.startswith(".")
+        or set(name) & {"/", "\\"}
+        or len(name.encode()) > 200
+    ):
+        problem = "is no file name"
+    elif name.casefold() in written:
+        problem = (
+            "is the name of another one of these recordings too: one run would be written over the other"
+        )
+    if problem:
+        raise TrackmarshalError(
+            "E433",
+            f"the recording's name `{name}` {problem}",
+            file=recording.source,
+            help="rename it in the recording's first line: a word without slashes, that begins with no dot",
+        )
+    written.add(name.casefold())
 
 
 def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
@@ -158,7 +238,7 @@ def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
     outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet))
     for name in outcome.ignored:
         if not quiet:
-            print(f"note: {recording.name}: its table `{name}` is unknown to the spec", file=sys.stderr)
+            say(f"note: {recording.name}: its table `{name}` is unknown to the spec", file=sys.stderr)
     return outcome
 
 
@@ -182,8 +262,8 @@ def json_lines(outcome: Replay) -> list[str]:
     return lines
 
 
-def summary(outcome: Replay, evaluator: Evaluator) -> str:
-    """Which rules fired when, what was driven, and how that compares with the ground truth."""
+def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
+    """Lines: which rules fired when, what was driven, and how that compares with the ground truth."""
     from trackmarshal.scenarios.recording import CANDIDATES
     from trackmarshal.scenarios.replay import ACTIONS, intervals
 
@@ -212,7 +292,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
                     candidate,
                     verdicts,
                     spans,
-                    f"{result.margin:.4g} {result.unit} at {worst.t:g} s",
+                    f"{beside(result.margin, result.unit, result.shown)} at {worst.t:g} s",
                     satisfies,
                     where,
                 ]
@@ -223,8 +303,8 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
         + ", ".join(f"{n} {kind}" for kind, n in count.items() if n)
     ]
     if rows:
-        lines.append(
-            table(rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"])
+        lines += table(
+            rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"]
         )
     elif not outcome.fired:
         lines.append("every trajectory is safe")
@@ -245,7 +325,12 @@ def summary(outcome: Replay, evaluator: Evaluator) -> str:
             lines.append(
                 f"ground truth, {truth.kind}: OUTSIDE ({judged}); missed at {_list(truth.missed)}, false alarm at {_list(truth.false_alarms)}"
             )
-    return "\n".join(lines)
+    if outcome.truths and outcome.unexpected:
+        spans = ", ".join(
+            f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(outcome.unexpected, times)
+        )
+        lines.append(f"no ground truth says that it may be unsafe at {spans} s")
+    return lines
 
 
 def _badness(result: RuleResult) -> tuple[bool, float]:

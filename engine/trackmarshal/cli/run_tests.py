@@ -9,7 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from trackmarshal.cli.output import dump, table
+from trackmarshal.cli.output import dump, say, table
 from trackmarshal.cli.project import find_project, optional_project
 
 
@@ -21,6 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.cli.check import unconstrained
     from trackmarshal.diagnostics.text import render
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
@@ -30,6 +31,7 @@ def run(args: argparse.Namespace) -> int:
     compiled = compile_paths(paths, optional_project(args))
     compiled.raise_errors()
     tests, found = prepare(compiled)
+    found = [*found, *unconstrained(compiled)]
     if found:
         print(render(found, colour=sys.stderr.isatty()), file=sys.stderr)
     outcomes = list(run_tests(compiled.spec, tests))
@@ -45,8 +47,9 @@ def run(args: argparse.Namespace) -> int:
         }))  # fmt: skip
     else:
         for outcome in bad:
-            print(
-                f"{outcome.outcome}: {outcome.test.span}: {outcome.test.rule.name}: {outcome.test.title}\n  {outcome.message}"
+            say(
+                f"{outcome.outcome}: {outcome.test.span}: {outcome.test.rule.name}: {outcome.test.title}",
+                f"  {outcome.message}",
             )
         rows = [
             [
@@ -59,9 +62,9 @@ def run(args: argparse.Namespace) -> int:
             for c in partial
         ]
         if rows:
-            print(
-                "rules whose boundary is not covered:\n"
-                + table(rows, ["rule", "tests", "inside", "outside", "on it"])
+            say(
+                "rules whose boundary is not covered:",
+                *table(rows, ["rule", "tests", "inside", "outside", "on it"]),
             )
         print(
             f"{len(outcomes) - len(bad)} passed, {len(bad)} failed; {len(covered) - len(partial)} of {len(covered)} rules covered"

@@ -8,6 +8,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from trackmarshal.cli.output import say
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("declaration", metavar="YAML")
@@ -23,5 +25,5 @@ def run(args: argparse.Namespace) -> int:
     recording = generate(declaration)
     write(recording, target)
     if not args.quiet:
-        print(f"{target}: {len(recording.cycles)} cycles")
+        say(f"{target}: {len(recording.cycles)} cycles")
     return 0

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 
+from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project
 
 FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github")
@@ -28,12 +29,16 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.assessment import assess
 
     root = find_project(args)
-    made = assess(root, run=not args.as_is, quiet=args.quiet)
+    found = assess(root, run=not args.as_is, quiet=args.quiet)
     if args.accept_baseline:
-        target = trace.accept_baseline(root, made.items, made.tests, made.fault_cases)
-        print(f"wrote {target}", file=sys.stderr)
-    matrix = made.matrix()
-    print(trace.render(matrix, args.format), end="")
+        target = trace.accept_baseline(root, found.items, found.tests, found.fault_cases)
+        say(f"wrote {target}", file=sys.stderr)
+    matrix = found.matrix()
+    made = trace.render(matrix, args.format)
+    if args.format in ("text", "github"):
+        say(*made.removesuffix("\n").split("\n"))
+    else:
+        print(made, end="")
     gaps = trace.gate(matrix) if args.gate else []
     if args.gate and args.format == "text" and not args.quiet:
         print(f"gate: {len(gaps)} gaps" if gaps else "gate: passed", file=sys.stderr)

@@ -22,7 +22,8 @@ class Diagnostic(Node):
     text: ClassVar[str] = ""
     #: What is written under the carets.
     label: ClassVar[str] = ""
-    #: What is written at the second place, the field `other`, where there is one.
+    #: What is written at the second place, the field `other`, where there is one. Further places of the same thing, in a field
+    #: `others`, need no words of their own.
     other_label: ClassVar[str] = ""
     #: What would mend it; empty for nothing certain.
     remedy: ClassVar[str] = ""
@@ -48,8 +49,9 @@ class Diagnostic(Node):
 
     @property
     def related(self) -> tuple[tuple[Span, str], ...]:
-        other = self.__dict__.get("other")
-        return () if other is None else ((other, self._filled(self.other_label)),)
+        other, others = self.__dict__.get("other"), self.__dict__.get("others", ())
+        first = () if other is None else ((other, self._filled(self.other_label)),)
+        return (*first, *((span, "here too") for span in others))
 
 
 class _Fields(dict[str, Any]):
@@ -76,7 +78,12 @@ class Diagnostics(TrackmarshalError):
 
 def close_matches(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """A "did you mean" sentence, or the empty string."""
-    found = get_close_matches(word, list(known), n=3, cutoff=cutoff)
+    names = list(known)
+    found = [name for name in names if name.lower() == word.lower() and name != word]
+    if found:
+        listed = " or ".join(f"`{name}`" for name in found)
+        return f"did you mean {listed}? Capital and small letters differ"
+    found = get_close_matches(word, names, n=3, cutoff=cutoff)
     if not found:
         return ""
     return "did you mean " + " or ".join(f"`{name}`" for name in found) + "?"

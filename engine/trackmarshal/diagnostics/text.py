@@ -11,6 +11,8 @@ from trackmarshal.errors import TrackmarshalError
 
 #: Places at most this many lines apart share an excerpt.
 NEARBY = 8
+#: Of further places, so many are shown; the rest is named.
+MOST_PLACES = 3
 
 _BOLD, _BLUE, _CYAN, _RESET = "\033[1m", "\033[1;34m", "\033[1;36m", "\033[0m"
 _LEVELS = {"error": "\033[1;31m", "warning": "\033[1;33m", "note": "\033[1;32m"}
@@ -40,11 +42,17 @@ class _Text:
         lines = [head]
         place = found.place
         if place.file is not None:
-            near = [other for other in found.related if _near(place, other)]
+            related, rest = found.related[:MOST_PLACES], found.related[MOST_PLACES:]
+            near = [other for other in related if _near(place, other)]
             lines += self._shown(place, near, "-->")
-            for other in found.related:
+            for other in related:
                 if other not in near:
                     lines += self._shown(other, [], ":::")
+            if rest:
+                places = ", ".join(
+                    f"{printable(other.file or '')}:{other.line}:{other.column}" for other in rest
+                )
+                lines.append(f"{self._margin()}= {len(rest)} more: {places}")
         if found.help:
             lines.append(f"{self._margin()}= {self._painted(_BOLD, 'help')}: {_lines(found.help)}")
         return "\n".join(lines) + "\n"

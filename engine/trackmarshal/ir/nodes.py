@@ -210,13 +210,14 @@ class Flag(IR):
 
 
 class Compare(IR):
-    """A comparison; `unit` is the SI unit of its margin."""
+    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI)."""
 
     op: ComparisonOp
     left: Num
     right: Num
     unit: str
     span: Span
+    shown: str = ""
 
 
 # Geometric predicates: the margin is a signed distance in metres, and they hold where that is not negative.
@@ -380,7 +381,7 @@ Parts = ParamSpec("Parts")
 
 def operands(node: IR) -> list[Num | Formula]:
     """The numbers and formulas directly in a node, in order."""
-    return [cast("Num | Formula", child) for child in node.children() if not isinstance(child, _SUBJECTS)]
+    return [child for child in node.children() if not isinstance(child, _SUBJECTS)]  # type: ignore[misc]
 
 
 def below(root: AnyNode) -> Iterator[AnyNode]:
@@ -392,7 +393,7 @@ def below(root: AnyNode) -> Iterator[AnyNode]:
         if node not in seen:
             seen.add(node)
             yield node
-            stack.extend(cast("AnyNode", child) for child in node.children() if isinstance(child, IR))
+            stack.extend(child for child in node.children() if isinstance(child, IR))  # type: ignore[misc]
 
 
 class Interner:
@@ -403,7 +404,11 @@ class Interner:
 
     def make(self, kind: Callable[Parts, T], *parts: Parts.args, **named: Parts.kwargs) -> T:
         """A node of a class, with all of its fields: in order, or by name."""
-        whole = (*parts, *(named[name] for name in cast("type[IR]", kind).fields[len(parts) :]))
+        whole: tuple[Any, ...] = parts
+        if named:
+            rest = cast("type[IR]", kind).fields[len(parts) :]
+            assert len(rest) == len(named), f"{rest} are to be given, not {[*named]}"
+            whole = (*parts, *(named[name] for name in rest))
         # repr tells -0.0 from 0.0 and joins equal NaNs; children are interned, so identity is equality.
         key = (kind, *(part if not isinstance(part, float) else repr(part) for part in whole))
         known = self._known.get(key)

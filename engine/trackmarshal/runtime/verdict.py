@@ -56,6 +56,8 @@ class Witness:
     margin: float
     unit: str
     span: Span | None
+    #: The unit in which the limit is written; "" for `unit`.
+    shown: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +72,8 @@ class RuleResult:
     #: Why a rule is undefined although it could be computed: its inputs break the contract.
     reason: str = ""
     series: tuple[list[str], list[float]] | None = None
+    #: The unit in which the limit that decided is written; "" for `unit`.
+    shown: str = ""
 
     @property
     def unsafe(self) -> bool:

@@ -85,6 +85,12 @@ CODES: dict[str, tuple[str, str]] = {
         "a candidate that the cycle does not have",
         "A cycle offers the candidates `driving` and `emergency`, or one of them. Others cannot be asked for.",
     ),
+    "D145": (
+        "a field that nobody declares",
+        "A field of a recording's car, objects, obstacles or trajectories, or a table, is declared by a signal of the specs, or it is one of the "
+        "format's own. Any other may be a misspelt one, whose default would silently stand in for it; the header's `extra` declares what a "
+        "recording has beside.",
+    ),
     "D150": (
         "a declaration that cannot be read",
         "Declarations are plain YAML of at most 100 kB: maps, lists, numbers, texts. Anchors, aliases and tags are "

@@ -8,6 +8,7 @@ import zlib
 from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import read_regular
 
 #: Largest file that is read, and largest total that it may unpack to. A cycle takes about 5 kB.
 MAX_BYTES = 200_000_000
@@ -25,7 +26,7 @@ def read(path: Path, shown: str) -> bytes:
             raise TrackmarshalError("D120", "this is a folder", file=shown, help="name a file in it")
         if size > MAX_BYTES:
             raise too_large(shown, f"{size} bytes")
-        return path.read_bytes()
+        return read_regular(path)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         reason = getattr(error, "strerror", None) or str(error)
         raise TrackmarshalError("D120", reason, file=shown, help="check the path") from error

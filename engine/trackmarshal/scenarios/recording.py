@@ -56,6 +56,8 @@ class Recording:
     obstacles: list[dict[str, Any]] = field(default_factory=list)
     use: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    #: Fields that the recording has beside what specs declare, by signal (`plan`, `ego`, `objects`, `obstacles`), and `tables`.
+    extra: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def signals(self, cycle: Cycle, candidate: str) -> dict[str, Any]:
         """The signals of one check: plan, ego, objects, obstacles, track, and whether it is the emergency plan.

@@ -60,6 +60,13 @@ class Replay:
     truths: tuple[TruthOutcome, ...]
     #: Tables of the recording that the spec does not know.
     ignored: tuple[str, ...]
+    #: Times at which something is unsafe of which no ground truth says what to expect.
+    unexpected: tuple[float, ...] = ()
+
+    @property
+    def met(self) -> bool:
+        """Whether the run is as it was declared to be, and safe where nothing was declared."""
+        return not self.unexpected and all(truth.inside for truth in self.truths)
 
     @property
     def fired(self) -> bool:
@@ -91,7 +98,9 @@ def replay(
         )
         for t, judged, decision in supervised(recording, evaluator, tables, watch)
     )
-    return Replay(recording, cycles, tuple(_truths(recording, cycles, evaluator.rules, spec)), ignored)
+    truths = tuple(_truths(recording, cycles, evaluator.rules, spec))
+    unexpected = tuple(_unexpected(recording, cycles, {truth.kind for truth in truths}, evaluator))
+    return Replay(recording, cycles, truths, ignored, unexpected)
 
 
 def known_tables(recording: Recording, spec: Spec) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -126,6 +135,21 @@ def _truths(
             if safe is True and unsafe:
                 alarms.append(cycle.t)
         yield TruthOutcome(kind, tuple(missed), tuple(alarms), sum(value is not None for value in truth))
+
+
+def _unexpected(
+    recording: Recording, cycles: Sequence[CycleOutcome], declared: set[str], evaluator: Evaluator
+) -> Iterator[float]:
+    """Times of cycles that are unsafe by rules of a kind without ground truth, or by what is no rule at all (a breach of the input contract,
+    a candidate that is missing) although nothing says that they may be."""
+    open_ = [rule.name for rule in evaluator.rules if kind_of(rule, evaluator.spec) not in declared]
+    for number, cycle in enumerate(cycles):
+        by_rule = any(result.rules[name].unsafe for result in cycle.results.values() for name in open_)
+        lacking = len(cycle.results) < len(CANDIDATES) or cycle.faults
+        by_input = lacking or any(result.faults for result in cycle.results.values())
+        may_be = any(recording.ground_truth[kind][number] is not True for kind in declared)
+        if by_rule or (by_input and not may_be):
+            yield cycle.t
 
 
 def intervals(times: Sequence[float], all_times: Sequence[float]) -> list[tuple[float, float]]:

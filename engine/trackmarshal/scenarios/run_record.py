@@ -124,6 +124,8 @@ def _rule(rule: RuleInfo, replay: Replay, evaluator: Evaluator) -> dict[str, Any
                 "firings": list(_firings(rule, name, results, replay.recording)),
             }
     units = {r.rules[rule.name].unit for c in replay.cycles for r in c.results.values()}
+    found = [r.rules[rule.name] for c in replay.cycles for r in c.results.values()]
+    shown = {result.shown for result in found if result.witness is not None}
     return {
         "name": rule.name,
         "title": rule.title,
@@ -133,6 +135,8 @@ def _rule(rule: RuleInfo, replay: Replay, evaluator: Evaluator) -> dict[str, Any
         "assuming": [name for name, _ in rule.assuming],
         # A formula over several dimensions has the unit of what decides: then every margin may have another.
         "unit": next(iter(units)) if len(units) == 1 else rule.unit,
+        # The unit in which the limit is written, "" for SI; where several are, margins of different cycles are shown alike.
+        "shown": next(iter(shown)) if len(shown) == 1 and len(units) == 1 else "",
         "severity": rule.severity,
         "because": rule.because,
         "source": rule.source,
@@ -212,6 +216,7 @@ def _moment(
         "verdict": result.verdict,
         "margin": _number(result.margin),
         "unit": result.unit,
+        "shown": result.shown,
         "reason": result.reason,
         "where": [],
         "decides": None,

@@ -10,12 +10,13 @@ from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any
 
+from trackmarshal.scenarios.fields import OWN, suggestion
 from trackmarshal.scenarios.json_text import BadJson, kind, number
 from trackmarshal.scenarios.recording import CANDIDATES, COLUMNS, TRUTHS, Columns, Cycle, Track
 from trackmarshal.scenarios.trajectory import arc_length
 
 _SPELT = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
-_HEADER = ("format", "version", "name", "track", "params", "tables", "obstacles", "use", "notes")
+_HEADER = ("format", "version", "name", "track", "params", "tables", "obstacles", "use", "notes", "extra")
 _CYCLE = ("t", "ego", "objects", "candidates", "ground_truth")
 
 
@@ -36,6 +37,16 @@ def header(value: dict[str, Any]) -> dict[str, Any]:
         "obstacles": _objects(value.get("obstacles", []), "obstacles"),
         "use": tuple(_text(item, "use") for item in _list(value.get("use", []), "use")),
         "notes": tuple(_text(item, "notes") for item in _list(value.get("notes", []), "notes")),
+        "extra": _extra(value.get("extra", {})),
+    }
+
+
+def _extra(value: Any) -> dict[str, tuple[str, ...]]:
+    extra = _mapping(value, "extra")
+    _keys(extra, "extra", needed=(), known=OWN)
+    return {
+        name: tuple(_text(item, f"extra.{name}") for item in _list(names, f"extra.{name}"))
+        for name, names in extra.items()
     }
 
 
@@ -68,7 +79,8 @@ def _keys(value: dict[str, Any], where: str, needed: Iterable[str], known: Itera
         raise Wrong(f"{where}: `{missing[0]}` is missing")
     unknown = [name for name in value if name not in known]
     if unknown:
-        raise Wrong(f"{where}: {unknown[0]!r:.40} is not known (known: {', '.join(known)})")
+        hint = suggestion(unknown[0], known)
+        raise Wrong(f"{where}: {unknown[0]!r:.40} is not known; {hint or 'known are ' + ', '.join(known)}")
 
 
 def _mapping(value: Any, where: str) -> dict[str, Any]:

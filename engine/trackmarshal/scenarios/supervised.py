@@ -17,20 +17,18 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
-from trackmarshal.scenarios.recording import COLUMNS, Recording
+from trackmarshal.scenarios.fields import further_names, own_names
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
+from trackmarshal.scenarios.recording import Recording
 from trackmarshal.supervision import rulebox
 
-#: What recordings may have, whether a spec declares it or not.
-ALSO = frozenset(
-    ["ego", "objects", "obstacles", "track"]
-    + [f"{candidate}.{name}" for candidate in ("plan", DRIVING, EMERGENCY) for name in (*COLUMNS, "grip")]
-    + [f"{name}.{field}" for name in ("ego", "objects", "obstacles") for field in ("kappa", "a", "v", "age")]
-)
 
+def cycles(recording: Recording, declared: frozenset[str] = frozenset()) -> Iterator[Cycle]:
+    """The cycles of a recording, counted from 0. Columns and records are the recording's own.
 
-def cycles(recording: Recording) -> Iterator[Cycle]:
-    """The cycles of a recording, counted from 0. Columns and records are the recording's own."""
+    declared: names (`ego.kappa`) that it may have besides those of its format and header, and of the spec that it is for.
+    """
+    also = own_names(recording) | declared
     track = {
         name: line_of(line) if isinstance(line, list) and line and _is_line(line) else line
         for name, line in recording.track.items()
@@ -43,7 +41,7 @@ def cycles(recording: Recording) -> Iterator[Cycle]:
             "track": track,
         }
         driving, emergency = (cycle.candidates.get(name) for name in (DRIVING, EMERGENCY))
-        yield Cycle(number, cycle.t, driving, emergency, signals, ALSO)
+        yield Cycle(number, cycle.t, driving, emergency, signals, also)
 
 
 def _is_line(points: list[Any]) -> bool:
@@ -69,7 +67,7 @@ def supervised(
     clock = _Clock()
     supervisor = box.supervisor(Limits.open_loop(), clock.read)
     ahead = _Ahead(supervisor)
-    given = list(cycles(recording))
+    given = list(cycles(recording, further_names(recording, evaluator)))
     for chunk in watch([given[i : i + _CHUNK] for i in range(0, len(given), _CHUNK)]):
         found = ahead.prepare(chunk, evaluator)
         for cycle, judged in zip(chunk, found):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from fractions import Fraction
+from itertools import pairwise
 from typing import TYPE_CHECKING, assert_never
 
 from trackmarshal.diagnostics.base import close_matches
@@ -30,6 +31,9 @@ from trackmarshal.semantics.values import (
     RegionValue,
     SignalValue,
     Value,
+    common,
+    own_unit,
+    written_unit,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -92,7 +96,8 @@ def call(
     wanted = 1 if isinstance(item, ast.Table) else len(item.parameters)
     fits = len(args) == wanted
     if not fits:
-        self.found.append(WrongArity(at, function, _count(wanted), _given(len(args)), item.span.head))
+        comma, declared = decimal_comma(*(arg.__dict__["span"] for arg in args)), item.span.head
+        self.found.append(WrongArity(at, function, _count(wanted), _given(len(args)), declared, comma))
     values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
     if not fits:
         raise Poison
@@ -154,7 +159,8 @@ def expand(
             self.fail(
                 WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension))
             )
-    return NumberValue(value.node, value.dimension, span)
+        self.advise(self.advice.in_unit(value, item.result, f"the value of `{item.name}`", item.span.head))
+    return NumberValue(value.node, value.dimension, span, written=value.written or own_unit(item.result))
 
 
 def check_definition(self: Expressions, symbol: Symbol, item: ast.Define, ctx: Context) -> None:
@@ -211,6 +217,7 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
                 unit_hint(value, wanted),
             )
         )
+    self.advise(self.advice.in_unit(value, kind, f"argument `{parameter.name}`", parameter.span))
     return value
 
 
@@ -222,7 +229,12 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         least = "at least " if more else ""
         self.found.append(
             WrongArity(
-                _name_of_call(function, args, span), function, least + _count(wanted), _given(len(args))
+                _name_of_call(function, args, span),
+                function,
+                least + _count(wanted),
+                _given(len(args)),
+                None,
+                decimal_comma(*(arg.__dict__["span"] for arg in args)),
             )
         )
     values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))
@@ -230,12 +242,16 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         raise Poison
     numbers = [v for v in values if isinstance(v, NumberValue)]
     dimension = _dimension(self, function, dimensions, numbers)
+    if function in ("sin", "cos", "tan"):
+        self.advise(self.advice.in_unit(numbers[0], "rad", "the angle", None))
+    kept = common(*numbers) if dimensions is Dimensions.KEPT else ""
     if not more:
-        return NumberValue(self.make(ir.Func, called, tuple(v.node for v in numbers)), dimension, span)
+        made = self.make(ir.Func, called, tuple(v.node for v in numbers))
+        return NumberValue(made, dimension, span, written=kept)
     node = numbers[0].node
     for other in numbers[1:]:
         node = self.make(ir.Func, called, (node, other.node))
-    return NumberValue(node, dimension, span)
+    return NumberValue(node, dimension, span, written=kept)
 
 
 def _dimension(
@@ -271,7 +287,8 @@ def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Valu
         self.fail(
             WrongDimension(value.__dict__["span"], declared, what, quantity(argument), _spoken(value), hint)
         )
-    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span)
+    unit = written_unit((row for _, row in item.rows), item.result)
+    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span, written=unit)
 
 
 def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:
@@ -279,7 +296,8 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     fits = len(args) in counts
     if not fits:
         at = _name_of_call(function, args, span)
-        self.found.append(WrongArity(at, function, wanted, _given(len(args))))
+        comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
+        self.found.append(WrongArity(at, function, wanted, _given(len(args)), None, comma))
     if function in EDGES:
         operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))
         axis = self.timeline(f"`{function}`", _name_of_call(function, args, span), ctx)
@@ -438,6 +456,15 @@ def _given(number: int) -> str:
 
 
 _LITERAL = re.compile(r"([-−]?\s*[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(\S*)")
+
+
+def decimal_comma(*spans: Span) -> str:
+    """What to write where two arguments look like one number with a decimal comma, `f(1,5 m)`; empty where none do."""
+    for first, second in pairwise(spans):
+        text = first.file.text
+        if first.text.isdecimal() and text[first.end : second.start] == "," and second.text[:1].isdecimal():
+            return f"numbers have a decimal point: `{first.text}.{second.text}`"
+    return ""
 
 
 def unit_hint(value: NumberValue, wanted: Dimension) -> str:

@@ -25,7 +25,9 @@ from trackmarshal.ir.spec import (
 )
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal_problem, settled
+from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.errors import BadValue, Duplicate, SignalConflict, WrongDimension
 from trackmarshal.semantics.expressions import Context, Expressions
 from trackmarshal.semantics.modules import Library
@@ -35,7 +37,7 @@ from trackmarshal.semantics.scope import KINDS, Scope, Symbol
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, Dimension, name, parse_unit, quantity, to_si
+from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, to_si
 
 T = TypeVar("T", bound=ast.Item)
 
@@ -90,12 +92,14 @@ class _Compiler:
         self.constraints: list[ConstraintInfo] = []
         self.x = Expressions(ir.Interner(), self.signals, self.found)
         self.scopes = self.x.scopes
+        self.elsewhere = Elsewhere(library)
 
     def run(self) -> Compiled:
         for module in self.order:
             self._scope(module)
         for module in self.order:  # in a circle of modules, one uses a module that comes later
             self._uses(module)
+            self.scopes[module].check_own()
         for step in (
             self._signals,
             self._params,
@@ -128,9 +132,7 @@ class _Compiler:
             rulebooks,
             digest.hexdigest(),
         )
-        # Equality of diagnostics ignores where they are; what a definition says wrong is found at each of its uses.
-        distinct = {(d.code, d.span.file.path, d.span.start, d.span.end, d.message): d for d in self.found}
-        found = tuple(sorted(distinct.values(), key=lambda d: (d.span.file.path, d.span.start, d.code)))
+        found = tuple(told_once(self.found))
         return Compiled(
             spec,
             self.library,
@@ -151,7 +153,7 @@ class _Compiler:
         ]
 
     def _scope(self, module: str) -> None:
-        scope = self.scopes[module] = Scope(module, self.found)
+        scope = self.scopes[module] = Scope(module, self.found, self.elsewhere.modules)
         loaded = self.library.modules[module]
         for item in loaded.tree.items:
             if type(item) in KINDS:
@@ -222,9 +224,8 @@ class _Compiler:
                 default = self._finite(field.default, unit, dimension, module)
                 if not _inside(default, lower, upper):
                     at, limits = field.default.__dict__["span"], field.range.span if field.range else None
-                    self.found.append(
-                        BadValue(at, f"the default of `{field.name}` is outside its range", limits)
-                    )
+                    problem = f"the default of `{field.name}`, {in_full(default, unit)}, is {_outside(lower, upper, unit)}"
+                    self.found.append(BadValue(at, problem, limits))
         return FieldType(field.name, "number", unit, field.increasing, lower, upper, default, field.span)
 
     def _range(
@@ -238,7 +239,10 @@ class _Compiler:
             lambda: self._literal(limits.upper, unit, dimension, module),
         )
         if not lower <= upper:
-            self.x.fail(BadValue(limits.span, "a range runs from low to high", None, "swap the bounds"))
+            problem = (
+                f"a range runs from low to high, not from {in_full(lower, unit)} to {in_full(upper, unit)}"
+            )
+            self.x.fail(BadValue(limits.span, problem, None, "swap the bounds"))
         return lower, upper
 
     def _finite(self, expr: ast.Expr, unit: str, dimension: Dimension, module: str) -> float:
@@ -248,7 +252,7 @@ class _Compiler:
             self.x.fail(
                 BadValue(
                     expr.__dict__["span"],
-                    "this value is not finite",
+                    f"this value is {in_full(value, '1')}, which is not finite",
                     None,
                     "only ranges may be open: `in [0, inf]`",
                 )
@@ -278,6 +282,7 @@ class _Compiler:
         items = self._own(module, ast.Param)
         for item in items:
             self.x.params.setdefault(f"{module}.{item.name}", parse_unit(item.unit)[2])
+            self.x.advice.units.setdefault(f"{module}.{item.name}", item.unit)
         for item in items:
             self.x.attempt(lambda item=item: self._param(item, module), item.span.head)  # type: ignore[misc]
 
@@ -289,8 +294,11 @@ class _Compiler:
         )
         if not _inside(number, lower, upper):
             assert item.range is not None
-            at = item.value.__dict__["span"]
-            self.x.fail(BadValue(at, f"the value of `{item.name}` is outside its range", item.range.span))
+            at, unit = item.value.__dict__["span"], item.unit
+            problem = (
+                f"the value of `{item.name}`, {in_full(number, unit)}, is {_outside(lower, upper, unit)}"
+            )
+            self.x.fail(BadValue(at, problem, item.range.span))
         qualified = f"{module}.{item.name}"
         self.params.setdefault(
             qualified, ParamInfo(qualified, number, item.unit, lower, upper, item.source, item.span)
@@ -306,6 +314,8 @@ class _Compiler:
             wanted = f"{name(dimension)} [{item.unit}]" if dimension != NUMBER else name(dimension)
             declared = item.span.word(item.unit)
             self.x.fail(WrongDimension(value.span, declared, what, wanted, quantity(value.dimension), hint))
+        what = f"parameter `{item.name}`"
+        self.x.advise(self.x.advice.in_unit(value, item.unit, what, item.span.word(item.unit)))
         return self._constant(value.node, value.span, module)
 
     def _constant(self, node: ir.Num, span: Span, module: str) -> float:
@@ -323,7 +333,10 @@ class _Compiler:
         if not math.isfinite(value):
             self.x.fail(
                 BadValue(
-                    span, "this value is not finite", None, "its arithmetic divides by zero or overflows"
+                    span,
+                    f"this value is {in_full(value, '1')}, which is not finite",
+                    None,
+                    "its arithmetic divides by zero or overflows",
                 )
             )
         return value
@@ -366,13 +379,14 @@ class _Compiler:
                 self.x.fail(
                     BadValue(
                         row.__dict__["span"],
-                        "the knots of a table ascend",
+                        f"the knots of a table ascend; {in_full(after, item.unit)} is not above {in_full(before, item.unit)}",
                         above.__dict__["span"],
                         hint,
                         about,
                     )
                 )
         qualified = f"{module}.{item.name}"
+        self.x.advice.units.setdefault(qualified, item.result)
         self.tables.setdefault(
             qualified, TableInfo(qualified, knots, values, (item.unit, item.result), item.span)
         )
@@ -389,7 +403,8 @@ class _Compiler:
         points = tuple(zip(numbers[::2], numbers[1::2]))
         least = 3 if item.kind == "zone" else 2
         if len(set(points)) < least:
-            self.x.fail(BadValue(item.span.head, f"a {item.kind} has at least {least} different points"))
+            problem = f"a {item.kind} has at least {least} different points, not {len(set(points))}"
+            self.x.fail(BadValue(item.span.head, problem))
         qualified = f"{module}.{item.name}"
         self.places.setdefault(qualified, PlaceInfo(qualified, item.kind, points, item.span))
 
@@ -405,10 +420,13 @@ class _Compiler:
                         Duplicate(parameter.span, seen[parameter.name], "parameter", parameter.name)
                     )
                 seen.setdefault(parameter.name, parameter.span)
+                self.scopes[module].check_bound(parameter.name, parameter.span, "parameter")
             symbol = Symbol(item, module, f"{module}.{item.name}")
-            check = partial(calls.check_definition, self.x, symbol, item, ctx)
+            check, before = partial(calls.check_definition, self.x, symbol, item, ctx), len(self.found)
             if not self.x.attempt(check, item.span.head):
                 self.x.failed.add(symbol.qualified)
+            # Where a rule uses it, they are found again, and the rule may allow them.
+            self.found[before:] = [d for d in self.found[before:] if not d.code.startswith("W")]
         for state in self._own(module, ast.State):
             check_state(state, self.x, ctx)
 
@@ -446,6 +464,13 @@ class _Compiler:
                     rules.append(rule)
                 first.setdefault(item.name, item)
         return rules
+
+
+def _outside(lower: float | None, upper: float | None, unit: str) -> str:
+    """What is said of a value that is outside a range in SI."""
+    low = digits(-math.inf if lower is None else lower, unit)
+    high = digits(math.inf if upper is None else upper, unit)
+    return f"outside its range [{low}, {high}]" + ("" if unit == "1" else f" {unit}")
 
 
 def _inside(value: float, lower: float | None, upper: float | None) -> bool:

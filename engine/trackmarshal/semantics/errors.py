@@ -9,18 +9,22 @@ from trackmarshal.source import Span
 class UnknownName(Diagnostic):
     code = "E201"
     title = "unknown name"
-    text = "unknown {what} `{name}`"
+    text = "unknown {what} `{name}`{more}"
     label = "not declared here or in a used module"
     remedy = "{hint}"
     explanation = (
         "Every name must be declared in the module or in one that it uses (`use module.name`). Names of modules used by a "
-        "used module are not visible."
+        "used module are not visible. What one missing `use` or one missing declaration makes unknown is one error, with all places."
     )
 
     span: Span
     what: str
     name: str
     hint: str = ""
+    #: The modules that declare it, one of which could be used.
+    modules: tuple[str, ...] = ()
+    more: str = ""
+    others: tuple[Span, ...] = ()
 
 
 class Duplicate(Diagnostic):
@@ -36,6 +40,28 @@ class Duplicate(Diagnostic):
     other: Span
     what: str
     name: str
+
+
+class Hides(Diagnostic):
+    code = "E222"
+    title = "a name that hides another one"
+    text = "{what} `{name}` hides the {other_what} `{name}`{where}"
+    label = "means something else from here on"
+    other_label = "the {other_what} is declared here"
+    remedy = "{hint}"
+    explanation = (
+        "Whatever is visible where a name is declared or bound has another name: of two declarations of one name, a reader takes "
+        "one for the other, and a limit that was changed in one place stays what it was in the other. Signals and events are the "
+        "same thing in every module, and may be declared again alike."
+    )
+
+    span: Span
+    other: Span | None
+    what: str
+    name: str
+    other_what: str
+    where: str
+    hint: str = "rename one of them"
 
 
 class ModuleNotFound(Diagnostic):
@@ -105,6 +131,7 @@ class Ambiguous(Diagnostic):
     other: Span
     name: str
     modules: str
+    others: tuple[Span, ...] = ()
 
 
 class WrongArity(Diagnostic):
@@ -113,6 +140,7 @@ class WrongArity(Diagnostic):
     text = "`{name}` takes {wanted}; {given}"
     label = "{given}"
     other_label = "declared here"
+    remedy = "{hint}"
     explanation = "The number of arguments differs from the number of parameters of the definition or the built-in function."
 
     span: Span
@@ -120,6 +148,7 @@ class WrongArity(Diagnostic):
     wanted: str
     given: str
     other: Span | None = None
+    hint: str = ""
 
 
 class UnknownField(Diagnostic):
@@ -137,6 +166,7 @@ class UnknownField(Diagnostic):
     name: str
     known: str
     hint: str = ""
+    others: tuple[Span, ...] = ()
 
 
 class WrongKind(Diagnostic):
@@ -341,3 +371,55 @@ class UnusedVariable(Diagnostic):
 
     span: Span
     name: str
+
+
+class ExactlyEqual(Diagnostic):
+    code = "W301"
+    title = "measured numbers compared to the last bit"
+    level = "warning"
+    text = "`{op}` compares measured numbers to the last bit"
+    label = "of noise, too"
+    remedy = 'write `{instead}`, or say in the rule why this is meant: `allow W301 because "..."`'
+    explanation = (
+        "Two measurements of one thing hardly ever agree in all 53 bits: `==` is then violated, and `!=` satisfied, whatever the car does. "
+        "Numbers that count something (fields with the unit 1, and what `floor` makes) are compared without this warning."
+    )
+
+    span: Span
+    op: str
+    instead: str
+
+
+class BareAngle(Diagnostic):
+    code = "W302"
+    title = "a bare number used as an angle"
+    level = "warning"
+    text = "a number without a unit is used as an angle"
+    label = "rad or deg?"
+    other_label = "this is an angle"
+    remedy = "{hint}"
+    explanation = (
+        "An angle is a plain number, in rad. A number without a unit is therefore taken for rad where it meets an angle, and `heading <= 90` "
+        "holds for every heading. What a field, a parameter or a function gives in rad or deg is an angle, and so are sums and multiples of it. "
+        "0 needs no unit."
+    )
+
+    span: Span
+    other: Span | None
+    hint: str
+    #: What a test gives without a unit, several times.
+    what: str = ""
+    others: tuple[Span, ...] = ()
+
+
+class AllowsNothing(Diagnostic):
+    code = "W303"
+    title = "an allowance for nothing"
+    level = "warning"
+    text = "`allow {allowed}` allows nothing: there is no such warning here"
+    label = "not needed"
+    remedy = "remove it, so that it does not hide a warning later on"
+    explanation = "A rule allows a warning that it does not give rise to. What was wrong may be mended; the next mistake would go unseen."
+
+    span: Span
+    allowed: str

@@ -21,6 +21,7 @@ from trackmarshal.ir.operators import (
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.advice import Advice
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
     BadValue,
@@ -44,10 +45,27 @@ from trackmarshal.semantics.values import (
     RecordValue,
     SignalValue,
     Value,
+    common,
+    of_limit,
+    own_unit,
+    product,
+    written_unit,
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, TIME, Dimension, over, parse_unit, power, quantity, show, times, to_si
+from trackmarshal.units import (
+    NUMBER,
+    TIME,
+    Dimension,
+    in_full,
+    over,
+    parse_unit,
+    power,
+    quantity,
+    show,
+    times,
+    to_si,
+)
 
 
 class Context(Node):
@@ -91,6 +109,7 @@ class Expressions:
         #: Names of tables -> (dimension of the argument, of the result).
         self.tables: dict[str, tuple[Dimension, Dimension]] = {}
         self.params: dict[str, Dimension] = {}
+        self.advice = Advice(signals)
         #: Definitions (qualified names) whose bodies have errors: nothing more is said about their uses.
         self.failed: set[str] = set()
         #: How many definitions were written out for the declaration at hand.
@@ -111,6 +130,13 @@ class Expressions:
     def too_deep(self, span: Span) -> None:
         """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
         self.found.append(TooLarge(span, "nested too deeply"))
+
+    def advise(self, diagnostic: Diagnostic | None) -> None:
+        """Report what was found, if anything was; fail where it is an error."""
+        if diagnostic is not None and diagnostic.level == "error":
+            self.fail(diagnostic)
+        if diagnostic is not None:
+            self.found.append(diagnostic)
 
     def fail(self, diagnostic: Diagnostic) -> NoReturn:
         self.found.append(diagnostic)
@@ -154,7 +180,9 @@ class Expressions:
                 if problem:
                     self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
                 value = to_si(float(expr.text), expr.unit or "1")
-                return NumberValue(self.make(ir.Const, value), parse_unit(expr.unit or "1")[2], span)
+                bare, unit = not expr.unit and value != 0.0, own_unit(expr.unit)
+                dimension = parse_unit(expr.unit or "1")[2]
+                return NumberValue(self.make(ir.Const, value), dimension, span, bare, unit)
             case ast.Boolean():
                 return FormulaValue(self.make(ir.Truth, expr.value), span)
             case ast.Name():
@@ -170,17 +198,22 @@ class Expressions:
                     return FormulaValue(self.make(ir.Not, self.formula(expr.operand, ctx).node), span)
                 operand = self.number(expr.operand, ctx)
                 if isinstance(operand.node, ir.Const):
-                    return NumberValue(self.make(ir.Const, -operand.node.value), operand.dimension, span)
-                return NumberValue(self.make(ir.Neg, operand.node), operand.dimension, span)
+                    node: ir.Num = self.make(ir.Const, -operand.node.value)
+                    return NumberValue(node, operand.dimension, span, operand.bare, operand.written)
+                node = self.make(ir.Neg, operand.node)
+                return NumberValue(node, operand.dimension, span, False, operand.written)
             case ast.Binary():
                 return self._binary(expr, ctx)
             case ast.IfElse():
                 return self._if_else(expr, ctx)
             case ast.Within():
-                low = ast.Binary("<=", expr.lower, expr.value, span)
-                return self.value(
-                    ast.Binary("and", low, ast.Binary("<=", expr.value, expr.upper, span), span), ctx
+                return self._chained(
+                    (expr.lower, expr.value, expr.upper), ("<=", "<="), (span, span), span, ctx
                 )
+            case ast.Chained():
+                ends = zip(expr.operands, expr.operands[1:])
+                spans = tuple(_span(left).to(_span(right)) for left, right in ends)
+                return self._chained(expr.operands, expr.ops, spans, span, ctx)
             case ast.InZone():
                 return self._in_zone(expr, ctx)
             case ast.Temporal():
@@ -235,7 +268,10 @@ class Expressions:
             case ast.Param():
                 if symbol.qualified not in self.params:
                     raise Poison  # its declaration was reported
-                return NumberValue(self.make(ir.Param, symbol.qualified), self.params[symbol.qualified], span)
+                param = self.make(ir.Param, symbol.qualified)
+                return NumberValue(
+                    param, self.params[symbol.qualified], span, written=written_unit((item.value,), item.unit)
+                )
             case ast.Place():
                 if item.kind == "zone":
                     return AreaValue(self.make(ir.Area, "zone", symbol.qualified), span)
@@ -291,7 +327,8 @@ class Expressions:
             if isinstance(node, ir.Formula):
                 return FormulaValue(node, span)
             assert dimension is not None
-            return NumberValue(node, dimension, span)
+            field = None if value.signal is None else value.signal.field(expr.name)
+            return NumberValue(node, dimension, span, written="" if field is None else own_unit(field.unit))
         if isinstance(value, SignalValue):
             signal = value.signal
             if signal.sequence and expr.name in ("first", "last"):
@@ -329,30 +366,65 @@ class Expressions:
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
             )
-            return NumberValue(
-                self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node), dimension, span
-            )
-        self.same("compare" if op in COMPARISONS else "add" if op == "+" else "subtract", left, right)
+            bare = left.bare and right.bare
+            arith = self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node)
+            return NumberValue(arith, dimension, span, bare, product(op, left, right))
         if op in COMPARISONS:
-            unit = show(left.dimension)
-            compared = self.make(
-                ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span
-            )
-            return FormulaValue(compared, span)
+            return self._compare(op, left, right, span, ctx)
+        self.same("add" if op == "+" else "subtract", left, right)
+        bare = left.bare and right.bare
         return NumberValue(
-            self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node), left.dimension, span
+            self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node),
+            left.dimension,
+            span,
+            bare,
+            common(left, right),
         )
+
+    def _chained(
+        self,
+        operands: tuple[ast.Expr, ...],
+        ops: tuple[str, ...],
+        spans: tuple[Span, ...],
+        span: Span,
+        ctx: Context,
+    ) -> FormulaValue:
+        """Neighbours compared, and all of it joined by `and`; every operand stands for one number, however often it is compared."""
+        numbers = self.all(*(lambda o=operand: self.number(o, ctx) for operand in operands))
+        compared = self.all(
+            *(
+                lambda op=op, left=left, right=right, at=at: self._compare(op, left, right, at, ctx)
+                for op, left, right, at in zip(ops, numbers, numbers[1:], spans)
+            )
+        )
+        node = compared[0].node
+        for other in compared[1:]:
+            node = self.make(ir.Connective, "and", node, other.node)
+        return FormulaValue(node, span)
+
+    def _compare(
+        self, op: str, left: NumberValue, right: NumberValue, span: Span, ctx: Context
+    ) -> FormulaValue:
+        self.same("compare", left, right)
+        self.advise(self.advice.compared(op, left, right, span))
+        unit, shown = show(left.dimension), of_limit(left, right)
+        node = self.make(
+            ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span, shown
+        )
+        return FormulaValue(node, span)
 
     def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
+            self.advise(self.advice.joined(left, right))
             return
         sides = (
             ("left side", "right side")
             if action in ("compare", "add", "subtract")
             else ("first one", "second one")
         )
-        hint = calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension)
+        hint = calls.decimal_comma(left.span, right.span)
+        hint = hint or calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension)
         hint = hint or _factor(left.dimension, right.dimension, *sides)
         self.fail(
             DimensionMismatch(
@@ -383,6 +455,8 @@ class Expressions:
                 else "divide the base by a reference quantity first"
             )
             problem = f"the exponent of {quantity(base.dimension)} must be a literal whole number from 1 to 8, or from -8 to -1"
+            if constant is not None:
+                problem += f", not {in_full(constant, '1')}"
             self.fail(
                 BadValue(exponent.span, problem, base.span, hint, f"this is {quantity(base.dimension)}")
             )
@@ -395,9 +469,8 @@ class Expressions:
             lambda: self.number(expr.otherwise, ctx),
         )
         self.same("choose between", then, otherwise)
-        return NumberValue(
-            self.make(ir.Choose, condition.node, then.node, otherwise.node), then.dimension, expr.span
-        )
+        node = self.make(ir.Choose, condition.node, then.node, otherwise.node)
+        return NumberValue(node, then.dimension, expr.span, written=common(then, otherwise))
 
     def _in_zone(self, expr: ast.InZone, ctx: Context) -> Value:
         at = Span(expr.span.file, _span(expr.value).end, expr.span.end).word(expr.zone)
@@ -456,9 +529,11 @@ class Expressions:
         if low < 0:
             past = "`once`, `historically` and `since` look back"
             hint = f"windows count away from the current sample; {past}"
-            self.fail(BadValue(_span(window.lower), "a window starts at zero or later", None, hint))
+            problem = f"a window starts at zero or later, not at {in_full(low, 's')}"
+            self.fail(BadValue(_span(window.lower), problem, None, hint))
         if high < low:
-            self.fail(BadValue(window.span, "a window runs from low to high", None, "swap the bounds"))
+            problem = f"a window runs from low to high, not from {in_full(low, 's')} to {in_full(high, 's')}"
+            self.fail(BadValue(window.span, problem, None, "swap the bounds"))
         return low, high
 
     def _bound(self, bound: ast.Expr, ctx: Context) -> float:
@@ -519,6 +594,8 @@ class Expressions:
         known = ctx.local.get(name)
         if known is not None and not isinstance(known, Broken):
             self.found.append(Duplicate(span.word(name), known.__dict__["span"].head, "variable", name))
+        else:
+            ctx.scope.check_bound(name, span.word(name), "variable")
 
     def _variable(self, signal: SignalType, axis: ir.Axis, offset: int, name: str, span: Span) -> RecordValue:
         what = f"`{name}` ({'a sample' if signal.sequence else 'an element'} of `{signal.name}`)"

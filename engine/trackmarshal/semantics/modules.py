@@ -10,6 +10,7 @@ from pathlib import Path
 import trackmarshal.prelude
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import below
 from trackmarshal.node import Node
 from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
 from trackmarshal.source import SourceFile, Span, read
@@ -17,6 +18,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.syntax.names import spelled
 from trackmarshal.syntax.trees import parse_kept
 
+_SUFFIX = ".spec"
 _PRELUDE = Path(trackmarshal.prelude.__file__).parent
 
 
@@ -48,7 +50,11 @@ class Library:
         """Load files, or all of a folder's, with what they use; the names of the modules asked for, in order."""
         names = []
         for path in paths:
-            files = spec_files(path)
+            try:
+                files = spec_files(path)
+            except TrackmarshalError as error:
+                self.failures.append(error)
+                continue
             if not files:
                 help_ = "name a .spec file, or a folder with some"
                 self.failures.append(
@@ -113,9 +119,9 @@ class Library:
             self._by_path[_real(current)] = module
             if module is None:
                 continue
-            root = _root(module)
+            root = root_of(module)
             for use in module.uses:
-                target = _module_path(use.name, root)
+                target = module_path(use.name, root)
                 if target.is_file():
                     pending.append(target)
                     used.append((use, target))
@@ -167,9 +173,8 @@ class Library:
         return module
 
     def _missing(self, use: ast.Use, target: Path, root: Path) -> None:
-        known = [*_modules_below(root), *(f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec"))]
         hint = (
-            close_matches(use.name, known)
+            close_matches(use.name, modules_near(root))
             or "`use a.b` reads a/b.spec, from the folder in which this module's own name starts"
         )
         self.found.append(ModuleNotFound(use.span, use.name, self._shown(target), hint))
@@ -195,9 +200,19 @@ def _broken(file: SourceFile, tree: ast.Module) -> dict[str, str]:
     return {match[2]: match[1] for match in _DECLARED.finditer(file.text) if match.start() not in parsed}
 
 
+def declared(text: str) -> dict[str, str]:
+    """What the lines of a text that start in column 1 declare: name -> keyword."""
+    return {spelled(match[2]): match[1] for match in _DECLARED.finditer(text)}
+
+
 def _named(tree: ast.Module, otherwise: Span) -> Span:
     """Where a file says which module it is."""
     return next((item.span for item in tree.items if isinstance(item, ast.ModuleName)), otherwise)
+
+
+def modules_near(root: Path) -> list[str]:
+    """Names of the modules that can be used from a folder: those in it, and the prelude's."""
+    return [*_modules_below(root), *(f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec"))]
 
 
 def _modules_below(root: Path, most: int = 2000) -> list[str]:
@@ -222,22 +237,46 @@ def _real(path: Path) -> Path:
 
 
 def spec_files(path: Path) -> list[Path]:
-    """The `.spec` files that a path means: itself, or all below a folder, in the order of their names."""
-    if path.is_dir():
-        return sorted(path.rglob("*.spec"))
-    return [path]
+    """The `.spec` files that a path means: itself, or all below a folder, in the order of their names.
+
+    Links to folders are followed. Raises E001 where a part of the folder cannot be looked at, E007 for a name that is almost one of a spec:
+    what is left out without a word would be a rule less.
+    """
+    if not path.is_dir():
+        return [path]
+    found, problems = below(path, (_SUFFIX,))
+    for problem in problems:
+        raise TrackmarshalError(
+            "E001",
+            f"cannot be read: {problem.strerror}",
+            file=os.fspath(problem.filename),
+            help="every spec in the folder counts: remove what is none of it, or make it readable",
+        ) from problem
+    for file in found:
+        if file.suffix != _SUFFIX:
+            raise TrackmarshalError(
+                "E007",
+                f"`{file.name}` is almost the name of a spec",
+                file=str(file),
+                help=f"rename it to `{file.stem}{_SUFFIX}`; if it is none, give it another suffix",
+            )
+    return found
 
 
-def _root(module: LoadedModule) -> Path:
-    """The folder in which module names start: module a.b in X/a/b.spec starts in X; else the file's own folder."""
+def root_of(module: LoadedModule) -> Path:
+    """The folder in which module names start: module a.b in X/a/b.spec starts in X; else the file's own folder.
+
+    Behind a link to a folder, the name may be the one by which the link is known.
+    """
     parts = module.name.split(".")
-    path = _real(module.path)
-    if path.with_suffix("").parts[-len(parts) :] == tuple(parts):
-        return path.parents[len(parts) - 1]
-    return path.parent
+    real = _real(module.path)
+    for path in (real, Path(os.path.abspath(module.path))):
+        if path.with_suffix("").parts[-len(parts) :] == tuple(parts):
+            return path.parents[len(parts) - 1]
+    return real.parent
 
 
-def _module_path(name: str, root: Path) -> Path:
+def module_path(name: str, root: Path) -> Path:
     parts = name.split(".")
     if parts[0] == "prelude":
         return (
@@ -246,6 +285,11 @@ def _module_path(name: str, root: Path) -> Path:
             else _PRELUDE / "prelude.spec"
         )
     return root.joinpath(*parts).with_suffix(".spec")
+
+
+def from_prelude(module: LoadedModule) -> bool:
+    """Whether a module comes with the tool."""
+    return module.path.is_relative_to(_PRELUDE)
 
 
 def load_or_raise(paths: Iterable[Path], shown_from: Path | None = None) -> tuple[Library, tuple[str, ...]]:

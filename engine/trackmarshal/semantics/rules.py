@@ -9,7 +9,16 @@ from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.spec import RuleInfo, SignalType
-from trackmarshal.semantics.errors import Ambiguous, ClauseProblem, RunAxis, UnknownReference
+from trackmarshal.semantics.advice import warnings
+from trackmarshal.semantics.errors import (
+    AllowsNothing,
+    Ambiguous,
+    ClauseProblem,
+    RunAxis,
+    UnknownName,
+    UnknownReference,
+    UnusedVariable,
+)  # fmt: skip
 from trackmarshal.semantics.expressions import Context, Expressions
 from trackmarshal.semantics.scope import Symbol
 from trackmarshal.semantics.values import Broken, FormulaValue, Poison, SignalValue
@@ -63,6 +72,10 @@ class RuleBuilder:
                     text["owner"] = clause.text
         for name, span in assuming:
             if name not in assumptions:
+                unknown = self.ctx.scope.unknown(name, span, "assumption", "")
+                if unknown.modules:
+                    self.x.found.append(unknown)
+                    continue
                 problem = f"no assumption `{name}` is declared in what is checked together"
                 hint = (
                     close_matches(name, assumptions)
@@ -70,6 +83,11 @@ class RuleBuilder:
                 )
                 self.x.found.append(UnknownReference(span, problem, hint))
         formula, active, along = self._formula(item)
+        if any(
+            isinstance(d, UnknownName) for d in self.x.found[before:]
+        ):  # which may be the variable, misspelt
+            self.x.found[before:] = [d for d in self.x.found[before:] if not isinstance(d, UnusedVariable)]
+        self._allow(item, before)
         if any(d.level == "error" for d in self.x.found[before:]):
             return None
         if formula is None and kind == "rule":
@@ -79,6 +97,24 @@ class RuleBuilder:
             tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], reads(formula),
             fingerprint(item, formula), item.span.head,
         )  # fmt: skip
+
+    def _allow(self, item: ast.Rule | ast.Assume, before: int) -> None:
+        """Leave out the warnings that the rule allows, and report what it allows for nothing."""
+        known = warnings() - {"W303"}
+        allowed = [code for clause in item.clauses if isinstance(clause, ast.Allow) for code in clause.codes]
+        names = {code.name for code in allowed}
+        given = {d.code for d in self.x.found[before:] if d.level == "warning"}
+        self.x.found[before:] = [
+            d for d in self.x.found[before:] if d.level != "warning" or d.code not in names & known
+        ]
+        for code in allowed:
+            if code.name not in known:
+                hint = close_matches(code.name, known) or f"the warnings are {', '.join(sorted(known))}"
+                self.x.found.append(
+                    UnknownReference(code.span, f"`{code.name}` is no warning that can be allowed", hint)
+                )
+            elif code.name not in given and not any(d.level == "error" for d in self.x.found[before:]):
+                self.x.found.append(AllowsNothing(code.span, code.name))
 
     def _placement(self, item: ast.Rule | ast.Assume, kind: str) -> None:
         """Which clauses may stand here, how often, and in what order."""
@@ -169,7 +205,7 @@ class RuleBuilder:
         symbol = scope.look_up(name, span, "reference", set())
         if isinstance(symbol, Symbol) and isinstance(symbol.item, ast.Reference):
             return f"{symbol.item.text}, {clause.locator}" if clause.locator else symbol.item.text
-        if isinstance(symbol, Ambiguous):
+        if isinstance(symbol, Ambiguous) or (isinstance(symbol, UnknownName) and symbol.modules):
             self.x.found.append(symbol)
         elif symbol is not None:
             references = [
@@ -315,13 +351,17 @@ def _with_exceptions(
 
 def margin_unit(formula: ir.Formula | None) -> str:
     """The unit of all of a formula's comparisons; "mixed" where they differ, "1" where there are none."""
-    if formula is None:
-        return "1"
-    units = {n.unit for n in formula_atoms(formula) if isinstance(n, ir.Compare)}
-    units |= {"m" for n in formula_atoms(formula) if isinstance(n, ir.Geometry)}
+    units = set() if formula is None else margin_units(formula)
     if not units:
         return "1"
     return units.pop() if len(units) == 1 else "mixed"
+
+
+def margin_units(formula: ir.Formula) -> set[str]:
+    """The units of a formula's comparisons, one of which is that of its margin."""
+    atoms = formula_atoms(formula)
+    units = {n.unit for n in atoms if isinstance(n, ir.Compare)}
+    return units | {"m" for n in atoms if isinstance(n, ir.Geometry)}
 
 
 def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
@@ -413,6 +453,8 @@ def describe(root: ir.IR) -> str:
         parts = []
         for name in node.compared:
             value = node.__dict__[name]
+            if name == "shown":
+                continue  # how a margin is shown is no part of what a formula means
             if isinstance(value, ir.IR):
                 parts.append(f"#{visit(value)}")
             elif isinstance(value, tuple):
@@ -434,4 +476,13 @@ def _last_word(span: Span, word: str) -> Span:
     return Span(span.file, span.end - len(word), span.end) if span.text.endswith(word) else span.head
 
 
-__all__ = ["FormulaValue", "RuleBuilder", "describe", "fingerprint", "formula_atoms", "margin_unit", "reads"]
+__all__ = [
+    "FormulaValue",
+    "RuleBuilder",
+    "describe",
+    "fingerprint",
+    "formula_atoms",
+    "margin_unit",
+    "margin_units",
+    "reads",
+]

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
+
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.node import Node
-from trackmarshal.semantics.errors import Ambiguous, Duplicate, UnknownName
+from trackmarshal.semantics.errors import Ambiguous, Duplicate, Hides, UnknownName
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
+from trackmarshal.units import UNIT_PATTERN, UNITS
 
 #: Declarations that put a name into the module's scope, and what messages call them.
 KINDS: dict[type[ast.Item], str] = {
     ast.Signal: "signal", ast.Event: "event", ast.Param: "parameter", ast.Table: "table", ast.Place: "place",
     ast.Define: "definition", ast.Reference: "reference", ast.State: "state", ast.Rulebook: "rulebook",
 }  # fmt: skip
+
+
+#: Names that mean something without being declared, and what.
+BUILT_IN = {"pi": "number", "inf": "number", "nan": "number"}
 
 
 class Symbol(Node):
@@ -26,8 +34,11 @@ class Symbol(Node):
 class Scope:
     """The names of one module: its own, then those of the modules that it uses."""
 
-    def __init__(self, module: str, found: list[Diagnostic]) -> None:
+    def __init__(
+        self, module: str, found: list[Diagnostic], elsewhere: Callable[[str, str, str], tuple[str, ...]]
+    ) -> None:
         self.module = module
+        self._elsewhere = elsewhere
         self.own: dict[str, Symbol] = {}
         self.used: dict[str, list[Symbol]] = {}
         #: Names whose declarations have errors of syntax: in this module, and here or in a used one.
@@ -42,6 +53,10 @@ class Scope:
         if known is not None:
             self._found.append(Duplicate(_head(item), _head(known.item), spoken(item), name))
             return
+        if name in BUILT_IN:
+            self._found.append(
+                Hides(_head(item), None, spoken(item), name, BUILT_IN[name], " of the language")
+            )
         self.own[name] = Symbol(item, self.module, f"{self.module}.{name}")
 
     def use(self, other: Scope) -> None:
@@ -50,6 +65,23 @@ class Scope:
             symbols = self.used.setdefault(name, [])
             if symbol not in symbols:
                 symbols.append(symbol)
+
+    def check_own(self) -> None:
+        """Report declarations that hide those of used modules."""
+        for name, symbol in self.own.items():
+            for other in self.used.get(name, ()):
+                if not _same_thing(symbol.item, other.item):
+                    hint = "rename one, or remove this one: the other is visible here"
+                    self._found.append(_hides(_head(symbol.item), spoken(symbol.item), name, other, hint))
+
+    def check_bound(self, name: str, span: Span, what: str) -> None:
+        """Report a variable that hides a declaration, or pi."""
+        known = self.own.get(name) or next(iter(self.used.get(name, ())), None)
+        if known is not None:
+            self._found.append(_hides(span, what, name, known, f"give the {what} a name of its own"))
+        elif name in BUILT_IN:
+            hint = f"give the {what} a name of its own"
+            self._found.append(Hides(span, None, what, name, BUILT_IN[name], " of the language", hint))
 
     def names(self) -> set[str]:
         return {*self.own, *self.used}
@@ -79,7 +111,32 @@ class Scope:
         hint = close_matches(name, self.names() | extra)
         if self.incomplete and not hint:
             return None  # the module that could not be loaded may declare it
-        return UnknownName(span, what, name, hint or "declare it, or `use` the module that declares it")
+        return self.unknown(name, span, what, hint)
+
+    def unknown(self, name: str, span: Span, what: str, hint: str) -> UnknownName:
+        """What is said of a name that is not declared; a module that declares it comes before names that are alike."""
+        modules = self._elsewhere(name, what, self.module)
+        hint = _unit_with_blanks(name, span) or hint or "declare it, or `use` the module that declares it"
+        return UnknownName(span, what, name, hint, modules)
+
+
+_QUOTIENT = re.compile(
+    rf"((?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ \t]*({UNIT_PATTERN}(?:/{UNIT_PATTERN})*)?[ \t]*/[ \t]*\Z"
+)
+_EXPONENT = re.compile(r"\^-?[0-9]+|[²³]")
+
+
+def _unit_with_blanks(name: str, span: Span) -> str:
+    """What to write for the `h` of `60 km / h`; empty where it is no such thing."""
+    if name not in UNITS:
+        return ""
+    text = span.file.text
+    before = _QUOTIENT.search(text, text.rfind("\n", 0, span.start) + 1, span.start)
+    if before is None:
+        return f"`{name}` is a unit, and follows a number"
+    exponent = _EXPONENT.match(text, span.end)
+    unit = f"{before[2] or '1'}/{name}{exponent.group() if exponent else ''}"
+    return f"write `{before[1]} {unit}`: there are no blanks in a unit"
 
 
 def spoken(item: ast.Item) -> str:
@@ -89,6 +146,18 @@ def spoken(item: ast.Item) -> str:
     if isinstance(item, ast.Define):
         return "predicate" if item.keyword == "predicate" else "definition"
     return KINDS[type(item)]
+
+
+def _same_thing(item: ast.Item, other: ast.Item) -> bool:
+    """Whether two declarations stand for one thing in the car, or in the library; whether signals agree is checked elsewhere."""
+    if isinstance(item, (ast.Signal, ast.Event)):
+        return type(item) is type(other)
+    return isinstance(item, ast.Reference) and item == other
+
+
+def _hides(span: Span, what: str, name: str, known: Symbol, hint: str) -> Hides:
+    where = f" of `{known.module}`"
+    return Hides(span, _head(known.item), what, name, spoken(known.item), where, hint)
 
 
 def _head(item: ast.Item) -> Span:

@@ -100,6 +100,14 @@ class Binary(Expr):
     span: Span = NOWHERE
 
 
+class Chained(Expr):
+    """`0 m <= a <= b`: neighbours compared, all in one direction; one operand more than operators."""
+
+    operands: tuple[Expr, ...]
+    ops: tuple[str, ...]
+    span: Span = NOWHERE
+
+
 class IfElse(Expr):
     """`if c then a else b`: a number chosen by a formula."""
 
@@ -219,6 +227,14 @@ class Severity(Clause):
     """`severity minor`."""
 
     word: str
+    span: Span = NOWHERE
+
+
+class Allow(Clause):
+    """`allow W301 because "why"`: warnings that are not given for this rule."""
+
+    codes: tuple[Name, ...]
+    reason: str
     span: Span = NOWHERE
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
-from trackmarshal.syntax.errors import TooDeep, UnknownClause
+from trackmarshal.syntax.errors import MixedChain, TooDeep, UnknownClause
 from trackmarshal.syntax.keywords import CLAUSES
 from trackmarshal.syntax.lalr import Token
 from trackmarshal.syntax.names import spelled
@@ -20,6 +20,9 @@ CLAUSE_WORDS = tuple(dict.fromkeys(word for words in CLAUSES.values() for word i
 Meta = tuple[int, int]
 
 _NUMBER = re.compile(r"(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+
+#: Comparisons of which several may stand in a row: those that lead the same way.
+_DIRECTIONS = ({"<", "<="}, {">", ">="})
 
 #: Signs beside their ASCII forms.
 _PLAIN = {
@@ -194,6 +197,9 @@ class Builder:
     def severity(self, meta: Meta, c: list[Any]) -> ast.Severity:
         return ast.Severity(spelled(c[0]), self._span(meta))
 
+    def allow(self, meta: Meta, c: list[Any]) -> ast.Allow:
+        return ast.Allow(tuple(self._name(code) for code in c[:-1]), unquoted(c[-1]), self._span(meta))
+
     def evidence(self, meta: Meta, c: list[Any]) -> ast.Evidence:
         return ast.Evidence(unquoted(c[0]), self._span(meta))
 
@@ -300,6 +306,13 @@ class Builder:
 
     def binary(self, meta: Meta, c: list[Any]) -> ast.Binary:
         return ast.Binary(plain(c[1]), c[0], c[2], self._span(meta))
+
+    def chained(self, meta: Meta, c: list[Any]) -> ast.Chained:
+        ops = tuple(plain(op) for op in c[1::2])
+        for first, op, token in zip(ops, ops[1:], c[3::2]):
+            if not any({first, op} <= direction for direction in _DIRECTIONS):
+                raise Refused(MixedChain(self._at(token), op, first, self._at(c[1])))
+        return ast.Chained(tuple(c[0::2]), ops, self._span(meta))
 
     def prefix(self, meta: Meta, c: list[Any]) -> ast.Unary:
         return ast.Unary(plain(c[0]), c[1], self._span(meta))

@@ -130,3 +130,21 @@ class Unclosed(Diagnostic):
     expected: str
     where: str
     other: Span
+
+
+class MixedChain(Diagnostic):
+    code = "E109"
+    title = "comparisons in a row that lead different ways"
+    text = "`{op}` cannot follow `{first}`"
+    label = "breaks the row"
+    other_label = "which begins here"
+    remedy = "only `<` and `<=`, or `>` and `>=`, stand in a row; else write `a {first} b and b {op} c`"
+    explanation = (
+        "`a <= b < c` means `a <= b and b < c`, and `a >= b > c` the same downwards. Of other comparisons in a row, people read different "
+        "things into one text: whether `a < b > c` compares a and c, or `a == b == c` compares a formula with a number."
+    )
+
+    span: Span
+    op: str
+    first: str
+    other: Span

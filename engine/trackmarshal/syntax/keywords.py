@@ -11,11 +11,11 @@ DECLARATIONS = (
 #: Words that start a clause, by the declarations that have it.
 CLAUSES = {
     "rule": (
-        "satisfies", "assuming", "source", "because", "severity", "for", "exists", "except", "let", "along", "whenever",
+        "satisfies", "assuming", "source", "because", "severity", "allow", "for", "exists", "except", "let", "along", "whenever",
         "within", "require",
     ),
     "assume": (
-        "satisfies", "assuming", "source", "because", "severity", "evidence", "owner", "for", "exists", "except", "let",
+        "satisfies", "assuming", "source", "because", "severity", "allow", "evidence", "owner", "for", "exists", "except", "let",
         "along", "whenever", "within", "monitor",
     ),
     "state": ("becomes",),

@@ -210,6 +210,12 @@ class Layout:
     def _severity(self, clause: ast.Severity) -> tuple[str, str]:
         return "severity", self._n.name(clause.word)
 
+    def _allow(self, clause: ast.Allow) -> tuple[str, str]:
+        codes = self._ids(clause.codes)
+        return "allow", self._w.append(
+            codes, CLAUSE_COLUMN, f"because {quoted(clause.reason)}", CLAUSE_COLUMN + 2, 1
+        )
+
     def _evidence(self, clause: ast.Evidence) -> tuple[str, str]:
         return "evidence", quoted(clause.path)
 
@@ -320,5 +326,5 @@ _CLAUSES: dict[type[ast.Clause], Callable[[Layout, Any], tuple[str, str]]] = {
     ast.Satisfies: Layout._satisfies, ast.Assuming: Layout._assuming, ast.SourceClause: Layout._source,
     ast.Because: Layout._because, ast.Severity: Layout._severity, ast.Evidence: Layout._evidence, ast.Owner: Layout._owner,
     ast.Bind: Layout._bind, ast.Except: Layout._except, ast.Let: Layout._let, ast.Along: Layout._along,
-    ast.Whenever: Layout._whenever, ast.WithinTime: Layout._within, ast.Require: Layout._require,
+    ast.Allow: Layout._allow, ast.Whenever: Layout._whenever, ast.WithinTime: Layout._within, ast.Require: Layout._require,
 }  # fmt: skip

@@ -29,6 +29,9 @@ _UNIT_TEXT = re.compile(r"[^\W\d_]+(?:\^-?[0-9]+|[²³])?(?:[/*·][^\W\d_]+(?:\^
 _AFTER_NUMBER = re.compile(
     r"(?<![\w.])(?<![A-Za-z0-9]-)(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?[ \t]*(?=[^\W\d_])"
 )
+_NUMBER_BEFORE = re.compile(r"((?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ \t]*\Z")
+#: A name where it is declared, by an item or a clause.
+_DECLARED = r"^(?:param|define|table|signal|event)[ \t]+{0}\b|^[ \t]+let[ \t]+{0}[ \t]*="
 _UNIT_MORE = re.compile(r"[\^²³*][^\s,()\[\]{}|]*")
 _ONE_UNIT = re.compile(r"[^\W\d_]+")
 
@@ -128,6 +131,10 @@ class Mistake:
             name = part.group()
             if name in RESERVED and bare:
                 return None
+            if bare and name not in UNITS and part.start() == 0:
+                factor = self._factor(match.start())
+                if factor is not None:
+                    return factor
             if name not in UNITS:
                 at = match.start() + part.start()
                 kinds = spoken_kinds(self.expected)
@@ -142,6 +149,17 @@ class Mistake:
                 span, "unit", whole, "an exponent is written once, as in `m/s^2`, and is a whole number"
             )
         return None
+
+    def _factor(self, start: int) -> Diagnostic | None:
+        """A name after a number, which a product was meant by: one that no unit looks like, or that the file declares."""
+        word, number = _WORD.match(self.file.text, start), _NUMBER_BEFORE.search(self.file.text, 0, start)
+        if word is None or number is None:
+            return None
+        name = word.group()
+        if "_" not in name and not re.search(_DECLARED.format(re.escape(name)), self.file.text, re.MULTILINE):
+            return None
+        hint = f"write `{number[1]} * {name}` to multiply"
+        return UnexpectedText(Span(self.file, *word.span()), f"`{name}`", "an operator", hint)
 
     def _clause(self) -> Diagnostic | None:
         """A misspelt clause keyword, which the parser may have taken for a predicate."""

@@ -154,6 +154,12 @@ class Notation:
         _, left, right = LEVELS[node.op]
         return f"{self.operand(node.left, left, False)} {self.sign(node.op)} {self.operand(node.right, right, True)}"
 
+    def _chained(self, node: ast.Chained) -> str:
+        first, *rest = node.operands
+        return self.expr(first, ADDITIVE) + "".join(
+            f" {self.sign(op)} {self.expr(operand, ADDITIVE)}" for op, operand in zip(node.ops, rest)
+        )
+
     def exponent(self, node: ast.Expr) -> str:
         if ast.is_parenthesised(node):
             return f"^{self.expr(node)}"
@@ -236,13 +242,14 @@ def level_of(node: ast.Expr) -> int:
 
 _NODE_LEVELS: dict[type[ast.Expr], int] = {
     ast.Number: POSTFIX, ast.Boolean: POSTFIX, ast.Name: POSTFIX, ast.Attribute: POSTFIX, ast.Call: POSTFIX,
-    ast.Infix: COMPARISON, ast.IfElse: SUM, ast.Within: COMPARISON, ast.InZone: COMPARISON, ast.Temporal: UNARY,
+    ast.Chained: COMPARISON, ast.Infix: COMPARISON, ast.IfElse: SUM, ast.Within: COMPARISON, ast.InZone: COMPARISON, ast.Temporal: UNARY,
     ast.Until: UNTIL, ast.Quantified: UNARY, ast.RecordValue: POSTFIX, ast.ListValue: POSTFIX,
 }  # fmt: skip
 
 _HANDLERS: dict[type[ast.Expr], Callable[[Notation, Any], str]] = {
     ast.Number: Notation._number, ast.Boolean: Notation._boolean, ast.Name: Notation._name, ast.Attribute: Notation._attribute,
     ast.Call: Notation._call, ast.Infix: Notation._infix, ast.Unary: Notation._unary, ast.Binary: Notation._binary,
+    ast.Chained: Notation._chained,
     ast.IfElse: Notation._if_else, ast.Within: Notation._within, ast.InZone: Notation._in_zone,
     ast.Temporal: Notation._temporal, ast.Until: Notation._until, ast.Quantified: Notation._quantified,
     ast.RecordValue: Notation._record, ast.ListValue: Notation._list,

@@ -40,6 +40,7 @@ FOREIGN_WORDS = {
     "any": "write `exists`", "some": "write `exists`", "elif": "write `else if`", "elseif": "write `else if`",
     "mod": "there is no remainder", "equals": "write `==`",
 }  # fmt: skip
+_COMMAS = re.compile(r"(?<![\w.,])[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?(?![\w.,])")
 _OWN_SIGNS = frozenset("≤≥≠·²³√∀∃∈∧∨¬→↔−").union(GREEK)
 
 
@@ -55,6 +56,11 @@ def hint_for(text: str, start: int, found: str, before: str, expected: set[str])
 
 
 def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
+    for number in _COMMAS.finditer(text, max(0, start - 40), start + 40):
+        if number.start() < start < number.end():
+            return _without_comma(number.group())
+    if found == "(" and "TIMES" in expected and re.search(r"[0-9)][ \t]*\Z", text[:start]):
+        return "write `*` to multiply"
     if found == "=" and text[start + 1 : start + 2] not in "=<>" and "COMPARE" in expected:
         return "write `==` to compare"
     if found == "==" and "EQUAL" in expected:
@@ -63,13 +69,22 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
         return "write `==` to compare"
     if found in ("<", "<=", ">", ">=", "==", "!=", "≤", "≥", "≠") and text[start - 1 : start + 1] != "<>":
         if expected & {"AND", "OR"} and "COMPARE" not in expected:
-            return "comparisons do not chain: write `a < b and b < c`, or `b in [a, c]`"
+            return "join what must hold together with `and`"
         return ""
     for length in (2, 1):
         hint = _HERE.get(text[start : start + length])
         if hint and (found != "|" or "AND" in expected) and (found != "~" or "NOT" in expected):
             return hint
     return _ACROSS.get(text[max(0, start - 1) : start + 1], "") if found else ""
+
+
+def _without_comma(number: str) -> str:
+    """What to write for a number with a comma, which some read as a decimal point and some as nothing."""
+    if re.fullmatch(r"[0-9]+,[0-9]+", number) and not re.fullmatch(r"[1-9][0-9]{0,2},[0-9]{3}", number):
+        return f"numbers have a decimal point: `{number.replace(',', '.')}`"
+    if re.fullmatch(r"[0-9]+,[0-9]+", number):
+        return f"write `{number.replace(',', '.')}` or `{number.replace(',', '')}`: numbers have no commas"
+    return f"write `{number.replace(',', '')}`: numbers have no commas"
 
 
 def _word(found: str, line: str, expected: set[str]) -> str:

@@ -54,10 +54,10 @@ class Wrapping:
                 flat = handler(self, node, inside, tail + parentheses)
         return f"({flat})" if parentheses else flat
 
-    def append(self, text: str, column: int, more: str, indent: int) -> str:
-        """A text, and two blanks and more if that fits, else more on a line of its own."""
-        if end_column(text, column) + 2 + len(more) <= WIDTH:
-            return f"{text}  {more}"
+    def append(self, text: str, column: int, more: str, indent: int, blanks: int = 2) -> str:
+        """A text, and blanks and more if that fits, else more on a line of its own."""
+        if end_column(text, column) + blanks + len(more) <= WIDTH:
+            return f"{text}{' ' * blanks}{more}"
         return f"{text.rstrip()}{new_line(indent)}{more}"
 
     def fill(
@@ -108,6 +108,15 @@ class Wrapping:
             wanted, open_end = (left, False) if level == IMPLICATION and not last else (right, True)
             text += new_line(inner) + sign
             text += self._operand(operand, wanted, open_end, inner + len(sign), tail if last else 0)
+        return text
+
+    def _chained(self, node: ast.Chained, column: int, tail: int) -> str:
+        first, *rest = node.operands
+        text, inner = self.lay(first, ADDITIVE, column), column + 2
+        for number, (op, operand) in enumerate(zip(node.ops, rest), start=1):
+            sign = self.notation.sign(op) + " "
+            after = tail if number == len(rest) else 0
+            text += new_line(inner) + sign + self.lay(operand, ADDITIVE, inner + len(sign), after)
         return text
 
     def _unary(self, node: ast.Unary, column: int, tail: int) -> str:
@@ -256,7 +265,7 @@ def _chain(node: ast.Binary) -> tuple[ast.Expr, list[tuple[str, ast.Expr]]]:
 
 
 _HANDLERS: dict[type[ast.Expr], Callable[[Wrapping, Any, int, int], str]] = {
-    ast.Binary: Wrapping._binary, ast.Unary: Wrapping._unary, ast.Temporal: Wrapping._temporal, ast.Until: Wrapping._until,
+    ast.Binary: Wrapping._binary, ast.Chained: Wrapping._chained, ast.Unary: Wrapping._unary, ast.Temporal: Wrapping._temporal, ast.Until: Wrapping._until,
     ast.Quantified: Wrapping._quantified, ast.Infix: Wrapping._infix, ast.IfElse: Wrapping._if_else,
     ast.Within: Wrapping._within, ast.InZone: Wrapping._in_zone, ast.Attribute: Wrapping._attribute, ast.Call: Wrapping._call,
     ast.RecordValue: Wrapping._record, ast.ListValue: Wrapping._list,

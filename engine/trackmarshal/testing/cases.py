@@ -13,15 +13,19 @@ from trackmarshal.ir.spec import FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.node import Node
 from trackmarshal.runtime.settings import check_table
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
+from trackmarshal.semantics.errors import BareAngle
 from trackmarshal.semantics.expressions import Context
+from trackmarshal.semantics.rules import margin_units
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.testing.builders import BUILDERS, Builder
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
-from trackmarshal.units import Dimension, from_si, parse_shown, parse_unit, quantity, to_si
+from trackmarshal.testing.si import table_in_si
+from trackmarshal.units import NUMBER, Dimension, digits, in_full, parse_shown, parse_unit, quantity, show
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive")
 #: The units of the columns that builders make.
@@ -42,10 +46,13 @@ class PreparedTest(Node):
 
     rule: RuleInfo
     title: str
+    #: In SI whatever the declared units are: for an evaluator of `spec_in_si`.
     case: dict[str, Any]
     verdict: str
     margin: float | None
     tolerance: float
+    #: Where the comparisons of a rule are in several units: the one in which the margin is expected; None for any.
+    unit: str | None
     binder: str | None
     at: str | None
     span: Span
@@ -81,7 +88,7 @@ def prepare(compiled: Compiled) -> tuple[list[PreparedTest], list[Diagnostic]]:
             if test is not None:
                 prepared.append(test)
     reported, found[before:] = found[before:], []
-    return prepared, reported
+    return prepared, told_once(reported, compiled.found)
 
 
 class _Preparation:
@@ -114,8 +121,10 @@ class _Preparation:
         )
         if rule is None or rule.formula is None:
             return None
-        verdict, margin, tolerance, binder, at = expect
-        return PreparedTest(rule, item.title, case, verdict, margin, tolerance, binder, at, item.span.head)
+        verdict, margin, tolerance, unit, binder, at = expect
+        return PreparedTest(
+            rule, item.title, case, verdict, margin, tolerance, unit, binder, at, item.span.head
+        )
 
     # What is given --------------------------------------------------------------------------------------------
 
@@ -152,7 +161,7 @@ class _Preparation:
                     *(lambda r=row: self._pair(r, table.units) for row in self._list(entry.value))
                 )
                 try:
-                    check_table(table, rows)
+                    check_table(table_in_si(table), rows)
                 except TrackmarshalError as error:
                     self.fail(_span(entry.value), error.message, error.help or "")
                 case["tables"][symbol.qualified] = rows
@@ -172,15 +181,26 @@ class _Preparation:
                 f"`{entry.name}` is declared in several used modules",
                 "rename one, or use only one of the modules",
             )
+        unknown = self._scope.unknown(entry.name, entry.span.word(entry.name), "name", "")
+        if unknown.modules and entry.name not in symbols:
+            self._found.append(unknown)
+            raise Poison
         self.fail(entry.span.word(entry.name), problem, hint)
 
     def _param(self, info: ParamInfo, value: ast.Expr) -> float:
         number = self._number(value, info.unit, f"the parameter `{info.name.rpartition('.')[2]}`")
-        si = to_si(number, info.unit)
-        if not math.isfinite(si):
+        if not math.isfinite(number):
             self.fail(_span(value), "a parameter is finite")
-        if (info.lower is not None and si < info.lower) or (info.upper is not None and si > info.upper):
-            self.fail(_span(value), "the parameter is outside its range", "", info.span.head)
+        if (info.lower is not None and number < info.lower) or (
+            info.upper is not None and number > info.upper
+        ):
+            ends = (
+                -math.inf if info.lower is None else info.lower,
+                math.inf if info.upper is None else info.upper,
+            )
+            limits = ", ".join(digits(end, info.unit) for end in ends)
+            problem = f"{in_full(number, info.unit)} is outside its range [{limits}]{'' if info.unit == '1' else ' ' + info.unit}"
+            self.fail(_span(value), problem, "", info.span.head)
         return number
 
     def _signal(self, signal: SignalType, entry: ast.Given) -> Any:
@@ -232,7 +252,7 @@ class _Preparation:
                             "give the columns yourself, or declare it with this dimension",
                             field.span,
                         )
-                    columns[field.name] = [from_si(number, field.unit) for number in built[field.name]]
+                    columns[field.name] = built[field.name]
             return columns
         if not isinstance(value, ast.RecordValue):
             self.fail(
@@ -248,8 +268,7 @@ class _Preparation:
     def _change(self, signal: SignalType, columns: dict[str, Any], change: ast.Change) -> None:
         field = self._field(signal, change.field, change.span)
         count = max((len(column) for column in columns.values()), default=0)
-        default = None if field.default is None else from_si(field.default, field.unit)
-        column = list(columns.get(change.field, [default] * count))
+        column = list(columns.get(change.field, [field.default] * count))
         value = self._scalar(field, change.value)
         if change.index is None:
             column = [value] * count
@@ -352,46 +371,63 @@ class _Preparation:
         )
 
     def _number(self, value: ast.Expr, unit: str, what: str) -> float:
-        """A constant in the unit that the data comes in; `nan` and `inf` are allowed here and only here."""
+        """A constant of a unit's dimension, in SI; `nan` and `inf` are allowed here and only here."""
         special = _special(value)
         if special is not None:
             return special
-        return from_si(self._si(value, parse_unit(unit)[2], what), unit)
+        number = self._si(value, parse_unit(unit)[2], what)
+        literal = value.operand if isinstance(value, ast.Unary) else value
+        if number != 0.0 and isinstance(literal, ast.Number) and not literal.unit and unit != "1":
+            text = _span(value).text
+            if unit != "rad":  # of an angle, or a percentage: which other numbers look like
+                self.fail(_span(value), f"{what} is a number in {unit}", f"write the unit: `{text} {unit}`")
+            self._found.append(BareAngle(_span(value), None, f"write `{text} deg` or `{text} rad`", what))
+        return number
 
     def _si(self, value: ast.Expr, dimension: Dimension, what: str) -> float:
+        """A constant of a dimension, in SI."""
+        return self._constant(value, what, dimension)[0]
+
+    def _constant(
+        self, value: ast.Expr, what: str, wanted: Dimension | None = None
+    ) -> tuple[float, Dimension]:
+        """A constant in SI with its dimension, which may be given."""
         if isinstance(value, (ast.ListValue, ast.RecordValue)):
             self.fail(
                 _span(value),
                 f"{what} is one value, not a {'list' if isinstance(value, ast.ListValue) else 'record'}",
             )
         checked = self._x.number(value, self._ctx)
-        if checked.dimension != dimension:
-            problem = f"{what} is {quantity(dimension)}, not {quantity(checked.dimension)}"
-            self.fail(_span(value), problem, calls.unit_hint(checked, dimension))
+        if wanted is not None and checked.dimension != wanted:
+            problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
+            self.fail(_span(value), problem, calls.unit_hint(checked, wanted))
         params = self._spec.params
         if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(checked.node)):
             raise Poison  # a parameter whose declaration was reported
         number = constant_value(checked.node, lambda qualified: params[qualified].value)
         if number is None:
             self.fail(_span(value), "this depends on an input", "a test gives constants")
-        return number
+        return number, checked.dimension
 
     # What is expected -----------------------------------------------------------------------------------------
 
-    def _expectation(
-        self, expect: ast.Expect, rule: RuleInfo | None
-    ) -> tuple[str, float | None, float, str | None, str | None]:
+    def _expectation(self, expect: ast.Expect, rule: RuleInfo | None) -> tuple[Any, ...]:
+        """Verdict, margin, tolerance, unit of the margin, variable and index."""
         self._kind = BadExpectation
-        margin, tolerance, at, _ = self._x.all(
-            lambda: None if expect.margin is None else self._margin(expect.margin, rule),
-            lambda: 0.0 if expect.tolerance is None else self._tolerance(expect.tolerance, rule),
+        (margin, unit), (tolerance, other), at, _ = self._x.all(
+            lambda: (None, None) if expect.margin is None else self._margin(expect.margin, rule),
+            lambda: (0.0, None) if expect.tolerance is None else self._tolerance(expect.tolerance, rule),
             lambda: self._at(expect, rule),
             lambda: self._verdict(expect),
         )
         if margin is not None and expect.verdict == "undefined" and not math.isnan(margin):
             assert expect.margin is not None
             self.fail(_span(expect.margin), "an undefined rule has no margin", "expect the verdict only")
-        return expect.verdict, margin, tolerance, expect.binder, at
+        if unit is not None and other is not None and unit != other:
+            assert expect.tolerance is not None
+            problem = f"a margin in {unit} has no tolerance in {other}"
+            self.fail(_span(expect.tolerance), problem, f"write it in {unit}")
+        return expect.verdict, margin, tolerance, unit or other, expect.binder, at
 
     def _verdict(self, expect: ast.Expect) -> None:
         if expect.verdict not in VERDICTS:
@@ -425,23 +461,32 @@ class _Preparation:
             self.fail(expect.span.word(expect.at), "an index is a whole number, from 0")
         return str(index)
 
-    def _tolerance(self, value: ast.Expr, rule: RuleInfo | None) -> float:
-        tolerance = self._margin(value, rule)
+    def _tolerance(self, value: ast.Expr, rule: RuleInfo | None) -> tuple[float, str | None]:
+        tolerance, unit = self._margin(value, rule)
         if not 0.0 <= tolerance < math.inf:
             self.fail(_span(value), "a tolerance is finite and not negative")
-        return tolerance
+        return tolerance, unit
 
-    def _margin(self, value: ast.Expr, rule: RuleInfo | None) -> float:
+    def _margin(self, value: ast.Expr, rule: RuleInfo | None) -> tuple[float, str | None]:
+        """A margin in SI and, where the rule's comparisons are in several units, its unit; None for 0, which is 0 in any."""
         special = _special(value)
         if special is not None:
-            return special
+            return special, None
         if rule is None or rule.formula is None:
-            return 0.0
-        if rule.unit == "mixed":
-            problem = f"the margins of `{rule.name}` have several dimensions"
-            self.fail(_span(value), problem, "expect the verdict only")
-        dimension = parse_shown(rule.unit)
-        return self._si(value, dimension, f"the margin of `{rule.name}`")
+            return 0.0, None
+        if rule.unit != "mixed":
+            return self._si(value, parse_shown(rule.unit), f"the margin of `{rule.name}`"), None
+        number, dimension = self._constant(value, f"the margin of `{rule.name}`")
+        unit, units = show(dimension), margin_units(rule.formula)
+        if number == 0.0 and dimension == NUMBER:
+            return 0.0, None
+        if unit not in units:
+            listed = " and ".join(sorted(units))
+            problem = (
+                f"no comparison of `{rule.name}` is in {unit if dimension != NUMBER else 'plain numbers'}"
+            )
+            self.fail(_span(value), problem, f"its comparisons are in {listed}; 0 needs no unit")
+        return number, unit
 
 
 _HOW = {

@@ -11,6 +11,8 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.verdict import RuleResult
 from trackmarshal.testing.cases import PreparedTest
+from trackmarshal.testing.si import spec_in_si
+from trackmarshal.units import beside, written
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +55,7 @@ def run_tests(
 ) -> Iterator[Outcome]:
     """Run each test with each evaluator; it passes when all of them say what it expects."""
     evaluators: dict[tuple[str, str], Evaluator] = {}
+    spec = spec_in_si(spec)
     for test in tests:
         message = ""
         outcome = "passed"
@@ -76,13 +79,17 @@ def run_tests(
 
 def mismatch(test: PreparedTest, result: RuleResult) -> str:
     """What differs from what the test expects; empty when nothing does."""
-    margin = f", margin {result.margin:.9g} {result.unit}"
+    margin = f", margin {beside(result.margin, result.unit, result.shown, 9)}"
     if result.verdict != test.verdict:
         reason = f" ({result.reason})" if result.reason else ""
         return f"expected {test.verdict}, got {result.verdict}{margin}{reason}"
     if test.margin is not None and not _close(result.margin, test.margin, test.tolerance):
-        within = f" within {test.tolerance:g}" if test.tolerance else ""
-        return f"expected margin {test.margin:.9g}{within}, got {result.margin!r} {result.unit}"
+        unit, shown = result.unit, result.shown
+        within = f" within {written(test.tolerance, unit, shown)}" if test.tolerance else ""
+        expected = written(test.margin, unit, shown, 9)
+        return f"expected margin {expected}{within}, got {beside(result.margin, unit, shown, 12)}"
+    if test.unit is not None and result.unit != test.unit:
+        return f"expected a margin in {test.unit}, the comparison that decides is in {result.unit}"
     if test.binder is not None:
         binders = result.witness.binders if result.witness is not None else {}
         if str(binders.get(test.binder)) != test.at:

@@ -121,7 +121,7 @@ def _leaves() -> SearchStrategy[ast.Expr]:
 
 _BINARY = ("+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!=", "and", "or", "implies", "iff", "xor")
 _SHAPES: dict[str, int] = {
-    "leaf": 4, "binary": 8, "power": 1, "unary": 3, "attribute": 2, "call": 3, "infix": 2, "if": 1, "within": 1, "zone": 1,
+    "leaf": 4, "binary": 8, "power": 1, "chained": 2, "unary": 3, "attribute": 2, "call": 3, "infix": 2, "if": 1, "within": 1, "zone": 1,
     "temporal": 2, "step": 1, "until": 1, "quantified": 2,
 }  # fmt: skip
 _WEIGHTED = [shape for shape, weight in _SHAPES.items() for _ in range(weight)]
@@ -140,6 +140,10 @@ def expressions(draw: st.DrawFn, depth: int = 3) -> ast.Expr:
             return draw(_leaves())
         case "binary":
             return ast.Binary(draw(st.sampled_from(_BINARY)), inner(), inner())
+        case "chained":
+            up = st.lists(st.sampled_from(("<", "<=")), min_size=2, max_size=3)
+            ops = draw(st.one_of(up, up.map(lambda ops: [op.replace("<", ">") for op in ops])))
+            return ast.Chained(tuple(inner() for _ in range(len(ops) + 1)), tuple(ops))
         case "power":
             return ast.Binary("^", inner(), ast.Number(draw(st.sampled_from("23"))))
         case "unary":
@@ -231,6 +235,7 @@ def clauses() -> SearchStrategy[ast.Clause]:
         _source_clauses(),
         st.builds(ast.Because, strings()),
         st.builds(ast.Severity, names()),
+        st.builds(ast.Allow, st.lists(name_nodes(), min_size=1, max_size=9).map(tuple), strings()),
         st.builds(ast.Evidence, strings()),
         st.builds(ast.Owner, strings()),
         st.builds(ast.Bind, *binder, expr, st.one_of(st.none(), expr)),

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from trackmarshal.files import read_regular
 from trackmarshal.records import FaultCase, SpecItem, SpecTest
 from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Requirement
@@ -92,7 +93,7 @@ def load(root: Path, project: Project, found: list[Finding]) -> Baseline | None:
         path = root / project.baseline
         if path.stat().st_size > MAX_BYTES:
             raise ValueError(f"larger than {MAX_BYTES // 1_000_000} MB")
-        data = json.loads(path.read_bytes().decode("utf-8"))
+        data = json.loads(read_regular(path).decode("utf-8"))
         return _checked(data)
     except FileNotFoundError:
         message = "the project names a baseline, but there is none"

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
+from trackmarshal.files import below
 from trackmarshal.trace import model, tree
 from trackmarshal.trace.documents import DOCUMENTS
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
@@ -19,9 +21,7 @@ V_MODEL = f"{FOLDER}/v-model.yaml"
 def load(root: Path, found: list[Finding]) -> model.Project:
     """Everything under `requirements/`; what is wrong goes to `found` (T101 to T129), what can be read is kept."""
     folder = root / FOLDER
-    files = sorted(
-        path for path in folder.rglob("*") if path.suffix in (".yaml", ".yml") and not path.is_dir()
-    )
+    files = _files(folder, root, found)
     tables: dict[str, list[Table]] = {kind: [] for kind in DOCUMENTS}
     for path in files:
         shown = path.relative_to(root).as_posix()
@@ -49,6 +49,24 @@ def load(root: Path, found: list[Finding]) -> model.Project:
     for requirement in requirements:
         project.by_id.setdefault(str(requirement.id), requirement)
     return _with_model(project, tables["system-model"][0]) if tables["system-model"] else project
+
+
+def _files(folder: Path, root: Path, found: list[Finding]) -> list[Path]:
+    """The requirements files below a folder, links to folders followed; what may be one and cannot be read goes to `found` (T101)."""
+    if not folder.is_dir():
+        return []
+    files, problems = below(folder, (".yaml", ".yml"))
+    for problem in problems:
+        shown = Path(os.fspath(problem.filename)).relative_to(root).as_posix()
+        help_ = "every document in the folder counts: remove what is none, or make it readable"
+        found.append(error("T101", problem.strerror or str(problem), Place(shown), help_))
+    for path in files:
+        if path.suffix.lower() != path.suffix:
+            message = f"`{path.name}` is almost the name of a requirements file"
+            shown = path.relative_to(root).as_posix()
+            help_ = f"rename it to `{path.stem}{path.suffix.lower()}`, or give it another suffix"
+            found.append(error("T101", message, Place(shown), help_))
+    return [path for path in files if path.suffix.lower() == path.suffix]
 
 
 def _document(path: Path, shown: str, found: list[Finding]) -> tuple[str, Table] | None:

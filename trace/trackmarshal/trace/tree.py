@@ -13,6 +13,7 @@ from typing import Any
 
 import yaml
 
+from trackmarshal.files import read_regular
 from trackmarshal.trace.findings import Finding, Place, error
 
 #: The largest requirements file that is read; 10,000 requirements are about 6 MB.
@@ -78,7 +79,7 @@ def read(path: Path, shown: str, found: list[Finding]) -> Node | None:
             message = f"{size} bytes, the limit is {MAX_BYTES}"
             found.append(error("T102", message, Place(shown), "split it into several files"))
             return None
-        data = path.read_bytes()
+        data = read_regular(path)
     except OSError as problem:
         found.append(
             error(

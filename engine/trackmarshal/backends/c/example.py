@@ -14,7 +14,7 @@ from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.cycles import FORMAT, FOUND, LETTERS, VERSION, digest, label
 from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.layout import Input
-from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.backends.c.places import _bordered, _setters, sources
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir.spec import FieldType
@@ -130,12 +130,13 @@ def _constant(source: Source) -> dict[str, Any]:
         ({"setter": setters[name], "name": _text(name)}, _bordered(plan, name)) for name in sources(plan)
     ]
     inputs = list(plan.inputs.values())
-    assignments = [pair for item in inputs for pair in _assignments(item)]
+    columns = [(item, info) for item in inputs if item.kind == "columns" for info, _ in item.fields]
+    # What stands beside them in the program is one word.
+    arrays = distinct(f"{item.name}.{info.name}" for item, info in columns)
+    assignments = [pair for item in inputs for pair in _assignments(item, arrays)]
     return {
         "name": source.name,
-        "data": [
-            _data(item, info, c) for item in inputs if item.kind == "columns" for info, c in item.fields
-        ],
+        "data": [_data(item, info, arrays[f"{item.name}.{info.name}"]) for item, info in columns],
         "bordered": [place for place, bordered in places if bordered],
         "lined": [place for place, bordered in places if not bordered],
         "rules": [_text(code.rule.name) for code in source.rules],
@@ -143,33 +144,33 @@ def _constant(source: Source) -> dict[str, Any]:
     }
 
 
-def _data(item: Input, info: FieldType, c_name: str) -> dict[str, Any]:
+def _data(item: Input, info: FieldType, array: str) -> dict[str, Any]:
     assert item.signal is not None
     count = SAMPLES if item.signal.sequence else 1
     if info.kind == "bool":
-        return {"type": "tm_flag", "name": f"{item.c_name}_{c_name}", "values": ["TM_TRUE"] * count}
-    step = 0.1 if info.increasing else 0.5 if item.signal.sequence and c_name in ("x", "s") else 0.0
+        return {"type": "tm_flag", "name": array, "values": ["TM_TRUE"] * count}
+    step = 0.1 if info.increasing else 0.5 if item.signal.sequence and info.name in ("x", "s") else 0.0
     start = (
         info.default
         if info.default is not None
         else 1.0
-        if c_name in ("length", "width", "grip")
+        if info.name in ("length", "width", "grip")
         else 30.0
-        if not item.signal.sequence and c_name == "x"
+        if not item.signal.sequence and info.name == "x"
         else 0.0
     )
     values = [repr(round(start + step * k, 6)) for k in range(count)]
-    return {"type": "double", "name": f"{item.c_name}_{c_name}", "values": values}
+    return {"type": "double", "name": array, "values": values}
 
 
-def _assignments(item: Input) -> Iterator[tuple[str, str]]:
+def _assignments(item: Input, arrays: Mapping[str, str]) -> Iterator[tuple[str, str]]:
     if item.kind == "event":
         yield item.c_name, "TM_FALSE"
         return
     assert item.signal is not None
     if item.kind == "columns":
         yield f"{item.c_name}.count", f"{SAMPLES if item.signal.sequence else 1}u"
-        yield from ((f"{item.c_name}.{c_name}", f"{item.c_name}_{c_name}") for _, c_name in item.fields)
+        yield from ((f"{item.c_name}.{c}", arrays[f"{item.name}.{info.name}"]) for info, c in item.fields)
         return
     for info, c_name in item.fields:
         yield f"{item.c_name}.{c_name}", "TM_TRUE" if info.kind == "bool" else "0.0"

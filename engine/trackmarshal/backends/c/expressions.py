@@ -10,6 +10,7 @@ from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.slots import mark
 from trackmarshal.backends.c.statements import Block
+from trackmarshal.backends.c.sweeps import along_timeline
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import COMPARISONS, ConnectiveOp, Extreme, FunctionName, Measure
@@ -107,6 +108,8 @@ class Writer:
         self.series = 0
         #: Geometric predicates of which only margins below this one matter.
         self.bounds: dict[ir.IR, str] = {}
+        #: Those of which all along a timeline are computed ahead of the loop: where, and C of the columns and their length.
+        self.timelines: dict[ir.IR, tuple[Block, str]] = {}
         #: libm functions that the function calls, and operations counted once for every statement.
         self.libm: set[str] = set()
 
@@ -381,6 +384,7 @@ class Writer:
 
     def _geometry(self, node: ir.Geometry, at: Block) -> Value:
         args = ", ".join([self.number(arg, at) for arg in ir.operands(node) if isinstance(arg, ir.Num)])
+        whole = at
         match node:
             case ir.SweptClear():
                 self.libm |= {"sin", "cos", "sqrt"}
@@ -388,14 +392,18 @@ class Writer:
             case ir.SweptInside():
                 bound = self.bounds.get(node, "TM_INF")
                 text = f"tm_swept_inside({self._area(node.area)}, {args}, {bound})"
+                if node in self.timelines:
+                    whole, columns = self.timelines[node]
+                    size = f"{self.number(node.length, whole)}, {self.number(node.width, whole)}"
+                    text = f"tm_timeline_inside({self._area(node.area)}, {columns}, {size})"
             case ir.InArea():
                 text = f"tm_in_area({self._area(node.area)}, {args})"
             case _:
                 assert_never(node)
         k = self.fresh()
-        self.add(at, f"const double d{k} = {text};", f"d{k}")
+        self.add(whole, f"const double d{k} = {text};", f"d{k}")
         if self.known:
-            self.add(at, f"suspect |= tm_wild(d{k});")
+            self.add(whole, f"suspect |= tm_wild(d{k});")
             return self.value(at, f"d{k} >= 0.0", f"d{k}")
         self.add(at, f"const bool k{k} = d{k} == d{k};", f"k{k}")
         return self.value(
@@ -480,6 +488,13 @@ class Writer:
             ):
                 # The least margin is asked for: one that is greater than the least so far need not be exact.
                 self.bounds[node.body] = f"m{k}"
+                sized = node.body if isinstance(node.body, ir.SweptInside) else None
+                free = frozenset() if sized is None else self.free(sized.length) | self.free(sized.width)
+                fields = along_timeline(node.body, axis, free)
+                if guard is None and fields:
+                    start = f"in->{self.plan.input(axis.signal).c_name}"
+                    columns = [f"{start}.{self.plan.field_name(axis.signal, name)}" for name in fields]
+                    self.timelines[node.body] = at, f"{', '.join(columns)}, {total}"
             body = self.formula(node.body, loop)
             sign, pick = extreme(node.extreme)
             for side, (s, m) in enumerate(names):

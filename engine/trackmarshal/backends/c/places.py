@@ -85,20 +85,64 @@ def types(plan: Layout) -> Iterator[str]:
     yield "/* A box along a direction of cosine `ahead` and sine `aside`: from u0 to u1 along it, from v0 to v1 to its left; m. */"
     yield "typedef struct {\n  double ahead;\n  double aside;\n  double u0;\n  double u1;\n  double v0;\n  double v1;\n} tm_frame;"
     yield ""
+    yield "/* Eight boxes along the axes, in short: none smaller than what it is around; m. */"
+    yield "typedef struct {\n  float x0[8];\n  float y0[8];\n  float x1[8];\n  float y1[8];\n} tm_boxes;"
+    yield ""
+    yield "/* A walk over those blocks of eight segments whose boxes meet a box: parts of 512 to come, bits for the groups of 64 in the last one,"
+    yield "   bits for the blocks in the last group; `block`: where the last block begins. */"
+    yield "typedef struct {"
+    yield "  tm_box near;\n  float x0;\n  float y0;\n  float x1;\n  float y1;\n  size_t part;\n  size_t group;\n  size_t block;\n  size_t end;\n  unsigned groups;\n  unsigned blocks;"
+    yield "} tm_walk;"
+    yield ""
+    yield "/* Where eight segments in a row begin, and where the last one ends, in m from the lower left corner of the box of their 64,"
+    yield "   in short: segments that are farther away than this shows need not be looked at. */"
+    yield "typedef struct {\n  float x[9];\n  float y[9];\n} tm_outline;"
+    yield ""
+    yield "/* A frame seen from a point (ox, oy), in short; `size`: no less than its numbers; m. */"
+    yield "typedef struct {"
+    yield "  double ox;\n  double oy;\n  float ahead;\n  float aside;\n  float u0;\n  float u1;\n  float v0;\n  float v1;\n  double size;"
+    yield "} tm_strip;"
+    yield ""
+    yield "/* An outline along a strip, and what may be wrong with it; m. */"
+    yield "typedef struct {\n  float u[9];\n  float v[9];\n  double slack;\n} tm_beside_strip;"
+    yield ""
+    yield "/* A stretch of a timeline: at most so many sweeps are held against a border at once, and so many segments listed beside them. */"
+    yield "#define TM_STRETCH 16u"
+    yield "#define TM_STRETCH_LIST 24u"
+    yield ""
+    yield "/* A pose along a stretch: where [m], turned by how much [rad], and what its footprint takes at most, to each side [m]. */"
+    yield "typedef struct {\n  double u;\n  double v;\n  double turn;\n  double along;\n  double across;\n} tm_posed;"
+    yield ""
+    yield "/* Poses seen from the one in their middle, at (ox, oy), and along it; the segments near to them by their numbers in the context, with"
+    yield "   their ends and boxes along the stretch, in short, and what may be wrong with these; m. */"
+    yield "typedef struct {"
+    yield "  double ox;\n  double oy;\n  tm_frame frame;\n  tm_posed pose[TM_STRETCH + 1u];\n  double slack;\n  size_t count;\n  size_t at[TM_STRETCH_LIST];"
+    for name in ("ua", "va", "ub", "vb", "u0", "u1", "v0", "v1"):
+        yield f"  float {name}[TM_STRETCH_LIST];"
+    yield "} tm_stretch;"
+    yield ""
+    yield "/* What is swept between two poses, seen from the first one at (ox, oy): the corners of both, the box around them along the second"
+    yield "   one, their hull if it is made; the nearest border so far, and whether one entered; m. */"
+    yield "typedef struct {"
+    yield "  double ox;\n  double oy;\n  double x[8];\n  double y[8];\n  tm_frame frame;\n  tm_hull hull;"
+    yield "  double best;\n  bool built;\n  bool entered;"
+    yield "} tm_sweep;"
+    yield ""
     yield "/* Where a point is along a line: station and offset in m (positive to the left), direction in rad. */"
     yield "typedef struct {\n  double station;\n  double offset;\n  double direction;\n} tm_projection;"
     yield ""
     if not plan.shapes:
         return
     if plan.lines:
-        yield "/* A point and where it is along a line. */"
-        yield "typedef struct {\n  double x;\n  double y;\n  tm_projection at;\n} tm_projected;"
+        yield "/* A point, where it is along a line, and the segment of the line that is nearest. */"
+        yield "typedef struct {\n  double x;\n  double y;\n  tm_projection at;\n  size_t segment;\n} tm_projected;"
         yield ""
     yield "/* A prepared line or region: its segments in the context. */"
     yield "typedef struct {"
     yield "  size_t first;\n  size_t count;\n  size_t hint; /* the segment that was nearest last */\n  double length; /* m */"
+    yield "  size_t near[2]; /* the segments that were nearest to the last timelines, which come by turns */\n  size_t turn_near;"
     yield "  bool usable;\n  bool closed;"
-    yield "  bool known; /* a sweep was looked at; its last pose: */\n  bool inside;"
+    yield "  bool known; /* the cosine and sine of a heading */\n  bool inside; /* well inside lies (x, y) */"
     yield "  double x;\n  double y;\n  double heading;\n  double ahead; /* cosine */\n  double aside; /* sine */"
     if plan.lines:
         yield "  tm_projected recent[8]; /* of a line: the points that were projected last */\n  size_t turn;"
@@ -143,8 +187,9 @@ def members(plan: Layout) -> list[str]:
     ]
     found += [
         "  tm_segment segment[TM_SEGMENTS];",
-        "  tm_box block_box[TM_SEGMENTS / 8u];",
-        "  tm_box group_box[TM_SEGMENTS / 64u];",
+        "  tm_outline outline[TM_SEGMENTS / 8u];",
+        "  tm_boxes blocks[TM_SEGMENTS / 64u];",
+        "  tm_boxes groups[TM_SEGMENTS / 512u];",
     ]
     found.append("  tm_box part_box[TM_SEGMENTS / 512u];")
     if plan.lines:
@@ -163,12 +208,10 @@ def initial(plan: Layout) -> Iterator[str]:
         place = f"c->shapes.{shape.c_name}"
         yield f"  {place}.first = TM_FIRST_{shape.c_name.upper()};"
         yield f"  {place}.count = 0u;"
-        yield f"  {place}.hint = 0u;"
         yield f"  {place}.length = 0.0;"
         yield f"  {place}.usable = false;"
         yield f"  {place}.closed = false;"
-        yield f"  {place}.known = false;"
-        yield f"  {place}.inside = false;"
+        yield f"  tm_unknown(&{place});"
         for name in ("x", "y", "heading", "ahead", "aside"):
             yield f"  {place}.{name} = 0.0;"
         if plan.lines:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from trackmarshal.backends.c.expressions import Value, Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.signs import signs_alone
 from trackmarshal.backends.c.slots import assign
 from trackmarshal.backends.c.statements import Block, prune, render
 from trackmarshal.errors import TrackmarshalError
@@ -105,6 +106,8 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> Writer:
             f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});",
         )
     prune(root)
+    if known:
+        signs_alone(root)
     writer.series = assign(root)
     return writer
 
@@ -174,7 +177,7 @@ def _entry(plan: Layout, rule: RuleInfo, name: str) -> list[str]:
 
 @dataclass(frozen=True)
 class GroupCode:
-    """Rules over one timeline whose functions for known values are joined in one loop."""
+    """Rules over one timeline or set whose functions for known values are joined in one loop."""
 
     rules: tuple[RuleInfo, ...]
     c_name: str
@@ -195,18 +198,19 @@ def group_codes(plan: Layout) -> list[GroupCode]:
 
 
 def _axis(rule: RuleInfo) -> ir.Axis | None:
-    """The timeline that a rule quantifies over, if it does nothing else that loops."""
+    """The timeline or set that a rule quantifies over, if it does nothing else that loops; a projection on a prepared line does not."""
     formula, active = rule.formula, rule.active
-    if not isinstance(formula, ir.Quantify) or formula.axis.kind != "samples":
+    if not isinstance(formula, ir.Quantify):
         return None
     if active is not None and not (isinstance(active, ir.Quantify) and active.axis is formula.axis):
         return None
-    looping = ir.Quantify | ir.First | ir.Timed | ir.Geometry | ir.Along
+    looping = ir.Quantify | ir.First | ir.Timed | ir.Geometry
     inner = [
         node
         for root in roots(rule)
         for node in ir.below(root)
-        if isinstance(node, looping) and node is not root
+        if (isinstance(node, looping) and node is not root)
+        or (isinstance(node, ir.Along) and node.line.kind == "path")
     ]
     return None if inner else formula.axis
 

@@ -207,6 +207,44 @@ class Stepper:
                 "E473", f"the generated Supervisor refuses the {what} `{name}`", help="change it"
             )
 
+    # For whoever calls the step from C -------------------------------------------------------------------------
+
+    @property
+    def function(self) -> Any:
+        """The binding's step, a C function of the address `bound`."""
+        return self._run
+
+    @property
+    def bound(self) -> int:
+        """Where the addresses are that a step is called with: of the context, a cycle's words, ... (`binding`)."""
+        return int(self._where.ctypes.data)
+
+    @property
+    def width(self) -> int:
+        """Bytes of a cycle's words."""
+        return self._format.size
+
+    @property
+    def judged(self) -> int:
+        """The address of the word that says whether the last cycle was judged."""
+        return ctypes.addressof(self._out) + 8 * [name for name, _ in SAID].index("judged")
+
+    def bind_clock(self, address: int) -> None:
+        """Take the C function at an address for the clock."""
+        self._where[2] = address
+
+    def pack(
+        self, words: NDArray[np.uint8], columns: Sequence[Columns], lines: Sequence[Line], closed: Sequence[bool] = (),
+        events: Sequence[int] = (),
+    ) -> None:  # fmt: skip
+        """The words of a cycle that came, number and stamp 0, whose columns are read where they are."""
+        given: list[Any] = [1, 1, 1, 0, 0.0, 0.0, 0, 0]
+        for entry in columns:
+            flags = 0 if entry.flags is None else entry.flags.ctypes.data
+            given += (entry.values.ctypes.data, flags, entry.count)
+        self._bordered(lines, given)
+        self._format.pack_into(memoryview(words), 0, *given, *closed, *events)
+
     # A cycle ---------------------------------------------------------------------------------------------------
 
     def step(

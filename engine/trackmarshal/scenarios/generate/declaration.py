@@ -85,6 +85,9 @@ def load(path: Path, shown: str) -> Declaration:
     )
     road.expect(fields, "trackmarshal-scenario")
     track = fields["track"].text()
+    if Path(track).is_absolute() or Path(track).suffix not in (".yaml", ".yml"):
+        # What comes from elsewhere does not choose any file to be opened and quoted in a message.
+        raise fields["track"].wrong(f"`{track}` is no path of a track", "a .yaml file, relative to this one")
     vehicle = _vehicle(fields["vehicle"])
     step = fields["step"].number(0.001, 10.0)
     count = round(fields["duration"].number(step, 36_000.0) / step) + 1

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from trackmarshal.trace.report.reading import Rule, Run, number
-from trackmarshal.trace.report.words import clock, count, decided_by, interval, quantity
+from trackmarshal.trace.report.words import clock, count, decided_by, interval, measured
 
 #: Firings of one rule on one candidate beyond these are summed up in one row.
 MOST_FIRINGS = 6
@@ -44,10 +44,9 @@ def _alike(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
 
 def _firing(rule: Rule, candidate: str, firing: Mapping[str, Any]) -> dict[str, Any]:
     worst = firing["worst"]
-    margin = number(worst["margin"])
     return {
         "rule": rule, "candidate": candidate, "interval": interval(number(firing["from"]), number(firing["to"])),
-        "verdicts": " and ".join(firing["verdicts"]), "margin": quantity(margin, worst["unit"]), "exact": worst["margin"],
+        "verdicts": " and ".join(firing["verdicts"]), "margin": measured(worst), "exact": worst["margin"],
         "t": clock(number(worst["t"])), "by": decided_by(worst), "span": worst["span"], "line": worst["line"], "more": "",
     }  # fmt: skip
 

@@ -10,6 +10,7 @@ from statistics import median
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.units import from_si
 
 FORMAT, VERSION = "trackmarshal-run", 1
 #: Letters of verdicts in records, and how pages name them. `-`: the cycle has no such candidate.
@@ -27,7 +28,7 @@ NEAR = 0.25
 
 @dataclass(frozen=True, slots=True)
 class Lane:
-    """One rule on one candidate: a letter and a margin a cycle, the cycle of the least margin, and where it fired."""
+    """One rule on one candidate: a letter and a margin a cycle, in the rule's unit, the cycle of the least margin, where it fired."""
 
     verdict: str
     margin: list[float]
@@ -180,14 +181,16 @@ def _run(name: str, record: Mapping[str, Any]) -> Run:
     rules = []
     for entry in record["rules"]:
         lanes = {}
+        shown = entry.get("shown") or "1"  # margins are shown in the unit in which the limit is written
         for candidate, lane in entry["candidates"].items():
             columns[f"{entry['name']}.{candidate}.verdict"] = lane["verdict"]
             columns[f"{entry['name']}.{candidate}.margin"] = lane["margin"]
             if unknown := set(lane["verdict"]) - set(VERDICTS):
                 raise ValueError(f"unknown verdicts {sorted(unknown)}")
-            margin = [math.nan if m is None else number(m) for m in lane["margin"]]
+            margin = [math.nan if m is None else from_si(number(m), shown) for m in lane["margin"]]
             lanes[candidate] = Lane(lane["verdict"], margin, lane["least"], lane["firings"])
-        rules.append(Rule(**{field: entry[field] for field in RULE_FIELDS}, lanes=lanes))
+        known = {field: entry[field] for field in RULE_FIELDS}
+        rules.append(Rule(**{**known, "unit": entry.get("shown") or entry["unit"]}, lanes=lanes))
     if unknown := set(record["decision"]) - set(DECISIONS):
         raise ValueError(f"unknown decisions {sorted(unknown)}")
     for column, values in columns.items():

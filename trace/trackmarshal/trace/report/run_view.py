@@ -15,8 +15,8 @@ from trackmarshal.trace.report.words import (
     count,
     decided_by,
     listed,
+    measured,
     plain,
-    quantity,
     spoken_unit,
 )
 
@@ -125,9 +125,9 @@ def _least(rule: Rule) -> dict[str, Any] | None:
     ]
     if not moments:
         return None
-    margin, candidate, moment = min(moments, key=lambda item: item[0])
+    _, candidate, moment = min(moments, key=lambda item: item[0])
     return {
-        "margin": quantity(margin, moment["unit"]), "exact": moment["margin"], "candidate": candidate,
+        "margin": measured(moment), "exact": moment["margin"], "candidate": candidate,
         "t": clock(number(moment["t"])), "by": decided_by(moment),
     }  # fmt: skip
 

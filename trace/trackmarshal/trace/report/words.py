@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from trackmarshal.trace.report.reading import number
+from trackmarshal.units import from_si, parse_unit
 
 
 def quantity(value: float, unit: str, digits: int = 4) -> str:
@@ -17,6 +18,15 @@ def quantity(value: float, unit: str, digits: int = 4) -> str:
         return "+∞" if value > 0 else "−∞"
     text = plain(value, digits)
     return text if unit in ("1", "") else f"{text} {spoken_unit(unit)}"
+
+
+def measured(moment: Mapping[str, Any], beside: bool = True) -> str:
+    """A margin of a record in the unit in which its limit is written, with SI beside it where that is another number."""
+    margin, unit, shown = number(moment["margin"]), moment["unit"], moment.get("shown", "")
+    if not shown or not math.isfinite(margin):
+        return quantity(margin, unit)
+    text = quantity(from_si(margin, shown), shown)
+    return f"{text} ({quantity(margin, unit)})" if beside and parse_unit(shown)[:2] != (1.0, 1.0) else text
 
 
 def plain(value: float, digits: int = 4) -> str:

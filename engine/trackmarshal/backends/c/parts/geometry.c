@@ -26,34 +26,153 @@ static tm_box tm_grown(const tm_box *box, double by) {
   return result;
 }
 
-/** Whether a segment lies beside a box altogether. */
-static inline bool tm_beside_box(const tm_segment *s, const tm_box *box) {
-  const int x = ((s->ax < box->x0) & (s->bx < box->x0)) | ((s->ax > box->x1) & (s->bx > box->x1));
-  const int y = ((s->ay < box->y0) & (s->by < box->y0)) | ((s->ay > box->y1) & (s->by > box->y1));
-  return (x | y) != 0;
+/** A number that is not more than this one, in short. */
+static float tm_short_below(double x) {
+  return (float)(x - ((fabs(x) * 2.4e-7) + 1e-6));
 }
 
-/** The next segment at or after `i` of a shape whose boxes all meet a box; else the end. */
-static size_t tm_next_near(const tm_context *c, const tm_shape *shape, size_t i, const tm_box *box) {
-  const size_t end = shape->first + shape->count;
-  while ((i < end) && ((i & 7u) == 0u)) {
-    if (((i & 511u) == 0u) && !tm_boxes_meet(&c->part_box[i / 512u], box)) {
-      i += 512u;
-    } else if (((i & 63u) == 0u) && !tm_boxes_meet(&c->group_box[i / 64u], box)) {
-      i += 64u;
-    } else if (!tm_boxes_meet(&c->block_box[i / 8u], box)) {
-      i += 8u;
-    } else {
-      return i;
-    }
+/** A number that is not less than this one, in short. */
+static float tm_short_above(double x) {
+  return (float)(x + ((fabs(x) * 2.4e-7) + 1e-6));
+}
+
+/** Look for what is near to this box from now on; what was found already stays. */
+static void tm_walk_box(tm_walk *walk, const tm_box *near) {
+  walk->near = *near;
+  walk->x0 = tm_short_below(near->x0);
+  walk->y0 = tm_short_below(near->y0);
+  walk->x1 = tm_short_above(near->x1);
+  walk->y1 = tm_short_above(near->y1);
+}
+
+/** A walk over the blocks of eight segments of a shape whose boxes meet a box, from about the segment `from` on. */
+static tm_walk tm_walk_near(const tm_shape *shape, size_t from, const tm_box *near) {
+  tm_walk walk;
+  tm_walk_box(&walk, near);
+  walk.end = shape->first + shape->count;
+  walk.block = walk.end;
+  walk.part = from / 512u;
+  walk.group = 0u;
+  walk.groups = 0u;
+  walk.blocks = 0u;
+  return walk;
+}
+
+/** Which of eight boxes meet the box of a walk: a bit each. */
+static unsigned tm_boxes_near(const tm_boxes *boxes, const tm_walk *walk) {
+  static const int bit[8] = {1, 2, 4, 8, 16, 32, 64, 128};
+  int found = 0;
+  for (size_t k = 0u; k < 8u; ++k) {
+    const int x = (boxes->x0[k] <= walk->x1) & (walk->x0 <= boxes->x1[k]);
+    const int y = (boxes->y0[k] <= walk->y1) & (walk->y0 <= boxes->y1[k]);
+    found |= ((x & y) != 0) ? bit[k] : 0;
   }
-  return (i < end) ? i : end;
+  return (unsigned)found;
+}
+
+/** The place of the lowest of eight bits, one of which is set. */
+static size_t tm_lowest(unsigned bits) {
+  static const unsigned char lowest[16] = {4, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0};
+  const size_t low = lowest[bits & 15u];
+  return (low < 4u) ? low : (4u + lowest[(bits >> 4u) & 15u]);
+}
+
+/** Where the next block of a walk begins; at its end, where the shape ends. */
+static size_t tm_walk_next(const tm_context *c, tm_walk *walk) {
+  while (walk->blocks == 0u) {
+    while (walk->groups == 0u) {
+      if ((walk->part * 512u) >= walk->end) {
+        return walk->end;
+      }
+      if (tm_boxes_meet(&c->part_box[walk->part], &walk->near)) {
+        walk->groups = tm_boxes_near(&c->groups[walk->part], walk);
+      }
+      ++walk->part;
+    }
+    walk->group = ((walk->part - 1u) * 8u) + tm_lowest(walk->groups);
+    walk->groups &= walk->groups - 1u;
+    walk->blocks = tm_boxes_near(&c->blocks[walk->group], walk);
+  }
+  const size_t block = (walk->group * 8u) + tm_lowest(walk->blocks);
+  walk->blocks &= walk->blocks - 1u;
+  return block * 8u;
 }
 
 /** Where the block of eight segments ends that a segment is in. */
 static size_t tm_block_end(size_t i, size_t end) {
   const size_t stop = (i | 7u) + 1u;
   return (stop < end) ? stop : end;
+}
+
+/** A strip to look along for segments: a box along (ahead, aside) that is seen from a point. */
+static tm_strip tm_strip_of(const tm_frame *frame, double ox, double oy) {
+  tm_strip strip;
+  strip.ox = ox;
+  strip.oy = oy;
+  strip.ahead = (float)frame->ahead;
+  strip.aside = (float)frame->aside;
+  strip.u0 = (float)frame->u0;
+  strip.u1 = (float)frame->u1;
+  strip.v0 = (float)frame->v0;
+  strip.v1 = (float)frame->v1;
+  strip.size = (fabs(frame->u0) + fabs(frame->u1)) + (fabs(frame->v0) + fabs(frame->v1));
+  return strip;
+}
+
+/** Which of eight boxes along a strip may lie within `reach` of a box in it, (u0, u1, v0, v1): a bit each. NaN is near. */
+static unsigned tm_strip_bits(const float *u0, const float *u1, const float *v0, const float *v1, const float *box, float reach) {
+  static const int bit[8] = {1, 2, 4, 8, 16, 32, 64, 128};
+  const float limit = reach * reach;
+  int found = 0;
+  for (size_t k = 0u; k < 8u; ++k) {
+    const float front = u0[k] - box[1];
+    const float rear = box[0] - u1[k];
+    const float left = v0[k] - box[3];
+    const float right = box[2] - v1[k];
+    const float u = (front > rear) ? front : rear;
+    const float v = (left > right) ? left : right;
+    const float du = (u > 0.0f) ? u : 0.0f;
+    const float dv = (v > 0.0f) ? v : 0.0f;
+    found |= (((du * du) + (dv * dv)) > limit) ? 0 : bit[k];
+  }
+  return (unsigned)found;
+}
+
+/** The outline of the block of segments from `i` on, along a strip, and which of them may lie within `reach` of it: a bit each.
+   `slack`: what may be wrong with its numbers, and those of the strip, which are short, and a little more [m]. */
+static unsigned tm_strip_near(const tm_context *c, size_t i, const tm_strip *strip, double reach, tm_beside_strip *beside) {
+  const tm_outline *outline = &c->outline[i / 8u];
+  const tm_boxes *groups = &c->groups[i / 512u];
+  const size_t group = (i / 64u) & 7u;
+  const double apart_x = (double)groups->x0[group] - strip->ox;
+  const double apart_y = (double)groups->y0[group] - strip->oy;
+  const double extent = (double)((groups->x1[group] - groups->x0[group]) + (groups->y1[group] - groups->y0[group])) +
+                        (fabs(apart_x) + fabs(apart_y));
+  const float dx = (float)apart_x;
+  const float dy = (float)apart_y;
+  const float box[4] = {strip->u0, strip->u1, strip->v0, strip->v1};
+  float u0[8];
+  float u1[8];
+  float v0[8];
+  float v1[8];
+  for (size_t k = 0u; k < 8u; ++k) {
+    const float x = outline->x[k] + dx;
+    const float y = outline->y[k] + dy;
+    beside->u[k] = (strip->ahead * x) + (strip->aside * y);
+    beside->v[k] = (strip->ahead * y) - (strip->aside * x);
+  }
+  beside->u[8] = (strip->ahead * (outline->x[8] + dx)) + (strip->aside * (outline->y[8] + dy));
+  beside->v[8] = (strip->ahead * (outline->y[8] + dy)) - (strip->aside * (outline->x[8] + dx));
+  for (size_t k = 0u; k < 8u; ++k) {
+    const bool ahead = beside->u[k] < beside->u[k + 1u];
+    const bool left = beside->v[k] < beside->v[k + 1u];
+    u0[k] = ahead ? beside->u[k] : beside->u[k + 1u];
+    u1[k] = ahead ? beside->u[k + 1u] : beside->u[k];
+    v0[k] = left ? beside->v[k] : beside->v[k + 1u];
+    v1[k] = left ? beside->v[k + 1u] : beside->v[k];
+  }
+  beside->slack = 1e-4 + (1e-6 * ((extent + strip->size) + reach));
+  return tm_strip_bits(u0, u1, v0, v1, box, (float)(reach + beside->slack));
 }
 
 /** The distance of a point from a segment; both are seen from (ox, oy). */
@@ -74,24 +193,30 @@ static double tm_segment_distance(const tm_segment *s, double ox, double oy, dou
 /** The distance of a point from a shape's segments, seen from (ox, oy), and the first of the nearest ones. */
 static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double oy, double x, double y, size_t *which) {
   const tm_box at = {x + ox, y + oy, x + ox, y + oy};
-  size_t nearest = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
-  double best = tm_segment_distance(&c->segment[nearest], ox, oy, x, y);
+  const tm_frame point = {1.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  const tm_strip strip = tm_strip_of(&point, at.x0, at.y0);
   const size_t end = shape->first + shape->count;
+  const size_t likely = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
+  size_t nearest = likely;
+  double best = tm_segment_distance(&c->segment[nearest], ox, oy, x, y);
   tm_box near = tm_grown(&at, best);
-  size_t i = tm_next_near(c, shape, shape->first, &near);
-  while (i < end) {
+  tm_walk walk = tm_walk_near(shape, shape->first, &near);
+  for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
     const size_t stop = tm_block_end(i, end);
-    for (; i < stop; ++i) {
-      if (!tm_beside_box(&c->segment[i], &near)) {
-        const double reach = tm_segment_distance(&c->segment[i], ox, oy, x, y);
-        if ((reach < best) || ((reach == best) && (i < nearest))) {
+    tm_beside_strip beside;
+    unsigned looked = tm_strip_near(c, i, &strip, best, &beside);
+    for (size_t k = i; (looked != 0u) && (k < stop); ++k) {
+      if (((looked & 1u) != 0u) && (k != likely)) {
+        const double reach = tm_segment_distance(&c->segment[k], ox, oy, x, y);
+        if ((reach < best) || ((reach == best) && (k < nearest))) {
           best = reach;
-          nearest = i;
+          nearest = k;
           near = tm_grown(&at, best);
+          tm_walk_box(&walk, &near);
         }
       }
+      looked >>= 1u;
     }
-    i = tm_next_near(c, shape, i, &near);
   }
   shape->hint = nearest - shape->first;
   *which = nearest;
@@ -100,22 +225,14 @@ static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double
 
 /** Whether a point that is not on the border lies inside a region: a ray along +x crosses the border an odd number of times. */
 static bool tm_holds(const tm_context *c, const tm_shape *shape, double x, double y) {
-  const double slack = 1e-3;
+  const tm_box ray = {x - 1e-3, y, TM_INF, y};
   const size_t end = shape->first + shape->count;
   bool inside = false;
-  size_t i = shape->first;
-  while (i < end) {
-    const tm_box *part = &c->part_box[i / 512u];
-    const tm_box *group = &c->group_box[i / 64u];
-    const tm_box *block = &c->block_box[i / 8u];
-    if (((i & 511u) == 0u) && ((y < part->y0) || (y > part->y1) || (x > (part->x1 + slack)))) {
-      i += 512u;
-    } else if (((i & 63u) == 0u) && ((y < group->y0) || (y > group->y1) || (x > (group->x1 + slack)))) {
-      i += 64u;
-    } else if (((i & 7u) == 0u) && ((y < block->y0) || (y > block->y1) || (x > (block->x1 + slack)))) {
-      i += 8u;
-    } else {
-      const tm_segment *s = &c->segment[i];
+  tm_walk walk = tm_walk_near(shape, shape->first, &ray);
+  for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
+    const size_t stop = tm_block_end(i, end);
+    for (size_t k = i; k < stop; ++k) {
+      const tm_segment *s = &c->segment[k];
       const bool upward = s->ay < s->by;
       const double low = upward ? s->ay : s->by;
       const double high = upward ? s->by : s->ay;
@@ -127,7 +244,6 @@ static bool tm_holds(const tm_context *c, const tm_shape *shape, double x, doubl
           inside = !inside;
         }
       }
-      ++i;
     }
   }
   return inside;
@@ -142,6 +258,23 @@ static double tm_in_area(tm_context *c, tm_shape *shape, double x, double y) {
   }
   reach = tm_nearest(c, shape, 0.0, 0.0, x, y, &which);
   return ((reach == 0.0) || tm_holds(c, shape, x, y)) ? reach : -reach;
+}
+
+/** A number of the sign of a point's signed distance from the border of a region: at once where it is off the region's box. */
+static double tm_in_area_sign(tm_context *c, tm_shape *shape, double x, double y) {
+  const tm_box at = {x, y, x, y};
+  const tm_box near = tm_grown(&at, 1.0);
+  const size_t end = shape->first + shape->count;
+  if (shape->usable && tm_usable(x) && tm_usable(y)) {
+    bool off = true;
+    for (size_t i = shape->first; off && (i < end); i += 512u) {
+      off = !tm_boxes_meet(&c->part_box[i / 512u], &near);
+    }
+    if (off) {
+      return -1.0;
+    }
+  }
+  return tm_in_area(c, shape, x, y);
 }
 
 /** The four corners of the box at a point, heading along (ahead, aside), seen from (ox, oy), counter-clockwise from the front left. */
@@ -188,17 +321,15 @@ static void tm_convex_hull(const double *px, const double *py, tm_hull *hull) {
   size_t count = 0u;
   for (size_t i = 0u; i < 8u; ++i) {
     size_t at = n;
-    bool known = false;
-    for (size_t j = 0u; j < n; ++j) {
-      known = known || ((x[j] == px[i]) && (y[j] == py[i]));
-    }
-    if (known) {
-      continue;
-    }
     while ((at > 0u) && ((px[i] < x[at - 1u]) || ((px[i] == x[at - 1u]) && (py[i] < y[at - 1u])))) {
-      x[at] = x[at - 1u];
-      y[at] = y[at - 1u];
       --at;
+    }
+    if ((at > 0u) && (px[i] == x[at - 1u]) && (py[i] == y[at - 1u])) {
+      continue; /* known */
+    }
+    for (size_t j = n; j > at; --j) {
+      x[j] = x[j - 1u];
+      y[j] = y[j - 1u];
     }
     x[at] = px[i];
     y[at] = py[i];
@@ -326,37 +457,65 @@ static inline double tm_frame_apart(const tm_frame *frame, const tm_segment *s, 
   return (du * du) + (dv * dv);
 }
 
-/** The distance of a hull (its eight corners, its sides) from one border segment that does not enter it; where it is more
-   than `best`, something more than that. */
-static double tm_hull_gap(const tm_segment *s, double ox, double oy, const double *x, const double *y, const tm_hull *hull,
-                          const tm_frame *frame, double best) {
-  const double ax = s->ax - ox;
-  const double ay = s->ay - oy;
-  const double bx = s->bx - ox;
-  const double by = s->by - oy;
+/** Make the hull of a sweep, unless it is made. */
+static void tm_sweep_hull(tm_sweep *sweep) {
+  if (!sweep->built) {
+    tm_convex_hull(sweep->x, sweep->y, &sweep->hull);
+    sweep->built = true;
+  }
+}
+
+/** Whether a point is farther than `best` from a sweep, going by the line from the rear of the first pose to the front of the second
+   one on the point's side, and the corners beyond it. */
+static bool tm_sweep_far(const tm_sweep *sweep, double x, double y, double best) {
+  const bool left = ((sweep->frame.ahead * y) - (sweep->frame.aside * x)) > (0.5 * (sweep->frame.v0 + sweep->frame.v1));
+  const size_t rear = left ? 1u : 2u;
+  const size_t front = left ? 4u : 7u;
+  const double sign = left ? 1.0 : -1.0;
+  const double ex = sign * (sweep->x[front] - sweep->x[rear]);
+  const double ey = sign * (sweep->y[front] - sweep->y[rear]);
+  const double way = (fabs(ex) + fabs(ey)) * 1e-5;
+  double beyond = 0.0;
+  for (size_t i = 0u; i < 8u; ++i) {
+    const double off = (ex * (sweep->y[i] - sweep->y[rear])) - (ey * (sweep->x[i] - sweep->x[rear]));
+    beyond = tm_greatest(beyond, off);
+  }
+  const double off = (((ex * (y - sweep->y[rear])) - (ey * (x - sweep->x[rear]))) - beyond) - way;
+  return (off > 0.0) && ((off * off) > (((ex * ex) + (ey * ey)) * (best * best)));
+}
+
+/** The distance of a sweep (its eight corners, its sides) from one border segment that does not enter it; where it is more
+   than the nearest so far, something more than that. */
+static double tm_sweep_gap(tm_sweep *sweep, const tm_segment *s) {
+  const double ax = s->ax - sweep->ox;
+  const double ay = s->ay - sweep->oy;
+  const double bx = s->bx - sweep->ox;
+  const double by = s->by - sweep->oy;
   double line = TM_INF;
   double ends = TM_INF;
   double reach;
+  double best;
   tm_segment start;
   for (size_t i = 0u; i < 8u; ++i) {
-    const double rx = x[i] - ax;
-    const double ry = y[i] - ay;
+    const double rx = sweep->x[i] - ax;
+    const double ry = sweep->y[i] - ay;
     const double product = (s->ex * rx) + (s->ey * ry);
-    if ((0.0 < product) && (product < s->square)) {
-      line = tm_least(line, fabs((s->ex * ry) - (s->ey * rx)));
-    } else {
-      const double sx = x[i] - bx;
-      const double sy = y[i] - by;
-      ends = tm_least(ends, tm_least((rx * rx) + (ry * ry), (sx * sx) + (sy * sy)));
-    }
+    const bool beside = ((0.0 < product) & (product < s->square)) != 0;
+    const double sx = sweep->x[i] - bx;
+    const double sy = sweep->y[i] - by;
+    const double across = fabs((s->ex * ry) - (s->ey * rx));
+    const double end = tm_least((rx * rx) + (ry * ry), (sx * sx) + (sy * sy));
+    line = tm_least(line, beside ? across : TM_INF);
+    ends = tm_least(ends, beside ? TM_INF : end);
   }
   reach = tm_least(line / s->length, sqrt(ends));
-  best = tm_least(best, reach);
+  best = tm_least(sweep->best, reach);
   start = *s;
   start.bx = s->ax;
   start.by = s->ay;
-  if (tm_frame_apart(frame, &start, ox, oy) <= (best * best)) {
-    reach = tm_least(reach, tm_hull_distance(hull, ax, ay));
+  if ((tm_frame_apart(&sweep->frame, &start, sweep->ox, sweep->oy) <= (best * best)) && !tm_sweep_far(sweep, ax, ay, best)) {
+    tm_sweep_hull(sweep);
+    reach = tm_least(reach, tm_hull_distance(&sweep->hull, ax, ay));
   }
   return reach;
 }
@@ -374,27 +533,43 @@ static double tm_outside(tm_context *c, tm_shape *shape, double ox, double oy, c
       worst = tm_greatest(worst, reach);
     }
   }
-  for (size_t i = tm_next_near(c, shape, shape->first, &near); i < end; i = tm_next_near(c, shape, i + 1u, &near)) {
-    const tm_segment *s = &c->segment[i];
-    worst = tm_greatest(worst, tm_depth(hull, s->ax - ox, s->ay - oy));
-  }
-  if (worst == 0.0) {
-    for (size_t i = tm_next_near(c, shape, shape->first, &near); i < end; i = tm_next_near(c, shape, i + 1u, &near)) {
-      const tm_segment *s = &c->segment[i];
-      if (tm_enters(s, ox, oy, hull)) {
-        worst = tm_greatest(worst, tm_middle_depth(s, ox, oy, hull));
+  for (size_t pass = 0u; (pass < 2u) && ((pass == 0u) || (worst == 0.0)); ++pass) {
+    tm_walk walk = tm_walk_near(shape, shape->first, &near);
+    for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
+      const size_t stop = tm_block_end(i, end);
+      for (size_t k = i; k < stop; ++k) {
+        const tm_segment *s = &c->segment[k];
+        if (pass == 0u) {
+          worst = tm_greatest(worst, tm_depth(hull, s->ax - ox, s->ay - oy));
+        } else if (tm_enters(s, ox, oy, hull)) {
+          worst = tm_greatest(worst, tm_middle_depth(s, ox, oy, hull));
+        } else {
+          /* beside it */
+        }
       }
     }
   }
   return tm_least(-2.2250738585072014e-308, -worst);
 }
 
-/** The boxes around eight points seen from (ox, oy): one along the axes, not seen from there, and one along (ahead, aside). */
-static void tm_bound_points(const double *x, const double *y, double ox, double oy, tm_box *box, tm_frame *frame) {
-  box->x0 = TM_INF;
-  box->x1 = -TM_INF;
-  box->y0 = TM_INF;
-  box->y1 = -TM_INF;
+/** The box along the axes around eight points seen from (ox, oy); not seen from there. */
+static tm_box tm_box_around(const double *x, const double *y, double ox, double oy) {
+  tm_box box = {TM_INF, TM_INF, -TM_INF, -TM_INF};
+  for (size_t i = 0u; i < 8u; ++i) {
+    box.x0 = tm_least(box.x0, x[i]);
+    box.x1 = tm_greatest(box.x1, x[i]);
+    box.y0 = tm_least(box.y0, y[i]);
+    box.y1 = tm_greatest(box.y1, y[i]);
+  }
+  box.x0 += ox;
+  box.x1 += ox;
+  box.y0 += oy;
+  box.y1 += oy;
+  return box;
+}
+
+/** The box along (ahead, aside) around eight points. */
+static void tm_bound_points(const double *x, const double *y, tm_frame *frame) {
   frame->u0 = TM_INF;
   frame->u1 = -TM_INF;
   frame->v0 = TM_INF;
@@ -402,39 +577,18 @@ static void tm_bound_points(const double *x, const double *y, double ox, double 
   for (size_t i = 0u; i < 8u; ++i) {
     const double u = (frame->ahead * x[i]) + (frame->aside * y[i]);
     const double v = (frame->ahead * y[i]) - (frame->aside * x[i]);
-    box->x0 = tm_least(box->x0, x[i]);
-    box->x1 = tm_greatest(box->x1, x[i]);
-    box->y0 = tm_least(box->y0, y[i]);
-    box->y1 = tm_greatest(box->y1, y[i]);
     frame->u0 = tm_least(frame->u0, u);
     frame->u1 = tm_greatest(frame->u1, u);
     frame->v0 = tm_least(frame->v0, v);
     frame->v1 = tm_greatest(frame->v1, v);
   }
-  box->x0 += ox;
-  box->x1 += ox;
-  box->y0 += oy;
-  box->y1 += oy;
 }
 
-/** The signed margin [m] of what a vehicle sweeps between two poses inside a region; NaN for what is none.
-   Margins above `bound` need not be exact: the caller takes the least of many, and has found `bound` already. */
-static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double y0, double heading0, double x1, double y1,
-                              double heading1, double length, double width, double bound) {
-  double x[8];
-  double y[8];
-  tm_hull hull;
-  tm_box box;
-  tm_frame frame;
-  double best = (bound > 0.0) ? bound : 0.0;
+/** What is swept between two poses: its corners seen from the first one, and the boxes around it. */
+static void tm_sweep_between(tm_shape *shape, double x0, double y0, double heading0, double x1, double y1, double heading1,
+                             double length, double width, double bound, tm_sweep *sweep) {
   double ahead0;
   double aside0;
-  bool built = false;
-  bool entered = false;
-  if (!shape->usable || !tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) ||
-      !tm_usable(heading1) || !tm_sized(length, width)) {
-    return TM_NAN;
-  }
   if (shape->known && (heading0 == shape->heading)) { /* the last pose of one sweep is the first one of the next */
     ahead0 = shape->ahead;
     aside0 = shape->aside;
@@ -442,64 +596,362 @@ static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double 
     ahead0 = cos(heading0);
     aside0 = sin(heading0);
   }
-  const bool from_inside = shape->known && shape->inside && (x0 == shape->x) && (y0 == shape->y);
   if (!shape->known || !(heading1 == shape->heading)) {
     shape->ahead = cos(heading1);
     shape->aside = sin(heading1);
   }
   shape->heading = heading1;
+  shape->known = true;
+  sweep->ox = x0;
+  sweep->oy = y0;
+  sweep->frame.ahead = shape->ahead;
+  sweep->frame.aside = shape->aside;
+  tm_footprint(x0, y0, ahead0, aside0, length, width, x0, y0, &sweep->x[0], &sweep->y[0]);
+  tm_footprint(x1, y1, shape->ahead, shape->aside, length, width, x0, y0, &sweep->x[4], &sweep->y[4]);
+  tm_bound_points(sweep->x, sweep->y, &sweep->frame);
+  sweep->best = (bound > 0.0) ? bound : 0.0;
+  sweep->built = false;
+  sweep->entered = false;
+}
+
+/** Look at a border segment; whether it is nearer to the sweep than all that were looked at. */
+static bool tm_sweep_nearer(tm_sweep *sweep, const tm_segment *s) {
+  const double apart = tm_frame_apart(&sweep->frame, s, sweep->ox, sweep->oy);
+  double reach;
+  if (!(apart <= (sweep->best * sweep->best))) {
+    return false;
+  }
+  if (apart == 0.0) {
+    tm_sweep_hull(sweep);
+    if (tm_enters(s, sweep->ox, sweep->oy, &sweep->hull)) {
+      sweep->entered = true;
+      return false;
+    }
+  }
+  reach = tm_sweep_gap(sweep, s);
+  if (reach < sweep->best) {
+    sweep->best = reach;
+    return true;
+  }
+  return false;
+}
+
+/** The signed margin of a sweep for which all of the border that may matter was looked at. `from_inside`: its first pose is well inside;
+   then so is all of it where nothing of the border lies in it. */
+static double tm_sweep_margin(tm_context *c, tm_shape *shape, tm_sweep *sweep, bool from_inside, double x, double y) {
+  shape->inside = false;
+  if (sweep->entered || !((from_inside && (sweep->best > 1e-3)) || tm_holds(c, shape, x, y))) {
+    const tm_box box = tm_box_around(sweep->x, sweep->y, sweep->ox, sweep->oy);
+    tm_sweep_hull(sweep);
+    return tm_outside(c, shape, sweep->ox, sweep->oy, sweep->x, sweep->y, &sweep->hull, &box);
+  }
+  shape->inside = sweep->best > 1e-3;
+  return sweep->best;
+}
+
+/** The signed margin [m] of what a vehicle sweeps between two poses inside a region; NaN for what is none.
+   Margins above `bound` need not be exact: the caller takes the least of many, and has found `bound` already. */
+static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double y0, double heading0, double x1, double y1,
+                              double heading1, double length, double width, double bound) {
+  tm_sweep sweep;
+  if (!shape->usable || !tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) ||
+      !tm_usable(heading1) || !tm_sized(length, width)) {
+    return TM_NAN;
+  }
+  const bool from_inside = shape->inside && (x0 == shape->x) && (y0 == shape->y);
   shape->x = x1;
   shape->y = y1;
-  shape->inside = false;
-  shape->known = true;
-  frame.ahead = shape->ahead;
-  frame.aside = shape->aside;
-  tm_footprint(x0, y0, ahead0, aside0, length, width, x0, y0, &x[0], &y[0]);
-  tm_footprint(x1, y1, frame.ahead, frame.aside, length, width, x0, y0, &x[4], &y[4]);
-  tm_bound_points(x, y, x0, y0, &box, &frame);
+  tm_sweep_between(shape, x0, y0, heading0, x1, y1, heading1, length, width, bound, &sweep);
   const size_t end = shape->first + shape->count;
   const size_t likely = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
   /* What was nearest last time is near this time, and leaves little to look at. */
-  if (tm_frame_apart(&frame, &c->segment[likely], x0, y0) <= (best * best)) {
-    tm_convex_hull(x, y, &hull);
-    built = true;
-    best = tm_least(best, tm_hull_gap(&c->segment[likely], x0, y0, x, y, &hull, &frame, best));
-  }
-  tm_box near = tm_grown(&box, best);
-  size_t i = tm_next_near(c, shape, shape->first, &near);
-  while ((i < end) && !entered) {
+  (void)tm_sweep_nearer(&sweep, &c->segment[likely]);
+  const tm_strip strip = tm_strip_of(&sweep.frame, x0, y0);
+  const tm_box box = tm_box_around(sweep.x, sweep.y, x0, y0);
+  tm_box near = tm_grown(&box, sweep.best);
+  tm_walk walk = tm_walk_near(shape, shape->first, &near);
+  for (size_t i = tm_walk_next(c, &walk); (i < end) && !sweep.entered; i = tm_walk_next(c, &walk)) {
     const size_t stop = tm_block_end(i, end);
-    for (; (i < stop) && !entered; ++i) {
-      const tm_segment *s = &c->segment[i];
-      const double apart = tm_beside_box(s, &near) ? TM_INF : tm_frame_apart(&frame, s, x0, y0);
-      if (apart <= (best * best)) {
-        if (!built) {
-          tm_convex_hull(x, y, &hull);
-          built = true;
+    tm_beside_strip beside;
+    unsigned looked = tm_strip_near(c, i, &strip, sweep.best, &beside);
+    for (size_t k = i; (looked != 0u) && (k < stop) && !sweep.entered; ++k) {
+      if (((looked & 1u) != 0u) && (k != likely) && tm_sweep_nearer(&sweep, &c->segment[k])) {
+        near = tm_grown(&box, sweep.best);
+        tm_walk_box(&walk, &near);
+        shape->hint = k - shape->first;
+      }
+      looked >>= 1u;
+    }
+  }
+  return tm_sweep_margin(c, shape, &sweep, from_inside, (x0 + x1) / 2.0, (y0 + y1) / 2.0);
+}
+
+/** Where a stretch ends that begins with the sweep `first` from the pose `from`: not far away, and not turned by much. */
+static size_t tm_stretch_end(const double *x, const double *y, const double *heading, size_t n, size_t from, size_t first,
+                             double length) {
+  const double far = 8.0 * length;
+  size_t stop = first + 1u;
+  while ((stop < n) && ((stop - first) < TM_STRETCH)) {
+    const double dx = x[stop] - x[from];
+    const double dy = y[stop] - y[from];
+    if ((((dx * dx) + (dy * dy)) > (far * far)) || (fabs(heading[stop] - heading[from]) > 0.15)) {
+      break;
+    }
+    ++stop;
+  }
+  return stop;
+}
+
+/** Poses seen along the one in their middle, and the box of them all. */
+static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y, const double *heading, size_t count, double length,
+                          double width) {
+  const size_t middle = count / 2u;
+  tm_frame *all = &stretch->frame;
+  stretch->ox = x[middle];
+  stretch->oy = y[middle];
+  all->ahead = cos(heading[middle]);
+  all->aside = sin(heading[middle]);
+  all->u0 = TM_INF;
+  all->u1 = -TM_INF;
+  all->v0 = TM_INF;
+  all->v1 = -TM_INF;
+  for (size_t i = 0u; i < count; ++i) {
+    const double dx = x[i] - stretch->ox;
+    const double dy = y[i] - stretch->oy;
+    tm_posed *pose = &stretch->pose[i];
+    pose->u = (all->ahead * dx) + (all->aside * dy);
+    pose->v = (all->ahead * dy) - (all->aside * dx);
+    pose->turn = heading[i] - heading[middle];
+    const double sine = tm_least(fabs(pose->turn), 1.0); /* no less than it */
+    pose->along = 0.5 * (length + (width * sine));
+    pose->across = 0.5 * (width + (length * sine));
+    all->u0 = tm_least(all->u0, pose->u - pose->along);
+    all->u1 = tm_greatest(all->u1, pose->u + pose->along);
+    all->v0 = tm_least(all->v0, pose->v - pose->across);
+    all->v1 = tm_greatest(all->v1, pose->v + pose->across);
+  }
+}
+
+/** List the segments of a shape that may lie within `reach` of a stretch; their number is one more than there is room for where there
+   are more. */
+static void tm_stretch_list(const tm_context *c, const tm_shape *shape, tm_stretch *stretch, double reach) {
+  const size_t end = shape->first + shape->count;
+  const tm_frame *frame = &stretch->frame;
+  const tm_strip strip = tm_strip_of(frame, stretch->ox, stretch->oy);
+  const double u = (frame->u0 + frame->u1) / 2.0;
+  const double v = (frame->v0 + frame->v1) / 2.0;
+  const double x = stretch->ox + ((frame->ahead * u) - (frame->aside * v));
+  const double y = stretch->oy + ((frame->aside * u) + (frame->ahead * v));
+  const double along = (frame->u1 - frame->u0) / 2.0;
+  const double across = (frame->v1 - frame->v0) / 2.0;
+  const double wide = (fabs(frame->ahead) * along) + (fabs(frame->aside) * across);
+  const double high = (fabs(frame->aside) * along) + (fabs(frame->ahead) * across);
+  const tm_box box = {x - wide, y - high, x + wide, y + high};
+  const tm_box near = tm_grown(&box, reach);
+  stretch->count = 0u;
+  stretch->slack = 0.0;
+  for (size_t k = 0u; k < TM_STRETCH_LIST; ++k) {
+    stretch->u0[k] = INFINITY;
+    stretch->u1[k] = INFINITY;
+    stretch->v0[k] = INFINITY;
+    stretch->v1[k] = INFINITY;
+  }
+  tm_walk walk = tm_walk_near(shape, shape->first, &near);
+  for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
+    const size_t stop = tm_block_end(i, end);
+    tm_beside_strip beside;
+    unsigned looked = tm_strip_near(c, i, &strip, reach, &beside);
+    stretch->slack = tm_greatest(stretch->slack, beside.slack);
+    for (size_t k = 0u; (looked != 0u) && ((i + k) < stop); ++k) {
+      if ((looked & 1u) != 0u) {
+        const size_t n = stretch->count;
+        const bool ahead = beside.u[k] < beside.u[k + 1u];
+        const bool left = beside.v[k] < beside.v[k + 1u];
+        ++stretch->count;
+        if (n == TM_STRETCH_LIST) {
+          return;
         }
-        entered = (apart == 0.0) && tm_enters(s, x0, y0, &hull);
-        if (!entered && (i != likely)) {
-          const double reach = tm_hull_gap(s, x0, y0, x, y, &hull, &frame, best);
-          if (reach < best) {
-            best = reach;
-            near = tm_grown(&box, best);
-            shape->hint = i - shape->first;
-          }
-        }
+        stretch->at[n] = i + k;
+        stretch->ua[n] = beside.u[k];
+        stretch->va[n] = beside.v[k];
+        stretch->ub[n] = beside.u[k + 1u];
+        stretch->vb[n] = beside.v[k + 1u];
+        stretch->u0[n] = ahead ? beside.u[k] : beside.u[k + 1u];
+        stretch->u1[n] = ahead ? beside.u[k + 1u] : beside.u[k];
+        stretch->v0[n] = left ? beside.v[k] : beside.v[k + 1u];
+        stretch->v1[n] = left ? beside.v[k + 1u] : beside.v[k];
+      }
+      looked >>= 1u;
+    }
+  }
+}
+
+/** Whether a segment between two points may lie within `reach` of a box along the same direction; NaN may. */
+static bool tm_box_near(const tm_frame *box, double ua, double va, double ub, double vb, double reach) {
+  const double front = ((ua < ub) ? ua : ub) - box->u1;
+  const double rear = box->u0 - ((ua < ub) ? ub : ua);
+  const double left = ((va < vb) ? va : vb) - box->v1;
+  const double right = box->v0 - ((va < vb) ? vb : va);
+  const double u = (front > rear) ? front : rear;
+  const double v = (left > right) ? left : right;
+  const double du = (u > 0.0) ? u : 0.0;
+  const double dv = (v > 0.0) ? v : 0.0;
+  return !(((du * du) + (dv * dv)) > (reach * reach));
+}
+
+/** Which of the listed segments may lie within `reach` of what is swept between two poses of a stretch, going by the stretch: a bit each. */
+static unsigned long tm_stretch_near(const tm_stretch *stretch, const tm_posed *p, const tm_posed *q, double reach) {
+  const float box[4] = {
+    (float)tm_least(p->u - p->along, q->u - q->along), (float)tm_greatest(p->u + p->along, q->u + q->along),
+    (float)tm_least(p->v - p->across, q->v - q->across), (float)tm_greatest(p->v + p->across, q->v + q->across)};
+  const float more = (float)(reach + stretch->slack);
+  unsigned long bits = 0u;
+  for (size_t k = 0u; k < stretch->count; k += 8u) {
+    bits |= (unsigned long)tm_strip_bits(&stretch->u0[k], &stretch->u1[k], &stretch->v0[k], &stretch->v1[k], box, more) << k;
+  }
+  return bits;
+}
+
+/** Of these segments, those that may still be going by the second pose, if that is turned by little from the stretch. */
+static unsigned long tm_stretch_nearer(const tm_stretch *stretch, const tm_posed *p, const tm_posed *q, double length, double width,
+                                       double reach, unsigned long near) {
+  const double square = q->turn * q->turn;
+  const double cosine = 1.0 - (square * (0.5 - (square / 24.0)));
+  const double sine = q->turn * (1.0 - ((square / 6.0) * (1.0 - (square / 20.0))));
+  const double turned = tm_least(fabs(p->turn - q->turn), 1.0); /* no less than its sine */
+  const double pu = (cosine * p->u) + (sine * p->v);
+  const double pv = (cosine * p->v) - (sine * p->u);
+  const double qu = (cosine * q->u) + (sine * q->v);
+  const double qv = (cosine * q->v) - (sine * q->u);
+  const double along = 0.5 * (length + (width * turned));
+  const double across = 0.5 * (width + (length * turned));
+  const double most = ((fabs(p->u) + fabs(q->u)) + (fabs(p->v) + fabs(q->v))) + ((length + width) + reach);
+  const double more = (reach + stretch->slack) + (4e-6 * most); /* sine and cosine are good to 1e-6 */
+  tm_frame own = stretch->frame;
+  if (!(fabs(q->turn) <= 0.25)) {
+    return near;
+  }
+  own.u0 = tm_least(pu - along, qu - (0.5 * length));
+  own.u1 = tm_greatest(pu + along, qu + (0.5 * length));
+  own.v0 = tm_least(pv - across, qv - (0.5 * width));
+  own.v1 = tm_greatest(pv + across, qv + (0.5 * width));
+  for (size_t k = 0u; (near >> k) != 0u; ++k) {
+    if (((near >> k) & 1ul) != 0u) {
+      const double ua = (double)stretch->ua[k];
+      const double va = (double)stretch->va[k];
+      const double ub = (double)stretch->ub[k];
+      const double vb = (double)stretch->vb[k];
+      if (!tm_box_near(&own, (cosine * ua) + (sine * va), (cosine * va) - (sine * ua), (cosine * ub) + (sine * vb),
+                       (cosine * vb) - (sine * ub), more)) {
+        near &= ~(1ul << k);
       }
     }
-    if (!entered) {
-      i = tm_next_near(c, shape, i, &near);
+  }
+  return near;
+}
+
+/** Look at those listed segments that are near to a sweep. */
+static void tm_sweep_listed(const tm_context *c, tm_shape *shape, const tm_stretch *stretch, unsigned long near, tm_sweep *sweep) {
+  for (size_t k = 0u; (near != 0u) && !sweep->entered; ++k) {
+    if (((near & 1ul) != 0u) && tm_sweep_nearer(sweep, &c->segment[stretch->at[k]])) {
+      shape->hint = stretch->at[k] - shape->first;
+    }
+    near >>= 1u;
+  }
+}
+
+/** The gap between a border segment and the sweep that passes nearest to it, to begin with: none of a timeline's margins that
+   is greater matters. */
+static double tm_first_gap(tm_context *c, tm_shape *shape, size_t which, const double *x, const double *y, const double *heading,
+                           size_t n, double length, double width) {
+  const tm_segment *s = &c->segment[shape->first + which];
+  tm_sweep sweep;
+  double nearest = TM_INF;
+  size_t at = 0u;
+  for (size_t i = 0u; i < n; ++i) {
+    const double dx = x[i] - s->ax;
+    const double dy = y[i] - s->ay;
+    const double square = (dx * dx) + (dy * dy);
+    if (square < nearest) {
+      nearest = square;
+      at = i;
     }
   }
-  /* Nothing of the border lies in the sweep: where its first pose is well inside, so is all of it. */
-  if (entered || !((from_inside && (best > 1e-3)) || tm_holds(c, shape, (x0 + x1) / 2.0, (y0 + y1) / 2.0))) {
-    if (!built) {
-      tm_convex_hull(x, y, &hull);
-    }
-    return tm_outside(c, shape, x0, y0, x, y, &hull, &box);
+  const size_t before = tm_before(at, 1u);
+  tm_sweep_between(shape, x[before], y[before], heading[before], x[at], y[at], heading[at], length, width, TM_INF, &sweep);
+  (void)tm_sweep_nearer(&sweep, s);
+  if (!sweep.entered && (sweep.best <= (2.0 * length))) {
+    return sweep.best;
   }
-  shape->inside = best > 1e-3;
+  shape->hint = which;
+  return tm_swept_inside(c, shape, x[before], y[before], heading[before], x[at], y[at], heading[at], length, width, TM_INF);
+}
+
+/** The least signed margin [m] of what a vehicle sweeps from sample to sample of a timeline inside a region; NaN where one has none.
+   Sweeps are looked at eight at a time: what stays farther from the border than the least gap so far is inside if its first pose is. */
+static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x, const double *y, const double *heading, size_t n,
+                                 double length, double width) {
+  double best;
+  bool inside = false;
+  if (!shape->usable || !tm_sized(length, width) || (n < 1u)) {
+    return TM_NAN;
+  }
+  for (size_t i = 0u; i < n; ++i) {
+    if (!tm_usable(x[i]) || !tm_usable(y[i]) || !tm_usable(heading[i])) {
+      return TM_NAN;
+    }
+  }
+  /* Candidates come by turns: each begins where its margin was least in the cycle before. */
+  shape->turn_near = (shape->turn_near == 0u) ? 1u : 0u;
+  size_t *hint = &shape->near[shape->turn_near];
+  *hint = (*hint < shape->count) ? *hint : 0u;
+  best = tm_first_gap(c, shape, *hint, x, y, heading, n, length, width);
+  size_t stop = 0u;
+  for (size_t first = 0u; first < n; first = stop) {
+    const size_t from = tm_before(first, 1u);
+    stop = tm_stretch_end(x, y, heading, n, from, first, length);
+    tm_stretch stretch;
+    tm_stretch_of(&stretch, &x[from], &y[from], &heading[from], stop - from, length, width);
+    tm_stretch_list(c, shape, &stretch, tm_greatest(best, 1e-3));
+    if ((stretch.count == 0u) && (inside || tm_holds(c, shape, x[from], y[from]))) {
+      inside = true;
+      continue;
+    }
+    for (size_t i = first; i < stop; ++i) {
+      const size_t k = tm_before(i, 1u);
+      const bool listed = stretch.count <= TM_STRETCH_LIST;
+      double margin;
+      shape->hint = *hint;
+      if (listed) {
+        const tm_posed *p = &stretch.pose[k - from];
+        const tm_posed *q = &stretch.pose[i - from];
+        const double reach = tm_greatest(best, 1e-3);
+        unsigned long near = tm_stretch_near(&stretch, p, q, reach);
+        if (near != 0u) {
+          near = tm_stretch_nearer(&stretch, p, q, length, width, reach, near);
+        }
+        if ((near == 0u) && (inside || tm_holds(c, shape, x[k], y[k]))) {
+          inside = true;
+          continue;
+        }
+        tm_sweep sweep;
+        tm_sweep_between(shape, x[k], y[k], heading[k], x[i], y[i], heading[i], length, width, best, &sweep);
+        tm_sweep_listed(c, shape, &stretch, near, &sweep);
+        margin = tm_sweep_margin(c, shape, &sweep, inside, (x[k] + x[i]) / 2.0, (y[k] + y[i]) / 2.0);
+      } else {
+        shape->inside = inside;
+        shape->x = x[k];
+        shape->y = y[k];
+        margin = tm_swept_inside(c, shape, x[k], y[k], heading[k], x[i], y[i], heading[i], length, width, best);
+      }
+      inside = shape->inside;
+      if (margin < best) {
+        best = margin;
+        *hint = shape->hint;
+      }
+    }
+  }
+  shape->inside = false;
   return best;
 }
 
@@ -591,9 +1043,17 @@ static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, do
   if (!line->usable || !tm_usable(x) || !tm_usable(y)) {
     return tm_nowhere();
   }
-  for (size_t i = 0u; i < 8u; ++i) {
-    if ((line->recent[i].x == x) && (line->recent[i].y == y)) {
-      return line->recent[i].at;
+  double nearest = TM_INF;
+  for (size_t i = 0u; i < 8u; ++i) { /* what was near in the last cycle is where the search begins in this one */
+    const tm_projected *recent = &line->recent[i];
+    const double dx = recent->x - x;
+    const double dy = recent->y - y;
+    if ((recent->x == x) && (recent->y == y)) {
+      return recent->at;
+    }
+    if (((dx * dx) + (dy * dy)) < nearest) {
+      nearest = (dx * dx) + (dy * dy);
+      line->hint = recent->segment;
     }
   }
   reach = tm_nearest(c, line, 0.0, 0.0, x, y, &k);
@@ -608,6 +1068,7 @@ static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, do
     line->recent[line->turn].x = x;
     line->recent[line->turn].y = y;
     line->recent[line->turn].at = result;
+    line->recent[line->turn].segment = k - line->first;
     line->turn = (line->turn + 1u) & 7u;
   }
   return result;
@@ -620,6 +1081,7 @@ static void tm_forget(tm_shape *line) {
     line->recent[i].x = TM_NAN;
     line->recent[i].y = TM_NAN;
     line->recent[i].at = tm_nowhere();
+    line->recent[i].segment = 0u;
   }
 }
 

@@ -1,27 +1,90 @@
-/** Boxes around every 8, 64 and 512 segments of a shape. */
-static void tm_index(tm_context *c, const tm_shape *shape) {
-  for (size_t k = 0u; k < shape->count; ++k) {
-    const size_t i = shape->first + k;
-    const tm_segment *s = &c->segment[i];
-    tm_box own;
-    own.x0 = tm_least(s->ax, s->bx);
-    own.x1 = tm_greatest(s->ax, s->bx);
-    own.y0 = tm_least(s->ay, s->by);
-    own.y1 = tm_greatest(s->ay, s->by);
-    tm_box *boxes[3] = {&c->block_box[i / 8u], &c->group_box[i / 64u], &c->part_box[i / 512u]};
-    const size_t sizes[3] = {8u, 64u, 512u};
-    for (size_t level = 0u; level < 3u; ++level) {
-      tm_box *box = boxes[level];
-      if (((i % sizes[level]) == 0u) || (k == 0u)) {
-        *box = own;
-      } else {
-        box->x0 = tm_least(box->x0, own.x0);
-        box->x1 = tm_greatest(box->x1, own.x1);
-        box->y0 = tm_least(box->y0, own.y0);
-        box->y1 = tm_greatest(box->y1, own.y1);
+/** Nothing is known of a shape that is about to be prepared. */
+static void tm_unknown(tm_shape *shape) {
+  shape->hint = 0u;
+  shape->near[0] = 0u;
+  shape->near[1] = 0u;
+  shape->turn_near = 0u;
+  shape->known = false;
+  shape->inside = false;
+}
+
+/** Outlines of every 8 segments of a shape whose boxes are made. Where one does not begin where the one before ends, there is none:
+   NaN is near to everything. */
+static void tm_outlines(tm_context *c, const tm_shape *shape) {
+  const size_t end = shape->first + shape->count;
+  for (size_t i = shape->first; i < end; i += 8u) {
+    tm_outline *outline = &c->outline[i / 8u];
+    const double x0 = (double)c->groups[i / 512u].x0[(i / 64u) & 7u];
+    const double y0 = (double)c->groups[i / 512u].y0[(i / 64u) & 7u];
+    const size_t stop = tm_block_end(i, end);
+    bool torn = false;
+    for (size_t k = 0u; k < 9u; ++k) {
+      const tm_segment *s = &c->segment[((i + k) < stop) ? (i + k) : (stop - 1u)];
+      const bool begins = (i + k) < stop;
+      outline->x[k] = (float)((begins ? s->ax : s->bx) - x0);
+      outline->y[k] = (float)((begins ? s->ay : s->by) - y0);
+      if (begins && (k > 0u)) {
+        torn = torn || !(c->segment[(i + k) - 1u].bx == s->ax) || !(c->segment[(i + k) - 1u].by == s->ay);
       }
     }
+    for (size_t k = 0u; torn && (k < 9u); ++k) {
+      outline->x[k] = (float)TM_NAN;
+      outline->y[k] = (float)TM_NAN;
+    }
   }
+}
+
+/** A box around nothing. */
+static tm_box tm_no_box(void) {
+  const tm_box box = {TM_INF, TM_INF, -TM_INF, -TM_INF};
+  return box;
+}
+
+/** Let a box hold another one. */
+static void tm_hold(tm_box *box, const tm_box *other) {
+  box->x0 = tm_least(box->x0, other->x0);
+  box->x1 = tm_greatest(box->x1, other->x1);
+  box->y0 = tm_least(box->y0, other->y0);
+  box->y1 = tm_greatest(box->y1, other->y1);
+}
+
+/** The box of a segment. */
+static tm_box tm_box_of(const tm_segment *s) {
+  const tm_box box = {tm_least(s->ax, s->bx), tm_least(s->ay, s->by), tm_greatest(s->ax, s->bx), tm_greatest(s->ay, s->by)};
+  return box;
+}
+
+/** Put a box, in short, into one of eight places. */
+static void tm_put_box(tm_boxes *boxes, size_t place, const tm_box *box) {
+  boxes->x0[place] = tm_short_below(box->x0);
+  boxes->y0[place] = tm_short_below(box->y0);
+  boxes->x1[place] = tm_short_above(box->x1);
+  boxes->y1[place] = tm_short_above(box->y1);
+}
+
+/** Boxes around every 8, 64 and 512 segments of a shape, and outlines. Places beyond its end hold a box around nothing. */
+static void tm_index(tm_context *c, const tm_shape *shape) {
+  const size_t end = shape->first + shape->count;
+  const tm_box nothing = tm_no_box();
+  for (size_t i = shape->first; i < end; i += 512u) {
+    tm_box part = nothing;
+    for (size_t j = i; j < (i + 512u); j += 64u) {
+      tm_box group = nothing;
+      for (size_t k = j; k < (j + 64u); k += 8u) {
+        tm_box block = nothing;
+        for (size_t m = k; (m < (k + 8u)) && (m < end); ++m) {
+          const tm_box own = tm_box_of(&c->segment[m]);
+          tm_hold(&block, &own);
+        }
+        tm_put_box(&c->blocks[j / 64u], (k / 8u) & 7u, &block);
+        tm_hold(&group, &block);
+      }
+      tm_put_box(&c->groups[i / 512u], (j / 64u) & 7u, &group);
+      tm_hold(&part, &group);
+    }
+    c->part_box[i / 512u] = part;
+  }
+  tm_outlines(c, shape);
 }
 
 /** The points (x, y, x, y, ...) without repetitions of the last one kept, into `out`, which may be `points`; their count. */
@@ -80,6 +143,18 @@ static void tm_add_ring(tm_context *c, tm_shape *shape, const double *points, si
   }
 }
 
+/** The next segment after `i` in the blocks of a walk that began no later. */
+static size_t tm_walk_after(const tm_context *c, tm_walk *walk, size_t i) {
+  const size_t next = i + 1u;
+  if ((walk->block <= i) && (next < (walk->block + 8u))) {
+    return next;
+  }
+  do {
+    walk->block = tm_walk_next(c, walk);
+  } while ((walk->block + 8u) <= next);
+  return (walk->block > next) ? walk->block : next;
+}
+
 /** Whether two segments that are no neighbours meet, or a segment folds back on the one before it. */
 static bool tm_crosses(const tm_context *c, const tm_shape *shape, size_t ring_sides) {
   const size_t end = shape->first + shape->count;
@@ -92,15 +167,12 @@ static bool tm_crosses(const tm_context *c, const tm_shape *shape, size_t ring_s
     const double a[2] = {s->ax, s->ay};
     const double b[2] = {s->bx, s->by};
     const double next[2] = {after->bx, after->by};
-    tm_box box;
+    const tm_box box = tm_box_of(s);
     if (tm_folds_back(a, b, next)) {
       return true;
     }
-    box.x0 = tm_least(s->ax, s->bx);
-    box.x1 = tm_greatest(s->ax, s->bx);
-    box.y0 = tm_least(s->ay, s->by);
-    box.y1 = tm_greatest(s->ay, s->by);
-    for (size_t j = tm_next_near(c, shape, i + 1u, &box); j < end; j = tm_next_near(c, shape, j + 1u, &box)) {
+    tm_walk walk = tm_walk_near(shape, i, &box);
+    for (size_t j = tm_walk_after(c, &walk, i); j < end; j = tm_walk_after(c, &walk, j)) {
       const tm_segment *other = &c->segment[j];
       const double p[2] = {other->ax, other->ay};
       const double q[2] = {other->bx, other->by};
@@ -133,8 +205,7 @@ static tm_status tm_make_polygon(tm_context *c, tm_shape *shape, const double *p
   size_t count;
   shape->usable = false;
   shape->count = 0u;
-  shape->hint = 0u;
-  shape->known = false;
+  tm_unknown(shape);
   if (!tm_all_usable(points, n)) {
     return TM_UNUSABLE;
   }
@@ -202,12 +273,9 @@ static tm_status tm_eight_cuts(const tm_context *c, const tm_shape *shape, size_
     const tm_segment *s = &c->segment[i];
     const double a[2] = {s->ax, s->ay};
     const double b[2] = {s->bx, s->by};
-    tm_box box;
-    box.x0 = tm_least(s->ax, s->bx);
-    box.x1 = tm_greatest(s->ax, s->bx);
-    box.y0 = tm_least(s->ay, s->by);
-    box.y1 = tm_greatest(s->ay, s->by);
-    for (size_t j = tm_next_near(c, shape, i + 1u, &box); j < end; j = tm_next_near(c, shape, j + 1u, &box)) {
+    const tm_box box = tm_box_of(s);
+    tm_walk walk = tm_walk_near(shape, i, &box);
+    for (size_t j = tm_walk_after(c, &walk, i); j < end; j = tm_walk_after(c, &walk, j)) {
       const tm_segment *o = &c->segment[j];
       const double p[2] = {o->ax, o->ay};
       const double q[2] = {o->bx, o->by};
@@ -394,8 +462,7 @@ static tm_status tm_make_corridor(tm_context *c, tm_shape *shape, const double *
   const size_t least = closed ? 3u : 2u;
   shape->usable = false;
   shape->count = 0u;
-  shape->hint = 0u;
-  shape->known = false;
+  tm_unknown(shape);
   shape->closed = closed;
   if (!tm_all_usable(left, left_count) || !tm_all_usable(right, right_count)) {
     return TM_UNUSABLE;
@@ -465,8 +532,7 @@ static tm_status tm_make_line(tm_context *c, tm_shape *line, const double *point
   double station = 0.0;
   line->usable = false;
   line->count = 0u;
-  line->hint = 0u;
-  line->known = false;
+  tm_unknown(line);
   line->closed = closed;
   tm_forget(line);
   if (!tm_all_usable(points, n)) {

@@ -16,7 +16,7 @@ from trackmarshal.trace.report.reading import (
     number,
     stretches,
 )
-from trackmarshal.trace.report.words import clock, decided_by, interval, quantity
+from trackmarshal.trace.report.words import clock, decided_by, interval, measured
 
 #: What is written into a stretch, the longest that fits; textures carry the same, so colour never is alone.
 _WORDS = {
@@ -158,7 +158,7 @@ def _rule_row(run: Run, rule: Rule) -> Row:
             size = (
                 ""
                 if style == "undefined"
-                else f", worst {quantity(number(moment['margin']), moment['unit'])} at {clock(number(moment['t']))} s"
+                else f", worst {measured(moment, False)} at {clock(number(moment['t']))} s"
             )
             where = decided_by(moment)
             return f"{style}{size}{'; ' + where if where else ''}"

@@ -1,0 +1,93 @@
+"""Files on disk: opening nothing but regular ones, and walking folders without leaving anything out."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from collections.abc import Container
+from pathlib import Path
+from typing import BinaryIO
+
+#: Entries below a folder that are looked at; a link to the root of a disk has more.
+MOST_ENTRIES = 200_000
+
+_KINDS = (
+    (stat.S_ISFIFO, "a named pipe"),
+    (stat.S_ISSOCK, "a socket"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+)
+
+
+def open_regular(path: Path) -> BinaryIO:
+    """A regular file, or a link to one, open for reading; raises OSError for anything else, ValueError for a NUL in the path.
+
+    A pipe would be waited for, a device may have no end: neither is ever opened to be read.
+    """
+    _refuse_special(os.stat(path).st_mode, path)
+    # What is there may have changed since: then opening it does not wait, and it is looked at again.
+    flags = (
+        os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    )
+    descriptor = os.open(path, flags)
+    try:
+        _refuse_special(os.fstat(descriptor).st_mode, path)
+        return os.fdopen(descriptor, "rb")
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def read_regular(path: Path, most: int = -1) -> bytes:
+    """The bytes of a regular file, at most `most` of them; raises as `open_regular` does."""
+    with open_regular(path) as stream:
+        return stream.read(most)
+
+
+def below(folder: Path, suffixes: Container[str]) -> tuple[list[Path], list[OSError]]:
+    """Files with one of these suffixes, in upper or lower case, in a folder and all folders in it, in the order of their names.
+
+    Links to folders are followed; each folder is entered once, by its own path where it has one here. With the files comes what kept others
+    from being found: folders that cannot be read, links that lead nowhere, more than MOST_ENTRIES.
+    """
+    found: list[Path] = []
+    problems: list[OSError] = []
+    entered: set[tuple[int, int]] = set()
+    waiting, links = [folder], list[Path]()
+    seen = 0
+    while waiting or links:
+        current = waiting.pop() if waiting else links.pop(0)
+        try:
+            here = os.stat(current)
+            if (here.st_dev, here.st_ino) in entered:
+                continue
+            entered.add((here.st_dev, here.st_ino))
+            with os.scandir(current) as opened:
+                entries = sorted(opened, key=lambda entry: entry.name)
+        except OSError as problem:
+            problems.append(problem)
+            continue
+        seen += len(entries)
+        if seen > MOST_ENTRIES:
+            message = f"more than {MOST_ENTRIES} files and folders; does a link lead out of the project?"
+            return sorted(found), [*problems, OSError(errno.E2BIG, message, str(folder))]
+        for entry in entries:
+            path = current / entry.name
+            named = path.suffix.lower() in suffixes
+            if not named and path.is_dir():
+                (links if entry.is_symlink() else waiting).append(path)
+            elif named:
+                found.append(path)
+            elif entry.is_symlink() and not entry.name.startswith(".") and not path.exists():
+                problems.append(OSError(errno.ENOENT, "a symbolic link that leads nowhere", str(path)))
+    return sorted(found), problems
+
+
+def _refuse_special(mode: int, path: Path) -> None:
+    if stat.S_ISREG(mode):
+        return
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    kind = next((name for test, name in _KINDS if test(mode)), "something else")
+    raise OSError(errno.EINVAL, f"{kind}, not a regular file", str(path))

@@ -1,0 +1,116 @@
+"""Names of fields in a recording: one that nobody declares is a misspelt one, and would be lost without a word."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from trackmarshal.diagnostics.base import close_matches
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.scenarios.recording import COLUMNS, Recording
+
+if TYPE_CHECKING:
+    from trackmarshal.evaluation import Evaluator
+
+#: What the format has by itself, by signal, and the tables that readers and the generator make.
+_POSE = ("x", "y", "heading")
+OWN: dict[str, tuple[str, ...]] = {
+    "plan": COLUMNS,
+    "ego": (*_POSE, "v", "kappa", "a", "age"),
+    "objects": ("id", *_POSE, "v", "length", "width", "age"),
+    "obstacles": ("id", *_POSE, "length", "width"),
+    "tables": ("ax_max", "grip"),
+}
+
+
+def own_names(recording: Recording) -> frozenset[str]:
+    """The names, `objects` and `ego.kappa`, that a recording may have whatever specs declare: the format's, and those of its header."""
+    names = {"ego", "objects", "obstacles", "track"}
+    for where, fields in OWN.items():
+        signals = ("plan", DRIVING, EMERGENCY) if where == "plan" else (where,)
+        names |= {
+            f"{signal}.{field}" for signal in signals for field in (*fields, *recording.extra.get(where, ()))
+        }
+    return frozenset(names)
+
+
+def declared_names(specs: Iterable[Spec]) -> frozenset[str]:
+    """The names of signals and their fields that specs declare; those of `plan` for each candidate too."""
+    names: set[str] = set()
+    for spec in specs:
+        names |= {*spec.signals, *spec.events}
+        for signal in spec.signals.values():
+            labels = ("plan", DRIVING, EMERGENCY) if signal.name == "plan" else (signal.name,)
+            names |= {f"{label}.{field.name}" for label in labels for field in signal.fields_}
+    return frozenset(names)
+
+
+def further_names(recording: Recording, evaluator: Evaluator) -> frozenset[str]:
+    """What else is declared, where a recording has names that neither it nor the evaluator's spec declares: looked for only then."""
+    known = own_names(recording) | declared_names([evaluator.spec])
+    names = {f"{where}.{name}" for where, name, _ in _names(recording) if where != "tables"}
+    return frozenset() if names <= known else evaluator.declared()
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """A "did you mean" sentence, also for capitals; or the empty string."""
+    names = list(known)
+    same = next((each for each in names if each.casefold() == name.casefold()), None)
+    return f"did you mean `{same}`?" if same is not None else close_matches(name, names)
+
+
+def check_fields(recording: Recording, spec: Spec, others: Callable[[], Iterable[Spec]]) -> None:
+    """Raise D145 for a field, column or table that neither the format, a spec nor the recording's header declares.
+
+    `spec` is the one at hand; `others` gives further specs of the project, and is called only where that one does not say it all.
+    """
+    known = {where: {*names, *recording.extra.get(where, ())} for where, names in OWN.items()}
+    _declare(known, spec)
+    asked = False
+    for where, name, at in _names(recording):
+        if name in known[where]:
+            continue
+        if not asked:
+            asked = True
+            for other in others():
+                _declare(known, other)
+        if name not in known[where]:
+            shown = "a table" if where == "tables" else f"a field of `{where}`"
+            help_ = suggestion(name, sorted(known[where]))
+            declare = f'`"extra": {{"{where}": ["{name}"]}}` in the first line declares what no spec reads'
+            raise TrackmarshalError(
+                "D145",
+                f"`{name}` is declared nowhere as {shown}{at}",
+                file=recording.source,
+                help=f"{help_} {declare}".strip(),
+            )
+
+
+def _declare(known: dict[str, set[str]], spec: Spec) -> None:
+    for where, names in known.items():
+        signal = spec.signals.get(where)
+        if signal is not None:
+            names.update(field.name for field in signal.fields_)
+    known["tables"].update(name.rpartition(".")[2] for name in spec.tables)
+
+
+def _names(recording: Recording) -> Iterator[tuple[str, str, str]]:
+    """Every name once: where it stands, the name, and when for the first time."""
+    seen: set[tuple[str, str]] = set()
+    for name in recording.tables:
+        yield "tables", name, ""
+    for obstacle in recording.obstacles:
+        for name in obstacle:
+            if ("obstacles", name) not in seen:
+                seen.add(("obstacles", name))
+                yield "obstacles", name, ""
+    for cycle in recording.cycles:
+        records = [("ego", cycle.ego), *(("objects", each) for each in cycle.objects)]
+        records += [("plan", columns) for columns in cycle.candidates.values()]
+        for where, record in records:
+            for name in record:
+                if (where, name) not in seen:
+                    seen.add((where, name))
+                    yield where, name, f", at t = {cycle.t:g} s"

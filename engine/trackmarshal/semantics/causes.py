@@ -1,0 +1,93 @@
+"""One cause, one finding: what follows from one missing declaration is told once, with all of its places."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from trackmarshal.diagnostics.base import Diagnostic
+from trackmarshal.semantics.errors import Ambiguous, BareAngle, UnknownField, UnknownName
+
+
+def told_once(found: Iterable[Diagnostic], before: Iterable[Diagnostic] = ()) -> list[Diagnostic]:
+    """Diagnostics in the order of places, those with one cause as one; without those whose cause stands in `before`."""
+    known = [set(_could_use(item)) for item in before if _could_use(item)]
+    # Whichever of the modules that were asked for is used, it declares this too.
+    fresh = [item for item in found if not any(one.issubset(_could_use(item)) for one in known)]
+    wanted = Counter(pair for item in fresh for pair in _could_use(item))
+    groups: dict[object, list[Diagnostic]] = {}
+    for item in sorted((_most_wanted(item, wanted) for item in fresh), key=place):
+        groups.setdefault(_cause(item), []).append(item)
+    told = {_cause(item) for item in before if isinstance(item, _FOLDED)}
+    return [_together(group) for cause, group in groups.items() if cause not in told]
+
+
+def place(item: Diagnostic) -> tuple[str, int, str]:
+    """Where a diagnostic stands among others."""
+    return _file(item), item.span.start, item.code
+
+
+_FOLDED = (UnknownName, Ambiguous, UnknownField, BareAngle)
+
+
+def _file(item: Diagnostic) -> str:
+    return item.span.file.path
+
+
+def _could_use(item: Diagnostic) -> list[tuple[str, str]]:
+    """The modules, each with the file that could use it, of which one would make a name known."""
+    return [(_file(item), module) for module in item.modules] if isinstance(item, UnknownName) else []
+
+
+def _most_wanted(item: Diagnostic, wanted: Counter[tuple[str, str]]) -> Diagnostic:
+    """Of several modules that declare an unknown name, those that would make most other names known too."""
+    if not isinstance(item, UnknownName) or len(item.modules) < 2:
+        return item
+    most = max(wanted[pair] for pair in _could_use(item))
+    best = tuple(module for module in item.modules if wanted[_file(item), module] == most)
+    return UnknownName(**{**item.__dict__, "modules": best})
+
+
+def _cause(item: Diagnostic) -> object:
+    """What diagnostics have in common that have one cause; what is found at each use of a definition stands at one place."""
+    if isinstance(item, UnknownName):
+        return (
+            ("use", _file(item), item.modules)
+            if item.modules
+            else ("name", _file(item), item.name, item.hint)
+        )
+    if isinstance(item, Ambiguous):
+        return "ambiguous", _file(item), item.name
+    if isinstance(item, UnknownField):
+        return "field", _file(item), item.message
+    if isinstance(item, BareAngle) and item.what:
+        return "angle", _file(item), item.what
+    return *place(item), item.span.end, item.message
+
+
+def _together(group: Sequence[Diagnostic]) -> Diagnostic:
+    """The first of some diagnostics, with the places of the others."""
+    first = group[0]
+    if not isinstance(first, _FOLDED):
+        return first
+    places = {(item.span.start, item.span.end): item.span for item in group}
+    values: dict[str, Any] = {**first.__dict__, "others": tuple(places.values())[1:]}
+    if isinstance(first, UnknownName) and first.modules:
+        names = {item.name for item in group if isinstance(item, UnknownName)}
+        declared = " and ".join(f"`{module}`" for module in first.modules)
+        verb = "declares" if len(first.modules) == 1 else "declare"
+        if len(names) > 1:
+            values["more"] = f", and {len(names) - 1} more that {declared} {verb}"
+        values["hint"] = _use(first.modules, "them" if len(names) > 1 else "it")
+    return type(first)(**values)
+
+
+def _use(modules: tuple[str, ...], it: str) -> str:
+    if len(modules) == 1:
+        return f"add `use {modules[0]}`, which declares {it}"
+    listed = " or ".join(f"`use {module}`" for module in modules)
+    return f"add {listed}: each declares {it}"
+
+
+__all__ = ["place", "told_once"]

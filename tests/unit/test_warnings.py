@@ -1,0 +1,92 @@
+"""Warnings are about the text alone: they change no verdict, and what allows one allows it for one rule."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from support.shared import REPOSITORY
+from trackmarshal.cli.check import examine
+from trackmarshal.evaluation import BACKENDS, Evaluator
+from trackmarshal.semantics.advice import warnings
+from trackmarshal.semantics.compile import Compiled, compile_paths
+from trackmarshal.source import SourceFile
+from trackmarshal.syntax.format import format_text
+
+HEAD = """module made
+signal ego : state { v: m/s, heading: rad }
+predicate standing() = ego.v == 0 m/s
+"""
+ALLOW = '  allow     W301 because "why"\n'
+
+
+def compiled(folder: Path, content: str) -> Compiled:
+    path = folder / "made.spec"
+    path.write_text(HEAD + content, "utf-8")
+    return compile_paths([path], folder)
+
+
+def rule(name: str, formula: str, clauses: str = "") -> str:
+    return f'rule {name} "r"\n{clauses}  require   {formula}\n'
+
+
+def test_the_shipped_specs_are_free_of_warnings() -> None:
+    assert examine(compile_paths([REPOSITORY / "specs"], REPOSITORY), REPOSITORY) == []
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_warning_changes_no_verdict(backend: str, tmp_path: Path) -> None:
+    """A bare number is a number of rad, as it was."""
+    content = rule("bare", "ego.heading <= 1.5 and ego.v == 3 m/s") + rule(
+        "tagged", "ego.heading <= 1.5 rad and ego.v == 3 m/s", ALLOW
+    )
+    made = compiled(tmp_path, content)
+    assert [f.code for f in made.found] == ["W302", "W301"]
+    assert made.errors == []
+    evaluator = Evaluator(made.spec, None, backend)
+    for heading, v in ((1.0, 3.0), (2.0, 3.0), (1.0, 3.5)):
+        case = evaluator.read({"signals": {"ego": {"heading": heading, "v": v}}})
+        (result,) = evaluator.evaluate([case])
+        bare, tagged = result.rules["bare"], result.rules["tagged"]
+        assert (bare.verdict, bare.margin) == (tagged.verdict, tagged.margin)
+        assert bare.verdict == ("satisfied" if (heading, v) == (1.0, 3.0) else "violated")
+
+
+def test_what_one_rule_allows_is_not_allowed_to_another(tmp_path: Path) -> None:
+    """Even where the text is the same: that of a definition."""
+    assert compiled(tmp_path, rule("a", "standing", ALLOW)).found == ()
+    assert compiled(tmp_path, "").found == ()
+    made = compiled(tmp_path, rule("a", "standing", ALLOW) + rule("b", "not standing"))
+    assert [(f.code, f.span.text) for f in made.found] == [("W301", "ego.v == 0 m/s")]
+
+
+def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
+    prints = set()
+    for clauses in ("", ALLOW, ALLOW.replace("why", "because")):
+        made = compiled(tmp_path, rule("a", "standing", clauses)).spec.rule("a")
+        assert made is not None
+        prints.add(made.fingerprint)
+    assert len(prints) == 3
+
+
+def test_every_warning_can_be_explained() -> None:
+    from trackmarshal.cli.catalogue import catalogue
+
+    assert warnings() == {"E220", "W301", "W302", "W303"}
+    assert warnings() <= catalogue().keys()
+
+
+def test_an_allowance_is_laid_out_as_the_clauses_beside_it() -> None:
+    text = 'rule a\n  allow W301,W302   because\n "why"\n  require a < b\n'
+    laid = 'rule a\n  allow     W301, W302 because "why"\n  require   a < b\n'
+    assert format_text(SourceFile("t.spec", text)) == laid
+    assert format_text(SourceFile("t.spec", laid)) == laid
+
+
+def test_what_is_shared_is_looked_at_once(tmp_path: Path) -> None:
+    """Written out, the last of these has more than 10^18 operands."""
+    lets = "".join(f"  let x{i + 1} = x{i} + x{i}\n  let y{i + 1} = y{i} + y{i}\n" for i in range(60))
+    first = "  let x0 = ego.v\n  let y0 = ego.heading\n"
+    made = compiled(tmp_path, rule("a", "x60 == 1 m/s and y60 < 90", first + lets))
+    assert [f.code for f in made.found] == ["W301", "W302"]
