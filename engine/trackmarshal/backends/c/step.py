@@ -243,7 +243,7 @@ class Stepper:
             flags = 0 if entry.flags is None else entry.flags.ctypes.data
             given += (entry.values.ctypes.data, flags, entry.count)
         self._bordered(lines, given)
-        self._format.pack_into(memoryview(words), 0, *given, *closed, *events)
+        self._format.pack_into(words.data, 0, *given, *closed, *events)
 
     # A cycle ---------------------------------------------------------------------------------------------------
 
