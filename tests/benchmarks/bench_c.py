@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from measuring import by_turns, emptied, median, memory
 from numpy.typing import NDArray
 
 from trackmarshal.backends.c.batch import prepared_columns, run_columns
@@ -68,54 +69,6 @@ def measure() -> dict[str, float]:
     result |= _online()
     result |= _building(spec)
     return result
-
-
-def median(run: Callable[[], object], repeats: int) -> float:
-    """Median CPU seconds, this process's children included."""
-    run()
-    spent = []
-    for _ in range(repeats):
-        before = time.process_time()
-        run()
-        spent.append(time.process_time() - before)
-    return statistics.median(spent)
-
-
-def by_turns(one: Callable[[], object], other: Callable[[], object], repeats: int) -> tuple[float, float]:
-    """CPU seconds of two functions that run by turns: of each the fastest tenth, when nothing else was in the way."""
-    spent = np.zeros((repeats, 2))
-    for k in range(repeats):
-        for side, run in enumerate((one, other)):
-            before = time.process_time()
-            run()
-            spent[k, side] = time.process_time() - before
-    first, second = np.quantile(spent, 0.1, axis=0)
-    return float(first), float(second)
-
-
-def emptied(run: Callable[[], object], repeats: int = 60) -> float:
-    """Median CPU seconds of a function before each run of which memory is walked that is larger than all caches.
-
-    So it is run by a loop with a planner in it. A run that returns a float says itself how long it took.
-    """
-    memory = np.zeros(_larger_than_caches(), dtype=np.uint8)
-    spent = []
-    for _ in range(repeats):
-        memory[::64] += 1
-        before = time.process_time()
-        said = run()
-        took = time.process_time() - before
-        spent.append(said if isinstance(said, float) else took)
-    return statistics.median(spent)
-
-
-def _larger_than_caches() -> int:
-    """Bytes: twice the largest cache, but at least 64 and at most 512 MiB."""
-    largest = 0
-    for path in Path("/sys/devices/system/cpu/cpu0/cache").glob("index*/size"):
-        size = path.read_text().strip()
-        largest = max(largest, int(size.removesuffix("K")) << 10 if size.endswith("K") else 0)
-    return min(max(2 * largest, 64 << 20), 512 << 20)
 
 
 def program(spec: Spec, names: list[str] | None = None) -> CProgram:
@@ -193,12 +146,12 @@ def _step(spec: Spec) -> dict[str, float]:
 
     for _ in range(500):
         one()
-    before = _memory()
+    before = memory()
     for k in range(STEPS):
         begin = time.process_time_ns()
         one()
         spent[k] = time.process_time_ns() - begin
-    grown = _memory() - before
+    grown = memory() - before
     middle, late = np.quantile(spent, [0.5, 0.999]) / 1e9
     return {
         "C: Supervisor step": float(middle),
@@ -262,12 +215,6 @@ def _call(spec: Spec) -> dict[str, float]:
         f"{CALL}, caches emptied": cold,
         f"{CALL}, caches emptied, to the same hot (ratio)": cold / hot,
     }
-
-
-def _memory() -> float:
-    """Bytes of this process that are in memory."""
-    statm = Path("/proc/self/statm")
-    return float(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") if statm.is_file() else math.nan
 
 
 def _point_wise(spec: Spec) -> dict[str, float]:
