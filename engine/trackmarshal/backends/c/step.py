@@ -304,13 +304,14 @@ class Stepper:
         return seen
 
     def _in_arena(self, columns: Sequence[Columns | None], arena: Floats, given: list[Any]) -> None:
-        """The columns where they are: one after the other in memory that their frame keeps."""
+        """The columns where they are: one after the other in memory that their frame keeps, numbers and nothing else."""
         place: int = arena.__array_interface__["data"][0]
         mark = self._bases[1]
         for entry in columns:
             assert entry is not None
-            given += (place, mark, entry.count)
-            place += entry.values.nbytes
+            count = entry.count
+            given += (place, mark, count)
+            place += 8 * count * len(entry.names.numbers)
 
     def _columns(self, columns: Sequence[Columns | None], given: list[Any]) -> None:
         """Copy the columns one after the other into memory whose address is known; of one that is too long, C needs the count alone."""

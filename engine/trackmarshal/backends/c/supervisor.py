@@ -9,6 +9,7 @@ from dataclasses import asdict
 from functools import partial
 from typing import Any
 
+from trackmarshal.backends.c.gather import fastest
 from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.step import Reason, Said, Stepper
 from trackmarshal.backends.c.words import Wording
@@ -66,7 +67,7 @@ class CSupervisor:
             words.closed,
             words.events,
         )
-        self._reader = CycleReader(self.contract, settings)
+        self._reader = CycleReader(self.contract, settings, lambda readers: fastest(readers, self.limits))
         self._words = Wording(self.contract, self.limits)
         self._named = named_rules(self.rules)
         self._clock = clock
@@ -118,8 +119,9 @@ class CSupervisor:
         given = [(NAMES[f.code], f.signal, f.field, f.index) for f in found] if found else ()
         if frame is None:
             return self.stepper.none_came(now, given)
-        columns = [*frame.candidates.values(), *(frame.columns[name] for name in self._shared)]
-        lines = [frame.line(*place) for place in self._lines]
+        shared = frame.columns
+        columns = [*frame.candidates.values(), *[shared[name] for name in self._shared]]
+        lines = [frame.lines[place] for place in self._lines]
         closed = [frame.closed.get(name, False) for name in self._closed]
         events = [frame.events[name] for name in self._events]
         return self.stepper.step(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
@@ -103,13 +104,18 @@ class SignalsReader:
 class CycleReader:
     """Reads cycles of one contract."""
 
-    def __init__(self, contract: Contract, settings: Settings = NO_SETTINGS) -> None:
+    def __init__(
+        self, contract: Contract, settings: Settings = NO_SETTINGS,
+        at_once: Callable[[Sequence[ColumnsReader]], AtOnce] = AtOnce,
+    ) -> None:  # fmt: skip
         assert contract.plan is not None
         self.contract = contract
         self.settings = settings
         self.candidates = [(name, ColumnsReader(contract.plan, name)) for name in (DRIVING, EMERGENCY)]
         self.shared = SignalsReader(contract)
-        self._at_once = AtOnce([reader for _, reader in self.candidates] + list(self.shared.columns.values()))
+        self._at_once = at_once(
+            [reader for _, reader in self.candidates] + list(self.shared.columns.values())
+        )
         #: Signals that a cycle may bring; the candidates come by themselves.
         self._known = contract.known - {PLAN}
 
