@@ -11,20 +11,21 @@ import os
 import statistics
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from trackmarshal.runtime.judge import Judged
 
 from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
-from trackmarshal.runtime.door import Door
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.door.door import Door
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.program import NOTHING, Judged, Memory, Program, Rated
 from trackmarshal.runtime.record import Record
 from trackmarshal.runtime.supervisor import Supervisor
-from trackmarshal.supervision import EvaluatorJudge
 
 ROOT = Path(__file__).resolve().parents[2]
 PERIOD, RADIUS = 0.1, 600.0
@@ -36,40 +37,38 @@ def measure() -> dict[str, float]:
     from trackmarshal.evaluation import Evaluator
 
     spec = load([ROOT / "specs" / "supervisor"])
-    judge = EvaluatorJudge(Evaluator(spec))
-    result = {"Supervisor: the door": _door(Supervisor(spec, judge).door)}
+    program = Evaluator(spec).program
+    result = {"Supervisor: the door": _door(Supervisor(spec, program).door)}
     result["Supervisor: step without the judge"] = _steps(
-        lambda clock: Supervisor(spec, _Safe(judge), clock=clock)
+        lambda clock: Supervisor(spec, _Safe(program), clock=clock)
     )
     with tempfile.TemporaryDirectory() as folder:
         numbers = itertools.count()
 
         def recorded(clock: Callable[[], float]) -> Supervisor:
-            made = Supervisor(spec, _Safe(judge), clock=clock)
-            made.recorder = Record(Path(folder) / f"{next(numbers)}.arrows", made.door, judge.identity)
+            made = Supervisor(spec, _Safe(program), clock=clock)
+            made.recorder = Record(
+                Path(folder) / f"{next(numbers)}.arrows", made.contract, made.limits, program.identity
+            )
             return made
 
         result["Supervisor: step without the judge, recorded"] = _steps(recorded)
     result |= _with_c(spec)
     result["Supervisor: step with numpy"] = _steps(
-        lambda clock: Supervisor(spec, judge, Limits(budget=math.inf), clock), steps=20
+        lambda clock: Supervisor(spec, program, Limits(budget=math.inf), clock), steps=20
     )
     return result
 
 
 def _with_c(spec: Spec) -> dict[str, float]:
     """Whole steps with generated door and rules; nothing where there is no compiler."""
-    from trackmarshal.backends.c.judge import SteppedDoor
-
+    from trackmarshal.backends.c.build import compiler
     from trackmarshal.supervision import supervisor
 
-    def made(clock: Callable[[], float]) -> Supervisor:
-        return supervisor(spec, backend="c", clock=clock)
-
-    if not isinstance(made(time.monotonic).door, SteppedDoor):
+    if compiler() is None:
         return {}
     now = [0.0]
-    running = made(lambda: now[0])
+    running = supervisor(spec, backend="c", clock=lambda: now[0])
     count = int(os.environ.get("TRACKMARSHAL_STEPS", "20000"))
     spent = np.ones(count)  # in memory before the first step
     given = cycles()
@@ -105,13 +104,23 @@ def _memory() -> int:
 class _Safe:
     """Says at once that all is well."""
 
-    def __init__(self, judge: EvaluatorJudge) -> None:
-        self.rules, self.identity = judge.rules, judge.identity
-        self._said = Judged(bytes(len(judge.rules)), np.ones(len(judge.rules)))
+    def __init__(self, program: Program) -> None:
+        self.spec, self.rules, self.identity = program.spec, program.rules, program.identity
+        margins = [1.0] * len(self.rules)
+        self._said = Rated(bytes(len(self.rules)), margins, lambda number, series: _never(number))
 
-    def judge(self, door: Door) -> tuple[Judged, Judged]:
-        door.signals()
-        return self._said, self._said
+    def judge(self, memory: Memory, frame: Frame) -> Judged:
+        return Judged(frame, dict.fromkeys(frame.candidates, self._said))
+
+    def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
+        return [self.judge(NOTHING, frame) for frame in frames]
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+        return memory
+
+
+def _never(number: int) -> Any:
+    raise AssertionError(f"nobody asks why of rule {number}")
 
 
 def plan(braking: float) -> dict[str, Any]:
@@ -158,7 +167,7 @@ def _door(door: Door, count: int = 500) -> float:
 
     def many() -> None:
         for cycle in itertools.islice(given, count):
-            assert not door.check(cycle, cycle.t)[0]
+            assert not door.admit(0, cycle, cycle.t).faults
 
     return median(many) / count
 
