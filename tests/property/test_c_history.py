@@ -60,6 +60,10 @@ rule offsets "made up"
   for all   p in plan
   require   abs(offset(p, track)) <= 4 m
 
+rule directions "made up"
+  for all   p in plan
+  require   direction(p, track) <= 1
+
 rule near_left "made up"
   for all   p in plan
   require   distance_to(p, track.left) <= 30 m

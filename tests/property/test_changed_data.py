@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -11,14 +12,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from trackmarshal.runtime.case import Case
-from trackmarshal.runtime.cases import AT_ONCE
 
 from property.strategies.specs import repeatable
 from support.agreement import compiled
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.door.cases import AT_ONCE
+from trackmarshal.runtime.door.lines import KEPT, line
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.lines import Line
 
 SPEC = """
 module changed
@@ -44,6 +47,13 @@ def array_of_lists(points: list[list[float]]) -> Any:
     return held
 
 
+def memmap(points: list[list[float]]) -> Any:
+    with tempfile.TemporaryFile() as file:
+        held = np.memmap(file, dtype=np.float64, mode="w+", shape=(len(points), 2))
+        held[:] = points
+    return held
+
+
 #: What holds the points of a line, made from lists of numbers.
 HOLDERS: dict[str, Callable[[list[list[float]]], Any]] = {
     "a list of lists": lambda points: points,
@@ -57,6 +67,7 @@ HOLDERS: dict[str, Callable[[list[list[float]]], Any]] = {
     "an array of objects": lambda points: np.array(points, dtype=object),
     "an array of lists": array_of_lists,
     "a masked array": np.ma.array,
+    "a memmap": memmap,
 }
 BACKENDS = pytest.mark.parametrize("backend", ["reference", "numpy"])
 LEFT = ((-9.0, 2.0), (3.0, 2.0), (20.0, 2.0))
@@ -118,7 +129,7 @@ CHANGES = [
     *[("a tuple of lists", name, change) for name, change in OF_POINTS.items()],
     *[(holder, "another number", OF_POINTS["another number"]) for holder in ("a list of arrays", "a tuple of arrays")],
     *[("an array of lists", name, change) for name, change in OF_POINTS.items()],
-    *[(holder, name, change) for holder in ("an array", "an array of singles", "an array of objects", "a masked array") for name, change in OF_ARRAYS.items()],
+    *[(holder, name, change) for holder in ("an array", "an array of singles", "an array of objects", "a masked array", "a memmap") for name, change in OF_ARRAYS.items()],
     ("a masked array", "a point masked", lambda held: replaced(held, 1, np.ma.masked)),
 ]  # fmt: skip
 
@@ -175,7 +186,7 @@ def test_the_same_bytes_in_another_shape_or_type(spec: Spec, backend: str) -> No
     left = np.array([[1.0, 2.0], [9.0, 2.0], [10.0, 2.0], [20.0, 2.0]])
     before = verdicts(evaluator, case(left))
     left.shape = (2, 4)
-    assert "has 4 entries" in verdicts(evaluator, case(left))
+    assert "not a list of points" in verdicts(evaluator, case(left))
     left.shape = (4, 2)
     assert verdicts(evaluator, case(left)) == before
     left.dtype = np.dtype(np.int64)
@@ -187,7 +198,7 @@ def test_the_sign_of_a_zero_is_not_lost(spec: Spec, backend: str) -> None:
     evaluator = Evaluator(spec, None, backend)
     for zero in (0.0, -0.0, 0.0):
         read = evaluator.read(case([[zero, 2.0], [9.0, 2.0]]))
-        assert math.copysign(1.0, read.lines["track", "left"][0][0]) == math.copysign(1.0, zero)
+        assert math.copysign(1.0, read.line("track", "left").tuples[0][0]) == math.copysign(1.0, zero)
 
 
 @BACKENDS
@@ -204,9 +215,84 @@ def test_overrides_changed_in_place(spec: Spec, backend: str) -> None:
 @BACKENDS
 def test_a_case_cannot_be_changed_where_its_geometry_is_kept(spec: Spec, backend: str) -> None:
     read = Evaluator(spec, None, backend).read({**case(points()), "places": {"pit": points()}})
-    for line in (*read.lines.values(), *read.places.values()):
-        assert isinstance(line, tuple)
-        assert all(isinstance(point, tuple) for point in line)
+    assert all(
+        type(points) is tuple and set(map(type, points)) == {tuple}
+        for points in read.settings.places.values()
+    )
+    for held in read.lines.values():
+        with pytest.raises(ValueError, match="read-only"):
+            held.points[0, 0] = 7.0
+        with pytest.raises(ValueError, match="WRITEABLE"):
+            held.points.flags.writeable = True
+        with pytest.raises(AttributeError, match="does not change"):
+            held.points = np.zeros((2, 2))
+        with pytest.raises(AttributeError, match="does not change"):
+            held.number = 7
+
+
+# What need not be read again -----------------------------------------------------------------------------------------
+
+
+@BACKENDS
+def test_a_line_that_cannot_change_is_taken_as_it_is(spec: Spec, backend: str) -> None:
+    left = line(points())
+    evaluator = Evaluator(spec, None, backend)
+    before = verdicts(evaluator, case(left))
+    assert before == verdicts(evaluator, case(points()))
+    assert evaluator.read(case(left)).line("track", "left") is left
+    assert evaluator.read(case(points())).line("track", "left") is not left
+    assert evaluator.read(case(left)).line("track", "left") is left
+    assert verdicts(evaluator, case(left)) == before
+
+
+@BACKENDS
+def test_lines_that_were_made_otherwise_are_refused(spec: Spec, backend: str) -> None:
+    """Somebody could write to their points, or they are none."""
+    loose = np.array(points())
+    frozen = np.array(points())
+    frozen.flags.writeable = False
+    for held in (loose, frozen, points(), np.zeros((2, 3)), None, line(points()).points.astype(np.float32)):
+        assert "not a list of points" in verdicts(Evaluator(spec, None, backend), case(Line(held)))
+
+
+@BACKENDS
+@pytest.mark.filterwarnings("ignore:Setting the")
+def test_a_frozen_array_that_is_looked_at_otherwise(spec: Spec, backend: str) -> None:
+    """Nobody can write to its memory; what it makes of it changes all the same."""
+    evaluator = Evaluator(spec, None, backend)
+    left = np.frombuffer(np.array([[1.0, 2.0], [9.0, 2.0], [10.0, 2.0], [20.0, 2.0]]).tobytes()).reshape(4, 2)
+    before = verdicts(evaluator, case(left))
+    assert verdicts(evaluator, case(left)) == before
+    left.shape = (2, 4)
+    assert "not a list of points" in verdicts(evaluator, case(left))
+    left.shape = (4, 2)
+    assert verdicts(evaluator, case(left)) == before
+    left.dtype = np.dtype(np.int64)
+    assert verdicts(evaluator, case(left)) == verdicts(Evaluator(spec, None, backend), case(left)) != before
+
+
+@BACKENDS
+@pytest.mark.parametrize(
+    "before", [points, lambda: line(points()), lambda: np.array(points()), lambda: None, lambda: "ab"]
+)
+def test_an_empty_border_is_not_the_one_before(spec: Spec, backend: str, before: Callable[[], Any]) -> None:
+    for empty in ([], (), np.zeros((0, 2)), np.zeros((0, 2), dtype=np.float32), line(np.zeros((0, 2)))):
+        evaluator = Evaluator(spec, None, backend)
+        verdicts(evaluator, case(before()))
+        for _ in range(2):
+            after = verdicts(evaluator, case(empty))
+            assert isinstance(after, dict)
+            assert after["on_track"][0] == "undefined"
+            assert [str(f) for f in evaluator.read(case(empty)).faults] == ["D217 track.left: 0 points"]
+
+
+def test_only_so_many_lines_are_kept(spec: Spec) -> None:
+    reader = Evaluator(spec).reader
+    many = [[[-9.0, 2.0 + k], [20.0, 2.0]] for k in range(3 * KEPT)]
+    for _ in range(2):
+        assert [reader.read(case(left)).line("track", "left").tuples[0][1] for left in many] == [
+            2.0 + k for k in range(3 * KEPT)
+        ]
 
 
 @pytest.mark.parametrize("held", [list, tuple, np.array])
@@ -217,12 +303,12 @@ def test_a_case_that_was_read_does_not_change_any_more(
     plan = raw["signals"]["plan"]
     raw["signals"]["plan"] = {name: held(column) for name, column in plan.items()}
     read = Evaluator(spec).read(raw)
-    before = repr(read)
+    before = shown(read)
     for column in raw["signals"]["plan"].values():
         if not isinstance(column, tuple):
             column[1] = 7.0
     raw["signals"]["track"]["left"][1][1] = 0.2
-    assert repr(read) == before
+    assert shown(read) == before
 
 
 # One call, many cases ---------------------------------------------------------------------------------------------
@@ -251,7 +337,6 @@ def test_cases_that_are_read_together_are_as_if_read_alone(spec: Spec) -> None:
     evaluator = Evaluator(spec)
     together = evaluator.read_all(raw)
     assert [lines(one) for one in together] == [lines(Evaluator(spec).read(one)) for one in raw]
-    assert together[1].lines["track", "left"] is together[3].lines["line", ""]
     shared[0][1] = 0.25
     assert [lines(one) for one in evaluator.read_all(raw)] == [
         lines(Evaluator(spec).read(one)) for one in raw
@@ -278,21 +363,18 @@ def test_a_mapping_that_changes_its_data_as_it_is_read(spec: Spec) -> None:
     for one, border in zip(raw[1:], borders):
         one["signals"]["track"] = Lazy(buffer, border)
     together = Evaluator(spec).read_all(raw)
-    assert [one.lines["track", "left"][0][1] for one in together] == [0.0, 2.0, 3.0, 4.0]
-    assert [one.lines["track", "right"][0][1] for one in together] == [-2.0, -2.0, -3.0, -4.0]
+    assert [one.line("track", "left").tuples[0][1] for one in together] == [0.0, 2.0, 3.0, 4.0]
+    assert [one.line("track", "right").tuples[0][1] for one in together] == [-2.0, -2.0, -3.0, -4.0]
 
 
-def test_an_array_of_another_kind_is_asked_every_time(spec: Spec) -> None:
+def test_what_only_looks_like_an_array_is_none(spec: Spec) -> None:
     class Live:
-        heights = iter((2.0, 3.0, 4.0))
-
         def tolist(self) -> list[list[float]]:
-            y = next(self.heights)
-            return [[-9.0, y], [20.0, y]]
+            return points()
 
-    live = Live()
-    together = Evaluator(spec).read_all([case(live) for _ in range(3)])
-    assert [one.lines["track", "left"][0][1] for one in together] == [2.0, 3.0, 4.0]
+    with pytest.raises(TrackmarshalError) as caught:
+        Evaluator(spec).read(case(Live()))
+    assert caught.value.code == "D202"
 
 
 def test_cases_that_are_made_in_the_same_list_as_they_are_read(spec: Spec) -> None:
@@ -302,7 +384,11 @@ def test_cases_that_are_made_in_the_same_list_as_they_are_read(spec: Spec) -> No
             left[1][1] = y
             yield case(left)
 
-    assert [one.lines["track", "left"][1][1] for one in Evaluator(spec).read_all(made())] == [2.0, 3.0, 4.0]
+    assert [one.line("track", "left").tuples[1][1] for one in Evaluator(spec).read_all(made())] == [
+        2.0,
+        3.0,
+        4.0,
+    ]
 
 
 # Any change -------------------------------------------------------------------------------------------------------
@@ -336,8 +422,18 @@ def apply(held: Any, kind: str, index: Any, how: Any, what: Any) -> None:
         pass
 
 
-def lines(read: Case) -> tuple[str, list[str]]:
-    return repr(sorted(read.lines.items())), [str(fault) for fault in read.faults]
+def lines(read: Frame) -> tuple[str, list[str]]:
+    return repr(sorted((place, line.tuples) for place, line in read.lines.items())), list(
+        map(str, read.faults)
+    )
+
+
+def shown(read: Frame) -> str:
+    columns = [
+        (signal, [(name, found.listed(name)) for name in found.names.rows])
+        for signal, found in read.columns.items()
+    ]
+    return repr((columns, lines(read), read.settings.places))
 
 
 @settings(repeatable, max_examples=400)

@@ -232,7 +232,7 @@ def too_short(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
     where = _candidate(rng)
     n = rng.randrange(2)
     table = {name: column[:n] for name, column in _at(given, where).items()}
-    return _with(given, where, table), Expected(("too_short",), where, COLUMNS)
+    return _with(given, where, table), Expected(("too_short",), where, ("",))
 
 
 def over_capacity(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
@@ -246,10 +246,8 @@ def over_capacity(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
         grown = {name: np.resize(column, n) for name, column in own.items() if name != "id"}
         grown["id"] = list(range(n))
         if rng.random() < 0.5:
-            grown = [dict.fromkeys(own, 1.0) for _ in range(n)]
-            return _with(given, where, grown), Expected(("over_capacity",), where, ("",), 32)
-    fields = (*COLUMNS, *OBJECT)
-    return _with(given, where, grown), Expected(("over_capacity",), where, fields, n - 1)
+            grown = [{**dict.fromkeys(own, 1.0), "id": i} for i in range(n)]
+    return _with(given, where, grown), Expected(("over_capacity",), where, ("",), n - 1)
 
 
 def duplicate(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
@@ -374,7 +372,21 @@ def no_record(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
     return _with(given, "objects", records), Expected(("missing",), "objects", (field,), index)
 
 
+def misspelt(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
+    """A name that nothing declares: of a signal, or of a field next to the one that is meant."""
+    where = rng.choice(("driving", "emergency", "ego", "objects", "obstacles", "track", "signals"))
+    if where == "signals":
+        name = rng.choice(("Ego", "object", "plan", "zzz", "ego "))
+        return replace(given, signals={**given.signals, name: given.signals["ego"]}), Expected(
+            ("unknown",), where, (name,)
+        )
+    own = _at(given, where)
+    name = rng.choice([name for name in own if name != "id"])
+    wrong = rng.choice((name.upper(), name + "_", "x1", f"{name} "))
+    return _with(given, where, {**own, wrong: own[name]}), Expected(("unknown",), where, (wrong,))
+
+
 MUTATIONS: tuple[Mutation, ...] = (
-    drop_column, drop_signal, junk_signal, junk_column, not_finite, junk_value, out_of_range, reversed_time, wrong_length,
+    misspelt, drop_column, drop_signal, junk_signal, junk_column, not_finite, junk_value, out_of_range, reversed_time, wrong_length,
     too_short, over_capacity, duplicate, junk_id, ego, border, numbering, stamp, starts_elsewhere, not_at_rest, no_record,
 )  # fmt: skip

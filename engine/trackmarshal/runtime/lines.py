@@ -24,10 +24,16 @@ class Line:
 
     __slots__ = ("__dict__", "number", "points")
 
+    points: Floats
+    #: What tells lines apart in generated code; no two have the same.
+    number: int
+
     def __init__(self, points: Floats) -> None:
-        self.points = points
-        #: What tells lines apart in generated code; no two have the same.
-        self.number = next(_numbers)
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "number", next(_numbers))
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a line does not change: `{name}`")
 
     def __len__(self) -> int:
         return len(self.points)

@@ -134,22 +134,23 @@ def _number(value: object, where: str) -> float:
 
 
 def _points(raw: Any, what: str) -> list[Point]:
-    from trackmarshal.runtime.door.values import (
-        worded,
-    )  # with numpy, which whoever reads no data does without
-
-    rows = raw.tolist() if hasattr(raw, "tolist") else raw
-    if not isinstance(rows, list | tuple):
-        raise TrackmarshalError("D202", f"{what} is a list, not {worded(raw)}", help="write it as [...]")
     points = []
-    for index, row in enumerate(rows):
-        pair = row.tolist() if hasattr(row, "tolist") else row
-        if not isinstance(pair, list | tuple):
-            raise TrackmarshalError(
-                "D202", f"{what}[{index}] is a list, not {worded(pair)}", help="write it as [...]"
-            )
+    for index, row in enumerate(_rows(raw, what)):
+        pair = _rows(row, f"{what}[{index}]")
         if len(pair) != 2:
             entries = "1 entry" if len(pair) == 1 else f"{len(pair)} entries"
             raise TrackmarshalError("D202", f"{what}[{index}] has {entries}, not 2", help="a point is [x, y]")
         points.append((_number(pair[0], f"{what}[{index}]"), _number(pair[1], f"{what}[{index}]")))
     return points
+
+
+def _rows(raw: Any, what: str) -> list[Any]:
+    """The entries of a list, a tuple, or an array of numbers or objects."""
+    from trackmarshal.runtime.door import values  # with numpy, which whoever reads no data does without
+
+    try:
+        return values.listed(raw)
+    except values.WrongTypeError:
+        raise TrackmarshalError(
+            "D202", f"{what} is a list, not {values.worded(raw)}", help="write it as [...]"
+        ) from None

@@ -7,7 +7,7 @@ import math
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -243,19 +243,23 @@ class Stepper:
             flags = 0 if entry.flags is None else entry.flags.ctypes.data
             given += (entry.values.ctypes.data, flags, entry.count)
         self._bordered(lines, given)
-        self._format.pack_into(words.data, 0, *given, *closed, *events)
+        self._format.pack_into(cast(Any, words), 0, *given, *closed, *events)
 
     # A cycle ---------------------------------------------------------------------------------------------------
 
     def step(
         self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
         closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
+        arena: Floats | None = None,
     ) -> Said:  # fmt: skip
         """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`, None for one that is
         missing; what is wrong with it already, as (name, signal, field, index)."""
         given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
         self._kept = self._found(found, given) if found else None
-        self._columns(columns, given)
+        if arena is None:
+            self._columns(columns, given)
+        else:
+            self._in_arena(columns, arena, given)
         self._bordered(lines, given)
         given += closed
         given += events
@@ -298,6 +302,15 @@ class Stepper:
             memoryview(self._memory), np.float64, self.sizes["TM_MAX_SAMPLES"], offset
         )
         return seen
+
+    def _in_arena(self, columns: Sequence[Columns | None], arena: Floats, given: list[Any]) -> None:
+        """The columns where they are: one after the other in memory that their frame keeps."""
+        place: int = arena.__array_interface__["data"][0]
+        mark = self._bases[1]
+        for entry in columns:
+            assert entry is not None
+            given += (place, mark, entry.count)
+            place += entry.values.nbytes
 
     def _columns(self, columns: Sequence[Columns | None], given: list[Any]) -> None:
         """Copy the columns one after the other into memory whose address is known; of one that is too long, C needs the count alone."""

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
+from typing import Any
 
 from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.step import Reason, Said, Stepper
@@ -120,7 +122,9 @@ class CSupervisor:
         lines = [frame.line(*place) for place in self._lines]
         closed = [frame.closed.get(name, False) for name in self._closed]
         events = [frame.events[name] for name in self._events]
-        return self.stepper.step(stamp.number, stamp.t, now, columns, lines, closed, events, given)
+        return self.stepper.step(
+            stamp.number, stamp.t, now, columns, lines, closed, events, given, frame.arena
+        )
 
     def _decision(
         self, said: Said, frame: Frame | None, stamp: Stamp, now: float, found: list[Fault]
@@ -170,25 +174,28 @@ class CSupervisor:
         return bool(said.stored) and (stored.number, stored.t) == (said.stored_number, said.stored_t)
 
     def _judged(self, frame: Frame) -> Judged:
-        verdicts, margins = self.stepper.verdicts.tobytes(), self.stepper.margins.tolist()
+        verdicts, margins = self.stepper.verdicts.tobytes(), self.stepper.margins.copy()
         count = len(self.rules)
-        driving = self._rated(frame, DRIVING, verdicts[:count], margins[0])
+        codes, driving, emergency = (verdicts[:count], verdicts[count:]), margins[0], margins[1]
         return Judged(
-            frame, {DRIVING: driving, EMERGENCY: self._rated(frame, EMERGENCY, verdicts[count:], margins[1])}
+            frame,
+            {
+                DRIVING: Rated(codes[0], driving, partial(self._explain, frame, DRIVING, codes[0], driving)),
+                EMERGENCY: Rated(
+                    codes[1], emergency, partial(self._explain, frame, EMERGENCY, codes[1], emergency)
+                ),
+            },
         )
 
-    def _rated(self, frame: Frame, candidate: str, verdicts: bytes, margins: Sequence[float]) -> Rated:
+    def _explain(
+        self, frame: Frame, candidate: str, verdicts: bytes, margins: Any, number: int, series: bool = False
+    ) -> RuleResult:
         """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
-
-        def explain(number: int, series: bool = False) -> RuleResult:
-            if self._numpy is None:
-                self._numpy = NumpyProgram(self.spec, self.rules)
-            seen, program = frame.of(candidate), self._numpy
-            return rated(
-                self.rules, seen, lambda: CaseView(program.run([seen]), 0), verdicts, margins
-            ).explain(number, series)
-
-        return Rated(verdicts, margins, explain)
+        if self._numpy is None:
+            self._numpy = NumpyProgram(self.spec, self.rules)
+        seen, program = frame.of(candidate), self._numpy
+        found = rated(self.rules, seen, lambda: CaseView(program.run([seen]), 0), verdicts, margins)
+        return found.explain(number, series)
 
     def _violation(self, reason: Reason, judged: Judged) -> Violation:
         assert reason.rule is not None

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cases
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.checking import FrameChecker
+from trackmarshal.runtime.door.columns import suggested
 from trackmarshal.runtime.door.reading import SignalsReader, known
 from trackmarshal.runtime.faults import Fault, name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
@@ -49,6 +49,7 @@ class CasesReader:
             for field in signal.fields_
             if any(check.kind.of == "step" for check in field.checks)
         )
+        self._ordered = {signal for signal, _ in self._orders}
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError D201 to D204."""
@@ -57,18 +58,30 @@ class CasesReader:
     def read_all(self, raws: Iterable[object]) -> list[Frame]:
         """Cases from plain data, in order; raises what the first of them that cannot be read raises."""
         frames: list[Frame] = []
-        waiting = list(raws)
-        for first in range(0, len(waiting), AT_ONCE):
-            chunk = [self._structure(raw) for raw in waiting[first : first + AT_ONCE]]
-            passed = self._together(chunk)
-            for frame in chunk:
-                self._checker.check_signals(frame, {f.signal for f in frame.faults}, frame.faults, passed)
-            frames += chunk
-        return frames
+        chunk: list[Frame] = []
+        for raw in raws:  # each is read before the next is asked for: it may be made in the same memory
+            chunk.append(self._structure(raw))
+            if len(chunk) == AT_ONCE:
+                frames += self._checked(chunk)
+                chunk = []
+        return frames + self._checked(chunk)
+
+    def _checked(self, chunk: list[Frame]) -> list[Frame]:
+        passed = self._together(chunk)
+        for frame in chunk:
+            broken = {f.signal for f in frame.faults}
+            self._checker.check_signals(frame, broken, frame.faults, passed)
+            for name in broken & self._ordered:
+                # A column that is missing says nothing of the others; without order in time, none of them means anything.
+                found: list[Fault] = []
+                self._checker.columns[name].check(frame.columns[name], found)
+                frame.faults += [fault for fault in found if name_of(fault) == "not_increasing"]
+        return chunk
 
     def settings(self, data: Mapping[str, Any]) -> Settings:
         """Overrides from plain data, with the constraints that do not hold with them; raises TrackmarshalError."""
-        if not any(data.get(key) for key in _SETTINGS):
+        given = [data.get(key) for key in _SETTINGS]
+        if all(value is None or (isinstance(value, Mapping) and not value) for value in given):
             if self._own is None:
                 self._own = Settings(broken=self._broken(NO_SETTINGS))
             return self._own
@@ -79,9 +92,11 @@ class CasesReader:
         if not isinstance(raw, Mapping):
             help_ = 'write {"id": 1, "signals": {...}}'
             raise TrackmarshalError("D201", f"the case is an object, not {values.worded(raw)}", help=help_)
-        for key in raw.keys() - KEYS:
-            hint = close_matches(str(key), KEYS) or f"it may have {', '.join(sorted(KEYS))}"
-            raise TrackmarshalError("D203", f"a case has no `{key}`", help=hint)
+        for key in raw:
+            if key not in KEYS:
+                name = key[:40] if isinstance(key, str) else values.worded(key)
+                hint = suggested(name, KEYS) or f"it may have {', '.join(sorted(KEYS))}"
+                raise TrackmarshalError("D203", f"a case has no `{name}`", help=hint)
         signals = raw.get("signals", {})
         if not isinstance(signals, Mapping):
             help_ = "write it as {...}; leave it out if there is none"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from itertools import chain
 from operator import itemgetter
 from typing import Any
@@ -17,7 +17,7 @@ from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.values import Floats, WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import Columns, Names
-from trackmarshal.units import from_si, parse_unit
+from trackmarshal.units import parse_unit
 
 _ARRAYS, _LISTS = {np.ndarray}, {list}
 _FLOATS = {float, np.float64}
@@ -37,7 +37,10 @@ class ColumnsReader:
         self._numbers = signal.numbers
         self._flags = [field.name for field in signal.flags]
         self.names = Names([field.name for field in signal.numbers], self._flags)
-        self._known = signal.declared | ({"id"} if signal.form == SET else set())
+        self.known = signal.declared | ({"id"} if signal.form == SET else set())
+        # Sets are asked in the order of names: what is said of a signal is the same in every process.
+        self._listed = sorted(self.known)
+        self._unread = sorted(signal.declared - self.names.rows.keys())
         self._scaled = [
             (row, *parse_unit(field.unit)[:2])
             for row, field in enumerate(self._numbers)
@@ -46,15 +49,20 @@ class ColumnsReader:
         self._spared = {f.name for f in signal.fields_ if not f.needed}
         self._defaults = {f.name: f.default for f in signal.fields_ if f.default is not None}
         #: Whether there is nothing but numbers, of which all are in SI: then they can be taken as they come.
-        self._plain = len(self._numbers) > 1 and not self._flags and not self._scaled
+        self.plain = len(self._numbers) > 1 and not self._flags and not self._scaled
         self._pick: Callable[[Any], Any] = itemgetter(*self.names.numbers or ("",))
+        #: Columns of defaults, of the length that they had last.
+        self._kept: dict[tuple[str, int], Floats] = {}
         self._last_ids: list[Any] = []
         self._ids: tuple[str, ...] = ()
 
     def read(self, raw: Any, faults: list[Fault]) -> Columns:
         """The signal's columns; what is wrong with their structure is added to the faults."""
-        if self._plain and type(raw) is dict and raw.keys() <= self._known:
-            found = self._record(raw) if self.signal.form == RECORD else self._quickly(raw)
+        if self.plain and type(raw) is dict:
+            try:
+                found = self._record(raw) if self.signal.form == RECORD else self._quickly(raw)
+            except Exception:  # whatever it is, a closer look says what is wrong with it
+                found = None
             if found is not None:
                 return found
         before = len(faults)
@@ -67,6 +75,34 @@ class ColumnsReader:
             del faults[before:]
             faults.append(fault("wrong_type", self.label, "", None, "it cannot be read"))
         return self.nothing()
+
+    def picked(self, raw: dict[str, Any], count: int) -> Sequence[Any]:
+        """What stands for each number of the signal: what is given, or its default; raises KeyError for one that is missing."""
+        try:
+            found: Sequence[Any] = self._pick(raw)
+            return found
+        except KeyError:
+            return [raw[name] if name in raw else self._default(name, count) for name in self.names.numbers]
+
+    def _default(self, name: str, count: int) -> Any:
+        value = self._defaults[name]
+        if self.signal.form == RECORD:
+            return value
+        kept = self._kept.get((name, count))
+        if kept is None:
+            self._kept.clear()
+            kept = self._kept[name, count] = np.full(count, value)
+        return kept
+
+    def ids_of(self, raw: dict[str, Any], count: int) -> tuple[str, ...] | None:
+        """The ids of a set's elements where they are those of the last time, or where none are given; None for others."""
+        if self.signal.form != SET:
+            return ()
+        if "id" not in raw:
+            return self._counted(count)
+        ids = raw["id"]
+        fits = type(ids) is list and {str}.issuperset(map(type, ids)) and ids == self._last_ids
+        return self._ids if fits else None
 
     def nothing(self) -> Columns:
         """One entry of nothing: whatever reads it is undefined."""
@@ -82,42 +118,37 @@ class ColumnsReader:
     # What almost all cycles are made of -------------------------------------------------------------------------
 
     def _quickly(self, raw: dict[str, Any]) -> Columns | None:
-        """Columns that are all arrays of float64, or lists of floats; None for anything that takes a closer look."""
-        ids: Any = None
-        try:
-            columns = self._pick(raw)
-            kinds = set(map(type, columns))
-            lengths = set(map(len, raw.values()))
-            if len(lengths) != 1:
-                return None
-            if "id" in raw and self.signal.form == SET:
-                ids = raw["id"]
-                if type(ids) is not list or ids != self._last_ids:
-                    return None
-            if kinds == _ARRAYS:
-                flat = np.concatenate(columns, casting="no", dtype=np.float64)
-                if flat.ndim != 1:
-                    return None
-            elif kinds == _LISTS:
-                listed = list(chain.from_iterable(columns))
-                if not {float}.issuperset(map(type, listed)):
-                    return None
-                flat = np.array(listed)
-            else:
-                return None
-        except (KeyError, TypeError, ValueError):
+        """Columns that are all arrays of float64, or lists of floats; None, or an error, for anything that takes a closer look."""
+        if not raw.keys() <= self.known:
+            return None
+        columns = self._pick(raw)
+        kinds = set(map(type, columns))
+        lengths = set(map(len, raw.values()))
+        if len(lengths) != 1:
             return None
         (count,) = lengths
+        ids = self.ids_of(raw, count)
+        if ids is None:
+            return None
+        if kinds == _ARRAYS:
+            flat = np.concatenate(columns, casting="no", dtype=np.float64)
+            if flat.ndim != 1:
+                return None
+        elif kinds == _LISTS:
+            listed = list(chain.from_iterable(columns))
+            if not {float}.issuperset(map(type, listed)):
+                return None
+            flat = np.array(listed)
+        else:
+            return None
         if not count and self.signal.form == TIMELINE:
             return None
-        made = flat.reshape(len(columns), count)
-        return Columns(self.names, made, None, self._ids if ids is not None else self._counted(count))
+        return Columns(self.names, flat.reshape(len(columns), count), None, ids)
 
     def _record(self, raw: dict[str, Any]) -> Columns | None:
-        try:
-            found = self._pick(raw)
-        except KeyError:
+        if not raw.keys() <= self.known:
             return None
+        found = self._pick(raw)
         if not _FLOATS.issuperset(map(type, found)):
             return None
         return Columns(self.names, np.array(found).reshape(-1, 1))
@@ -131,20 +162,22 @@ class ColumnsReader:
         if raw is None:
             faults.append(fault("missing", self.label, "", None, "it is not there"))
             return self.nothing()
-        given = (
-            self._records(raw, faults) if self.signal.form == SET and isinstance(raw, list | tuple) else None
-        )
-        data = values.mapping(raw) if given is None else given
-        self._refuse_unknown(data, faults)
+        left_out: dict[str, list[int]] = {}
+        if self.signal.form == SET and isinstance(raw, list | tuple):
+            data, left_out = self._records(raw, faults)
+        else:
+            data = values.mapping(raw)
+            refuse_unknown(self.label, [data], self.known, faults)
         if self.signal.form == RECORD:
             data = {key: [value] for key, value in data.items()}
         read: dict[str, NDArray[Any]] = {}
         for name in (*self.names.numbers, *self._flags):
             column = data.get(name)
+            needed = name in data or name not in self._spared
             if name in self._flags:
-                read |= self._one(name, column, faults, values.flags)
+                read |= self._one(name, column, needed, faults, values.flags)
             elif name in data or name not in self._defaults:
-                read |= self._one(name, column, faults, lambda c: values.numbers(c, self._spelt))
+                read |= self._one(name, column, needed, faults, lambda c: values.numbers(c, self._spelt))
         ids = self._read_ids(data.get("id"), faults) if self.signal.form == SET else None
         lengths = self._lengths(data, read, ids)
         count = self._agree(lengths, faults) if lengths or self.signal.form == SET else 1
@@ -157,6 +190,10 @@ class ColumnsReader:
             for row, up, down in self._scaled:
                 if self.names.numbers[row] in read:  # a default is in SI
                     numbers[row] = numbers[row] * up / down
+        for name, places in left_out.items():
+            numbers[self.names.rows[name], [place for place in places if place < count]] = self._defaults[
+                name
+            ]
         marks = np.full((len(self._flags), count), -1, dtype=np.int8)
         for row, name in enumerate(self._flags):
             if name in read:
@@ -165,7 +202,7 @@ class ColumnsReader:
         made = self._columns(
             numbers, marks, self._counted(count) if ids is None else (*ids, *["?"] * count)[:count]
         )
-        made.absent = frozenset(self._spared - read.keys())
+        made.absent = frozenset(name for name in self._spared - read.keys() if name not in self._defaults)
         return made
 
     def _row(self, name: str, column: NDArray[Any] | None, count: int, data: dict[Any, Any]) -> Any:
@@ -178,15 +215,14 @@ class ColumnsReader:
             else np.append(column, np.full(count - len(column), np.nan))
         )
 
-    def _one(self, name: str, column: Any, faults: list[Fault], read: Callable[[Any], Any]) -> dict[str, Any]:
+    def _one(
+        self, name: str, column: Any, needed: bool, faults: list[Fault], read: Callable[[Any], Any]
+    ) -> dict[str, Any]:
         """A column by its name, unless it is missing or of the wrong type."""
         record = self.signal.form == RECORD
         if column is None:
-            if name not in self._spared:
+            if needed:
                 faults.append(fault("missing", self.label, name, None, "it is not there"))
-            return {}
-        if record and column[0] is None and name in self._flags:
-            faults.append(fault("missing", self.label, name, None, "it is not there"))
             return {}
         try:
             return {name: read(column)}
@@ -198,14 +234,17 @@ class ColumnsReader:
     def _read_ids(self, column: Any, faults: list[Fault]) -> tuple[str, ...] | None:
         if column is None:
             return None
-        if type(column) is list and column == self._last_ids and all(type(name) is str for name in column):
+        texts = type(column) is list and {str}.issuperset(
+            map(type, column)
+        )  # what equals texts may be something else
+        if texts and column == self._last_ids:
             return self._ids
         try:
             found = values.ids(column)
         except WrongTypeError as error:
             faults.append(fault(error.name, self.label, "id", error.index, error.message))
             return None
-        if type(column) is list and all(type(name) is str for name in column):  # what equals texts is texts
+        if texts:
             self._last_ids, self._ids = list(column), found
         return found
 
@@ -217,7 +256,7 @@ class ColumnsReader:
         if ids is not None:
             lengths["id"] = len(ids)
         if self.signal.form != RECORD:
-            for name in self.signal.declared - self.names.rows.keys():
+            for name in self._unread:
                 column = data.get(name)
                 if isinstance(column, list | tuple | np.ndarray) and getattr(column, "ndim", 1) == 1:
                     lengths[name] = len(column)
@@ -234,46 +273,75 @@ class ColumnsReader:
                 faults.append(fault("wrong_length", self.label, name, min(length, usual), message))
         return min(lengths.values())
 
-    def _records(self, raw: Any, faults: list[Fault]) -> dict[str, Any] | None:
-        """A list of records as columns."""
+    def _records(self, raw: Any, faults: list[Fault]) -> tuple[dict[str, Any], dict[str, list[int]]]:
+        """A list of records as columns, and which records leave a field to its default."""
         records = []
         for index, one in enumerate(values.entries(raw)):
             try:
                 records.append(values.mapping(one))
             except WrongTypeError as error:
                 raise WrongTypeError(error.message, index) from error
+        refuse_unknown(self.label, records, self.known, faults, indexed=True)
         columns: dict[str, Any] = {}
-        for name in self._known & set().union(*records) if records else ():
-            default = self._defaults.get(name)
-            if default is not None and not any(name in record for record in records):
-                continue
-            if default is not None:
-                field = next(f for f in self._numbers if f.name == name)
-                default = from_si(default, field.unit)
-            columns[name] = [record.get(name, default) for record in records]
-        for record in records:
-            self._refuse_unknown(record, faults)
-        for name in (*self.names.numbers, *self._flags):
-            if name not in self._defaults:
-                at = next((i for i, record in enumerate(records) if name not in record), None)
-                if at is not None:
-                    faults.append(fault("missing", self.label, name, at, "it is not there"))
+        left_out: dict[str, list[int]] = {}
+        for name in self._listed:
+            lacking = [index for index, record in enumerate(records) if name not in record]
+            if name in self._defaults:
+                if len(lacking) == len(records):
+                    continue
+                left_out[name] = lacking if name in self.names.rows else []
+                columns[name] = [record.get(name, 0.0) for record in records]
+            elif len(lacking) < len(records):
+                columns[name] = [record.get(name) for record in records]
+            if lacking and name in self.names.rows and name not in self._defaults:
+                more = f", and {len(lacking) - 1} more" if len(lacking) > 1 else ""
+                faults.append(fault("missing", self.label, name, lacking[0], f"it is not there{more}"))
                 columns.setdefault(name, [None] * len(records))
         named = columns.get("id")
         if named is not None:
             columns["id"] = [str(i) if name is None else name for i, name in enumerate(named)]
         elif not columns:
             columns["id"] = [str(i) for i in range(len(records))]
-        return columns
+        for name in (*self.names.numbers, *self._flags):
+            if name not in self._defaults:
+                columns.setdefault(name, [])  # of no records
+        return columns, {name: places for name, places in left_out.items() if places}
 
-    def _refuse_unknown(self, data: dict[Any, Any], faults: list[Fault]) -> None:
-        for key in data.keys() - self._known:
-            faults.append(unknown(self.label, key, self._known))
+
+#: Names that nothing declares for which something else is suggested; a flood of them takes no time.
+MOST_SUGGESTED = 8
 
 
-def unknown(label: str, key: object, known: Any) -> Fault:
-    """The fault of a key that nothing declares."""
-    shown = key if type(key) is str else values.worded(key)
-    hint = close_matches(str(shown)[:40], sorted(known)) if type(key) is str else None
-    message = f"nothing declares `{shown:.40}`" + (f"; {hint}" if hint else "")
-    return fault("unknown", label, shown[:40] if type(key) is str else "", None, message)
+def refuse_unknown(
+    label: str,
+    given: Sequence[Mapping[Any, Any]],
+    known: Set[str],
+    faults: list[Fault],
+    indexed: bool = False,
+) -> None:
+    """A fault for every key that nothing declares; indexed: these are records, of which the first with the key is named."""
+    found: dict[str, list[int]] = {}
+    for index, data in enumerate(given):
+        if not data.keys() <= known:
+            for key in data:
+                if key not in known:
+                    found.setdefault(_name(key), []).append(index)
+    for place, (name, places) in enumerate(found.items()):
+        hint = suggested(name, known) if place < MOST_SUGGESTED else ""
+        more = f", and {len(places) - 1} more" if len(places) > 1 and indexed else ""
+        message = f"nothing declares `{name}`{more}" if name else "a field is called by a text"
+        at = places[0] if indexed else None
+        faults.append(fault("unknown", label, name, at, message + (f"; {hint}" if hint else "")))
+
+
+def _name(key: object) -> str:
+    """A name that nothing declares, as it is called in faults: a long one by a name that nothing can have."""
+    if type(key) is not str:
+        return ""
+    return key if len(key) <= 80 else f"{key[:79]}..."
+
+
+def suggested(name: str, known: Iterable[str]) -> str:
+    """What may have been meant, however it is spelt; empty for no idea."""
+    listed = sorted(known)
+    return close_matches(name, listed) or close_matches(name.lower(), listed)

@@ -16,7 +16,7 @@ from trackmarshal.runtime.contract.cycles import END, NUMBER, STAMP, START, TIME
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.checking import FrameChecker
-from trackmarshal.runtime.door.reading import CycleReader, whole
+from trackmarshal.runtime.door.reading import CycleReader
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 
@@ -60,7 +60,7 @@ class Stamp:
 def stamp_of(cycle: Cycle) -> Stamp:
     """Number and stamp of a cycle by their types; numbers beyond 64 bits are none."""
     found: list[Fault] = []
-    number, t = whole(cycle.number), values.number(cycle.t)
+    number, t = values.whole(cycle.number), values.number(cycle.t)
     if number is None:
         name = "missing" if cycle.number is None else "wrong_type"
         found.append(fault(name, "cycle", "number", None, values.worded(cycle.number)))

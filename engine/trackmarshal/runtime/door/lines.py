@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.runtime.door.values import number
+from trackmarshal.runtime.door import values
+from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.lines import Line
 
 #: Lines that a reader remembers: more than one run's tracks have, few enough to hold.
@@ -44,60 +45,101 @@ class LineReader:
 
     def __init__(self) -> None:
         self._last: Line = NOWHERE
-        #: The object that the last line was read from, where nothing in it can have changed since.
+        #: The object that the last line was read from, where nothing in it can have changed since, and how that was seen.
         self._frozen: object = None
-        self._content: bytes = b""
+        self._view: object = None
+        #: The bytes of the array that the last line was read from, if it was one.
+        self._content: bytes | None = None
         self._known: OrderedDict[Any, Line] = OrderedDict()
 
     def read(self, raw: Any) -> Line:
         """The line that data stands for; raises NoLineError."""
-        if raw is self._frozen and raw is not None:
+        if raw is self._frozen and raw is not None and _view(raw) == self._view:
             return self._last
         kind = type(raw)
         if kind is Line:
-            return self._remember(raw, raw)
-        if kind is np.ndarray:
-            if raw.dtype == _FLOAT and raw.ndim == 2 and raw.shape[1] == 2:
-                content = raw.tobytes()
-                if content != self._content:
-                    self._last, self._content = self._known_as(("array", content), raw), content
-                self._frozen = raw if _frozen(raw) else None
-                return self._last
+            if not _whole(raw.points):
+                raise NoLineError("wrong_type", None, "not a list of points")
+            return self._remember(raw, raw, None)
+        if kind in values.ARRAYS:
+            array = raw if kind is np.ndarray and raw.dtype == _FLOAT else _numbers(raw)
+            if array is not None:
+                if array.ndim != 2 or array.shape[1] != 2:
+                    raise NoLineError("wrong_type", None, "not a list of points")
+                content = array.tobytes()
+                last = self._last if content == self._content else self._known_as(("array", content))
+                return self._remember(last, raw if kind is np.ndarray and _frozen(raw) else None, content)
             raw = raw.tolist()
         if not isinstance(raw, list | tuple):
             raise NoLineError("wrong_type", None, "not a list of points")
-        self._frozen, self._content = None, b""
-        self._last = self._known_as(_content(raw), raw)
-        return self._last
+        return self._remember(self._known_as(_content(raw), raw), None, None)
 
-    def _remember(self, given: Line, frozen: object) -> Line:
-        self._last, self._frozen, self._content = given, frozen, b""
+    def _remember(self, given: Line, frozen: Any, content: bytes | None) -> Line:
+        self._last, self._frozen, self._content = given, frozen, content
+        self._view = None if frozen is None else _view(frozen)
         return given
 
-    def _known_as(self, content: Any, raw: Any) -> Line:
-        found = None if content is None else self._known.get(content)
+    def _known_as(self, content: Any, raw: Any = None) -> Line:
+        """The line of this content; None for data without one. What is kept is read from the content: data may change meanwhile."""
+        if content is None:
+            return line(points_of(raw))
+        found = self._known.get(content)
         if found is None:
-            found = line(raw if type(raw) is np.ndarray else points_of(raw))
-            if content is not None:
-                self._known[content] = found
-                while len(self._known) > KEPT:
-                    self._known.popitem(last=False)
+            found = self._known[content] = line(_points(content))
+            while len(self._known) > KEPT:
+                self._known.popitem(last=False)
         return found
+
+
+def _points(content: Any) -> Floats:
+    if type(content) is bytes:
+        return points_of(marshal.loads(content))
+    return np.frombuffer(content[1], dtype=np.float64).reshape(-1, 2)
 
 
 def points_of(raw: Any) -> Floats:
     """(n, 2) of a list of points; raises NoLineError."""
-    rows = np.zeros((len(raw), 2))
-    for index, point in enumerate(raw):
-        pair = point.tolist() if type(point) is np.ndarray else point
-        if not isinstance(pair, list | tuple) or len(pair) != 2:
+    points = values.entries(raw)
+    rows = np.full((len(points), 2), np.nan)
+    for index, point in enumerate(points):
+        try:
+            pair = values.entries(point) if type(point) not in values.ARRAYS else values.numbers(point)
+        except WrongTypeError as error:
+            raise NoLineError("wrong_type", index, "not a point [x, y]") from error
+        if len(pair) != 2:
             raise NoLineError("wrong_type", index, "not a point [x, y]")
         for axis, value in enumerate(pair):
-            coordinate = number(value)
+            coordinate = values.number(value)
             if coordinate is None:
                 raise NoLineError("wrong_type", index, "not a number")
             rows[index, axis] = coordinate
     return rows
+
+
+def _numbers(array: Any) -> Floats | None:
+    """An array as one of numbers, None for one of objects; raises NoLineError for any other."""
+    if array.dtype == object and type(array) is np.ndarray:
+        return None
+    try:
+        found = values.floats(array, 2)
+    except WrongTypeError:
+        found = None
+    if found is None:
+        raise NoLineError("wrong_type", None, "not a list of points")
+    return found
+
+
+def _view(raw: Any) -> object:
+    """How an array looks at its memory."""
+    return (raw.shape, raw.strides, raw.dtype) if type(raw) is np.ndarray else None
+
+
+def _whole(points: Any) -> bool:
+    """Whether points are as a line has them."""
+    whole = (
+        type(points) is np.ndarray and points.dtype == _FLOAT and points.ndim == 2 and points.shape[1] == 2
+    )
+    return whole and _frozen(points)
 
 
 def _frozen(array: NDArray[Any]) -> bool:

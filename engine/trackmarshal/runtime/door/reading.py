@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
-from trackmarshal.runtime.door.columns import ColumnsReader, unknown
+from trackmarshal.runtime.door.at_once import AtOnce
+from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
@@ -37,11 +36,10 @@ class LinesReader:
                 faults.append(fault("missing", name, "", None, "it is not there"))
                 return
             data = values.mapping(raw)
-            for key in data.keys() - self._known:
-                faults.append(unknown(name, key, self._known))
-            closed = data.get("closed", False)
-            if isinstance(closed, bool | np.bool_):
-                frame.closed[name] = bool(closed)
+            refuse_unknown(name, [data], self._known, faults)
+            closed = values.flag(data.get("closed", False))
+            if closed in (0, 1):
+                frame.closed[name] = closed == 1
             else:
                 faults.append(fault("wrong_type", name, "closed", None, "neither true nor false"))
             for line in self._readers:
@@ -77,6 +75,10 @@ class SignalsReader:
         """Put the signals into a frame. What the spec declares and no rule reads is left out."""
         for name, reader in self.columns.items():
             frame.columns[name] = reader.read(raw.get(name), faults)
+        self.read_others(raw, frame, faults)
+
+    def read_others(self, raw: dict[Any, Any], frame: Frame, faults: list[Fault]) -> None:
+        """Put lines and events into a frame."""
         for name, lines in self.lines.items():
             lines.read(raw.get(name), frame, faults)
         for name in self.events:
@@ -84,9 +86,7 @@ class SignalsReader:
 
     def refuse_unknown(self, raw: dict[Any, Any], faults: list[Fault], known: frozenset[str]) -> None:
         """Faults of signals that nothing declares."""
-        if not raw.keys() <= known:
-            for key in raw.keys() - known:
-                faults.append(unknown("signals", key, known))
+        refuse_unknown("signals", [raw], known, faults)
 
     @staticmethod
     def _event(name: str, raw: Any, faults: list[Fault]) -> int:
@@ -109,6 +109,7 @@ class CycleReader:
         self.settings = settings
         self.candidates = [(name, ColumnsReader(contract.plan, name)) for name in (DRIVING, EMERGENCY)]
         self.shared = SignalsReader(contract)
+        self._at_once = AtOnce([reader for _, reader in self.candidates] + list(self.shared.columns.values()))
         #: Signals that a cycle may bring; the candidates come by themselves.
         self._known = contract.known - {PLAN}
 
@@ -117,6 +118,19 @@ class CycleReader:
         names. Number and stamp are not in it."""
         frame = Frame(settings=self.settings)
         faults: list[Fault] = []
+        if type(cycle.signals) is dict and cycle.signals.keys() <= self._known:
+            signals: dict[Any, Any] = cycle.signals
+            raws = [cycle.driving, cycle.emergency, *map(signals.get, self.shared.columns)]
+            read = self._at_once.read(raws)
+            if read is not None:
+                columns, frame.arena = read
+                frame.candidates = {DRIVING: columns[0], EMERGENCY: columns[1]}
+                frame.columns = dict(zip(self.shared.columns, columns[2:]))
+                self.shared.read_others(signals, frame, faults)
+                return frame, self._but_known(cycle, faults)
+        return self._closely(cycle, frame, faults)
+
+    def _closely(self, cycle: Cycle, frame: Frame, faults: list[Fault]) -> tuple[Frame, list[Fault]]:
         given: dict[str, Columns] = frame.candidates
         for (name, reader), raw in zip(self.candidates, (cycle.driving, cycle.emergency)):
             given[name] = reader.read(raw, faults)
@@ -129,21 +143,17 @@ class CycleReader:
         else:
             self.shared.refuse_unknown(signals, faults, self._known)
         self.shared.read(signals, frame, faults)
-        if cycle.also and type(cycle.also) is frozenset:
-            faults = [fault for fault in faults if not known(fault, cycle.also)]
-        return frame, faults
+        return frame, self._but_known(cycle, faults)
+
+    @staticmethod
+    def _but_known(cycle: Cycle, faults: list[Fault]) -> list[Fault]:
+        """The faults but for names that whoever made the cycle knows of."""
+        if faults and cycle.also and type(cycle.also) is frozenset:
+            return [fault for fault in faults if not known(fault, cycle.also)]
+        return faults
 
 
 def known(fault: Fault, also: frozenset[str]) -> bool:
     """Whether it is the fault of a name that is known after all."""
     name = fault.field if fault.signal == "signals" else f"{fault.signal}.{fault.field}"
     return name_of(fault) == "unknown" and name in also
-
-
-def whole(value: object) -> int | None:
-    """A cycle's number: a whole number of Python or numpy; None for anything else."""
-    if type(value) is int:
-        return value
-    if isinstance(value, bool) or not isinstance(value, int | np.integer):
-        return None
-    return int(value)

@@ -15,6 +15,10 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 #: Numbers that JSON has no word for, where data comes from it.
 SPELT = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
+#: Kinds of numpy's types whose values are numbers, and whole ones.
+NUMBERS, WHOLE = "iuf", "iu"
+#: Kinds of arrays that are taken. Others may mean something else by their numbers.
+ARRAYS = (np.ndarray, np.memmap, np.ma.MaskedArray)
 
 
 class WrongTypeError(Exception):
@@ -28,27 +32,40 @@ class WrongTypeError(Exception):
 def number(value: object, spelt: bool = False) -> float | None:
     """A number as a float, a missing one (None) as NaN; None for what is no number.
 
-    Python's and numpy's whole and real numbers are numbers, and arrays of one of them without axes; Booleans are none. What is too
-    large for a float is infinite. spelt: "nan", "inf" and "-inf" are numbers too.
+    Python's and numpy's whole and real numbers are numbers, and arrays of one of them without axes; Booleans are none, and neither are
+    times and dates, of which numpy makes whole numbers. What is too large for a float is infinite. spelt: "nan", "inf" and "-inf" are
+    numbers too.
     """
     kind = type(value)
     if kind is float:
         return value  # type: ignore[return-value]
     if value is None:
         return math.nan
-    if kind is np.ndarray and value.ndim == 0 and value.dtype.kind in "iuf":  # type: ignore[attr-defined]
-        return _float(value.item())  # type: ignore[attr-defined]
-    if isinstance(value, bool | np.bool_):
-        return None
-    if isinstance(value, np.integer | np.floating):
-        return _float(value.item() if value.dtype.itemsize <= 8 else value)
+    if isinstance(value, np.generic) or (kind is np.ndarray and value.ndim == 0):  # type: ignore[attr-defined]
+        return _float(item(value)) if value.dtype.kind in NUMBERS else None  # type: ignore[attr-defined]
     if isinstance(value, float):
         return float.__pos__(value)
-    if isinstance(value, int):
+    if isinstance(value, int) and not isinstance(value, bool):
         return _float(int.__pos__(value))
     if spelt and kind is str:
         return SPELT.get(value)  # type: ignore[call-overload, no-any-return]
     return None
+
+
+def whole(value: object) -> int | None:
+    """A whole number of Python or numpy, or an array of one without axes; None for anything else."""
+    if type(value) is int:
+        return value
+    if isinstance(value, np.generic) or (type(value) is np.ndarray and value.ndim == 0):
+        return int(item(value)) if value.dtype.kind in WHOLE else None
+    if isinstance(value, bool) or not isinstance(value, int):
+        return None
+    return int.__pos__(value)
+
+
+def item(value: Any) -> Any:
+    """What a number of numpy is in Python, whatever a derived class makes of that."""
+    return np.generic.item(value) if isinstance(value, np.generic) else value.item()
 
 
 def _float(value: Any) -> float:
@@ -62,6 +79,8 @@ def flag(value: object) -> int | None:
     """A Boolean as 1 or 0, a missing one (None) as -1; None for what is none."""
     if value is None:
         return -1
+    if type(value) is np.ndarray and value.ndim == 0 and value.dtype == bool:
+        return int(value.item())
     return int(value) if isinstance(value, bool | np.bool_) else None
 
 
@@ -69,21 +88,13 @@ def numbers(column: Any, spelt: bool = False) -> Floats:
     """A column of numbers, as a new array of one axis; raises WrongTypeError.
 
     Lists, tuples, and arrays of one axis: of whole or real numbers of any size and byte order, or of objects that are numbers. What a
-    masked array hides is missing (NaN). Other kinds of arrays may mean something else by their numbers, and are refused.
+    masked array hides is missing (NaN).
     """
-    kind = type(column)
-    if kind in (np.ndarray, np.memmap, np.ma.MaskedArray):
-        if column.ndim != 1:
-            raise WrongTypeError("something else is no column")
-        if column.dtype.kind in "iuf":
-            with np.errstate(all="ignore"):
-                made: Floats = np.array(np.ma.getdata(column), dtype=np.float64)
-            if kind is np.ma.MaskedArray:
-                made[np.ma.getmaskarray(column)] = math.nan
+    if type(column) in ARRAYS:
+        made = floats(column)
+        if made is not None:
             return made
-        if column.dtype != object or kind is np.ma.MaskedArray:
-            raise WrongTypeError("something else is no column")
-        column = column.tolist()
+        column = objects(column)
     values = entries(column)
     if not {float}.issuperset(map(type, values)):
         found = [number(value, spelt) for value in values]
@@ -94,20 +105,41 @@ def numbers(column: Any, spelt: bool = False) -> Floats:
     return np.array(values, dtype=np.float64)
 
 
+def floats(array: Any, axes: int = 1) -> Floats | None:
+    """A copy of an array of whole or real numbers, with NaN for what is masked; None for an array of anything else.
+
+    Raises WrongTypeError where it has another number of axes.
+    """
+    if array.ndim != axes:
+        raise WrongTypeError("something else is no column")
+    if array.dtype.kind not in NUMBERS:
+        return None
+    with np.errstate(all="ignore"):
+        made: Floats = np.array(np.ma.getdata(array), dtype=np.float64)
+    if type(array) is np.ma.MaskedArray:
+        made[np.ma.getmaskarray(array)] = math.nan
+    return made
+
+
+def objects(array: Any) -> list[Any]:
+    """What an array of objects holds; raises WrongTypeError for any other."""
+    if array.dtype != object or type(array) is np.ma.MaskedArray:
+        raise WrongTypeError("something else is no column")
+    held: list[Any] = array.tolist()
+    return held
+
+
 def flags(column: Any) -> NDArray[np.int8]:
     """A column of Booleans as 1, 0 and -1 for a missing one; raises WrongTypeError. Lists, tuples, and arrays of bool or objects."""
-    kind = type(column)
-    if kind in (np.ndarray, np.ma.MaskedArray):
+    if type(column) in ARRAYS:
         if column.ndim != 1:
             raise WrongTypeError("something else is no column")
         if column.dtype == bool:
             made = np.array(np.ma.getdata(column), dtype=np.int8)
-            if kind is np.ma.MaskedArray:
+            if type(column) is np.ma.MaskedArray:
                 made[np.ma.getmaskarray(column)] = -1
             return made
-        if column.dtype != object or kind is np.ma.MaskedArray:
-            raise WrongTypeError("something else is no column")
-        column = column.tolist()
+        column = objects(column)
     values = entries(column)
     found = [flag(value) for value in values]
     if None in found:
@@ -125,29 +157,64 @@ def entries(column: Any) -> list[Any]:
     raise WrongTypeError(f"{worded(column)} is no column")
 
 
+def listed(raw: Any) -> list[Any]:
+    """The entries of a list or tuple, or those along the first axis of an array of numbers or objects; raises WrongTypeError."""
+    if type(raw) in ARRAYS and raw.ndim and (raw.dtype.kind in NUMBERS or raw.dtype == object):
+        return list(raw)
+    return entries(raw)
+
+
 def mapping(raw: Any) -> dict[Any, Any]:
-    """What a dict or any other Mapping holds; raises WrongTypeError."""
+    """What a dict or any other Mapping holds; raises WrongTypeError.
+
+    What is not a plain dict may make its values in the same memory again and again: each is copied before the next is asked for.
+    """
     if type(raw) is dict:
         return raw
     if isinstance(raw, Mapping):
-        return {key: raw[key] for key in raw}
+        return {key: _held(raw[key]) for key in raw}
     raise WrongTypeError(f"{worded(raw)} has no fields")
+
+
+def _held(value: Any) -> Any:
+    """Lists, tuples, arrays and Mappings with all that they hold, for good; anything else as it is."""
+    if type(value) in ARRAYS:
+        return value.copy()
+    if isinstance(value, list | tuple):
+        own = list if isinstance(value, list) else tuple
+        return own(map(_held, entries(value)))
+    if isinstance(value, Mapping):
+        return {key: _held(value[key]) for key in value}
+    return value
 
 
 def ids(column: Any) -> tuple[str, ...]:
     """Ids of elements, texts or numbers, as texts; raises WrongTypeError, with the name `duplicate` for one that stands twice."""
     if type(column) is np.ndarray:
-        if column.ndim != 1:
+        if column.ndim != 1 or column.dtype.kind not in "iufUO":
             raise WrongTypeError("something else is no column")
         column = column.tolist()
     found: dict[str, int] = {}
     for index, name in enumerate(entries(column)):
-        if isinstance(name, bool) or not isinstance(name, str | int | float) or _long(name):
+        spoken = _spoken(name)
+        if spoken is None:
             raise WrongTypeError(f"{worded(name)} is neither a text nor a number", index)
-        spoken = str.__str__(name) if isinstance(name, str) else repr(name)
         if found.setdefault(spoken, index) != index:
             raise WrongTypeError(f"`{spoken[:40]}` stands twice", index, "duplicate")
     return tuple(found)
+
+
+def _spoken(name: object) -> str | None:
+    """An id as a text; None for what is none."""
+    if isinstance(name, str):
+        return str.__str__(name)
+    number = item(name) if isinstance(name, np.generic) and name.dtype.kind in NUMBERS else name
+    if isinstance(number, float | np.longdouble):
+        real = float.__pos__(float(number) if isinstance(number, np.longdouble) else number)
+        return repr(real) if math.isfinite(real) else None
+    if isinstance(number, bool) or not isinstance(number, int) or _long(number):
+        return None
+    return int.__repr__(number)
 
 
 def _long(value: object) -> bool:
