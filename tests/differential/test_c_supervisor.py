@@ -188,7 +188,9 @@ def test_what_never_came_back_from_c_drives_nothing() -> None:
     assert [name_of(f) for f in decision.faults] == ["incomplete"]
     made._run = run
     pair.clocks[0].waiting = [0.2, 0.21]
-    assert pair.c.step(cycle(2)).driven is None  # what C stored is not known here, and steps are missing
+    assert pair.c.step(cycle(2)).driven is None  # what C has stored is not known here
+    pair.clocks[0].waiting = [0.3, 0.31]
+    assert pair.c.step(cycle(3)).safe
 
 
 def test_a_step_never_raises(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -142,8 +142,8 @@ class CSupervisor:
             faults = self._words.faults(reasons, found, frame, stamp, now, said)
             if judged is not None:
                 violations = tuple(self._violation(one, judged) for one in reasons if one.rule is not None)
-        if frame is not None:
-            frame.faults = [f for f in faults if f.signal != "supervisor"]
+        if faults and frame is not None:
+            frame.faults = [f for f in faults if f.signal not in ("clock", "supervisor")]
         if said.safe and frame is not None and stamp.number is not None:
             self._stored = Plan(EMERGENCY, stamp.number, t, frame.candidates[EMERGENCY])
             driven = Plan(DRIVING, stamp.number, t, frame.candidates[DRIVING])
@@ -161,7 +161,7 @@ class CSupervisor:
 
     def _nothing(self, said: Said, stamp: Stamp, *faults: Fault) -> Decision:
         """C did not decide this cycle, or of another trajectory than is known here: nothing is driven."""
-        self._stored = None
+        self._stored, self._steps = None, said.serial
         t = math.nan if stamp.t is None else stamp.t
         return Decision(
             stamp.number, t, said.now, said.finished, NO_SAFE_TRAJECTORY, False, None, None, said.valid_until, "none_stored", faults, (),
