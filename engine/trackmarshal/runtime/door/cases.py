@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cases
@@ -14,8 +12,9 @@ from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.checking import FrameChecker
 from trackmarshal.runtime.door.columns import suggested
 from trackmarshal.runtime.door.reading import SignalsReader, known
+from trackmarshal.runtime.door.stacks import Stacks
 from trackmarshal.runtime.faults import Fault, name_of
-from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.settings import SettingsReader
 
 #: What a case may hold.
@@ -40,6 +39,7 @@ class CasesReader:
         self.contract = of_cases(spec, reads)
         self._settings = SettingsReader(spec)
         self._reader = SignalsReader(self.contract, spelt=True)
+        self._stacks = {name: Stacks(reader) for name, reader in self._reader.columns.items()}
         self._checker = FrameChecker(self.contract)
         self._declared, self._broken = declared, broken
         self._own: Settings | None = None
@@ -59,16 +59,17 @@ class CasesReader:
         """Cases from plain data, in order; raises what the first of them that cannot be read raises."""
         frames: list[Frame] = []
         chunk: list[Frame] = []
+        for stacks in self._stacks.values():
+            stacks.clear()
         for raw in raws:  # each is read before the next is asked for: it may be made in the same memory
-            chunk.append(self._structure(raw))
+            chunk.append(self._structure(raw, len(chunk)))
             if len(chunk) == AT_ONCE:
                 frames += self._checked(chunk)
                 chunk = []
         return frames + self._checked(chunk)
 
     def _checked(self, chunk: list[Frame]) -> list[Frame]:
-        passed = self._together(chunk)
-        for frame in chunk:
+        for frame, passed in zip(chunk, self._together(chunk)):
             broken = {f.signal for f in frame.faults}
             self._checker.check_signals(frame, broken, frame.faults, passed)
             for name in broken & self._ordered:
@@ -88,7 +89,7 @@ class CasesReader:
         read = self._settings.read(data)
         return Settings(read.params, read.tables, read.places, self._broken(read))
 
-    def _structure(self, raw: object) -> Frame:
+    def _structure(self, raw: object, place: int) -> Frame:
         if not isinstance(raw, Mapping):
             help_ = 'write {"id": 1, "signals": {...}}'
             raise TrackmarshalError("D201", f"the case is an object, not {values.worded(raw)}", help=help_)
@@ -106,7 +107,7 @@ class CasesReader:
         frame = Frame(raw.get("id"), self.settings(raw), orders=self._orders)
         given = signals if type(signals) is dict else dict(signals)
         self._reader.refuse_unknown(given, frame.faults, self.contract.known)
-        self._reader.read(given, frame, frame.faults)
+        self._reader.read_later(given, frame, frame.faults, self._stacks, place)
         if any(name_of(fault) == "unknown" for fault in frame.faults):
             also = self._declared()
             frame.faults = [fault for fault in frame.faults if not known(fault, also)]
@@ -114,25 +115,18 @@ class CasesReader:
             _refuse(fault)
         return frame
 
-    def _together(self, frames: Sequence[Frame]) -> frozenset[str]:
-        """Put the numbers of all frames into one array a signal, where they have the same size; which signals passed all checks."""
-        passed = set()
-        if len(frames) < 2:
-            return frozenset()
-        for name in self._reader.columns:
-            own = [frame.columns[name] for frame in frames]
-            first = own[0]
-            if first.flags is not None or any(columns.count != first.count for columns in own):
-                continue
-            stack = np.array([columns.values for columns in own])
-            if not self._checker.columns[name].all_fine(stack, first.count):
-                continue
-            stack.flags.writeable = False
-            for place, (frame, columns) in enumerate(zip(frames, own)):
-                frame.columns[name] = made = Columns(columns.names, stack[place], None, columns.ids)
-                made.stack = stack, place
-            passed.add(name)
-        return frozenset(passed)
+    def _together(self, frames: Sequence[Frame]) -> list[set[str]]:
+        """Put columns in place that were read together; which signals of each frame passed all checks by that."""
+        passed: list[set[str]] = [set() for _ in frames]
+        for name, stacks in self._stacks.items():
+            checker = self._checker.columns[name]
+            for stack, places, columns in stacks.finish():
+                fine = checker.all_fine(stack, stack.shape[2])
+                for place, made in zip(places, columns):
+                    frames[place].columns[name] = made
+                    if fine:
+                        passed[place].add(name)
+        return passed
 
 
 def _refuse(fault: Fault) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from typing import Any
 
 import numpy as np
@@ -165,7 +165,7 @@ class FrameChecker:
                 self.candidates[name].check(columns, faults)
 
     def check_signals(
-        self, frame: Frame, found: set[str], faults: list[Fault], passed: frozenset[str] = frozenset()
+        self, frame: Frame, found: set[str], faults: list[Fault], passed: Set[str] = frozenset()
     ) -> None:
         """All others, in the order of the contract; those that have `passed` already are left out."""
         for signal in self._order:

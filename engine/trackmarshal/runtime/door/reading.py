@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.at_once import AtOnce
 from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
+from trackmarshal.runtime.door.stacks import Stacks
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
-from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Names, Settings
+
+#: Columns that are still to come.
+LATER = Columns(Names(()), np.zeros((0, 0)))
 
 
 class LinesReader:
@@ -75,6 +81,16 @@ class SignalsReader:
         """Put the signals into a frame. What the spec declares and no rule reads is left out."""
         for name, reader in self.columns.items():
             frame.columns[name] = reader.read(raw.get(name), faults)
+        self.read_others(raw, frame, faults)
+
+    def read_later(
+        self, raw: dict[Any, Any], frame: Frame, faults: list[Fault], stacks: dict[str, Stacks], place: int
+    ) -> None:
+        """The same, but that columns may be left to `stacks`, where this frame has a place."""
+        for name, reader in self.columns.items():
+            one = raw.get(name)
+            # Signals are in order, also where the columns come later.
+            frame.columns[name] = LATER if stacks[name].take(one, place) else reader.read(one, faults)
         self.read_others(raw, frame, faults)
 
     def read_others(self, raw: dict[Any, Any], frame: Frame, faults: list[Fault]) -> None:
