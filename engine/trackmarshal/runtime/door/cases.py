@@ -39,17 +39,17 @@ class CasesReader:
     ) -> None:  # fmt: skip
         self.contract = of_cases(spec, reads)
         self._settings = SettingsReader(spec)
-        self._reader = SignalsReader(self.contract, spelt=True)
+        self.reader = SignalsReader(self.contract, spelt=True)
         self._checker = FrameChecker(self.contract)
         self._declared, self._broken = declared, broken
         self._own: Settings | None = None
-        self._orders = frozenset(
+        self.orders = frozenset(
             (signal.name, field.name)
             for signal in self.contract.signals
             for field in signal.fields_
             if any(check.kind.of == "step" for check in field.checks)
         )
-        self._ordered = {signal for signal, _ in self._orders}
+        self._ordered = {signal for signal, _ in self.orders}
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError D201 to D204."""
@@ -69,14 +69,22 @@ class CasesReader:
     def _checked(self, chunk: list[Frame]) -> list[Frame]:
         passed = self._together(chunk)
         for frame in chunk:
-            broken = {f.signal for f in frame.faults}
-            self._checker.check_signals(frame, broken, frame.faults, passed)
-            for name in broken & self._ordered:
-                # A column that is missing says nothing of the others; without order in time, none of them means anything.
-                found: list[Fault] = []
-                self._checker.columns[name].check(frame.columns[name], found)
-                frame.faults += [fault for fault in found if name_of(fault) == "not_increasing"]
+            self.check(frame, passed)
         return chunk
+
+    def check(self, frame: Frame, passed: frozenset[str] = frozenset()) -> None:
+        """Add what is wrong with the values of a frame to its faults; signals that have `passed` already are left out."""
+        broken = {f.signal for f in frame.faults}
+        self._checker.check_signals(frame, broken, frame.faults, passed)
+        for name in broken & self._ordered:
+            # A column that is missing says nothing of the others; without order in time, none of them means anything.
+            found: list[Fault] = []
+            self._checker.columns[name].check(frame.columns[name], found)
+            frame.faults += [fault for fault in found if name_of(fault) == "not_increasing"]
+
+    def fine(self, name: str, stack: Any, count: int, flags: Any = None) -> bool:
+        """Whether nothing is wrong with a signal of columns in many frames: (frames, numbers, count), (frames, flags, count)."""
+        return self._checker.columns[name].all_fine(stack, count, flags)
 
     def settings(self, data: Mapping[str, Any]) -> Settings:
         """Overrides from plain data, with the constraints that do not hold with them; raises TrackmarshalError."""
@@ -103,23 +111,28 @@ class CasesReader:
             raise TrackmarshalError(
                 "D202", f"`signals` is an object, not {values.worded(signals)}", help=help_
             )
-        frame = Frame(raw.get("id"), self.settings(raw), orders=self._orders)
+        frame = Frame(raw.get("id"), self.settings(raw), orders=self.orders)
         given = signals if type(signals) is dict else dict(signals)
-        self._reader.refuse_unknown(given, frame.faults, self.contract.known)
-        self._reader.read(given, frame, frame.faults)
-        if any(name_of(fault) == "unknown" for fault in frame.faults):
-            also = self._declared()
-            frame.faults = [fault for fault in frame.faults if not known(fault, also)]
-        for fault in frame.faults:
-            _refuse(fault)
+        self.reader.refuse_unknown(given, frame.faults, self.contract.known)
+        self.reader.read(given, frame, frame.faults)
+        frame.faults = self.refused(frame.faults)
         return frame
+
+    def refused(self, faults: list[Fault]) -> list[Fault]:
+        """Faults of structure without those of names that are known after all; raises for what makes a case unreadable."""
+        if any(name_of(fault) == "unknown" for fault in faults):
+            also = self._declared()
+            faults = [fault for fault in faults if not known(fault, also)]
+        for fault in faults:
+            _refuse(fault)
+        return faults
 
     def _together(self, frames: Sequence[Frame]) -> frozenset[str]:
         """Put the numbers of all frames into one array a signal, where they have the same size; which signals passed all checks."""
         passed = set()
         if len(frames) < 2:
             return frozenset()
-        for name in self._reader.columns:
+        for name in self.reader.columns:
             own = [frame.columns[name] for frame in frames]
             first = own[0]
             if first.flags is not None or any(columns.count != first.count for columns in own):

@@ -77,14 +77,15 @@ class SignalsReader:
         for name, lines in self.lines.items():
             lines.read(raw.get(name), frame, faults)
         for name in self.events:
-            frame.events[name] = self._event(name, raw.get(name), faults)
+            frame.events[name] = self.event(name, raw.get(name), faults)
 
     def refuse_unknown(self, raw: dict[Any, Any], faults: list[Fault], known: frozenset[str]) -> None:
         """Faults of signals that nothing declares."""
         refuse_unknown("signals", [raw], known, faults)
 
     @staticmethod
-    def _event(name: str, raw: Any, faults: list[Fault]) -> int:
+    def event(name: str, raw: Any, faults: list[Fault]) -> int:
+        """An event as 1, 0, and -1 for a missing one."""
         found = values.flag(raw)
         if raw is None:
             faults.append(fault("missing", name, "", None, "it is not there"))
