@@ -61,31 +61,28 @@ class Sampled:
 def samples(program: Program, rule: RuleInfo, frames: Sequence[Frame]) -> list[Floats]:
     """(samples,) of each frame; of a variable that binds several samples at once, the margin stands at the first of them."""
     sampled = Sampled(rule)
-    rows = _along(program, rule, frames) if rule.along is not None else None
+    found = [np.full(frame.count(sampled.axis.signal), np.nan) for frame in frames]
+    usable = [place for place, frame in enumerate(frames) if frame.unusable(rule.reads) is None]
+    used = [frames[place] for place in usable]
+    if not used:
+        return found
+    rows = _along(program, rule, used)
     if rows is None:
-        rows = [sampled.margins(values) for values in _values(program, frames)]
-    found = []
-    for frame, row in zip(frames, rows):
-        whole = np.full(frame.count(sampled.axis.signal), np.inf)
-        whole[: len(row)] = row
-        if frame.unusable(rule.reads) is not None:
-            whole[:] = np.nan
-        found.append(whole)
+        rows = [sampled.margins(values) for values in _values(program, used)]
+    for place, row in zip(usable, rows):
+        found[place][: len(row)] = row
+        found[place][len(row) :] = np.inf
     return found
 
 
 def _along(program: Program, rule: RuleInfo, frames: Sequence[Frame]) -> list[Floats] | None:
-    """The series of generated code, which has them; None for any other program."""
+    """The series of generated code, where it has one; None for any other program or rule."""
+    if rule.along is None or program.identity["backend"] != "c":
+        return None
     from trackmarshal.backends.c.program import CProgram
 
-    if not isinstance(program, CProgram):
-        return None
-    return [
-        np.array(
-            program.along(frame, rule)[1] if frame.unusable(rule.reads) is None else [], dtype=np.float64
-        )
-        for frame in frames
-    ]
+    assert isinstance(program, CProgram)
+    return [np.array(program.along(frame, rule)[1], dtype=np.float64) for frame in frames]
 
 
 def _values(program: Program, frames: Sequence[Frame]) -> list[CaseValues]:
