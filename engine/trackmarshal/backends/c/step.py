@@ -309,6 +309,7 @@ class Stepper:
         mark = self._bases[1]
         for entry in columns:
             assert entry is not None
+            assert entry.flags is None
             given += (place, mark, entry.count)
             place += entry.values.nbytes
 
