@@ -14,19 +14,25 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from measuring import by_turns, emptied, median, memory
 from numpy.typing import NDArray
 
 from trackmarshal.backends.c.batch import prepared_columns, run_columns
 from trackmarshal.backends.c.build import EXACT, FAST, SHARED, compiler
 from trackmarshal.backends.c.monitoring import Monitors
 from trackmarshal.backends.c.program import CProgram
+from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.c.step import Stepper
 from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.door.lines import line
+from trackmarshal.runtime.frame import Columns, Names
 
 ROOT = Path(__file__).resolve().parents[2]
 SIX = ["friction", "turn_radius", "drive_acceleration", "braking_limit", "speed_limit", "pose_match"]
@@ -63,54 +69,6 @@ def measure() -> dict[str, float]:
     result |= _online()
     result |= _building(spec)
     return result
-
-
-def median(run: Callable[[], object], repeats: int) -> float:
-    """Median CPU seconds, this process's children included."""
-    run()
-    spent = []
-    for _ in range(repeats):
-        before = time.process_time()
-        run()
-        spent.append(time.process_time() - before)
-    return statistics.median(spent)
-
-
-def by_turns(one: Callable[[], object], other: Callable[[], object], repeats: int) -> tuple[float, float]:
-    """CPU seconds of two functions that run by turns: of each the fastest tenth, when nothing else was in the way."""
-    spent = np.zeros((repeats, 2))
-    for k in range(repeats):
-        for side, run in enumerate((one, other)):
-            before = time.process_time()
-            run()
-            spent[k, side] = time.process_time() - before
-    first, second = np.quantile(spent, 0.1, axis=0)
-    return float(first), float(second)
-
-
-def emptied(run: Callable[[], object], repeats: int = 60) -> float:
-    """Median CPU seconds of a function before each run of which memory is walked that is larger than all caches.
-
-    So it is run by a loop with a planner in it. A run that returns a float says itself how long it took.
-    """
-    memory = np.zeros(_larger_than_caches(), dtype=np.uint8)
-    spent = []
-    for _ in range(repeats):
-        memory[::64] += 1
-        before = time.process_time()
-        said = run()
-        took = time.process_time() - before
-        spent.append(said if isinstance(said, float) else took)
-    return statistics.median(spent)
-
-
-def _larger_than_caches() -> int:
-    """Bytes: twice the largest cache, but at least 64 and at most 512 MiB."""
-    largest = 0
-    for path in Path("/sys/devices/system/cpu/cpu0/cache").glob("index*/size"):
-        size = path.read_text().strip()
-        largest = max(largest, int(size.removesuffix("K")) << 10 if size.endswith("K") else 0)
-    return min(max(2 * largest, 64 << 20), 512 << 20)
 
 
 def program(spec: Spec, names: list[str] | None = None) -> CProgram:
@@ -169,26 +127,31 @@ def candidate() -> dict[str, Any]:
 def _step(spec: Spec) -> dict[str, float]:
     """A step's median, its 99.9th percentile as a multiple of that, and what the process grows by meanwhile."""
     rules = [rule for rule in spec.rules if rule.kind == "rule"]
-    stepper = Stepper(CProgram(spec, rules, doored=True))
-    assert stepper.track("track", *borders(1500), True) is None
+    now = 0.0
+    source = generate(spec, rules, doored=True)
+    stepper = Stepper(source, asdict(Limits()), lambda: now)
     driving, emergency, shared = cycle()
+    given: dict[str, Any] = {"driving": driving, "emergency": emergency, **shared}
+    columns = [_columns(source, name, given[name]) for name in stepper.words.columns]
+    lines = [line(points) for points in borders(1500)]
     spent = np.ones(STEPS)  # in memory before the first step
     number = 0
 
     def one() -> None:
-        nonlocal number
+        nonlocal number, now
         number += 1
-        fault = stepper.step(number, 0.1 * number, 0.1 * number, driving, emergency, shared)
-        assert fault is None, fault
+        now = 0.1 * number
+        said = stepper.step(number, now, now, columns, lines, [True])
+        assert said.judged, stepper.reasons(said)
 
     for _ in range(500):
         one()
-    before = _memory()
+    before = memory()
     for k in range(STEPS):
         begin = time.process_time_ns()
         one()
         spent[k] = time.process_time_ns() - begin
-    grown = _memory() - before
+    grown = memory() - before
     middle, late = np.quantile(spent, [0.5, 0.999]) / 1e9
     return {
         "C: Supervisor step": float(middle),
@@ -197,47 +160,47 @@ def _step(spec: Spec) -> dict[str, float]:
     }
 
 
+def _columns(source: Source, name: str, given: dict[str, Any]) -> Columns:
+    """A signal as a frame has it."""
+    item = source.plan.input("plan" if name in ("driving", "emergency") else name)
+    names = [info.name for info, _ in item.fields]
+    return Columns(Names(names), np.array([np.atleast_1d(given[name]) for name in names], dtype=np.float64))
+
+
 class Calls:
     """Steps in C alone, timed in C. The car drives on by 4 m from cycle to cycle, so that no step is the one before again."""
 
     CYCLES = 64
 
     def __init__(self, spec: Spec) -> None:
-        made = CProgram(spec, [rule for rule in spec.rules if rule.kind == "rule"], doored=True)
-        stepper = Stepper(made)
-        assert stepper.track("track", *borders(1500), True) is None
-        self._stepper, order = stepper, made.order
-        cycles = [cycle(4.0 * k) for k in range(self.CYCLES)]
-        #: Columns by cycle, candidate and place; they stay in memory.
-        self._columns = [
-            np.array((emergency if side else driving)[f] if n == "plan" else shared[n].get(f, []), dtype=np.float64)
-            for driving, emergency, shared in cycles
-            for side in (0, 1)
-            for n, f, _ in order.columns
-        ]  # fmt: skip
-        pointers = np.array([column.ctypes.data for column in self._columns], dtype=np.uint64)
-        counts = [50 if n == "plan" else len(cycles[0][2][n]["x"]) for n in order.counts]
-        numbers = np.array([shared[n][f] for _, _, shared in cycles for n, f in order.numbers])
-        flags = np.array([[side] * len(order.flags) for side in (0, 1)], dtype=np.int8)
-        self._kept = (np.array([counts, counts], dtype=np.uint64), pointers, numbers, flags)
+        timed = built("timed")
+        source = generate(spec, [rule for rule in spec.rules if rule.kind == "rule"], doored=True)
+        stepper = self._stepper = Stepper(source, asdict(Limits()), lambda: 0.0)
+        stepper.bind_clock(ctypes.cast(timed.timed_clock, ctypes.c_void_p).value or 0)
+        lines = [line(points) for points in borders(1500)]
+        width = stepper.width
+        self._words = np.zeros(self.CYCLES * width, dtype=np.uint8)
+        #: Columns of all cycles; they stay in memory.
+        self._columns = []
+        for k in range(self.CYCLES):
+            driving, emergency, shared = cycle(4.0 * k)
+            given: dict[str, Any] = {"driving": driving, "emergency": emergency, **shared}
+            columns = [_columns(source, name, given[name]) for name in stepper.words.columns]
+            self._columns += columns
+            stepper.pack(self._words[k * width :], columns, lines, [True])
         self._number = ctypes.c_int64(1)
-        self._fault = (ctypes.c_size_t * 4)()
-        self._run = built("timed").timed_steps
+        self._run = timed.timed_steps
         self._run.restype = ctypes.c_size_t
-        self._widths = 2 * len(order.columns), len(order.numbers)
 
     def run(self, steps: int) -> NDArray[np.float64]:
         """CPU seconds of so many steps, one after the other."""
         stepper, spent = self._stepper, np.ones(steps)
-        counts, pointers, numbers, flags = (ctypes.c_void_p(kept.ctypes.data) for kept in self._kept)
-        columns, size = (ctypes.c_size_t(width) for width in self._widths)
+        size, pointer = ctypes.c_size_t, ctypes.c_void_p
         done = self._run(
-            stepper._dll.tmg_step, ctypes.c_void_p(stepper._context), ctypes.byref(self._number), ctypes.c_size_t(steps),
-            ctypes.c_size_t(self.CYCLES), counts, pointers, columns, numbers, size, flags,
-            ctypes.c_void_p(stepper.margins.ctypes.data), ctypes.c_void_p(stepper.verdicts.ctypes.data), self._fault,
-            ctypes.c_void_p(spent.ctypes.data),
+            stepper.function, pointer(stepper.bound), ctypes.byref(self._number), size(steps), size(self.CYCLES),
+            pointer(self._words.ctypes.data), size(stepper.width), pointer(stepper.judged), pointer(spent.ctypes.data),
         )  # fmt: skip
-        assert done == steps, f"a cycle was refused: {self._fault[0]}"
+        assert done == steps, "a cycle was refused"
         return spent
 
 
@@ -252,12 +215,6 @@ def _call(spec: Spec) -> dict[str, float]:
         f"{CALL}, caches emptied": cold,
         f"{CALL}, caches emptied, to the same hot (ratio)": cold / hot,
     }
-
-
-def _memory() -> float:
-    """Bytes of this process that are in memory."""
-    statm = Path("/proc/self/statm")
-    return float(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") if statm.is_file() else math.nan
 
 
 def _point_wise(spec: Spec) -> dict[str, float]:

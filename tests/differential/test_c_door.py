@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
+import ctypes
 import math
 import os
 import random
@@ -16,18 +18,25 @@ from typing import Any
 
 import numpy as np
 import pytest
-from trackmarshal.runtime.case import Fault
 
+import trackmarshal as tm
 from support import door_fuzz
+from support.cycles import PERIOD
+from support.cycles import cycle as straight
 from support.ring_cycles import Cycle, breaches, cycle, mutate, ring
 from support.shared import SUPERVISOR
+from support.si_cycles import Driver, program
 from trackmarshal.backends.c.build import compiler
-from trackmarshal.backends.c.program import CProgram
-from trackmarshal.backends.c.source import generate
+from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.step import Stepper
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, load
-from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.faults import NAMES
+from trackmarshal.ir.spec import FieldType, SignalType, Spec
+from trackmarshal.runtime.contract import KINDS, Kind
+from trackmarshal.runtime.contract.conditions import Condition
+from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.verdict import VERDICTS
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
@@ -35,6 +44,7 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 #: TRACKMARSHAL_CYCLES=N mutates N cycles.
 CYCLES = int(os.environ.get("TRACKMARSHAL_CYCLES", "4000"))
 FUZZ = int(os.environ.get("TRACKMARSHAL_FUZZ", "20000"))
+TRACK = {"left": np.array(ring(94.0)), "right": np.array(ring(106.0)), "closed": True}
 
 
 @cache
@@ -43,18 +53,25 @@ def spec() -> Spec:
 
 
 @cache
-def program() -> CProgram:
-    return CProgram(spec(), [rule for rule in spec().rules if rule.formula is not None], doored=True)
+def source() -> Source:
+    return program(spec())
 
 
-def stepper() -> Stepper:
-    made = Stepper(program())
-    assert made.track("track", ring(94.0), ring(106.0), True) is None
-    return made
+class Step:
+    """A Supervisor in C that reads each cycle's own clock."""
+
+    def __init__(self, **limits: Any) -> None:
+        self._now = 0.0
+        self.made = tm.supervisor(spec(), backend="c", limits=Limits(**limits), clock=lambda: self._now)
+
+    def __call__(self, given: Cycle) -> Decision:
+        self._now = given.now
+        signals = {"track": TRACK, **given.signals}
+        return self.made.step(tm.Cycle(given.number, given.t, given.driving, given.emergency, signals))
 
 
-def run(made: Stepper, c: Cycle) -> Fault | None:
-    return made.step(c.number, c.t, c.now, c.driving, c.emergency, c.signals)
+def places(decision: Decision) -> set[tuple[str, str, str, int | None]]:
+    return {(name_of(f), f.signal, f.field, f.index) for f in decision.faults}
 
 
 def bits(x: float) -> bytes:
@@ -68,51 +85,49 @@ def records(columns: dict[str, Any]) -> list[dict[str, float]]:
 
 def test_a_step_says_of_both_candidates_what_the_reference_says() -> None:
     evaluator = Evaluator(spec(), None, "reference")
-    made, seen = stepper(), Counter[str]()
+    run, seen = Step(), Counter[str]()
     for seed in range(6):
         given = cycle(random.Random(seed), seed, 0.1 * seed)
         if seed % 2:
             given.driving["a"] = given.driving["a"] + 30.0  # too much
             given.emergency["y"] = given.emergency["y"] + np.linspace(0.0, 20.0, 50)  # off the track
-        assert run(made, given) is None
-        for side, columns in enumerate((given.driving, given.emergency)):
+        judged = run(given).judged
+        assert judged is not None
+        for side, columns in (("driving", given.driving), ("emergency", given.emergency)):
             raw = {
                 "plan": {name: column.tolist() for name, column in columns.items()}, "ego": given.signals["ego"],
                 "objects": records(given.signals["objects"]), "obstacles": records(given.signals["obstacles"]),
-                "track": {"left": ring(94.0), "right": ring(106.0), "closed": True}, "emergency": bool(side),
+                "track": {"left": ring(94.0), "right": ring(106.0), "closed": True}, "emergency": side == "emergency",
             }  # fmt: skip
             expected = next(iter(evaluator.evaluate([evaluator.read({"signals": raw})]))).rules
-            for index, rule in enumerate(program().rules):
-                verdict, margin = VERDICTS[made.verdicts[side, index]], made.margins[side, index]
-                assert (verdict, bits(margin)) == (
-                    expected[rule.name].verdict,
-                    bits(expected[rule.name].margin),
-                ), rule.name
-                seen[verdict] += 1
+            rated = judged.rated[side]
+            for rule, code, margin in zip(source().rules, rated.verdicts, rated.margins):
+                wanted = expected[rule.rule.name]
+                assert (VERDICTS[code], bits(margin)) == (wanted.verdict, bits(wanted.margin)), rule.rule.name
+                seen[wanted.verdict] += 1
     assert min(seen[name] for name in ("satisfied", "violated", "inactive")) >= 3
 
 
 def test_mutated_cycles_are_refused_for_what_is_wrong_with_them() -> None:
-    """No breach passes, nothing else is refused, the reason is one of those that there are; refused: all undefined."""
-    made, last, refused = stepper(), None, Counter[str]()
-    undefined = VERDICTS.index("undefined")
+    """No breach passes, nothing else is refused, and every reason is one that there is."""
+    run, last, refused = Step(oldest=0.1), None, Counter[str]()
     for seed in range(CYCLES):
         r = random.Random(seed)
         number = 0 if last is None else last.number + 1
         given = cycle(r, number, 0.0 if last is None else last.t + 0.1)
         if seed % 4:
             mutate(r, given)
+        if not math.isfinite(given.t) or given.now < (-math.inf if last is None else last.now):
+            given.now = 0.0 if last is None else last.now  # clocks that are wrong are another matter
         expected = breaches(spec(), given, last)
-        fault = run(made, given)
-        if fault is None:
-            assert not expected, (seed, expected)
-            refused["admitted"] += 1
-        else:
-            got = (NAMES[fault.code], fault.signal, fault.field, fault.index)
-            assert got in expected, (seed, got, expected)
-            assert (made.verdicts == undefined).all()
-            assert np.isnan(made.margins).all()
-            refused[got[0]] += 1
+        decision = run(given)
+        found = places(decision)
+        assert (decision.judged is None) == bool(expected) == bool(found), (seed, found, expected)
+        assert found <= expected, (seed, found - expected)
+        refused.update(name for name, *_ in found)
+        refused["admitted"] += not found
+        if last is not None and given.now > last.now:
+            last.now = given.now
         if (
             math.isfinite(given.t)
             and (last is None or given.t > last.t + 1e-3)
@@ -127,90 +142,154 @@ def test_mutated_cycles_are_refused_for_what_is_wrong_with_them() -> None:
 @pytest.mark.parametrize(
     ("left", "right", "expected"),
     [
-        ([(0.0, 0.0)], ring(106.0), ("D217", "track", "left", None)),
-        (ring(94.0), [(0.0, 0.0), (math.nan, 1.0)], ("D215", "track", "right", 1)),
-        (ring(94.0, 3000), ring(106.0), ("D219", "track", "left", 2048)),
+        ([(0.0, 0.0)], ring(106.0), ("bad_border", "track", "left", None)),
+        (ring(94.0), [(0.0, 0.0), (math.nan, 1.0)], ("not_finite", "track", "right", 1)),
+        (ring(94.0, 3000), ring(106.0), ("over_capacity", "track", "left", 2048)),
     ],
 )
-def test_without_borders_no_cycle_is_admitted(left: Any, right: Any, expected: tuple[Any, ...]) -> None:
-    made = Stepper(program())
-    given = cycle(random.Random(1), 0)
-    fault = run(made, given)
-    assert fault is not None
-    assert (fault.code, fault.signal) == ("D211", "track")
-    fault = made.track("track", left, right, True)
-    assert fault is not None
-    assert (fault.code, fault.signal, fault.field, fault.index) == expected
-    assert run(made, cycle(random.Random(1), 1, 100.1)) is not None
-
-
-def test_an_object_that_stands_twice() -> None:
-    made, given = stepper(), cycle(random.Random(4), 0)
-    given.signals["objects"] = {name: np.resize(c, 2) for name, c in given.signals["objects"].items()} | {
-        "id": ["a", "a"]
-    }
-    fault = run(made, given)
-    assert fault is not None
-    assert (fault.code, fault.signal, fault.field, fault.index) == ("D218", "objects", "id", 1)
+def test_borders(left: Any, right: Any, expected: tuple[Any, ...]) -> None:
+    run = Step()
+    for number in range(2):  # what did not pass once does not pass again
+        given = cycle(random.Random(1), number, 0.1 * number)
+        given.signals["track"] = {"left": left, "right": right, "closed": True}
+        assert places(run(given)) == {expected}
+    assert run(cycle(random.Random(1), 2, 0.2)).judged is not None
 
 
 def test_limits_and_capacities_are_the_callers() -> None:
     given = cycle(random.Random(3), 0)
     given.emergency["x"] = given.emergency["x"] + 0.3
-    for distance, code in ((0.2, "D228"), (0.4, None)):
-        made = Stepper(program(), start_distance=distance)
-        made.track("track", ring(94.0), ring(106.0), True)
-        fault = run(made, given)
-        assert (None if fault is None else fault.code) == code
-    tight = Stepper(program(), samples=49)
-    tight.track("track", ring(94.0), ring(106.0), True)
-    fault = run(tight, given)
-    assert fault is not None
-    assert (fault.code, fault.signal, fault.index) == ("D219", "driving", 49)
+    for distance, found in ((0.2, {("starts_elsewhere", "emergency", "x", 0)}), (0.4, set())):
+        assert places(Step(start_distance=distance)(given)) == found
+    assert ("over_capacity", "driving", "", 49) in places(Step(samples=49)(given))
 
 
-def test_the_two_doors_agree() -> None:
-    """The Supervisor's door refuses just the cycles that the generated one does, and knows its reason too."""
-    doors = pytest.importorskip("trackmarshal.runtime.door")
-    from trackmarshal.runtime.contract import contract_of
-    from trackmarshal.runtime.cycle import Cycle as Given
-    from trackmarshal.runtime.cycle import Limits
-    from trackmarshal.runtime.faults import name_of
+def test_a_kind_that_is_added_is_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither door lists kinds: a new one of each sort is known to both at once, in the same order."""
 
-    rules = [rule for rule in spec().rules if rule.formula is not None]
-    door = doors.Door(contract_of(spec(), rules), Limits())
-    track = {"left": np.array(ring(94.0)), "right": np.array(ring(106.0)), "closed": True}
-    made, number, t = stepper(), 0, 100.0
-    for seed in range(CYCLES):
-        r = random.Random(seed)
-        given = cycle(r, number, t)
-        if seed % 4:
-            mutate(r, given)
-        fault = run(made, given)
-        signals = {**given.signals, "track": track}
-        found, _ = door.check(
-            Given(given.number, given.t, given.driving, given.emergency, signals), given.now
+    def jumping(info: FieldType | SignalType) -> Any:
+        return (
+            (("most", 99.0),)
+            if isinstance(info, FieldType) and info.name == "x" and info.kind == "number"
+            else None
         )
-        reasons = {(name_of(f), f.signal, f.field, f.index) for f in found}
-        if fault is None:
-            assert not reasons, seed
-        else:
-            assert (NAMES[fault.code], fault.signal, fault.field, fault.index) in reasons, seed
-        if math.isfinite(given.t) and given.t > t - 0.05 and given.t - given.now <= 0.01:
-            number, t = given.number, given.t
-        number, t = number + 1, t + 0.1
+
+    def even(info: FieldType | SignalType) -> Any:
+        return () if isinstance(info, SignalType) and info.many else None
+
+    def far(info: FieldType | SignalType) -> Any:
+        return (("most", 5000.0),) if isinstance(info, FieldType) and info.kind == "polyline" else None
+
+    added = [
+        Kind("early", "step", Condition("fabs(x - before) <= most"), jumping),
+        Kind("late", "value", Condition("x != 7.5"), jumping),
+        Kind("stale", "count", Condition("n != 3"), even),
+        Kind("skipped", "point", Condition("fabs(x) <= most"), far),
+    ]
+    monkeypatch.setattr("trackmarshal.runtime.contract.checks.KINDS", [*KINDS, *added])
+    now = [0.0]
+    found = []
+    for backend in ("c", "numpy"):
+        made = tm.supervisor(spec(), backend=backend, clock=lambda: now[0])
+        said = []
+        for number in range(6):
+            given = straight(number, 2 if number != 3 else 3)
+            if number == 1:
+                given.driving["x"][[4, 5]] = 900.0, 7.5
+            if number == 2:
+                given.signals["ego"]["x"] = 7.5
+            if number == 4:
+                given.signals["track"]["left"] = given.signals["track"]["left"] + [[9000.0, 0.0]]
+            now[0] = number * PERIOD
+            said.append([(name_of(f), f.signal, f.field, f.index) for f in made.step(given).faults])
+        found.append(said)
+    assert found[0] == found[1]
+    assert found[0] == [
+        [], [("early", "driving", "x", 4), ("late", "driving", "x", 5)], [("late", "ego", "x", None)], [("stale", "objects", "", None)],
+        [("skipped", "track", "left", 0)], [],
+    ]  # fmt: skip
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_no_input_makes_the_door_read_or_compute_what_it_may_not(compiler: str, tmp_path: Path) -> None:
+# What is put into a context ----------------------------------------------------------------------------------------
+
+
+def refused(**given: Any) -> str:
+    with pytest.raises(TrackmarshalError) as caught:
+        Stepper(source(), {**_limits(), **given.pop("limits", {})}, lambda: 0.0, **given)
+    assert caught.value.code == "E473"
+    return str(caught.value)
+
+
+def _limits() -> dict[str, float]:
+    from support.si_cycles import LIMITS
+
+    return dict(LIMITS)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"limits": {"budget": -1.0}}, "limit `budget`"),
+        ({"limits": {"apart": math.nan}}, "limit `apart`"),
+        ({"params": {"vehicles.devbot.mass": 1.0}}, "parameter `vehicles.devbot.mass`"),
+        ({"params": {"vehicles.devbot.mass": math.nan}}, "parameter `vehicles.devbot.mass`"),
+        ({"params": {"supervisor.collision.b_rear": 40.0}}, "constraint `specs/supervisor/collision.spec:30"),
+        ({"tables": {"vehicles.devbot.ax_max": ((1.0, 1.0), (2.0, 3.0))}}, "table `vehicles.devbot.ax_max`"),
+        ({"tables": {"vehicles.devbot.ax_max": ((), ())}}, "table `vehicles.devbot.ax_max`"),
+        (
+            {"tables": {"vehicles.devbot.ax_max": ((1.0, 2.0), (2.0, math.inf))}},
+            "table `vehicles.devbot.ax_max`",
+        ),
+    ],
+)
+def test_what_cannot_stand_is_refused_by_name(given: dict[str, Any], said: str) -> None:
+    assert said in refused(**given)
+
+
+class Unasked(Stepper):
+    """Does not mind that a configuration is refused."""
+
+    def _configure(self, *given: Any) -> None:
+        with contextlib.suppress(TrackmarshalError):
+            super()._configure(*given)
+
+
+def test_a_context_that_is_not_configured_admits_no_cycle() -> None:
+    driver = Driver(source(), Unasked, budget=-1.0)
+    said = driver.step(straight(0), 0.0)
+    assert (said.safe, said.driven, said.judged) == (0, 0, 0)
+    assert [r.name for r in driver.made.reasons(said)] == ["not_configured", "none_stored"]
+
+
+def test_what_is_stored_is_driven_when_a_new_configuration_is_refused() -> None:
+    driver = Driver(source())
+    assert driver.step(straight(0), 0.0).safe
+    with pytest.raises(TrackmarshalError):
+        driver.made._configure({**_limits(), "blind": math.nan}, {}, {})
+    said = driver.step(straight(1), PERIOD)
+    assert (said.safe, said.driven, said.driven_number) == (0, 2, 0)
+    driver.made._configure(_limits(), {}, {})
+    assert driver.step(straight(2), 2 * PERIOD).safe
+
+
+@pytest.mark.parametrize("byte", [0, 0xFF, 0x5A])
+def test_a_context_that_was_never_made_drives_nothing(byte: int) -> None:
+    driver = Driver(source())
+    ctypes.memset(driver.made.context, byte, driver.made._dll.tmg_size())
+    for number in range(3):
+        said = driver.step(straight(number), number * PERIOD)
+        assert (said.serial, said.safe, said.driven, said.stored) == (0, 0, 0, 0)
+        assert [r.name for r in driver.made.reasons(said)] == ["not_configured"]
+
+
+@pytest.mark.parametrize("made_by", ["gcc", "clang"])
+def test_no_input_makes_the_door_read_or_compute_what_it_may_not(made_by: str, tmp_path: Path) -> None:
     """Address and undefined-behaviour sanitizers; TRACKMARSHAL_FUZZ=N hands over N mutated cycles."""
-    if shutil.which(compiler) is None:
-        pytest.skip(f"{compiler} is not installed")
-    rules = [rule for rule in spec().rules if rule.formula is not None]
-    source = generate(spec(), rules, doored=True)
+    if shutil.which(made_by) is None:
+        pytest.skip(f"{made_by} is not installed")
     for name, text in (
-        ("supervisor.h", source.header),
-        ("supervisor.c", source.source),
+        ("supervisor.h", source().header),
+        ("supervisor.c", source().source),
         ("fuzz.c", door_fuzz.driver(spec())),
     ):
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -221,8 +300,9 @@ def test_no_input_makes_the_door_read_or_compute_what_it_may_not(compiler: str, 
         "-fsanitize=address,undefined",
         "-fno-sanitize-recover=all",
     ]
-    sizes = [f"-DTM_MAX_SAMPLES={door_fuzz.SAMPLES}u", f"-DTM_MAX_ELEMENTS={door_fuzz.ELEMENTS}u"]
-    command = [compiler, *flags, *sizes, "supervisor.c", "fuzz.c", "-o", "fuzz", "-lm"]
+    sizes = {"SAMPLES": door_fuzz.SAMPLES, "ELEMENTS": door_fuzz.ELEMENTS, "BORDER": door_fuzz.BORDER}
+    macros = [f"-DTM_MAX_{name}={size}u" for name, size in sizes.items()]
+    command = [made_by, *flags, *macros, "supervisor.c", "fuzz.c", "-o", "fuzz", "-lm"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     ran = subprocess.run([str(tmp_path / "fuzz"), str(FUZZ)], capture_output=True, text=True, check=False)

@@ -16,6 +16,7 @@ import os
 from collections import Counter
 from contextlib import ExitStack
 from dataclasses import dataclass
+from unittest import mock
 
 import pytest
 from hypothesis import given, settings
@@ -32,6 +33,7 @@ from support.agreement import (
     same_trigonometry,
 )
 from support.generated import RandomChoices, Subject, subject
+from trackmarshal.backends.numpy import places
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,12 @@ class Kind:
                 stack.enter_context(one_libm())
             spec = compiled(made.text)
             cases = read(spec, made.cases)
-            pairs = zip(cases, results(spec, cases, "reference"), results(spec, cases, "numpy"), strict=True)
+            pairs = list(
+                zip(cases, results(spec, cases, "reference"), results(spec, cases, "numpy"), strict=True)
+            )
+            if self.geometry:  # as numpy judges many footprints
+                stack.enter_context(mock.patch.object(places, "MANY", 0))
+                pairs += [(*pair[:2], result) for pair, result in zip(pairs, results(spec, cases, "numpy"))]
             found = []
             for case, left, right in pairs:
                 near = self.inexact == "gentle"

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from support.agreement import compiled, one_libm, same_trigonometry
+from support.agreement import compiled, one_libm, outcomes, same_trigonometry
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.evaluation import Evaluator
@@ -117,16 +117,14 @@ def compare(count: int, seed: int) -> Counter[str]:
     cases = [
         reference.read(raw) for raw in [*(case(*found) for found in FOUND), *(drawn(r) for _ in range(count))]
     ]
-    run, seen, found = program.run(cases), Counter[str](), []
-    batch = numpy.program.run(cases)
-    columns = {rule.name: batch.verdicts(rule) for rule in reference.rules}
+    seen, found = Counter[str](), []
+    run, batch = outcomes(program, cases), outcomes(numpy.program, cases)
     for index, (one, two) in enumerate(zip(reference.evaluate(cases), numpy.evaluate(cases), strict=True)):
         for rule in reference.rules:
             wanted, fast = one.rules[rule.name], two.rules[rule.name]
-            verdicts, margins = columns[rule.name]
             views = {
-                "numpy": (fast.verdict, fast.margin), "batch": (str(verdicts[index]), float(margins[index])),
-                "c": run.outcome(index, rule), "reference": (wanted.verdict, wanted.margin),
+                "numpy": (fast.verdict, fast.margin), "batch": batch[index][rule.name],
+                "c": run[index][rule.name], "reference": (wanted.verdict, wanted.margin),
             }  # fmt: skip
             for who, (verdict, margin) in views.items():
                 exact = who in ("c", "reference") or abs(wanted.margin) <= NEAR

@@ -122,6 +122,53 @@ def test_many_at_once_are_each_by_itself(
     assert math.isnan(together[len(several) // 2])
 
 
+@st.composite
+def trajectories(draw: st.DrawFn, borders: tuple[list[Point], list[Point]], count: int) -> list[Pose]:
+    """So many poses, each near the one before; now and then somewhere else at once, or nowhere."""
+    poses: list[Pose] = []
+    while len(poses) < count:
+        start, end = draw(moves(borders))
+        if not poses or draw(st.integers(0, 9)) == 0:
+            poses.append(start)
+            continue
+        if draw(st.integers(0, 19)) == 0:
+            poses.append(draw(st.sampled_from([(math.nan, 0.0, 0.0), (0.0, 1e300, 0.0), (2e5, -3e6, 1.0)])))
+            continue
+        poses.append(tuple(p + b - a for p, a, b in zip(poses[-1], start, end)))  # type: ignore[arg-type]
+    return poses
+
+
+@settings(deadline=None, max_examples=300)
+@given(st.data(), corridors(), sizes, st.integers(1, 4), st.integers(1, 12))
+def test_the_least_of_each_trajectory_is_exact(
+    data: st.DataObject,
+    borders: tuple[list[Point], list[Point]],
+    body: tuple[float, float],
+    trips: int,
+    count: int,
+) -> None:
+    corridor = fast.Corridor(*borders)
+    poses = np.array([data.draw(trajectories(borders, count)) for _ in range(trips)])
+    before = np.concatenate([poses[:, :1], poses[:, :-1]], axis=1)
+    if data.draw(st.integers(0, 4)) == 0:  # hulls that do not begin where the ones before end
+        before = before[:, ::-1]
+    lengths = np.array([data.draw(st.integers(0, count)) for _ in range(trips)])
+    counted = np.arange(count) < lengths[:, None]
+    columns = [*before.reshape(-1, 3).T, *poses.reshape(-1, 3).T]
+    truth = corridor.margin_inside(*columns, *body).reshape(trips, count)
+    found, exact = (
+        part.reshape(trips, count)
+        for part in corridor.least_inside((*columns, *body), count, counted.ravel())
+    )
+    assert np.array_equal(found[exact], truth[exact], equal_nan=True)
+    assert exact[counted & np.isnan(truth)].all()
+    for row in range(trips):
+        own = truth[row, : lengths[row]]
+        least = np.fmin.reduce(own, initial=np.inf)
+        assert np.fmin.reduce(found[row, : lengths[row]], initial=np.inf) == least
+        assert (found[row, : lengths[row]][~exact[row, : lengths[row]]] > least).all()
+
+
 @unhurried
 @given(st.data(), corridors(), st.tuples(st.floats(0.2, 2.0), st.floats(0.2, 1.0)))
 def test_inside_means_that_every_corner_and_every_pose_between_is(

@@ -141,6 +141,15 @@ def breaches(
 
 
 def _stamp(given: Cycle, last: Cycle | None, found: set[Breach]) -> None:
+    if last is not None and given.number != last.number + 1:
+        kind = (
+            "repeated"
+            if given.number == last.number
+            else "skipped"
+            if given.number > last.number
+            else "out_of_order"
+        )
+        found.add((kind, "cycle", "number", None))
     if not math.isfinite(given.t):
         found.add(("not_finite", "cycle", "t", None))
         return
@@ -150,18 +159,8 @@ def _stamp(given: Cycle, last: Cycle | None, found: set[Breach]) -> None:
         found.add(("early", "cycle", "t", None))
     if given.now - given.t > 0.1:
         found.add(("stale", "cycle", "t", None))
-    if last is not None:
-        if given.t - last.t > 0.15:
-            found.add(("late", "cycle", "t", None))
-        if given.number != last.number + 1:
-            kind = (
-                "repeated"
-                if given.number == last.number
-                else "skipped"
-                if given.number > last.number
-                else "out_of_order"
-            )
-            found.add((kind, "cycle", "number", None))
+    if last is not None and given.t - last.t > 0.15:
+        found.add(("late", "cycle", "t", None))
 
 
 def _columns(
@@ -182,7 +181,7 @@ def _columns(
             continue
         lengths[info.name] = len(column)
         if len(column) > most:
-            found.add(("over_capacity", label, info.name, most))
+            found.add(("over_capacity", label, "", most))
         for index, value in enumerate(column):
             if _number(value, info, (label, info.name, index), found):
                 break
@@ -194,7 +193,7 @@ def _columns(
         counts = sorted(set(lengths.values()))
         found |= {("wrong_length", label, name, index) for name in lengths for index in counts}
     if lengths and min(lengths.values()) < least:
-        found.add(("too_short", label, next(iter(lengths)), None))
+        found.add(("too_short", label, "", None))
 
 
 def _number(value: float, info: FieldType, place: tuple[str, str, int | None], found: set[Breach]) -> bool:

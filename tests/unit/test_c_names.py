@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from support.agreement import compiled
+from support.agreement import compiled, outcomes
 from trackmarshal.backends.c import build
-from trackmarshal.backends.c.door import has_door
-from trackmarshal.backends.c.example import main_c
+from trackmarshal.backends.c.contract import can_be_supervised
+from trackmarshal.backends.c.example import example
 from trackmarshal.backends.c.monitoring import Monitors
 from trackmarshal.backends.c.names import distinct, identifier
 from trackmarshal.backends.c.program import CProgram
@@ -40,14 +40,17 @@ FIELDS = [name for name in AWKWARD if name not in RESERVED]
 
 def compile_strictly(spec: Spec, folder: Path, name: str = "made") -> None:
     rules = Evaluator(spec, None, "reference").rules
-    source = generate(spec, rules, name, online=True, doored=has_door(spec))
+    source = generate(spec, rules, name, online=True, doored=can_be_supervised(spec))
     (folder / f"{name}.h").write_text(source.header, encoding="utf-8")
     (folder / f"{name}.c").write_text(source.source, encoding="utf-8")
-    (folder / "main.c").write_text(main_c(source), encoding="utf-8")
+    files = {file: text for file, text in example(source).items() if file != "CMakeLists.txt"}
+    for file, text in files.items():
+        (folder / file).write_text(text, encoding="utf-8")
+    programs = [file for file in files if file.endswith(".c")]
     for compiler in ("gcc", "clang"):
         for standard in ("-std=c99", "-std=gnu11"):
             if shutil.which(compiler):
-                command = [compiler, *STRICT, standard, f"{name}.c", "main.c"]
+                command = [compiler, *STRICT, standard, f"{name}.c", *programs]
                 done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
                 assert done.returncode == 0, done.stderr[:3000]
     CProgram(spec, rules).library_for()
@@ -56,11 +59,11 @@ def compile_strictly(spec: Spec, folder: Path, name: str = "made") -> None:
 def agree(spec: Spec, *raw: dict[str, object]) -> None:
     reference = Evaluator(spec, None, "reference")
     cases = [reference.read({"signals": signals}) for signals in raw]
-    run = CProgram(spec, reference.rules).run(cases)
+    run = outcomes(CProgram(spec, reference.rules), cases)
     for index, expected in enumerate(reference.evaluate(cases)):
         for rule in reference.rules:
             wanted = expected.rules[rule.name]
-            assert run.outcome(index, rule) == (wanted.verdict, wanted.margin), rule.name
+            assert run[index][rule.name] == (wanted.verdict, wanted.margin), rule.name
 
 
 @needs_compiler
@@ -161,7 +164,7 @@ signal track : corridor { left: polyline, right: polyline }
         text += f'rule r{k} "made up"\n  for all p in plan\n  require distance_to(p, {name}) <= {k} m\n'
     text += 'rule z "made up"\n  for all p in plan\n  require p in zone isnan or p in zone ISNAN\n'
     spec = compiled(text)
-    assert has_door(spec)
+    assert can_be_supervised(spec)
     compile_strictly(spec, tmp_path)
     columns = {"x": [1.0, 6.0], "y": [0.5, 0.5], "heading": [0.0, 0.0], "v": [1.0, 1.0]}
     ego = {"x": 1.0, "y": 0.5, "heading": 0.0, "v": 1.0}

@@ -17,8 +17,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from trackmarshal.runtime.case import MOST_FAULTS, Case, CaseReader
-from trackmarshal.runtime.cases import CasesReader
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec

@@ -47,6 +47,39 @@ rule c "not quite alike"
     assert count(text, "compared") == 4  # two guards and two conditions
 
 
+def test_choices_that_are_alike_and_all_made_of_them_are_computed_once() -> None:
+    chosen = "sqrt(if p.v > 1 m/s then p.x / 1 m else p.y / 1 m)"
+    text = source(f"""
+rule a "chosen"
+  for all p in plan
+  require {chosen} <= 5
+rule b "chosen again"
+  for all p in plan
+  require {chosen} <= 6
+rule c "chosen otherwise, by another condition and by another number"
+  for all p in plan
+  require {chosen.replace("1 m/s", "2 m/s")} + {chosen.replace("p.y", "p.v * 1 s")} <= 6
+""")
+    assert count(text, "sqrt_") == 3
+
+
+def test_choices_of_opposite_zeros_are_not_alike() -> None:
+    spec = compiled(
+        SPEC
+        + """
+rule a "half a turn to the left"
+  for all p in plan
+  require atan2(if p.v > 1 m/s then 0 else 1, -1) > 0
+rule b "half a turn to the right"
+  for all p in plan
+  require atan2(if p.v > 1 m/s then -0 else 1, -1) > 0
+"""
+    )
+    cases = read(spec, [{"signals": {"plan": {"t": [0.0, 1.0], "v": [2.0, 2.0]}}}])
+    (found,) = results(spec, cases, "numpy")
+    assert [rule.verdict for rule in found.rules.values()] == ["satisfied", "violated"]
+
+
 def test_points_are_projected_once_onto_a_line() -> None:
     text = source("""
 rule a "beside"

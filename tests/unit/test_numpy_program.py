@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 import pytest
 
-from support.agreement import compiled, differences, read, results
+from support.agreement import compiled, differences, read, results, same
 from trackmarshal.backends.numpy.program import NumpyProgram
+from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.verdict import VERDICTS
 
@@ -143,3 +146,119 @@ def test_verdicts_of_a_run_are_those_of_its_results(spec: Spec) -> None:
         expected = [result.rules[rule.name] for result in evaluator.evaluate(cases)]
         assert [VERDICTS[code] for code in codes[place]] == [one.verdict for one in expected]
         np.testing.assert_array_equal(margins[place], [one.margin for one in expected])
+
+
+def test_all_margins_of_footprints_are_there_for_who_asks() -> None:
+    """A batch works out only the least margin along each trajectory; whoever asks for others gets the true ones."""
+    spec = compiled(
+        """
+module made
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+signal track : corridor { left: polyline, right: polyline }
+rule inside "on the track"
+  for all p in plan
+  require swept_footprint(p, 4 m, 2 m) inside track
+"""
+    )
+    track = {"left": [[-9, 6], [99, 4]], "right": [[-9, -6], [99, -6]]}
+    raw = []
+    for k in range(30):
+        x = [2.0 * j for j in range(20 + k % 3)]
+        plan = {"t": x, "x": x, "y": [0.1 * k - 0.01 * k * at for at in x], "heading": [0.02 * k] * len(x)}
+        raw.append({"signals": {"plan": plan, "track": track}})
+    agreed(spec, raw)
+    cases = read(spec, raw)
+    (rule,) = spec.rules
+    formula = rule.formula
+    assert isinstance(formula, ir.Quantify)
+    run = NumpyProgram(spec, spec.rules).run(cases)
+    skipped = 0
+    for index, one in enumerate(cases):
+        sides = CaseView(run, index).sides(formula.body, formula.axis, {})
+        alone = CaseView(NumpyProgram(spec, spec.rules).run([one]), 0)
+        assert sides == alone.sides(formula.body, formula.axis, {})
+        for at, margin in enumerate(sides.worst):
+            assert CaseView(run, index).truth(formula.body, {0: at}).margin == margin
+            skipped += run.of(formula.body).worst.margin[index, at] != margin
+    assert skipped > 100
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-12, 1e-7, 2e-6, 0.5])
+def test_footprints_that_touch_are_settled_where_only_the_least_margin_is_worked_out(apart: float) -> None:
+    """Many trajectories at once, some of which touch the border, stand at it, or end at it, as a lattice has it."""
+    spec = compiled(
+        """
+module made
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+zone z = polygon (-4 m, -4 m) (40 m, -4 m) (40 m, 4 m) (-4 m, 4 m)
+rule inside "in the zone"
+  for all p in plan
+  require swept_footprint(p, 4 m, 2 m) inside z
+"""
+    )
+    raw = []
+    turns = (0.0, -0.0, math.pi / 2, -math.pi / 2, math.pi, -math.pi, 2 * math.pi)
+    for k in range(42):
+        heading, count = turns[k % 7], 12 + k % 3
+        side = 1.0 if k % 7 in (0, 1, 4, 5, 6) else 2.0
+        sign = 1.0 if k % 2 else -1.0
+        near = sign * (4.0 - side - apart)
+        match k % 4:
+            case 0:  # along the border
+                x, y = [3.0 + 0.5 * j for j in range(count)], [near] * count
+            case 1:  # standing at it
+                x, y = [5.5] * count, [near] * count
+            case 2:  # ending at it
+                x, y = [5.5] * count, [near * j / (count - 1) for j in range(count)]
+            case _:  # turning on the spot
+                x, y = [5.5] * count, [near] * count
+        plan = {"t": [0.1 * j for j in range(count)], "x": x, "y": y}
+        headings = [heading if k % 4 < 3 else turns[(k + j) % 7] for j in range(count)]
+        raw.append({"signals": {"plan": plan | {"heading": headings}}})
+    (rule,) = spec.rules
+    cases = read(spec, raw)
+    run = NumpyProgram(spec, spec.rules).run(cases)
+    assert len(cases) == len(raw)
+    codes, margins = run.verdicts
+    wanted = [result.rules["inside"] for result in results(spec, cases, "reference")]
+    touching = 0
+    for index, one in enumerate(wanted):
+        alone_codes, alone = NumpyProgram(spec, spec.rules).run([cases[index]]).verdicts
+        assert VERDICTS[codes[0, index]] == VERDICTS[alone_codes[0, 0]] == one.verdict
+        assert same(margins[0, index], alone[0, 0])
+        touching += abs(one.margin) <= 1e-6
+        if abs(one.margin) <= 1e-6:
+            assert same(margins[0, index], one.margin)
+            formula = rule.formula
+            assert isinstance(formula, ir.Quantify)
+            sides = CaseView(run, index).sides(formula.body, formula.axis, {})
+            assert min(sides.worst) == one.margin
+    assert touching >= 20 or apart > 1e-6
+
+
+@pytest.mark.parametrize("t", [[0.0, math.nan, 0.2, 0.3], [0.0, 0.3, 0.2, 0.1], [math.inf] * 4])
+def test_times_of_a_signal_that_lacks_a_field_are_not_relied_on(t: list[float]) -> None:
+    """What breaks the structure of a signal keeps its times from being checked: they may be anything."""
+    spec = compiled(
+        """
+module made
+signal plan : trajectory { t: s increasing, x: m, kappa: 1/m }
+rule before "made up"
+  along plan as p
+  require historically[0.1 s, 0.2 s] (p.x <= 3 m)
+rule held "made up"
+  along plan as p
+  require (p.x <= 3 m) until[0.1 s, 0.2 s] (p.x >= 3 m)
+rule bent "made up"
+  for all p in plan
+  require p.kappa <= 3 1/m
+"""
+    )
+    cases = read(
+        spec,
+        [{"signals": {"plan": {"t": t, "x": [0.0] * 4}}}, {"signals": {"plan": {"t": [0.0], "x": [0.0]}}}],
+    )
+    assert len(cases) == 2
+    for wanted, found in zip(results(spec, cases, "reference"), results(spec, cases, "numpy"), strict=True):
+        assert {result.verdict for result in found.rules.values()} == {"undefined"}
+        assert differences(wanted, found) == []

@@ -13,12 +13,15 @@ from pathlib import Path
 
 from trackmarshal.backends.c import calls
 from trackmarshal.backends.c.build import EXACT, library
+from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.expressions import called
 from trackmarshal.backends.c.header import CAPACITIES, capacities
 from trackmarshal.backends.c.online import CAPACITY
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.operators import FUNCTIONS
+from trackmarshal.runtime.contract import RECORD, SET, TIMELINE
+from trackmarshal.runtime.decision import MOST_REASONS
 
 #: What rules call, and what our own functions call besides.
 LIBM = (
@@ -107,9 +110,29 @@ def context_bytes(source: Source) -> tuple[int, list[int]] | None:
     return int(dll.tmg_size()), [int(dll.tmg_online_size(i)) for i in range(len(source.monitors))]
 
 
+def _step(given: Supervised, limits: Mapping[str, int]) -> Iterator[str]:
+    """What a step does beside the rules."""
+    sizes = {TIMELINE: limits.get("TM_MAX_SAMPLES", 0), SET: limits.get("TM_MAX_ELEMENTS", 0), RECORD: 1}
+    contract = given.contract
+    assert contract.plan is not None
+    signals = [contract.plan, contract.plan, *given.inputs]
+    values = sum(sizes[s.form] * sum(max(1, len(f.checks)) for f in (*s.numbers, *s.flags)) for s in signals)
+    points = sum(2 * limits.get("TM_MAX_BORDER", 0) for signal in given.borders for _ in signal.lines)
+    samples = sizes[TIMELINE]
+    yield "| part of a step | values looked at, worst case |"
+    yield "|---|---:|"
+    yield f"| door: every value, for each kind of check that it has to pass | {values} |"
+    if points:
+        yield f"| door: points of borders and lines that are new (they are prepared too, which takes the most of all) | {points} |"
+    yield f"| watchdog and reasons: results of rules | TM_RULES x 2, and {MOST_REASONS} reasons |"
+    yield f"| storing the emergency trajectory of a safe cycle | {samples * (1 + len(given.plan.fields))} |"
+    yield f"| whether what is stored may be driven, and from which sample on | {2 * samples} |"
+    yield ""
+
+
 def _lines(source: Source) -> Iterator[str]:
     plan = source.plan
-    limits = {name: CAPACITIES[name][0] for name in capacities(plan)}
+    limits = {name: CAPACITIES[name][0] for name in capacities(plan, source.supervised)}
     yield f"# Report on `{source.name}.c`"
     yield ""
     yield f"Generated from a spec with fingerprint `{plan.spec.fingerprint[:16]}`; {len(source.rules)} rules. C99, no allocation, no recursion, no global"
@@ -151,10 +174,11 @@ def _lines(source: Source) -> Iterator[str]:
         yield f"| {code.rule.name} | {span.file.path}:{span.line} | {total} | {', '.join(dict.fromkeys(loops)) or 'nothing'} |"
     yield ""
     if source.supervised is not None:
-        yield "The door passes over every column once (twice where it increases)."
+        yield from _step(source.supervised, limits)
     yield "A rule is computed once, taking everything for known; only where something is not known, a second time with worst and best"
-    yield "cases (about twice the values). Geometry adds at most one pass over all segments of a line or border for each pose or point;"
-    yield "the boxes over the segments leave a few of them in practice."
+    yield "cases (about twice the values). Geometry adds passes over the segments of a line or border: at most one for each point on a"
+    yield "line, two for each point in an area, and 21 for each sweep, of which 18 are of those that leave the area. Boxes over the segments,"
+    yield "and what was near in the last cycle, leave a few segments of each pass in practice."
     yield ""
     yield "| function | cyclomatic complexity |" + (" stack, bytes |" if usage else "")
     yield "|---|---:|" + ("---:|" if usage else "")

@@ -6,6 +6,7 @@ is undefined; whether it holds is mostly read off its margin, else it has two mo
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, assert_never
 
@@ -14,17 +15,18 @@ import numpy as np
 from trackmarshal.backends.numpy import logic, places, steps, time
 from trackmarshal.backends.numpy.batch import before, column_index
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
+from trackmarshal.backends.numpy.sharing import representatives
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
-    "where": np.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF,
+    "where": np.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF, "zero": logic.ZERO,
     "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
     "project": places.project, "distance": places.distance, "gap": places.gap, "inside_area": places.swept_inside, "clear": places.swept_clear,
-    "in_area": places.in_area, "within": places.within, "temporal": time.operator,
+    "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator,
 }  # fmt: skip
 
 #: Numbers that are read from the input as they are.
@@ -51,7 +53,7 @@ class Variables(NamedTuple):
         """An expression of whether it holds in the best case, or in the worst."""
         if self.says == NEITHER:
             return self.best_sat if best else self.worst_sat
-        return f"({self.margin(best)} {'>=' if self.says & AT_LEAST else '>'} 0.0)"
+        return f"({self.margin(best)} {'>=' if self.says & AT_LEAST else '>'} zero)"
 
     @property
     def value(self) -> str:
@@ -70,10 +72,16 @@ class Code:
 
     def __init__(self, formulas: Sequence[ir.Formula], ranges: Sequence[ir.Formula]) -> None:
         """Of the `ranges`, other than of the `formulas`, only whether they hold is asked."""
-        nodes = _ordered([*formulas, *ranges])
-        self._weighed = _weighed(formulas)
+        every = _ordered([*formulas, *ranges])
+        #: Of nodes that are computed alike, the one that is.
+        self._same = representatives(every)
+        nodes = list(dict.fromkeys(self._same.values()))
+        self._weighed = {self._same[node] for node in _weighed(formulas)}
         axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
         self.rank = max([1, *(axis.level + 2 for axis in axes)])
+        #: Predicates of which only the least margin is asked, by a `for all`, with its axis; and variables that hold the rest.
+        self._asked = self._asked_for_least(nodes, [*formulas, *ranges])
+        self._least: dict[ir.IR, str] = {}
         #: Where each formula's variables are.
         self.formulas: dict[ir.IR, Variables] = {}
         #: Objects that the source names.
@@ -83,21 +91,29 @@ class Code:
         #: The variables that `fixed` leaves behind.
         self.left: list[str] = []
         self._numbers: dict[ir.IR, str] = {}
-        self._known: dict[Any, Variables] = {}
         self._names: dict[Any, str] = {}
         self._free: list[str] = []
         self._is_fixed: set[ir.IR] = set()
-        last_use = {child: node for node in nodes for child in ir.operands(node)}
+        last_use = {child: node for node in nodes for child in self._inputs(node)}
         #: Points that are projected onto each line.
         self._points: dict[ir.Line, list[Point]] = {}
         for node in nodes:
             if isinstance(node, ir.Projected):
-                self._points.setdefault(node.line, []).append((node.x, node.y))
+                self._points.setdefault(node.line, []).append(self._point(node))
         for node in nodes:
             self._emit(node)
-            for child in ir.operands(node):
+            for child in self._inputs(node):
                 if last_use[child] is node:
                     self._release(child)
+        self.formulas |= {
+            node: self.formulas[one] for node, one in self._same.items() if one in self.formulas
+        }
+        #: Where, among the outputs, is what knows all margins of a formula of which only the least are among them.
+        self.least = {
+            node: self.outputs.index(self._least[one])
+            for node, one in self._same.items()
+            if one in self._least
+        }
 
     def functions(self) -> tuple[Callable[[Any], tuple[Any, ...]], Callable[[Any, Any], tuple[Any, ...]]]:
         """The compiled functions: of a batch; of a batch and what the first one gave.
@@ -118,50 +134,43 @@ class Code:
 
     @property
     def outputs(self) -> list[str]:
-        """All variables of formulas."""
-        return list(dict.fromkeys(name for formula in self.formulas.values() for name in formula.names))
+        """All variables of formulas, and of what knows their margins where those do not."""
+        names = dict.fromkeys(name for formula in self.formulas.values() for name in formula.names)
+        return [*names, *self._least.values()]
 
     # Variables ------------------------------------------------------------------------------------------------
 
     def _emit(self, node: ir.Num | ir.Formula) -> None:
         if node in self._numbers:
             return
-        if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(ir.operands(node)):
+        if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(self._inputs(node)):
             self._is_fixed.add(node)
         if isinstance(node, ir.Num):
             expression = self._number(node)
             name = self._numbers[node] = self._new(node)
             self._line(node, f"{name} = {expression}")
             if isinstance(node, ir.Choose):
-                condition = self.formulas[node.condition]
+                condition = self.formulas[self._same[node.condition]]
                 unknown = f"{condition.sat(True)} & ~{condition.sat(False)}"
                 self._line(
                     node,
                     f"if {condition.best} is not {condition.worst}: {name} = where({unknown}, nan, {name})",
                 )
         else:
-            key = self._key(node)
-            made = self._known.get(key)
-            if made is None:
-                made = self._known[key] = self._formula(node, len(self._known))
-                if node in self._is_fixed:
-                    self.left.extend(made.names)
-            self.formulas[node] = made
+            made = self.formulas[node] = self._formula(node, len(self.formulas))
+            if node in self._is_fixed:
+                self.left.extend(made.names)
 
-    def _key(self, node: ir.Formula) -> Any:
-        """What formulas have in common that are computed alike, wherever they stand; numbers are shared from the start."""
-        parts = tuple(self.formulas[child] for child in ir.operands(node) if isinstance(child, ir.Formula))
-        match node:
-            case ir.Compare():
-                return node.op, node.left, node.right
-            case ir.Not():
-                return "not", *parts
-            case ir.Connective():
-                return node.op, *parts
-            case ir.Quantify():
-                return node.quantifier, node.axis, *parts
-            case _:
-                return node
+    def _inputs(self, node: ir.Num | ir.Formula) -> list[ir.Num | ir.Formula]:
+        """What a node is computed of."""
+        return [self._same[child] for child in ir.operands(node)]
+
+    def _point(self, node: ir.Projected) -> Point:
+        """The point that is projected."""
+        x, y = self._inputs(node)
+        assert isinstance(x, ir.Num)
+        assert isinstance(y, ir.Num)
+        return x, y
 
     def _line(self, node: ir.IR, text: str) -> None:
         (self.fixed if node in self._is_fixed else self.varying).append(text)
@@ -197,7 +206,7 @@ class Code:
     # Numbers --------------------------------------------------------------------------------------------------
 
     def _number(self, node: ir.Num) -> str:
-        at = [self._numbers[child] for child in ir.operands(node) if isinstance(child, ir.Num)]
+        at = [self._numbers[child] for child in self._inputs(node) if isinstance(child, ir.Num)]
         match node:
             case ir.Const():
                 return self._hold(np.float64(node.value), ("constant", repr(node.value)))
@@ -216,7 +225,7 @@ class Code:
             case ir.Func():
                 return f"{node.name}_({', '.join(at)})"
             case ir.Choose():
-                return f"where({self.formulas[node.condition].sat(False)}, {at[0]}, {at[1]})"
+                return f"where({self.formulas[self._same[node.condition]].sat(False)}, {at[0]}, {at[1]})"
             case ir.Lookup():
                 return f"b.curve({node.table!r})({at[0]})"
             case ir.Station():
@@ -234,7 +243,7 @@ class Code:
 
     def _projected(self, node: ir.Projected) -> str:
         """The variable of a point's projection onto a line. All points that are plain input are projected with the first one."""
-        point = (node.x, node.y)
+        point = self._point(node)
         if ("p", node.line, point) not in self._names:
             plain = [
                 (x, y)
@@ -268,8 +277,8 @@ class Code:
     def _formula(self, node: ir.Formula, number: int) -> Variables:
         own = Variables(f"w{number}", f"b{number}", AT_LEAST)
         both = f"{own.worst}, {own.best}"
-        parts = [self.formulas[child] for child in ir.operands(node) if isinstance(child, ir.Formula)]
-        at = [self._numbers[child] for child in ir.operands(node) if isinstance(child, ir.Num)]
+        parts = [self.formulas[child] for child in self._inputs(node) if isinstance(child, ir.Formula)]
+        at = [self._numbers[child] for child in self._inputs(node) if isinstance(child, ir.Num)]
         match node:
             case ir.Truth():
                 self._line(node, f"{own.worst} = {own.best} = {'inf' if node.value else '-inf'}")
@@ -291,7 +300,14 @@ class Code:
                 self._line(node, f"{both} = {call}(b, {self._hold(node.area)}, {', '.join(at)})")
                 return own if weighed else own._replace(says=BOTH)
             case ir.SweptInside():
-                self._line(node, f"{both} = inside_area(b, {self._hold(node.area)}, {', '.join(at)})")
+                asked = f"b, {self._hold(node.area)}, {', '.join(at)}"
+                along = self._asked.get(node)
+                if along is None:
+                    self._line(node, f"{both} = inside_area({asked})")
+                    return own
+                self._least[node] = f"g{number}"
+                axis = f"axis={1 + along.level}, mask={self._mask(along)}"
+                self._line(node, f"{both}, g{number} = least({asked}, {axis})")
                 return own
             case ir.SweptClear():
                 self._line(node, f"{both} = clear({', '.join(at)})")
@@ -372,14 +388,13 @@ class Code:
     def _quantifier(self, node: ir.Quantify, number: int, *parts: Variables) -> Variables:
         every = node.extreme is Extreme.LEAST
         reduce, axis, body = "every" if every else "some", 1 + node.axis.level, parts[-1]
-        maybe = surely = self._once("m", node.axis, f"b.mask({self._hold(node.axis)})")
+        maybe = surely = self._mask(node.axis)
         if node.guard is not None:
             # See the reference evaluator: what may be in range counts against a `for all` in the worst case.
-            guard, mask = parts[0], maybe
-            maybe, surely = f"r{number}", f"q{number}"
-            self._line(node, f"{maybe} = inside({mask}, {guard.sat(True)}, {self.rank})")
+            guard, mask, key = parts[0], maybe, (self._same[node.guard], maybe)
+            maybe = self._once("r", key, f"inside({mask}, {guard.sat(True)}, {self.rank})")
             one = f"{maybe} if {guard.best} is {guard.worst} else "
-            self._line(node, f"{surely} = {one}inside({mask}, {guard.sat(False)}, {self.rank})")
+            surely = self._once("q", key, f"{one}inside({mask}, {guard.sat(False)}, {self.rank})")
 
         def inside(best: bool) -> str:
             return surely if best == every else maybe
@@ -389,6 +404,24 @@ class Code:
             lambda best: f"{reduce}({body.margin(best)}, {axis}, {inside(best)})",
             lambda best: f"{reduce}_sat({body.sat(best)}, {axis}, {inside(best)})",
         )  # fmt: skip
+
+    def _mask(self, axis: ir.Axis) -> str:
+        """The variable of what is there along an axis."""
+        return self._once("m", axis, f"b.mask({self._hold(axis)})")
+
+    def _asked_for_least(
+        self, nodes: Sequence[ir.Num | ir.Formula], roots: Sequence[ir.Formula]
+    ) -> dict[ir.Num | ir.Formula, ir.Axis]:
+        """Swept footprints in an area that one `for all` asks for and nobody else, with its axis."""
+        uses = Counter(child for node in nodes for child in self._inputs(node))
+        uses.update(self._same[root] for root in roots)
+        return {
+            self._same[node.body]: node.axis
+            for node in nodes
+            if isinstance(node, ir.Quantify) and node.extreme is Extreme.LEAST and node.guard is None
+            if isinstance(node.body, ir.SweptInside)
+            if uses[self._same[node.body]] == 1
+        }
 
     def _guarded(self, node: ir.Guarded, number: int, guard: Variables, body: Variables) -> Variables:
         return self._sides(
@@ -403,10 +436,10 @@ def _denied(says: int) -> int:
     return (says & AT_LEAST and ABOVE) | (says & ABOVE and AT_LEAST)
 
 
-def _weighed(roots: Iterable[ir.Formula]) -> set[ir.IR]:
+def _weighed(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
     """Formulas whose margins count. Of guards, and of conditions of numbers, it only counts whether they hold."""
-    found: set[ir.IR] = set()
-    stack: list[ir.IR] = list(roots)
+    found: set[ir.Formula] = set()
+    stack = list(roots)
     while stack:
         node = stack.pop()
         if node in found:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[Any]
 #: As arrays without axes, which numpy takes faster than numbers.
-INF, MINUS_INF = np.array(np.inf), np.array(-np.inf)
+INF, MINUS_INF, ZERO = np.array(np.inf), np.array(-np.inf), np.array(0.0)
 
 
 #: What a margin says by itself: the formula holds where it is at least 0, or where it is above 0. Flags and constants, whose

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 from itertools import accumulate
 from typing import Any, assert_never
 
@@ -21,20 +22,25 @@ Floats = NDArray[np.float64]
 
 #: Prepared borders and lines that are kept; a run has one or two tracks.
 KEPT = 32
+#: So many swept footprints are worth a search for those that need not be looked at closely.
+MANY = 400
 _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
 
 def swept_inside(batch: Batch, area: ir.Area, *args: Any) -> tuple[Any, Any]:
     """The worst and the best margin [m] of: a box (two poses, length, width) sweeps nothing but an area."""
     shape = np.broadcast(*args).shape
-    if 0 in shape:
+    if 0 in shape:  # of no object
         return _sides(np.empty(shape))
     margin = _ask(batch, area, "margin_inside", args, shape)[0]
-    owners = _owners(batch, area)
-    return _sides(
-        touching.settled(
-            margin, args, lambda at, row: touching.inside(owners[at[0] if len(owners) > 1 else 0].border, row)
-        )
+    return _sides(_settled(_owners(batch, area), margin, args))
+
+
+def _settled(owners: Sequence[Any], margin: Any, args: Sequence[Any]) -> Any:
+    """Margins of swept footprints in the areas of all cases, or of one that they share: those next to zero are exact."""
+    one = len(owners) == 1
+    return touching.settled(
+        margin, args, lambda at, row: touching.inside(owners[0 if one else at[0]].border, row)
     )
 
 
@@ -59,6 +65,48 @@ def _sides(margin: Any) -> tuple[Any, Any]:
     """The worst and the best margin of signed distances; NaN is none."""
     known = ~np.isnan(margin)
     return (margin, margin) if known.all() else logic.partly(margin, known)
+
+
+class Least:
+    """The margins of a predicate of which only the least along an axis is asked, and all of them on demand."""
+
+    def __init__(self, exactly: Callable[[], Any]) -> None:
+        """`exactly` gives all margins."""
+        self._exactly = exactly
+
+    @cached_property
+    def value(self) -> logic.Value:
+        """The predicate's value everywhere; worked out when first asked for."""
+        return logic.value(*_sides(self._exactly()), logic.AT_LEAST)
+
+
+def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tuple[Any, Any, Least | None]:
+    """The worst and the best margin of swept footprints in an area, of which only the least along an axis counts.
+
+    Those that are greater than the least may differ from the truth. The third value knows the truth; None: the first two do.
+    """
+    shape = np.broadcast(*args).shape
+    size = shape[axis]
+    if size == 1 or math.prod(shape) <= MANY or math.prod(shape[axis:]) > size:
+        return (*swept_inside(batch, area, *args), None)
+    owners = _owners(batch, area)
+    if len(owners) > 1:
+        return (*swept_inside(batch, area, *args), None)
+    body = [_flat(arg, shape) for arg in args]
+    counted = np.ones(shape, dtype=np.bool_) if mask is None else np.broadcast_to(mask, shape)
+    flat, exact = owners[0].least_inside(body, size, counted.reshape(-1))
+    # What is next to zero is the least of its trajectory, or as good as: all that counts is exact there, and none is left out.
+    margin = _settled(owners, flat.reshape(shape), args)
+
+    def exactly() -> Any:
+        made = margin.copy()
+        places = (~exact).nonzero()[0]
+        made.ravel()[places] = owners[0].margin_inside(
+            *(arg if arg.ndim == 0 else arg[places] for arg in body)
+        )
+        return _settled(owners, made, args)
+
+    return (*_sides(margin), Least(exactly))
 
 
 def within(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
@@ -223,7 +271,9 @@ def _points(points: Any) -> Floats:
 def _to_paths(batch: Batch, signal: str, args: Sequence[Any], shape: tuple[int, ...]) -> Any:
     """Distances of points to the paths of trajectories, all cases at once: (cases, points) against (cases, segments)."""
     shape = (batch.size, *(shape[1:] or (1,) * (batch.rank - 1)))
-    x, y = (np.broadcast_to(arg, shape).reshape(batch.size, -1) for arg in args)
+    points = np.empty((2, *shape))
+    points[0], points[1] = args
+    x, y = points.reshape(2, batch.size, -1)
     distance = geometry.distance_to_paths(
         x, y, batch.table(signal, "x"), batch.table(signal, "y"), batch.lengths(signal)
     )

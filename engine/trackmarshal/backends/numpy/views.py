@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.numpy import places
+from trackmarshal.backends.numpy.logic import Value
 from trackmarshal.backends.witness import Sides
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.verdict import Bound, Truth
@@ -27,9 +28,15 @@ class CaseView:
             worst_sat, worst, best_sat, best = self._run.closed(node)
             index = self._index
             return Truth(Bound(worst_sat[index], worst[index]), Bound(best_sat[index], best[index]))
-        value = self._run.of(node)
+        value = self._of(node)
         bound = self._bound(value.worst, env)
         return Truth(bound, bound if value.best is value.worst else self._bound(value.best, env))
+
+    def _of(self, node: ir.Formula) -> Value:
+        """The value of a formula, also where the run has only done what its verdict takes."""
+        place = self._run.program.code.least.get(node)
+        least: places.Least | None = None if place is None else self._run._values[place]
+        return self._run.of(node) if least is None else least.value
 
     def _bound(self, side: Any, env: dict[int, int]) -> Bound:
         return Bound(
@@ -50,7 +57,7 @@ class CaseView:
         return place
 
     def sides(self, node: ir.Formula, axis: ir.Axis, env: dict[int, int]) -> Sides:
-        value = self._run.of(node)
+        value = self._of(node)
         worst = self._rows(value.worst, axis, env)
         return Sides(*worst, *(worst if value.best is value.worst else self._rows(value.best, axis, env)))
 

@@ -49,6 +49,7 @@ class CasesReader:
             for field in signal.fields_
             if any(check.kind.of == "step" for check in field.checks)
         )
+        self._ordered = {signal for signal, _ in self._orders}
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError D201 to D204."""
@@ -68,7 +69,13 @@ class CasesReader:
     def _checked(self, chunk: list[Frame]) -> list[Frame]:
         passed = self._together(chunk)
         for frame in chunk:
-            self._checker.check_signals(frame, {f.signal for f in frame.faults}, frame.faults, passed)
+            broken = {f.signal for f in frame.faults}
+            self._checker.check_signals(frame, broken, frame.faults, passed)
+            for name in broken & self._ordered:
+                # A column that is missing says nothing of the others; without order in time, none of them means anything.
+                found: list[Fault] = []
+                self._checker.columns[name].check(frame.columns[name], found)
+                frame.faults += [fault for fault in found if name_of(fault) == "not_increasing"]
         return chunk
 
     def settings(self, data: Mapping[str, Any]) -> Settings:

@@ -107,13 +107,39 @@ class Border:
         rows, k, distance = (np.concatenate(part) for part in zip(*parts))
         return rows, k, distance
 
-    def _near(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints, Floats]:
+    def nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
+        """The nearest segment to each point, of equally near ones the first, and its distance."""
+        step = max(1, AT_ONCE // len(self.runs))
+        parts = [self._nearest(x[at : at + step], y[at : at + step]) for at in range(0, x.size, step)]
+        if len(parts) == 1:
+            return parts[0]
+        k, distance = (np.concatenate(part) for part in zip(*parts))
+        return k, distance
+
+    def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
+        point, k, distance = self._in_blocks(x, y, 0.0)
+        best = np.minimum.reduceat(np.minimum.reduce(distance, axis=1), starts_of(point))
+        places = (distance == best.take(point)[:, None]).ravel().nonzero()[0]
+        if places.size > best.size:
+            places = places[starts_of(point.take(places // BLOCK))]
+        return k.ravel().take(places), best
+
+    def _in_blocks(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints, Floats]:
+        """Points and blocks in pairs, where a block may have a segment at most `reach` farther than the nearest one: which
+        points, and segments and distances by place in the block."""
         dx, dy = x[:, None] - self.disc_x, y[:, None] - self.disc_y
-        centre = np.sqrt(dx * dx + dy * dy)
-        limit = centre.min(axis=1) + (reach + SLACK)
-        point, run = (centre - self.disc_radius <= limit[:, None]).nonzero()
-        k = self.runs[run]
-        distance = self.distance(x[point, None], y[point, None], k)
+        dx *= dx
+        dy *= dy
+        dx += dy
+        centre = np.sqrt(dx, out=dx)
+        limit = np.minimum.reduce(centre, axis=1) + (reach + SLACK)
+        centre -= self.disc_radius
+        point, run = (centre <= limit[:, None]).nonzero()
+        k = self.runs.take(run, axis=0)
+        return point, k, self.distance(x.take(point)[:, None], y.take(point)[:, None], k)
+
+    def _near(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints, Floats]:
+        point, k, distance = self._in_blocks(x, y, reach)
         nearest = np.minimum.reduceat(distance.min(axis=1), starts_of(point)) + (reach + SLACK)
         kept = (distance <= nearest[point, None]).ravel().nonzero()[0]
         return point[kept // BLOCK], k.ravel()[kept], distance.ravel()[kept]

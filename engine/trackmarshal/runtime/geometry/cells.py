@@ -22,8 +22,9 @@ MOST_SAMPLES = 20_000
 class Cells:
     """For each cell near the border, its possibly nearest segments, by distance from the cell's middle, in tiles.
 
-    A shape of radius r around a point p is nearest to a segment no farther than |p border| + r from p, so no farther than
-    |q border| + 2 |p q| + r from the middle q of p's cell.
+    A shape around a point p that lies within a radius r of p and holds all within a radius s of it is nearest to segments no
+    farther than r + max(0, |p border| - s) from p, so no farther than |p q| + r + max(0, |q border| + |p q| - s) from the
+    middle q of p's cell.
     """
 
     def __init__(self, border: Border, size: float) -> None:
@@ -87,8 +88,12 @@ class Cells:
         begins = rank % WIDTH == 0
         self.needed[(rank // WIDTH)[begins], rows[begins]] = distance[begins]
 
-    def tiles_around(self, points: Floats, radius: Floats) -> tuple[Ints, Ints, Bools | None]:
-        """Rows and tiles that hold all segments that may be nearest to shapes of a radius around points, (2, N).
+    def tiles_around(
+        self, points: Floats, radius: Floats, inner: float | Floats = 0.0
+    ) -> tuple[Ints, Ints, Bools | None]:
+        """Rows and tiles that hold all segments that may be nearest to shapes of a radius around points, (2, N), or touch them.
+
+        The shapes hold all within the `inner` radius.
 
         The mask names the rows that the grid cannot tell about, if any: a shape larger than `REACH`, or far from the border.
         """
@@ -103,10 +108,12 @@ class Cells:
             unknown = (data < 0) | (radius > REACH)
         apart = points - self.middle.take(data, axis=1)
         apart *= apart
-        limit = np.sqrt(apart[0] + apart[1])
-        limit *= 2.0
+        apart = np.sqrt(apart[0] + apart[1])
+        limit = apart + self.clearance.take(data)
+        limit -= inner
+        np.maximum(limit, SLACK, out=limit)
+        limit += apart
         limit += radius
-        limit += self.clearance.take(data)
         counts = np.add.reduce(self.needed.take(data, axis=1) <= limit, axis=0)
         if unknown is not None:
             counts[unknown] = 0

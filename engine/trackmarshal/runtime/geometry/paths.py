@@ -30,23 +30,32 @@ def distance_to_paths(
         points = np.where(usable, points, 0.0)
         path = np.where(there & fine[:, None], path, 0.0)
     points, path = points[..., None], path[:, :, None]
-    ex, ey = path[..., 1:] - path[..., :-1]
-    square = ex * ex + ey * ey
+    side = path[..., 1:] - path[..., :-1]
+    square = _sum(side * side)
     real = square > 0.0
     if usable is not None:
         real &= there[:, None, 1:]
-    (rx, sx), (ry, sy) = ((seen[..., :-1], seen[..., 1:]) for seen in points - path)
-    along = ex * rx + ey * ry
-    distance = np.sqrt(np.minimum(rx * rx + ry * ry, sx * sx + sy * sy))
+    seen = points - path
+    ends = _sum(seen * seen)
+    seen = seen[..., :-1]
+    along = _sum(side * seen)
+    distance = np.sqrt(np.minimum(ends[..., :-1], ends[..., 1:]))
     beside = (along > 0.0) & (along < square)
     with np.errstate(divide="ignore", invalid="ignore"):
-        distance = np.where(beside, np.abs(ex * ry - ey * rx) / np.sqrt(square), distance)
+        across = np.abs(side[0] * seen[1] - side[1] * seen[0]) / np.sqrt(square)
+    distance = np.where(beside, across, distance)
     if usable is None and real.size and real.all():
         nearest: Floats = distance.min(axis=2, initial=np.inf)
         return nearest
     nearest = np.where(real, distance, np.inf).min(axis=2, initial=np.inf)
     known = real.any(axis=2)
     return np.where(known if usable is None else usable & known, nearest, np.nan)
+
+
+def _sum(products: Floats) -> Floats:
+    x, y = products
+    total: Floats = x + y
+    return total
 
 
 def _pair(x: ArrayLike, y: ArrayLike) -> Floats:

@@ -11,12 +11,10 @@ from numpy.typing import ArrayLike
 from trackmarshal.runtime.geometry.arrays import (
     LIMIT,
     Floats,
-    Ints,
     as_points,
     coordinates_fault,
     distinct,
     points_of,
-    starts_of,
     vector,
 )
 from trackmarshal.runtime.geometry.border import Border
@@ -52,7 +50,7 @@ class Polyline:
             nan = np.full(px.size, np.nan)
             return nan, nan.copy(), nan.copy()
         border = self._border
-        k, distance = self._nearest(px, py)
+        k, distance = border.nearest(px, py)
         ax, ay, _, _, ex, ey, square, length = border.segments.take(k, axis=1)
         rx, ry = px - ax, py - ay
         product = ex * rx + ey * ry
@@ -80,14 +78,15 @@ class Polyline:
         px, py, fine = points_of(x, y)
         if self.fault is not None or not px.size:
             return np.full(px.size, np.nan)
-        distance = self._nearest(px, py)[1]
+        distance = self._border.nearest(px, py)[1]
         return distance if fine is None else np.where(fine, distance, np.nan)
 
     def feet(self, x: Floats, y: Floats) -> Floats | None:
         """The point of the line nearest to each of some usable points: (N, 2); None for an unusable line."""
         if self.fault is not None:
             return None
-        border, k = self._border, self._nearest(x, y)[0]
+        border = self._border
+        k, _ = border.nearest(x, y)
         rx, ry, sx, sy = x - border.ax[k], y - border.ay[k], x - border.bx[k], y - border.by[k]
         t = (border.ex[k] * rx + border.ey[k] * ry) / border.square[k]
         at_start = rx * rx + ry * ry <= sx * sx + sy * sy
@@ -111,16 +110,6 @@ class Polyline:
         if self.closed:
             gap -= self.length * np.ceil(gap / self.length - 0.5)
         return gap if self.fault is None else np.full(gap.size, np.nan)
-
-    def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
-        """The nearest segment to each point, of equally near ones the first, and its distance."""
-        rows, k, distance = self._border.near(x, y)
-        starts = starts_of(rows)
-        best = np.minimum.reduceat(distance, starts)
-        if starts.size < rows.size:
-            nearest = (distance == best[rows]).nonzero()[0]
-            k = k[nearest[starts_of(rows[nearest])]]
-        return k, best
 
 
 def centre_line(left: Floats, right: Floats, closed: bool = False) -> Floats:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from trackmarshal.runtime.geometry.approach import Approach
 from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, counts_of, points_of, starts_of
 from trackmarshal.runtime.geometry.border import Border
-from trackmarshal.runtime.geometry.cells import SHIFT, WIDTH, Cells
+from trackmarshal.runtime.geometry.cells import REACH, SHIFT, WIDTH, Cells
 from trackmarshal.runtime.geometry.sweep import Sweeps
 from trackmarshal.runtime.geometry.violation import violation
 
@@ -44,15 +44,26 @@ class Region:
         perimeter = float(self.border.length.sum())
         # Cells as large as half a corridor is wide: with the neighbours of the border's cells they cover its inside.
         self.cells = Cells(self.border, abs(sum(area(ring) for ring in rings)) / perimeter)
-        # Ends of segments in single precision, which is enough to rule most of them out; the last one is none.
-        self._origin = complex(self.border.ax[0], self.border.ay[0])
-        self._start = self._single(self.border.ax, self.border.ay)
-        self._end = self._single(self.border.bx, self.border.by)
+        self._origin = np.array([[self.border.ax[0]], [self.border.ay[0]]])
+        self._segments, reach = self._singles()
         #: How much farther than the nearest a segment may seem in single precision [m].
-        self._slack = np.float32(SLACK + 16.0 * np.finfo(np.float32).eps * np.abs(self._start[:-1]).max())
+        self.slack = np.float32(SLACK + 16.0 * np.finfo(np.float32).eps * reach)
+        #: The same in double precision, of segments that the grid knows to be near [m].
+        span = float(self.border.length.max()) + 8.0 * (self.cells.size + REACH)
+        self.rounding = SLACK + 64.0 * float(np.finfo(np.float64).eps) * span
 
-    def _single(self, x: Floats, y: Floats) -> NDArray[np.complex64]:
-        return np.append(x + 1j * y - self._origin, FAR).astype(np.complex64)
+    def _singles(self) -> tuple[Singles, float]:
+        """The middles of the segments and half of each, in single precision, which is enough to rule most of them out; and how far
+        they reach from the origin.
+
+        Shape (2, 2, segments + 1), of axes: middle and half, x and y, segment. The last one is none: it is far away.
+        """
+        border = self.border
+        starts = np.stack([border.ax, border.ay]) - self._origin
+        half = 0.5 * np.stack([border.ex, border.ey])
+        table = np.full((2, 2, border.size + 1), FAR)
+        table[0, :, :-1], table[1, :, :-1], table[1, :, -1] = starts + half, half, 0.0
+        return table.astype(np.float32), float(np.abs(starts).max())
 
     def signed_distance(self, x: Floats, y: Floats) -> Floats:
         """The distance of points from the border, positive inside; NaN for a point that is none."""
@@ -95,7 +106,8 @@ class Region:
         return np.concatenate(parts)
 
     def _margin(self, sweeps: Sweeps) -> Floats:
-        rows, k, touching = self._candidates(sweeps)
+        rows, k, squared = self.candidates(sweeps, sweeps.boxes())
+        touching = ~(squared > self.slack * self.slack)
         if rows.size <= PAIRS_AT_ONCE:
             margin = self._judged(sweeps, rows, k, touching)
         else:
@@ -126,20 +138,21 @@ class Region:
             margin[bad - first] = violation(self.border, sweeps, approach, entering, bad, around)
         return margin
 
-    def _candidates(self, sweeps: Sweeps) -> tuple[Ints, Ints, Bools]:
+    def candidates(self, sweeps: Sweeps, boxes: tuple[Floats, ...]) -> tuple[Ints, Ints, Singles]:
         """Hulls and segments in pairs: at least all that may make up a hull's distance from the border, or enter it.
 
-        The mask names at least all pairs in which the segment enters the hull.
+        With each the square of a distance that is at most `slack` greater than theirs; NaN where nothing is known.
         """
         middle = sweeps.position + sweeps.middle
-        rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius)
-        k, touching = tiles, np.empty(0, dtype=np.bool_)
+        rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius, sweeps.inner)
+        k, squared = tiles, np.empty(0, dtype=np.float32)
         if rows.size:
-            rows, k, touching = self._culled(sweeps, rows, self.cells.tiles.take(tiles, axis=1))
+            rows, k, squared = self._culled(sweeps, boxes, rows, self.cells.tiles.take(tiles, axis=1))
         if unknown is None:
-            return rows, k, touching
+            return rows, k, squared
         rows, k, order = self._with_unknown(rows, k, unknown, middle, sweeps.radius)
-        return rows, k, np.append(touching, np.ones(rows.size - touching.size, dtype=np.bool_))[order]
+        more = np.full(rows.size - squared.size, np.nan, dtype=np.float32)
+        return rows, k, np.append(squared, more)[order]
 
     def _around(self, points: Floats) -> tuple[Ints, Ints]:
         """Points and segments in pairs: at least all segments that may be nearest to a point."""
@@ -162,44 +175,53 @@ class Region:
         order = np.argsort(rows, kind="stable")
         return rows[order], k[order], order
 
-    def _culled(self, sweeps: Sweeps, rows: Ints, k: Ints) -> tuple[Ints, Ints, Bools]:
+    def _culled(
+        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, k: Ints
+    ) -> tuple[Ints, Ints, Singles]:
         """Of segments k (place in tile, tile) for hulls by tile, those that the box around the hull cannot rule out."""
-        turn, low, high, excess = sweeps.boxes()
-        frames = np.empty((4, sweeps.size), dtype=np.complex64)
-        frames[0], frames[1], frames[2] = turn, low, high
-        np.subtract(sweeps.position[0], self._origin.real, out=frames[3].real, casting="same_kind")
-        np.subtract(sweeps.position[1], self._origin.imag, out=frames[3].imag, casting="same_kind")
-        turn, low, high, origin = frames.take(rows, axis=1)
-        start, end = self._start.take(k), self._end.take(k)
-        for points in (start, end):  # in the frame of the box
-            points -= origin
-            points *= turn
-        a, b = start.view(np.float32), end.view(np.float32)
-        lows, highs = low.view(np.float32), high.view(np.float32)
-        # How near does the start of a segment come to the box for sure, and how near can the segment come at best?
-        sure = _squares(lows - a, a - highs)
-        best = _squares(lows - np.maximum(a, b), np.minimum(a, b) - highs)
+        low, high, excess = boxes
+        # Of each hull: its position, the direction of its box, in that direction the middle of the box and half its size.
+        frames = np.empty((4, 2, sweeps.size), dtype=np.float32)
+        np.subtract(sweeps.position, self._origin, out=frames[0], casting="same_kind")
+        frames[1] = sweeps.midway
+        np.add(low, high, out=frames[2], casting="same_kind")
+        np.subtract(high, low, out=frames[3], casting="same_kind")
+        frames[2:] *= 0.5
+        origin, (ahead, aside), centre, size = frames.take(rows, axis=2)
+        # Axes: middle and half of a segment, x and y, place in the tile, tile.
+        segments = self._segments.take(k, axis=2)
+        segments[0] -= origin[:, None]
+        turned = segments * aside
+        segments *= ahead
+        segments[:, 0] += turned[:, 1]
+        segments[:, 1] -= turned[:, 0]
+        segments[0] -= centre[:, None]
+        np.abs(segments, out=segments)
+        beyond, half = segments
+        beyond -= size[:, None]
+        # How near can a segment come to the box at best, and how near does its middle come for sure?
+        best, sure = _squares(beyond - half), _squares(beyond)
         runs = starts_of(rows)
         nearest = np.minimum.reduce(sure, axis=0)
         if runs.size < rows.size:
             nearest = np.minimum.reduceat(nearest, runs)
         limit = np.sqrt(nearest)
-        limit += (excess if runs.size == sweeps.size else excess.take(rows.take(runs))) + self._slack
+        limit += (excess if runs.size == sweeps.size else excess.take(rows.take(runs))) + self.slack
         limit *= limit
         if runs.size < rows.size:
             limit = limit.repeat(counts_of(runs, rows.size))
         kept = (best <= limit).T.ravel().nonzero()[0]
         tile = kept >> SHIFT
         place = (kept & (WIDTH - 1)) * rows.size + tile
-        return rows.take(tile), k.take(place), best.take(place) <= self._slack * self._slack
+        return rows.take(tile), k.take(place), best.take(place)
 
 
-def _squares(below: Singles, above: Singles) -> Singles:
-    """The squared distance from a box, given how far below and above it something is in x and y side by side."""
-    gap = np.maximum(below, above, out=below)
-    np.maximum(gap, 0.0, out=gap)
-    gap *= gap
-    return gap[:, 0::2] + gap[:, 1::2]
+def _squares(beyond: Singles) -> Singles:
+    """The squared distance from a box, given how far beyond its sides something is in x and in y; in place."""
+    np.maximum(beyond, 0.0, out=beyond)
+    beyond *= beyond
+    squares: Singles = np.add(beyond[0], beyond[1], out=beyond[0])
+    return squares
 
 
 def area(ring: Floats) -> float:

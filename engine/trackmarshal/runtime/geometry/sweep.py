@@ -21,7 +21,9 @@ class Sweeps:
     than `SHORTEST`. Corners are those of one footprint, counter-clockwise, then those of the other.
     """
 
-    __slots__ = ("corners", "excess", "middle", "position", "radius", "sides", "size", "turn_back", "usable")
+    __slots__ = (
+        "_sides", "_turn", "excess", "frame", "inner", "middle", "midway", "position", "radius", "size", "usable"
+    )  # fmt: skip
 
     def __init__(self, poses: Floats, length: float | Floats, width: float | Floats) -> None:
         """`poses`: (6, N) with rows x0, y0, heading0, x1, y1, heading1; `length`, `width`: numbers or (N,)."""
@@ -42,6 +44,8 @@ class Sweeps:
         self.middle = 0.5 * move
         self.radius = np.sqrt(np.add.reduce(self.middle * self.middle, axis=0))
         self.radius += np.sqrt(front * front + side * side)
+        #: As far from the middle as this, all is in the hull: in the hull of the discs in both footprints.
+        self.inner, outer = np.minimum(front, side), np.maximum(front, side)
         product = unit[:, 0] * unit[:, 1]
         turn_cos = product[0] + product[1]
         turn_sin = unit[0, 0] * unit[1, 1] - unit[1, 0] * unit[0, 1]
@@ -50,23 +54,30 @@ class Sweeps:
             turn_cos, turn_sin = _quarter_turns(frame, turn_cos, turn_sin)
             size = np.abs(turn_sin)
         # The one that is turned further to the left, by less than half a quarter, comes second.
-        frame = np.where(turn_sin < 0.0, frame[:, :, ::-1], frame)
+        self.frame = frame = np.where(turn_sin < 0.0, frame[:, :, ::-1], frame)
         # Midway between the directions of both footprints, half the turn from either.
-        midway = frame[3, :, 0] + frame[3, :, 1]
-        reach = np.sqrt(np.add.reduce(midway * midway, axis=0))
-        midway /= reach
-        self.turn_back = _complex(midway[0], -midway[1])
+        self.midway = frame[3, :, 0] + frame[3, :, 1]
+        reach = np.sqrt(np.add.reduce(self.midway * self.midway, axis=0))
+        self.midway /= reach
         #: By how much the box around a footprint, in the direction midway, may exceed it.
-        self.excess = size / reach * (2.0 * np.maximum(front, side))
-        self._outline(frame, turn_cos, size)
+        self.excess = size / reach * (2.0 * outer)
+        self._turn = turn_cos, size
+        self._sides: Floats | None = None
 
-    def _outline(self, frame: Floats, turn_cos: Floats, turn_sin: Floats) -> None:
+    @property
+    def sides(self) -> Floats:
+        """The corners and sides of the hulls; worked out when first asked for."""
+        if self._sides is None:
+            self._sides = self._outline()
+        return self._sides
+
+    def _outline(self) -> Floats:
         """Corners, and the sides of the hull: going round once, which footprint reaches further out in the direction of
         each of the eight sides' normals? Between two such directions the hull changes over at most once."""
-        self.sides = np.empty((6, 8, self.size))
-        shaped = self.sides.reshape(6, 2, 4, self.size)
+        sides = np.empty((6, 8, self.size))
+        shaped = sides.reshape(6, 2, 4, self.size)
         corner, vector = shaped[0:2], shaped[2:4]
-        centre, ahead, left, unit = frame
+        (centre, ahead, left, unit), (turn_cos, turn_sin) = self.frame, self._turn
         half = np.empty((2, 2, 2, self.size))
         np.add(ahead, left, out=half[:, :, 0])
         np.subtract(left, ahead, out=half[:, :, 1])
@@ -74,7 +85,6 @@ class Sweeps:
         np.subtract(centre[:, :, None], half, out=corner[:, :, 2:])
         first, second = corner[:, 0], corner[:, 1]
         before, following = corner[:, 1].take(_BEFORE, axis=1), corner.take(_NEXT, axis=2)
-        self.corners = _complex(corner[0], corner[1])
         turn_back = _complex(unit[0, 0], -unit[1, 0])
         # From the second's corner before to the first's corner, seen along the first's normal and along its side. The
         # second's normal lies between those two, so its sign cannot contradict both.
@@ -86,26 +96,37 @@ class Sweeps:
         np.subtract(to, first, out=vector[:, 0])
         to = np.where(at_second_next, np.where(at_first_next, first, following[:, 0]), following[:, 1])
         np.subtract(to, second, out=vector[:, 1])
-        vector = self.sides[2:4]
-        square = np.add.reduce(vector * vector, axis=0, out=self.sides[4])
+        vector = sides[2:4]
+        square = np.add.reduce(vector * vector, axis=0, out=sides[4])
         none = square < SHORTEST * SHORTEST
         none[:4] |= ~(at_first | at_second | at_first_next)
         none[4:] |= at_second & at_first_next & at_second_next
-        np.copyto(self.sides[2:5], np.nan, where=none)
-        np.sqrt(square, out=self.sides[5])
+        np.copyto(sides[2:5], np.nan, where=none)
+        np.sqrt(square, out=sides[5])
+        return sides
 
-    def boxes(self) -> tuple[Complexes, Complexes, Complexes, Floats]:
-        """Boxes around the hulls, in a frame midway between those of the footprints, in complex numbers.
+    def boxes(self) -> tuple[Floats, Floats, Floats]:
+        """Boxes around the hulls, in a frame midway between those of the footprints.
 
-        The factor that turns into the frame, the lowest and the highest corner in it, and an excess [m].
-        A point that is `d` from the box is between `d` and `d` plus the excess from the hull.
+        The lowest and the highest corner in it, (2, N), and an excess [m].        A point that is `d` from the box is between `d` and `d` plus the excess from the hull.
         """
-        local = (self.corners * self.turn_back).view(np.float64)
-        lows, highs = np.minimum.reduce(local, axis=1), np.maximum.reduce(local, axis=1)
-        low, high = np.minimum(lows[0], lows[1]), np.maximum(highs[0], highs[1])
-        apart = np.maximum(np.abs(lows[0] - lows[1]), np.abs(highs[0] - highs[1]))
-        excess = self.excess + np.minimum(apart[0::2], apart[1::2])
-        return self.turn_back, low.view(np.complex128), high.view(np.complex128), excess
+        # Axes: centre, half length and half width; coordinate; footprint.
+        local = self.frame[:3] * self.midway[0]
+        across = self.frame[:3] * self.midway[1]
+        local[:, 0] += across[:, 1]
+        local[:, 1] -= across[:, 0]
+        half = np.abs(local[1:])
+        reach = half[0] + half[1]
+        ends = np.empty((2, *reach.shape))
+        np.subtract(local[0], reach, out=ends[0])
+        np.add(local[0], reach, out=ends[1])
+        first, second = ends[:, :, 0], ends[:, :, 1]
+        x, y = np.maximum.reduce(np.abs(first - second), axis=0)
+        return (
+            np.minimum(first[0], second[0]),
+            np.maximum(first[1], second[1]),
+            self.excess + np.minimum(x, y),
+        )
 
 
 class Boxes:

@@ -1,0 +1,145 @@
+"""The least margin of many trajectories: the same as of all margins, and for most of them without working those out."""
+
+from __future__ import annotations
+
+import math
+from unittest import mock
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from trackmarshal.runtime.geometry import Corridor, least
+
+Floats = NDArray[np.float64]
+
+BODY = (4.7, 2.0)
+COUNT = 25
+
+
+def ring(radius: float, points: int = 400) -> Floats:
+    angles = np.arange(points) * (2.0 * math.pi / points)
+    return np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=1)
+
+
+@pytest.fixture(scope="module")
+def course() -> Corridor:
+    """A round course, 12 m wide, with a bump on its inner side."""
+    left = ring(94.0)
+    left[50:53] *= 1.02
+    return Corridor(left, ring(106.0), closed=True)
+
+
+def trip(angle: float, radius: float, drift: float, step: float = 2.0) -> Floats:
+    """Poses (3, COUNT) round the course, that get farther from its middle by and by."""
+    k = np.arange(COUNT)
+    at, away = angle + k * step / radius, radius + drift * k
+    return np.stack([away * np.cos(at), away * np.sin(at), at + math.pi / 2])
+
+
+def judged(course: Corridor, trips: list[Floats]) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """All margins, those of the search, and which of these are exact."""
+    poses = np.stack(trips)
+    before = np.concatenate([poses[:, :, :1], poses[:, :, :-1]], axis=2)
+    columns = [*before.swapaxes(0, 1).reshape(3, -1), *poses.swapaxes(0, 1).reshape(3, -1)]
+    truth = course.margin_inside(*columns, *BODY).reshape(-1, COUNT)
+    found, exact = course.least_inside((*columns, *BODY), COUNT, np.ones(truth.size, dtype=np.bool_))
+    return truth, found.reshape(-1, COUNT), exact.reshape(-1, COUNT)
+
+
+def agreed(truth: Floats, found: Floats, exact: NDArray[np.bool_]) -> None:
+    least = np.fmin.reduce(truth, axis=1)
+    assert np.array_equal(np.fmin.reduce(found, axis=1), least, equal_nan=True)
+    assert np.array_equal(found[exact], truth[exact], equal_nan=True)
+    assert (found > least[:, None])[~exact].all()
+
+
+def test_trajectories_inside(course: Corridor) -> None:
+    generator = np.random.default_rng(1)
+    found = judged(
+        course,
+        [trip(a, r, d) for a, r, d in zip(generator.uniform(0, 6, 300), generator.uniform(98, 102, 300), generator.uniform(-0.1, 0.1, 300))],
+    )  # fmt: skip
+    agreed(*found)
+    assert (found[0] > 0.0).all()
+    assert found[2].mean() < 0.15
+
+
+def test_as_near_to_both_borders_all_the_time(course: Corridor) -> None:
+    found = judged(course, [trip(0.02 * k, 100.0, 0.0) for k in range(200)])
+    agreed(*found)
+    assert found[2].mean() < 0.5
+
+
+def test_trajectories_that_leave_the_course_or_are_beside_it(course: Corridor) -> None:
+    trips = [trip(0.1 * k, 100.0, 0.02 * k) for k in range(40)]  # across the outer border, sooner and sooner
+    trips += [trip(0.1 * k, 100.0, -0.02 * k) for k in range(40)]
+    trips += [trip(0.1 * k, 80.0, 0.0) for k in range(10)]  # never in
+    trips += [
+        trip(0.1 * k, 80.0 + 40.0 * (k % 2), 0.9 - 1.8 * (k % 2)) for k in range(40)
+    ]  # in from beside it
+    trips += [trip(0.1 * k, 10.0, 0.0) for k in range(3)]  # far from every border
+    trips += [trip(0.1 * k, 3000.0, 0.0) for k in range(3)]
+    found = judged(course, trips)
+    agreed(*found)
+    assert (found[0] < 0.0).any(axis=1).sum() > 80
+
+
+def test_a_jump_off_the_course_and_back_meets_no_border(course: Corridor) -> None:
+    """Hulls that do not begin where the one before ends: one lies beside the course, as far from the border as the others."""
+    poses = trip(0.3, 100.0, 0.0)
+    before = np.concatenate([poses[:, :1], poses[:, :-1]], axis=1)
+    both = np.stack([before, poses])
+    both[:, :2, 12] *= 0.88
+    columns = [*both[0], *both[1]]
+    truth = course.margin_inside(*columns, *BODY)
+    found, exact = course.least_inside((*columns, *BODY), COUNT, np.ones(COUNT, dtype=np.bool_))
+    assert truth.min() == truth[12] < -1.0
+    agreed(truth[None], found[None], exact[None])
+
+
+def test_positions_that_are_none(course: Corridor) -> None:
+    trips = [trip(0.1 * k, 100.0, 0.02) for k in range(20)]
+    for k, value in enumerate((math.nan, math.inf, 1e12)):
+        trips[5 * k][k, 7] = value
+    trips[19][:] = math.nan
+    truth, found, exact = judged(course, trips)
+    agreed(truth, found, exact)
+    assert np.array_equal(np.isnan(found), np.isnan(truth))
+
+
+def test_what_is_padding_does_not_count(course: Corridor) -> None:
+    poses = np.stack([trip(0.3, 100.0, 0.5), trip(0.9, 100.0, -0.5)], axis=1).reshape(3, -1)
+    counted = np.tile(np.arange(COUNT) < 5, 2)
+    truth = course.margin_inside(*poses, *poses, *BODY)
+    found, exact = course.least_inside((*poses, *poses, *BODY), COUNT, counted)
+    for row in (slice(0, 5), slice(COUNT, COUNT + 5)):
+        assert found[row].min() == truth[row].min() > truth.min()
+        assert (exact[row] | (found[row] > truth[row].min())).all()
+    assert np.isinf(found[~counted]).all()
+
+
+def test_vehicles_of_different_sizes(course: Corridor) -> None:
+    poses = np.stack([trip(0.1 * k, 100.0, 0.05) for k in range(30)], axis=1).reshape(3, -1)
+    length, width = np.repeat(np.linspace(1.0, 12.0, 30), COUNT), np.linspace(0.5, 3.0, 30 * COUNT)
+    truth = course.margin_inside(*poses, *poses, length, width)
+    found, exact = course.least_inside(
+        (*poses, *poses, length, width), COUNT, np.ones(truth.size, dtype=np.bool_)
+    )
+    agreed(*(part.reshape(-1, COUNT) for part in (truth, found, exact)))
+
+
+def test_groups_are_searched_a_few_at_a_time(course: Corridor) -> None:
+    trips = [trip(0.1 * k, 100.0, 0.01 * k) for k in range(30)]
+    whole = judged(course, trips)
+    with mock.patch.multiple(least, KEPT=70, AT_ONCE=33):
+        parts = judged(course, trips)
+    for one, other in zip(whole, parts):
+        assert np.array_equal(one, other)
+
+
+def test_an_unusable_course_has_no_margin() -> None:
+    course = Corridor([[0, 0], [9, 9]], [[0, 9], [9, 0]])
+    found, exact = course.least_inside((*np.zeros((6, 4)), *BODY), 2, np.ones(4, dtype=np.bool_))
+    assert np.isnan(found).all()
+    assert exact.all()
