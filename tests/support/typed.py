@@ -181,7 +181,8 @@ def records(given: Cycle) -> Cycle:
 
 def based(given: Cycle, place: Place) -> Cycle:
     """The cycle in the form in which it has the place."""
-    return records(given) if "objects" in place.at and type((*place.at, "")[2]) is int else given
+    of_records = "objects" in place.at and type((*place.at, "")[2]) is int
+    return records(given) if of_records and isinstance(given.signals["objects"], dict) else given
 
 
 def content(given: Cycle, place: Place) -> Any:
@@ -193,15 +194,19 @@ def content(given: Cycle, place: Place) -> Any:
 
 
 def put(given: Cycle, place: Place, value: Any) -> Cycle:
-    """The cycle with something else at a place."""
-    made = copy.deepcopy(based(given, place))
+    """A copy of the cycle with something else at a place."""
+    return replaced(copy.deepcopy(based(given, place)), place, value)
+
+
+def replaced(given: Cycle, place: Place, value: Any) -> Cycle:
+    """The cycle with something else at a place, in the dicts and lists that it has."""
     if len(place.at) == 1:
-        return replace(made, **{place.at[0]: value})
-    holder = getattr(made, place.at[0])
+        return replace(given, **{place.at[0]: value})
+    holder = getattr(given, place.at[0])
     for step in place.at[1:-1]:
         holder = holder[step]
     holder[place.at[-1]] = value
-    return made
+    return given
 
 
 # The page ---------------------------------------------------------------------------------------------------------

@@ -197,7 +197,7 @@ class ColumnsReader:
             faults.append(fault("missing", self.label, "", None, "it is not there"))
             return self.nothing()
         left_out: dict[str, list[int]] = {}
-        if self.signal.form == SET and isinstance(raw, list | tuple):
+        if self.signal.form == SET and values.is_a(raw, (list, tuple)):
             data, left_out = self._records(raw, faults)
         else:
             data = values.mapping(raw)
@@ -291,8 +291,8 @@ class ColumnsReader:
             lengths["id"] = len(ids)
         if self.signal.form != RECORD:
             for name in self._unread:
-                column = data.get(name)
-                if isinstance(column, list | tuple | np.ndarray) and getattr(column, "ndim", 1) == 1:
+                column: Any = data.get(name)
+                if values.is_a(column, (list, tuple, np.ndarray)) and getattr(column, "ndim", 1) == 1:
                     lengths[name] = len(column)
         return lengths
 
