@@ -1,7 +1,7 @@
 """Generated C: one Supervisor step, a batch, the kernel against one written by hand, temporal operators, compiling and loading.
 
 Medians of CPU seconds. The step is all rules of S-1-A on a driving and an emergency trajectory of 50 points, 3 objects and borders of
-2 x 1500 points, from numpy arrays.
+2 x 1500 points, from numpy arrays. The call in C alone is timed in C, while the car drives on from cycle to cycle.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from measuring import by_turns, emptied, median, memory
+from numpy.typing import NDArray
 
 from trackmarshal.backends.c.batch import prepared_columns, run_columns
 from trackmarshal.backends.c.build import EXACT, FAST, SHARED, compiler
@@ -38,8 +40,11 @@ SIX = ["friction", "turn_radius", "drive_acceleration", "braking_limit", "speed_
 STEPS = int(os.environ.get("TRACKMARSHAL_STEPS", "20000"))
 LATE = f"C: Supervisor step, 99.9th percentile of {STEPS} to the median"
 GROWTH = f"C: Supervisor, growth over {STEPS} steps"
+CALL = "C: Supervisor step, the call in C"
 LIMITS = {
     "C: Supervisor step": 80e-6,
+    CALL: 20e-6,
+    f"{CALL}, caches emptied, to the same hot (ratio)": 2.5,
     f"{LATE} (ratio)": 4.0,
     f"{GROWTH}, memory": 100_000.0,
     "C: batch, six rules, a trajectory": 1.5e-6,
@@ -58,34 +63,12 @@ LIMITS = {
 def measure() -> dict[str, float]:
     spec = load([ROOT / "specs" / "supervisor"])
     result = _step(spec)
+    result |= _call(spec)
     result |= _point_wise(spec)
     result |= _temporal()
     result |= _online()
     result |= _building(spec)
     return result
-
-
-def median(run: Callable[[], object], repeats: int) -> float:
-    """Median CPU seconds, this process's children included."""
-    run()
-    spent = []
-    for _ in range(repeats):
-        before = time.process_time()
-        run()
-        spent.append(time.process_time() - before)
-    return statistics.median(spent)
-
-
-def by_turns(one: Callable[[], object], other: Callable[[], object], repeats: int) -> tuple[float, float]:
-    """CPU seconds of two functions that run by turns: of each the fastest tenth, when nothing else was in the way."""
-    spent = np.zeros((repeats, 2))
-    for k in range(repeats):
-        for side, run in enumerate((one, other)):
-            before = time.process_time()
-            run()
-            spent[k, side] = time.process_time() - before
-    first, second = np.quantile(spent, 0.1, axis=0)
-    return float(first), float(second)
 
 
 def program(spec: Spec, names: list[str] | None = None) -> CProgram:
@@ -121,18 +104,18 @@ def plan(start: float, v: float, braking: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def cycle() -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-    """The driving trajectory, the emergency one, and what they have in common."""
-    ahead = np.array([60.0, 90.0, -40.0]) + 100.0
-    angle = ahead / 600.0
+def cycle(at: float = 100.0) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """The driving trajectory from a station [m] on, the emergency one, and what they have in common."""
+    ahead = np.array([60.0, 90.0, -40.0]) + at
+    angle, here = ahead / 600.0, at / 600.0
     objects = {"x": 602 * np.cos(angle), "y": 602 * np.sin(angle), "heading": angle + math.pi / 2, "v": np.full(3, 45.0),
                "length": np.full(3, 4.7), "width": np.full(3, 2.8), "age": np.zeros(3)}  # fmt: skip
     empty = np.zeros(0)
     shared: dict[str, Any] = {
-        "ego": {"x": 600 * math.cos(1 / 6), "y": 600 * math.sin(1 / 6), "heading": 1 / 6 + math.pi / 2, "v": 40.0, "age": 0.0},
+        "ego": {"x": 600 * math.cos(here), "y": 600 * math.sin(here), "heading": here + math.pi / 2, "v": 40.0, "age": 0.0},
         "objects": objects, "obstacles": dict.fromkeys(("x", "y", "heading", "length", "width"), empty),
     }  # fmt: skip
-    return plan(100.0, 40.0, 0.0), plan(100.0, 40.0, 9.0), shared
+    return plan(at, 40.0, 0.0), plan(at, 40.0, 9.0), shared
 
 
 def candidate() -> dict[str, Any]:
@@ -163,12 +146,12 @@ def _step(spec: Spec) -> dict[str, float]:
 
     for _ in range(500):
         one()
-    before = _memory()
+    before = memory()
     for k in range(STEPS):
         begin = time.process_time_ns()
         one()
         spent[k] = time.process_time_ns() - begin
-    grown = _memory() - before
+    grown = memory() - before
     middle, late = np.quantile(spent, [0.5, 0.999]) / 1e9
     return {
         "C: Supervisor step": float(middle),
@@ -184,10 +167,54 @@ def _columns(source: Source, name: str, given: dict[str, Any]) -> Columns:
     return Columns(Names(names), np.array([np.atleast_1d(given[name]) for name in names], dtype=np.float64))
 
 
-def _memory() -> float:
-    """Bytes of this process that are in memory."""
-    statm = Path("/proc/self/statm")
-    return float(statm.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") if statm.is_file() else math.nan
+class Calls:
+    """Steps in C alone, timed in C. The car drives on by 4 m from cycle to cycle, so that no step is the one before again."""
+
+    CYCLES = 64
+
+    def __init__(self, spec: Spec) -> None:
+        timed = built("timed")
+        source = generate(spec, [rule for rule in spec.rules if rule.kind == "rule"], doored=True)
+        stepper = self._stepper = Stepper(source, asdict(Limits()), lambda: 0.0)
+        stepper.bind_clock(ctypes.cast(timed.timed_clock, ctypes.c_void_p).value or 0)
+        lines = [line(points) for points in borders(1500)]
+        width = stepper.width
+        self._words = np.zeros(self.CYCLES * width, dtype=np.uint8)
+        #: Columns of all cycles; they stay in memory.
+        self._columns = []
+        for k in range(self.CYCLES):
+            driving, emergency, shared = cycle(4.0 * k)
+            given: dict[str, Any] = {"driving": driving, "emergency": emergency, **shared}
+            columns = [_columns(source, name, given[name]) for name in stepper.words.columns]
+            self._columns += columns
+            stepper.pack(self._words[k * width :], columns, lines, [True])
+        self._number = ctypes.c_int64(1)
+        self._run = timed.timed_steps
+        self._run.restype = ctypes.c_size_t
+
+    def run(self, steps: int) -> NDArray[np.float64]:
+        """CPU seconds of so many steps, one after the other."""
+        stepper, spent = self._stepper, np.ones(steps)
+        size, pointer = ctypes.c_size_t, ctypes.c_void_p
+        done = self._run(
+            stepper.function, pointer(stepper.bound), ctypes.byref(self._number), size(steps), size(self.CYCLES),
+            pointer(self._words.ctypes.data), size(stepper.width), pointer(stepper.judged), pointer(spent.ctypes.data),
+        )  # fmt: skip
+        assert done == steps, "a cycle was refused"
+        return spent
+
+
+def _call(spec: Spec) -> dict[str, float]:
+    """A step's call in C: one after the other, and each with caches emptied."""
+    calls = Calls(spec)
+    calls.run(500)
+    hot = float(np.median(calls.run(STEPS)))
+    cold = emptied(lambda: float(calls.run(1)[0]))
+    return {
+        CALL: hot,
+        f"{CALL}, caches emptied": cold,
+        f"{CALL}, caches emptied, to the same hot (ratio)": cold / hot,
+    }
 
 
 def _point_wise(spec: Spec) -> dict[str, float]:
@@ -253,18 +280,23 @@ class _Limits(ctypes.Structure):
     ]  # fmt: skip
 
 
+def built(name: str) -> ctypes.CDLL:
+    """A C file beside this one, built with the same flags as generated code."""
+    command = compiler()
+    assert command is not None, "no C compiler"
+    with tempfile.TemporaryDirectory() as folder:
+        target = Path(folder) / f"{name}.so"
+        source = Path(__file__).with_name(f"{name}.c")
+        made = [*command, *EXACT, *FAST, *SHARED, "-o", str(target), str(source), "-lm"]
+        subprocess.run(made, check=True)
+        return ctypes.CDLL(str(target))
+
+
 class ByHand:
-    """The hand-written kernel, built with the same flags as generated code."""
+    """The hand-written kernel."""
 
     def __init__(self, spec: Spec) -> None:
-        command = compiler()
-        assert command is not None, "no C compiler"
-        with tempfile.TemporaryDirectory() as folder:
-            target = Path(folder) / "kernel.so"
-            source = Path(__file__).with_name("kernel.c")
-            made = [*command, *EXACT, *FAST, *SHARED, "-o", str(target), str(source), "-lm"]
-            subprocess.run(made, check=True)
-            self._dll = ctypes.CDLL(str(target))
+        self._dll = built("kernel")
         short = {name.rpartition(".")[2]: info.value for name, info in spec.params.items()}
         table = next(info for name, info in spec.tables.items() if name.endswith("ax_max"))
         self._table = np.array(table.knots), np.array(table.values)

@@ -25,8 +25,8 @@ POINTS, BORDER, CYCLES = 30, 1500, 1000
 ROUNDS = 5
 
 LIMITS = {
-    "numpy: one cycle, verdicts": 2e-3,
-    "numpy: batch of 1000 cycles, a trajectory": 150e-6,
+    "numpy: one cycle, verdicts": 1.5e-3,
+    "numpy: batch of 1000 cycles, a trajectory": 100e-6,
 }
 
 
@@ -86,9 +86,9 @@ def measure(repeats: int = 15) -> dict[str, float]:
     batch = [raw for one in cycles for raw in one]
 
     def verdicts(raw: list[dict[str, Any]]) -> None:
-        run = evaluator.program.run(evaluator.read_all(raw))
-        for rule in evaluator.rules:
-            run.verdicts(rule)
+        for judged in evaluator.program.judge_all(evaluator.read_all(raw)):
+            for rated in judged.rated.values():
+                assert len(rated.verdicts) == len(evaluator.rules)
 
     def witnesses(raw: list[dict[str, Any]]) -> None:
         list(evaluator.evaluate(evaluator.read_all(raw)))
@@ -103,7 +103,7 @@ def measure(repeats: int = 15) -> dict[str, float]:
             "numpy: one cycle, verdicts": (lambda k: verdicts(cycles[k]), one, 1),
             "numpy: one cycle, borders as lists, verdicts": (lambda k: verdicts(listed[k]), one, 1),
             "numpy: one cycle, reading alone": (lambda k: read(cycles[k]), one, 1),
-            "numpy: one cycle, program alone": (lambda k: evaluator.program.run(ready[k]), one, 1),
+            "numpy: one cycle, program alone": (lambda k: evaluator.program.judge_all(ready[k]), one, 1),
             "numpy: one cycle, with witnesses": (lambda k: witnesses(cycles[k]), one, 1),
             "numpy: batch of 1000 cycles, a trajectory": (lambda k: verdicts(batch), 1, len(batch)),
             "numpy: batch of 1000 cycles with witnesses, a trajectory": (

@@ -4,8 +4,24 @@
 #include <stdint.h>
 #include <time.h>
 
-typedef int step(void *context, const int64_t *number, const double *times, const size_t *counts, const void *const *columns,
-                 const double *numbers, const signed char *flags, double *margins, signed char *verdicts, void *fault);
+/* What the binding calls a step with: addresses, that of a cycle's words the second; and how those begin. */
+typedef void step(const uint64_t *bound);
+typedef struct {
+  int64_t came;
+  int64_t numbered;
+  int64_t stamped;
+  int64_t number;
+  double t;
+  double now;
+} head;
+
+static double reading;
+
+/* The Supervisor's clock: a cycle's verdict is there when it comes. */
+double timed_clock(void *user) {
+  (void)user;
+  return reading;
+}
 
 static double now(void) {
   struct timespec t;
@@ -13,19 +29,22 @@ static double now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* One cycle after another, the given ones by turns: 0.1 s later each; the CPU seconds of each into `spent`. The cycles' columns and
-   numbers, `width` and `size` of them, stand one after the other. Ends early, with the number of the step, where one is refused. */
-size_t timed_steps(step *run, void *context, int64_t *number, size_t steps, size_t cycles, const size_t *counts,
-                   const void *const *columns, size_t width, const double *numbers, size_t size, const signed char *flags,
-                   double *margins, signed char *verdicts, void *fault, double *spent) {
+/* One cycle after another, the given ones by turns: 0.1 s later each; the CPU seconds of each into `spent`. The cycles' words, `width`
+   bytes of each, stand one after the other. Ends early, with the number of the step, where `judged` says that one was refused. */
+size_t timed_steps(step *run, uint64_t *bound, int64_t *number, size_t steps, size_t cycles, unsigned char *words, size_t width,
+                   const int64_t *judged, double *spent) {
   for (size_t i = 0; i < steps; ++i) {
-    const size_t k = (size_t)*number % cycles;
-    const double times[2] = {0.1 * (double)*number, 0.1 * (double)*number};
+    head *cycle = (head *)(void *)(words + ((size_t)*number % cycles) * width);
+    cycle->number = *number;
+    cycle->t = 0.1 * (double)*number;
+    cycle->now = cycle->t;
+    reading = cycle->t;
+    bound[1] = (uint64_t)(uintptr_t)cycle;
     const double before = now();
-    const int status = run(context, number, times, counts, columns + k * width, numbers + k * size, flags, margins, verdicts, fault);
+    run(bound);
     spent[i] = now() - before;
     ++*number;
-    if (status != 0) {
+    if (*judged == 0) {
       return i;
     }
   }

@@ -15,11 +15,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from trackmarshal.runtime.case import Case
 
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.runtime.lines import Line
+from trackmarshal.runtime.verdict import VERDICTS
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
@@ -159,26 +160,24 @@ def compare(seed: int, folder: Path, seen: Counter[str]) -> list[str]:
     r = random.Random(seed)
     course = Course(r)
     params = {"length": r.choice([4.7, 4.7, 0.5, 12.0]), "width": r.choice([2.8, 2.8, 0.4])}
-    lines: dict[Any, Any] | None = None
+    lines: dict[tuple[str, str], Line] | None = None
     before: dict[str, Any] | None = None
     found = []
     for number in range(10):
         before = signals(r, course, before)
         given = {name: value for name, value in before.items() if name != "start"}
-        read: Case = reference.read({"signals": given, "params": params})
+        read = reference.read({"signals": given, "params": params})
         lines = lines or read.lines
         read.lines = lines  # the same objects: the track stays as it was prepared
-        after = lasting.run([read])
-        read.lines = {name: tuple(points[:1] + points[1:]) for name, points in lines.items()}
+        (after,) = lasting.rate_all([read])
+        read.lines = {name: Line(line.points) for name, line in lines.items()}  # the same points, as others
         other._library = None  # with the next run, a context that has seen nothing
-        fresh = other.run([read])
+        (fresh,) = other.rate_all([read])
         small = len(course.left) <= 40 and len(before["plan"]["x"]) <= 17
         expected = next(iter(reference.evaluate([read]))) if small else None
         for rule in reference.rules:
-            got = [
-                (verdict, bits(margin))
-                for verdict, margin in (run.outcome(0, rule) for run in (after, fresh))
-            ]
+            place = lasting.number(rule)
+            got = [(VERDICTS[run.verdicts[place]], bits(run.margins[place])) for run in (after, fresh)]
             if expected is not None:
                 wanted = expected.rules[rule.name]
                 got.append((wanted.verdict, bits(wanted.margin)))

@@ -234,3 +234,31 @@ rule inside "in the zone"
             sides = CaseView(run, index).sides(formula.body, formula.axis, {})
             assert min(sides.worst) == one.margin
     assert touching >= 20 or apart > 1e-6
+
+
+@pytest.mark.parametrize("t", [[0.0, math.nan, 0.2, 0.3], [0.0, 0.3, 0.2, 0.1], [math.inf] * 4])
+def test_times_of_a_signal_that_lacks_a_field_are_not_relied_on(t: list[float]) -> None:
+    """What breaks the structure of a signal keeps its times from being checked: they may be anything."""
+    spec = compiled(
+        """
+module made
+signal plan : trajectory { t: s increasing, x: m, kappa: 1/m }
+rule before "made up"
+  along plan as p
+  require historically[0.1 s, 0.2 s] (p.x <= 3 m)
+rule held "made up"
+  along plan as p
+  require (p.x <= 3 m) until[0.1 s, 0.2 s] (p.x >= 3 m)
+rule bent "made up"
+  for all p in plan
+  require p.kappa <= 3 1/m
+"""
+    )
+    cases = read(
+        spec,
+        [{"signals": {"plan": {"t": t, "x": [0.0] * 4}}}, {"signals": {"plan": {"t": [0.0], "x": [0.0]}}}],
+    )
+    assert len(cases) == 2
+    for wanted, found in zip(results(spec, cases, "reference"), results(spec, cases, "numpy"), strict=True):
+        assert {result.verdict for result in found.rules.values()} == {"undefined"}
+        assert differences(wanted, found) == []

@@ -50,7 +50,7 @@ def again(path: Path, steps: list[Any]) -> tuple[Run, list[Difference]]:
             return super().judge(memory, frame)
 
     class Box:
-        def supervisor(self, limits: Limits, clock: Any) -> Supervisor:
+        def running(self, limits: Limits, clock: Any) -> Supervisor:
             return Supervisor(shipped(), Same(), limits, clock)
 
     # The judge is asked about cycles without faults only.
@@ -266,7 +266,7 @@ def test_a_difference_is_found(tmp_path: Path) -> None:
     run = read(path.read_bytes(), "x")
 
     class Box:
-        def supervisor(self, limits: Limits, clock: Any) -> Supervisor:
+        def running(self, limits: Limits, clock: Any) -> Supervisor:
             return Supervisor(shipped(), Oracle(), limits, clock)
 
     found = [d for _, differing in rerun(run, cast(Any, Box())) for d in differing]

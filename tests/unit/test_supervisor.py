@@ -314,8 +314,8 @@ RULES = len(Oracle().rules)
         (lambda frame: None, "incomplete"),
         (lambda frame: Judged(frame, {"driving": None, "emergency": None}), "incomplete"),  # type: ignore[dict-item]
         (lambda frame: Judged(frame, {}), "incomplete"),
-        (lambda frame: replace(_odd(bytes(RULES))(frame), about=Frame()), "incomplete"),
-        (lambda frame: replace(_odd(bytes(RULES))(frame), about=replace(frame)), "incomplete"),
+        (lambda frame: _odd(bytes(RULES))(frame)._replace(about=Frame()), "incomplete"),
+        (lambda frame: _odd(bytes(RULES))(frame)._replace(about=replace(frame)), "incomplete"),
         (lambda frame: (True, True), "incomplete"),
         (_odd(bytes(RULES - 1)), "incomplete"),
         (_odd(bytes(RULES + 1)), "incomplete"),

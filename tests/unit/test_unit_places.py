@@ -108,11 +108,11 @@ test r "all"
     }
     evaluator = Evaluator(spec)
     for case in (given, evaluator.read(data), *evaluator.read_all([data, data])):
-        assert list(case.columns["log"]["v"]) == TRUE[unit]
-        assert list(case.columns["things"]["v"]) == TRUE[unit]
-        assert case.scalars["ego"]["v"] == TRUE[unit][260]
-        assert list(case.tables["made.other"][0]) == TRUE[unit]
-        assert list(case.tables["made.other"][1]) == TRUE[unit]
+        assert case.columns["log"].listed("v") == TRUE[unit]
+        assert case.columns["things"].listed("v") == TRUE[unit]
+        assert case.value("ego", "v") == TRUE[unit][260]
+        assert list(case.settings.tables["made.other"][0]) == TRUE[unit]
+        assert list(case.settings.tables["made.other"][1]) == TRUE[unit]
 
 
 @pytest.mark.parametrize("unit", FACTORS)
@@ -144,8 +144,8 @@ def test_parameters_ranges_and_defaults_have_the_same_doubles(unit: str, tmp_pat
     for case in cases:
         assert case.faults == []
         for k in some[:8]:
-            assert case.scalars["ego"][f"f{k}"] == TRUE[unit][k]
-            assert list(case.columns["things"][f"f{k}"]) == [TRUE[unit][k]] * 2
+            assert case.value("ego", f"f{k}") == TRUE[unit][k]
+            assert case.columns["things"].listed(f"f{k}") == [TRUE[unit][k]] * 2
 
 
 def test_a_default_in_another_unit_is_the_number_that_it_was_written_as(tmp_path: Path) -> None:
@@ -159,9 +159,9 @@ def test_a_default_in_another_unit_is_the_number_that_it_was_written_as(tmp_path
     evaluator = Evaluator(compiled.spec)
     data = {"signals": {"ego": {}, "cars": [{"v": 20.0}, {}]}}
     for case in (evaluator.read(data), *evaluator.read_all([data, data])):
-        assert case.scalars["ego"]["v"] == 6.1
-        assert list(case.columns["cars"]["v"]) == [to_si(20.0, "km/h"), 6.1]
-        assert {type(v) for v in (*case.columns["cars"]["v"], case.scalars["ego"]["v"])} == {float}
+        assert case.value("ego", "v") == 6.1
+        assert case.columns["cars"].listed("v") == [to_si(20.0, "km/h"), 6.1]
+        assert {type(v) for v in (*case.columns["cars"].listed("v"), case.value("ego", "v"))} == {float}
 
 
 @pytest.mark.parametrize("speed", [65, 130, 260])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
@@ -63,8 +63,14 @@ def rated(
     """The outcome of rules on one frame: as given, or as the values of their formulas say."""
     if verdicts is None:
         outcomes = [outcome(rule, frame, values()) for rule in rules]
-        verdicts = bytes(VERDICTS.index(verdict) for verdict, _ in outcomes)
-        margins = [margin for _, margin in outcomes]
+        own = [
+            type(found) is Outcome and found.rule is rule and found.frame is frame
+            for rule, found in zip(rules, outcomes)
+        ]
+        verdicts = bytes(
+            VERDICTS.index(found.verdict) if fits else NOT_EVALUATED for found, fits in zip(outcomes, own)
+        )
+        margins = [found.margin if fits else math.nan for found, fits in zip(outcomes, own)]
     codes = verdicts
 
     def explain(number: int, series: bool = False) -> RuleResult:
@@ -74,15 +80,28 @@ def rated(
     return Rated(codes, margins, explain)
 
 
-def outcome(rule: RuleInfo, frame: Frame, values: CaseValues) -> tuple[str, float]:
+#: A code that no verdict has: a rule that did not run is never taken for one that said something.
+NOT_EVALUATED = 255
+
+
+class Outcome(NamedTuple):
+    """Verdict and margin of a rule on one frame."""
+
+    verdict: str
+    margin: float
+    rule: RuleInfo
+    frame: Frame
+
+
+def outcome(rule: RuleInfo, frame: Frame, values: CaseValues) -> Outcome:
     """Verdict and margin of a rule on one frame."""
     assert rule.formula is not None
     if frame.unusable(rule.reads) is not None:
-        return "undefined", math.nan
+        return Outcome("undefined", math.nan, rule, frame)
     if rule.active is not None and not values.truth(rule.active, {}).best.sat:
-        return "inactive", math.inf
+        return Outcome("inactive", math.inf, rule, frame)
     truth = values.truth(rule.formula, {})
-    return truth.verdict, truth.margin
+    return Outcome(truth.verdict, truth.margin, rule, frame)
 
 
 def rule_result(

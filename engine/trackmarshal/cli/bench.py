@@ -71,6 +71,8 @@ def _load(file: Path) -> ModuleType:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    if str(file.parent) not in sys.path:  # benchmarks may share what they measure with
+        sys.path.append(str(file.parent))
     spec.loader.exec_module(module)
     return module
 

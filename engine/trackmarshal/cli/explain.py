@@ -97,7 +97,7 @@ def _verdict(args: argparse.Namespace) -> int:
         case = evaluator.read({"params": recording.params, "tables": tables, "signals": signals})
         values = Reference(evaluator.spec, case)
         rule = evaluator.rules[0]
-        result = rule_result(rule, case, values, outcome(rule, case, values))
+        result = rule_result(rule, case, values, outcome(rule, case, values)[:2])
         say(*_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}"))
     return 0
 

@@ -13,6 +13,7 @@ import struct
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -132,6 +133,26 @@ def _field(name: str, kind: str) -> tuple[str, Ref]:
 # Messages ---------------------------------------------------------------------------------------------------------
 
 
+class _Shape:
+    """Rows of one shape: the message before the body, and the body's parts; None stands for what each row has of its own."""
+
+    def __init__(self, message: bytes, parts: Sequence[tuple[str, Any]]) -> None:
+        self._message = message
+        self._crc = zlib.crc32(message)
+        self._body = struct.Struct("<" + "".join(kind for kind, _ in parts))
+        self._values = [value for _, value in parts]
+        self._own = [place for place, (_, value) in enumerate(parts) if value is None]
+
+    def filled(self, given: Sequence[Any]) -> bytes:
+        """The bytes of a row."""
+        values = self._values.copy()
+        for place, value in zip(self._own, given, strict=True):
+            values[place] = value
+        body = bytearray(self._body.pack(*values))
+        _INT.pack_into(body, 0, zlib.crc32(body, self._crc))
+        return self._message + body
+
+
 class Layout:
     """The schema of a stream and how its batches look. columns without the checksum; head is strict JSON data."""
 
@@ -155,46 +176,81 @@ class Layout:
         self._nodes = struct.Struct(f"<{2 * nodes}q")
         self._buffers = struct.Struct(f"<{2 * buffers}q")
         self._kinds = [kind for _, kind in every]
+        #: By the lengths of arrays and texts: most rows are as long as the one before.
+        self._shapes: dict[tuple[Any, ...], _Shape] = {}
 
     def batch(self, values: Sequence[Any]) -> bytes:
         """One row: int, float, str, float arrays (n,) or lists of str, one value a column."""
-        body = bytearray(8)
-        nodes = [1, 0]
-        buffers = [0, 0, 0, 8]
+        given: list[Any] = [0]
+        lengths: list[Any] = []
         for kind, value in zip(self._kinds[1:], values, strict=True):
-            nodes += (1, 0)
-            at = len(body)
-            if kind in (INT, FLOAT):
-                body += _INT.pack(value) if kind == INT else _FLOAT.pack(value)
-                buffers += (at, 0, at, 8)
-            elif kind == FLOATS:
-                data = np.ascontiguousarray(value, dtype="<f8").tobytes()
-                body += _SPAN.pack(0, len(data) // 8) + data
-                nodes += (len(data) // 8, 0)
-                buffers += (at, 0, at, 8, at + 8, 0, at + 8, len(data))
+            if kind == FLOATS:
+                plain = type(value) is np.ndarray and value.dtype == _DOUBLE
+                data = (value if plain else np.array(value, dtype=_DOUBLE)).tobytes()
+                given.append(data)
+                lengths.append(len(data))
+            elif kind == TEXT:
+                data = value.encode()
+                given.append(data)
+                lengths.append(len(data))
+            elif kind == TEXTS:
+                coded = [text.encode() for text in value]
+                given.append(b"".join(coded))
+                lengths.append(tuple(map(len, coded)))
             else:
-                texts = [value] if kind == TEXT else value
-                coded = [text.encode() for text in texts]
-                if kind == TEXTS:
-                    body += _SPAN.pack(0, len(coded))
-                    nodes += (len(coded), 0)
-                    buffers += (at, 0, at, 8)
-                    at += 8
-                ends = [0]
-                for data in coded:
-                    ends.append(ends[-1] + len(data))
-                body += struct.pack(f"<{len(ends)}i", *ends)
-                buffers += (at, 0, at, 4 * len(ends))
-                _pad(body)
-                buffers += (len(body), ends[-1])
-                body += b"".join(coded)
-                _pad(body)
+                given.append(value)
+        key = tuple(lengths)
+        shape = self._shapes.get(key)
+        if shape is None:
+            if len(self._shapes) >= _SHAPES:
+                self._shapes.clear()
+            shape = self._shapes[key] = self._shaped(lengths)
+        return shape.filled(given)
+
+    def _shaped(self, lengths: Sequence[Any]) -> _Shape:
+        """How rows look whose arrays and texts are of these lengths, in bytes."""
+        nodes, buffers = [1, 0], [0, 0, 0, 8]
+        parts: list[tuple[str, Any]] = [("q", None)]
+        at, rest = 8, iter(lengths)
+
+        def fixed(data: bytes) -> None:
+            nonlocal at
+            parts.append((f"{len(data)}s", data))
+            at += len(data)
+
+        for kind in self._kinds[1:]:
+            nodes += (1, 0)
+            if kind in (INT, FLOAT):
+                buffers += (at, 0, at, 8)
+                parts.append(("q" if kind == INT else "d", None))
+                at += 8
+                continue
+            length = next(rest)
+            if kind == FLOATS:
+                nodes += (length // 8, 0)
+                buffers += (at, 0, at, 8, at + 8, 0, at + 8, length)
+                fixed(_SPAN.pack(0, length // 8))
+                parts.append((f"{length}s", None))
+                at += length
+                continue
+            each = (length,) if kind == TEXT else length
+            if kind == TEXTS:
+                nodes += (len(each), 0)
+                buffers += (at, 0, at, 8)
+                fixed(_SPAN.pack(0, len(each)))
+            ends = [0, *accumulate(each)]
+            buffers += (at, 0, at, 4 * len(ends))
+            fixed(struct.pack(f"<{len(ends)}i", *ends))
+            fixed(bytes(-at % 8))
+            buffers += (at, ends[-1])
+            parts.append((f"{ends[-1]}s", None))
+            at += ends[-1]
+            fixed(bytes(-at % 8))
         message = bytearray(self._template)
-        _INT.pack_into(message, self._length_at, len(body))
+        _INT.pack_into(message, self._length_at, at)
         self._nodes.pack_into(message, self._nodes_at, *nodes)
         self._buffers.pack_into(message, self._buffers_at, *buffers)
-        _INT.pack_into(body, 0, zlib.crc32(body, zlib.crc32(message)))
-        return bytes(message + body)
+        return _Shape(bytes(message), parts)
 
     def rows(self, data: bytes) -> Iterator[Row]:
         """The whole batches of a stream, in order; ends before the first that is not whole. The data begins with the schema."""
@@ -264,10 +320,10 @@ class Row:
 
 
 _INT, _FLOAT, _SPAN = struct.Struct("<q"), struct.Struct("<d"), struct.Struct("<ii")
-
-
-def _pad(body: bytearray) -> None:
-    body += bytes(-len(body) % 8)
+#: As it stands in the file, whatever the machine.
+_DOUBLE = np.dtype("<f8")
+#: Shapes of rows that are remembered.
+_SHAPES = 16
 
 
 def layout_of(data: bytes) -> tuple[Layout, dict[str, Any]] | None:

@@ -113,6 +113,8 @@ class Frame:
     faults: list[Fault] = field(default_factory=list)
     #: Columns (signal, field) that order the samples of their signal.
     orders: frozenset[tuple[str, str]] = frozenset()
+    #: The array that the numbers of candidates and columns are views of, one after the other in the contract's order; or None.
+    arena: Floats | None = None
 
     def of(self, candidate: str) -> Frame:
         """The frame as rules see it that rate a candidate: with its `plan`, its own faults and those of what all share."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,20 +13,15 @@ if TYPE_CHECKING:
     from trackmarshal.runtime.frame import Floats
 
 
-@dataclass(frozen=True, eq=False)
 class Plan:
     """One candidate of one cycle, for good: nobody else has its memory.
 
     number, t: the cycle's. columns: the fields, in SI.
     """
 
-    candidate: str
-    number: int
-    t: float
-    columns: Columns
-
-    def __post_init__(self) -> None:
-        self.columns.values.flags.writeable = False
+    def __init__(self, candidate: str, number: int, t: float, columns: Columns) -> None:
+        self.candidate, self.number, self.t, self.columns = candidate, number, t, columns
+        columns.values.flags.writeable = False
 
     @property
     def names(self) -> tuple[str, ...]:

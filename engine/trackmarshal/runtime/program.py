@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from trackmarshal.runtime.decision import Decision
 
 #: Verdict codes (places in VERDICTS) that do not make a trajectory unsafe.
@@ -18,8 +21,7 @@ SAFE_CODES = bytes(i for i, name in enumerate(VERDICTS) if name not in UNSAFE)
 KNOWN_CODES = bytes(range(len(VERDICTS)))
 
 
-@dataclass(frozen=True, slots=True)
-class Rated:
+class Rated(NamedTuple):
     """The outcome of all rules for one candidate, or one case.
 
     verdicts: a code a rule (its place in VERDICTS), in the program's order. margins: (rules,), in SI. explain gives the whole result of
@@ -27,7 +29,7 @@ class Rated:
     """
 
     verdicts: bytes
-    margins: Sequence[float]
+    margins: Sequence[float] | NDArray[np.float64]
     explain: Callable[[int, bool], RuleResult]
 
     @property
@@ -36,8 +38,7 @@ class Rated:
         return bool(self.verdicts) and not self.verdicts.translate(None, SAFE_CODES)
 
 
-@dataclass(frozen=True, slots=True)
-class Judged:
+class Judged(NamedTuple):
     """The outcome of one frame: of which one, and by candidate ('' for a case)."""
 
     about: Frame

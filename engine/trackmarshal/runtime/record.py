@@ -68,6 +68,13 @@ class Record:
     ) -> None:
         self._sync = sync
         self._inputs = _inputs(contract)
+        #: The same with all numbers of a signal, which stand one after the other, as one part.
+        self._parts = list(
+            dict.fromkeys(
+                (part, signal, "" if part in ("plan", "column", "number") else field)
+                for part, signal, field, _ in self._inputs
+            )
+        )
         #: Numbers come in as they are kept: then what passed the door is what came in.
         self._plain = _all_si(contract)
         self._kept: dict[tuple[str, str], Any] = {}
@@ -146,9 +153,13 @@ class Record:
 
     def _passed(self, frame: Frame) -> Iterator[Any]:
         """The columns of what passed the door."""
-        for part, signal, field, _ in self._inputs:
+        for part, signal, field in self._parts:
             if part == "plan":
-                yield frame.candidates[signal].column(field)
+                yield from frame.candidates[signal].values
+            elif part == "column":
+                yield from frame.columns[signal].values
+            elif part == "number":
+                yield from frame.columns[signal].values[:, 0].tolist()
             elif part == "ids":
                 yield frame.columns[signal].ids
             elif part in ("x", "y"):
@@ -159,10 +170,6 @@ class Record:
                 yield int(frame.closed.get(signal, False))
             elif part == "event":
                 yield frame.events[signal]
-            elif part == "number":
-                yield frame.value(signal, field)
-            elif part == "column":
-                yield frame.columns[signal].column(field)
             else:
                 raise AssertionError(f"unknown part {part}")
 

@@ -66,6 +66,14 @@ class Timely:
     late: Fault | None
 
 
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The rules that make a candidate unsafe in one step."""
+
+    about: int
+    violations: tuple[Violation, ...]
+
+
 def watch(about: int, now: float, finished: float, limits: Limits) -> Timely:
     """Whether the verdict came in time; one that did at a time that nobody knows did not."""
     if finished - now <= limits.budget:
@@ -148,17 +156,21 @@ class Supervisor:
                 self._rate(opened, admission, judged, closing)
                 if closing.judged is None and not closing.late:
                     closing.late.append(incomplete("judge"))
-                if not closing.late and _safe(closing):
+                if not closing.late and not closing.violations and _safe(closing):
                     plans = _plans(admission)
         except Exception as error:
             plans = None
             closing.late.append(internal(error))
+        held = self.held
         decision = self._decide(opened, closing, plans)
         try:
             if admission is not None:
                 self.memory = self.program.commit(self.memory, admission.frame, decision)
+                if not isinstance(self.memory, Memory):
+                    raise TypeError("what rules remember was not kept")
         except Exception as error:
-            self.memory, closing.late = NOTHING, [*closing.late, internal(error)]
+            # As if the cycle had never been safe: what it would have stored is not driven either.
+            self.held, self.memory, closing.late = held, NOTHING, [*closing.late, internal(error)]
             decision = self._decide(opened, closing, None)
         if self.recorder is not None:
             try:
@@ -200,7 +212,17 @@ class Supervisor:
         elif timely.late is not None:
             closing.late.append(timely.late)
         if closing.judged is not None:
-            closing.violations = violations(self._rules, closing.judged)
+            safe = all(rated.safe for rated in closing.judged.rated.values())
+            found = violations(opened.about, self._rules, closing.judged)
+            if (
+                type(found) is Found
+                and found.about == opened.about
+                and type(found.violations) is tuple
+                and safe == (not found.violations)
+            ):
+                closing.violations = found.violations
+            else:
+                closing.late.append(incomplete("violations"))
 
     def _whole(self, frame: Frame, judged: Judged | None) -> bool:
         return (
@@ -255,11 +277,11 @@ def named_rules(rules: Sequence[RuleInfo]) -> list[Named]:
     ]
 
 
-def violations(rules: list[Named], judged: Judged) -> tuple[Violation, ...]:
+def violations(about: int, rules: list[Named], judged: Judged) -> Found:
     """The rules that make a candidate unsafe."""
     if all(rated.safe for rated in judged.rated.values()):
-        return ()
-    return tuple(
+        return Found(about, ())
+    found = tuple(
         Violation(
             *rules[place][:2], candidate, VERDICTS[code], float(rated.margins[place]), rules[place][2],
             partial(rated.explain, place, False),
@@ -268,6 +290,7 @@ def violations(rules: list[Named], judged: Judged) -> tuple[Violation, ...]:
         for place, code in enumerate(rated.verdicts)
         if code not in SAFE_CODES
     )  # fmt: skip
+    return Found(about, found)
 
 
 def listed(

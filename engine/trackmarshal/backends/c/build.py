@@ -48,26 +48,26 @@ def compiler() -> list[str] | None:
 
 def library(source: Source, capacities: Mapping[str, int]) -> Path:
     """The shared library of a program, built if it is not there; raises TrackmarshalError E471 or E472."""
-    text = glue(source)
     macros = [f"-D{name}={value}u" for name, value in sorted(capacities.items())]
-    flags = [*EXACT, *FAST, *SHARED, *macros]
+    files = {f"{source.name}.h": source.header, f"{source.name}.c": source.source, "glue.c": glue(source)}
+    return _library(files, "glue.c", [*EXACT, *FAST, *SHARED, *macros])
+
+
+def small_library(path: Path) -> Path:
+    """The shared library of a file of ours that depends on no spec; raises TrackmarshalError E471 or E472."""
+    return _library({path.name: path.read_text(encoding="utf-8")}, path.name, ["-std=c99", "-O2", *SHARED])
+
+
+def _library(files: Mapping[str, str], unit: str, flags: list[str]) -> Path:
     digest = hashlib.sha256()
-    for part in (
-        source.header,
-        source.source,
-        text,
-        *flags,
-        os.environ.get("CC", ""),
-        platform.machine(),
-        sys.platform,
-    ):
+    for part in (*files.values(), *flags, os.environ.get("CC", ""), platform.machine(), sys.platform):
         digest.update(part.encode())
         digest.update(b"\0")
     folder = cache_folder()
     root = Path(tempfile.mkdtemp(prefix="trackmarshal-")) if folder is None else folder / "c"
     root.mkdir(parents=True, exist_ok=True)
     name = digest.hexdigest()[:32]
-    return _kept(root, name) or _compile(source, text, flags, root, name)
+    return _kept(root, name) or _compile(files, unit, flags, root, name)
 
 
 def _kept(root: Path, name: str) -> Path | None:
@@ -82,7 +82,7 @@ def _hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()[:32]
 
 
-def _compile(source: Source, text: str, flags: list[str], root: Path, name: str) -> Path:
+def _compile(files: Mapping[str, str], unit: str, flags: list[str], root: Path, name: str) -> Path:
     command = compiler()
     if command is None:
         raise TrackmarshalError(
@@ -93,11 +93,10 @@ def _compile(source: Source, text: str, flags: list[str], root: Path, name: str)
     # Built aside and moved: another process sees all of it or nothing, and two builders overwrite each other with the same.
     with tempfile.TemporaryDirectory(dir=root) as folder:
         place = Path(folder)
-        (place / f"{source.name}.h").write_text(source.header, encoding="utf-8")
-        (place / f"{source.name}.c").write_text(source.source, encoding="utf-8")
-        (place / "glue.c").write_text(text, encoding="utf-8")
+        for file, text in files.items():
+            (place / file).write_text(text, encoding="utf-8")
         done = subprocess.run(
-            [*command, *flags, "-o", "made.so", "glue.c", "-lm"],
+            [*command, *flags, "-o", "made.so", unit, "-lm"],
             cwd=place,
             capture_output=True,
             text=True,

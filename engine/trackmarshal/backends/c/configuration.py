@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from trackmarshal.backends.c.checks import text
 from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.door import text
 from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.interface import LIMITS, MARKS
 from trackmarshal.backends.c.layout import Layout

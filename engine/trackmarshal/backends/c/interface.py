@@ -8,7 +8,6 @@ from dataclasses import fields
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
-from trackmarshal.runtime.contract import LINES
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import MOST_REASONS
 from trackmarshal.runtime.faults import FAULTS
@@ -266,8 +265,3 @@ def prototypes(plan: Layout, given: Supervised) -> Iterator[str]:
     yield f"bool tm_stored_plan(const tm_context *c, tm_in_{given.plan.c_name} *plan, const double **due);"
     yield "/* The last of its samples that is due by a time, 0 before all. */"
     yield "size_t tm_stored_first(const tm_context *c, double now);"
-
-
-def has_lines(given: Supervised) -> bool:
-    """Whether cycles bring borders or lines."""
-    return any(signal.form == LINES for signal in given.contract.signals)

@@ -72,6 +72,9 @@ def types(plan: Layout) -> Iterator[str]:
     yield "  double ax;\n  double ay;\n  double bx;\n  double by;\n  double ex;\n  double ey;\n  double square;\n  double length;"
     yield "} tm_segment;"
     yield ""
+    yield "/* Where a segment begins and ends; m. */"
+    yield "typedef struct {\n  double ax;\n  double ay;\n  double bx;\n  double by;\n} tm_ends;"
+    yield ""
     yield "/* A box along the axes; m. */"
     yield "typedef struct {\n  double x0;\n  double y0;\n  double x1;\n  double y1;\n} tm_box;"
     yield ""
@@ -186,7 +189,7 @@ def members(plan: Layout) -> list[str]:
         "  } shapes;",
     ]
     found += [
-        "  tm_segment segment[TM_SEGMENTS];",
+        "  tm_ends ends[TM_SEGMENTS];",
         "  tm_outline outline[TM_SEGMENTS / 8u];",
         "  tm_boxes blocks[TM_SEGMENTS / 64u];",
         "  tm_boxes groups[TM_SEGMENTS / 512u];",

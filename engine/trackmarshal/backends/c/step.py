@@ -7,7 +7,7 @@ import math
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -207,17 +207,59 @@ class Stepper:
                 "E473", f"the generated Supervisor refuses the {what} `{name}`", help="change it"
             )
 
+    # For whoever calls the step from C -------------------------------------------------------------------------
+
+    @property
+    def function(self) -> Any:
+        """The binding's step, a C function of the address `bound`."""
+        return self._run
+
+    @property
+    def bound(self) -> int:
+        """Where the addresses are that a step is called with: of the context, a cycle's words, ... (`binding`)."""
+        return int(self._where.ctypes.data)
+
+    @property
+    def width(self) -> int:
+        """Bytes of a cycle's words."""
+        return self._format.size
+
+    @property
+    def judged(self) -> int:
+        """The address of the word that says whether the last cycle was judged."""
+        return ctypes.addressof(self._out) + 8 * [name for name, _ in SAID].index("judged")
+
+    def bind_clock(self, address: int) -> None:
+        """Take the C function at an address for the clock."""
+        self._where[2] = address
+
+    def pack(
+        self, words: NDArray[np.uint8], columns: Sequence[Columns], lines: Sequence[Line], closed: Sequence[bool] = (),
+        events: Sequence[int] = (),
+    ) -> None:  # fmt: skip
+        """The words of a cycle that came, number and stamp 0, whose columns are read where they are."""
+        given: list[Any] = [1, 1, 1, 0, 0.0, 0.0, 0, 0]
+        for entry in columns:
+            flags = 0 if entry.flags is None else entry.flags.ctypes.data
+            given += (entry.values.ctypes.data, flags, entry.count)
+        self._bordered(lines, given)
+        self._format.pack_into(cast(Any, words), 0, *given, *closed, *events)
+
     # A cycle ---------------------------------------------------------------------------------------------------
 
     def step(
         self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
         closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
+        arena: Floats | None = None,
     ) -> Said:  # fmt: skip
         """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`, None for one that is
         missing; what is wrong with it already, as (name, signal, field, index)."""
         given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
         self._kept = self._found(found, given) if found else None
-        self._columns(columns, given)
+        if arena is None:
+            self._columns(columns, given)
+        else:
+            self._in_arena(columns, arena, given)
         self._bordered(lines, given)
         given += closed
         given += events
@@ -260,6 +302,16 @@ class Stepper:
             memoryview(self._memory), np.float64, self.sizes["TM_MAX_SAMPLES"], offset
         )
         return seen
+
+    def _in_arena(self, columns: Sequence[Columns | None], arena: Floats, given: list[Any]) -> None:
+        """The columns where they are: one after the other in memory that their frame keeps, numbers and nothing else."""
+        place: int = arena.__array_interface__["data"][0]
+        mark = self._bases[1]
+        for entry in columns:
+            assert entry is not None
+            count = entry.count
+            given += (place, mark, count)
+            place += 8 * count * len(entry.names.numbers)
 
     def _columns(self, columns: Sequence[Columns | None], given: list[Any]) -> None:
         """Copy the columns one after the other into memory whose address is known; of one that is too long, C needs the count alone."""

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
+from typing import Any
 
+from trackmarshal.backends.c.gather import fastest
 from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.step import Reason, Said, Stepper
 from trackmarshal.backends.c.words import Wording
@@ -64,7 +67,7 @@ class CSupervisor:
             words.closed,
             words.events,
         )
-        self._reader = CycleReader(self.contract, settings)
+        self._reader = CycleReader(self.contract, settings, lambda readers: fastest(readers, self.limits))
         self._words = Wording(self.contract, self.limits)
         self._named = named_rules(self.rules)
         self._clock = clock
@@ -116,11 +119,14 @@ class CSupervisor:
         given = [(NAMES[f.code], f.signal, f.field, f.index) for f in found] if found else ()
         if frame is None:
             return self.stepper.none_came(now, given)
-        columns = [*frame.candidates.values(), *(frame.columns[name] for name in self._shared)]
-        lines = [frame.line(*place) for place in self._lines]
+        shared = frame.columns
+        columns = [*frame.candidates.values(), *[shared[name] for name in self._shared]]
+        lines = [frame.lines[place] for place in self._lines]
         closed = [frame.closed.get(name, False) for name in self._closed]
         events = [frame.events[name] for name in self._events]
-        return self.stepper.step(stamp.number, stamp.t, now, columns, lines, closed, events, given)
+        return self.stepper.step(
+            stamp.number, stamp.t, now, columns, lines, closed, events, given, frame.arena
+        )
 
     def _decision(
         self, said: Said, frame: Frame | None, stamp: Stamp, now: float, found: list[Fault]
@@ -136,8 +142,8 @@ class CSupervisor:
             faults = self._words.faults(reasons, found, frame, stamp, now, said)
             if judged is not None:
                 violations = tuple(self._violation(one, judged) for one in reasons if one.rule is not None)
-        if frame is not None:
-            frame.faults = [f for f in faults if f.signal != "supervisor"]
+        if faults and frame is not None:
+            frame.faults = [f for f in faults if f.signal not in ("clock", "supervisor")]
         if said.safe and frame is not None and stamp.number is not None:
             self._stored = Plan(EMERGENCY, stamp.number, t, frame.candidates[EMERGENCY])
             driven = Plan(DRIVING, stamp.number, t, frame.candidates[DRIVING])
@@ -155,7 +161,7 @@ class CSupervisor:
 
     def _nothing(self, said: Said, stamp: Stamp, *faults: Fault) -> Decision:
         """C did not decide this cycle, or of another trajectory than is known here: nothing is driven."""
-        self._stored = None
+        self._stored, self._steps = None, said.serial
         t = math.nan if stamp.t is None else stamp.t
         return Decision(
             stamp.number, t, said.now, said.finished, NO_SAFE_TRAJECTORY, False, None, None, said.valid_until, "none_stored", faults, (),
@@ -170,27 +176,28 @@ class CSupervisor:
         return bool(said.stored) and (stored.number, stored.t) == (said.stored_number, said.stored_t)
 
     def _judged(self, frame: Frame) -> Judged:
-        verdicts, margins = self.stepper.verdicts, self.stepper.margins
+        verdicts, margins = self.stepper.verdicts.tobytes(), self.stepper.margins.copy()
+        count = len(self.rules)
+        codes, driving, emergency = (verdicts[:count], verdicts[count:]), margins[0], margins[1]
         return Judged(
             frame,
             {
-                name: self._rated(frame, name, verdicts[row].tobytes(), margins[row].tolist())
-                for row, name in enumerate((DRIVING, EMERGENCY))
+                DRIVING: Rated(codes[0], driving, partial(self._explain, frame, DRIVING, codes[0], driving)),
+                EMERGENCY: Rated(
+                    codes[1], emergency, partial(self._explain, frame, EMERGENCY, codes[1], emergency)
+                ),
             },
         )
 
-    def _rated(self, frame: Frame, candidate: str, verdicts: bytes, margins: Sequence[float]) -> Rated:
+    def _explain(
+        self, frame: Frame, candidate: str, verdicts: bytes, margins: Any, number: int, series: bool = False
+    ) -> RuleResult:
         """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
-
-        def explain(number: int, series: bool = False) -> RuleResult:
-            if self._numpy is None:
-                self._numpy = NumpyProgram(self.spec, self.rules)
-            seen, program = frame.of(candidate), self._numpy
-            return rated(
-                self.rules, seen, lambda: CaseView(program.run([seen]), 0), verdicts, margins
-            ).explain(number, series)
-
-        return Rated(verdicts, margins, explain)
+        if self._numpy is None:
+            self._numpy = NumpyProgram(self.spec, self.rules)
+        seen, program = frame.of(candidate), self._numpy
+        found = rated(self.rules, seen, lambda: CaseView(program.run([seen]), 0), verdicts, margins)
+        return found.explain(number, series)
 
     def _violation(self, reason: Reason, judged: Judged) -> Violation:
         assert reason.rule is not None

@@ -22,7 +22,8 @@ def operator(batch: Batch, node: ir.Timed, operands: Sequence[Value]) -> Value:
     pairs = [(value.worst, value.best) for value in operands]
     single = all(worst is best for worst, best in pairs)
     timed = isinstance(node, (ir.Temporal, ir.Until))
-    blocked = [timed and case.unusable([(node.axis.signal, "t")]) is not None for case in batch.cases]
+    # Where the structure of a signal is broken, its times have not been looked at; a rule that reads it has no verdict then.
+    blocked = [timed and case.unusable([(node.axis.signal, "")]) is not None for case in batch.cases]
     worst = _side(batch, node, [w for w, _ in pairs], [b for _, b in pairs], blocked, False)
     if single and not any(blocked):
         return Value(worst, worst)

@@ -37,9 +37,9 @@ class ColumnsReader:
         self._numbers = signal.numbers
         self._flags = [field.name for field in signal.flags]
         self.names = Names([field.name for field in signal.numbers], self._flags)
-        self._known = signal.declared | ({"id"} if signal.form == SET else set())
+        self.known = signal.declared | ({"id"} if signal.form == SET else set())
         # Sets are asked in the order of names: what is said of a signal is the same in every process.
-        self._listed = sorted(self._known)
+        self._listed = sorted(self.known)
         self._unread = sorted(signal.declared - self.names.rows.keys())
         self._scaled = [
             (row, *parse_unit(field.unit)[:2])
@@ -49,14 +49,16 @@ class ColumnsReader:
         self._spared = {f.name for f in signal.fields_ if not f.needed}
         self._defaults = {f.name: f.default for f in signal.fields_ if f.default is not None}
         #: Whether there is nothing but numbers, of which all are in SI: then they can be taken as they come.
-        self._plain = len(self._numbers) > 1 and not self._flags and not self._scaled
+        self.plain = len(self._numbers) > 1 and not self._flags and not self._scaled
         self._pick: Callable[[Any], Any] = itemgetter(*self.names.numbers or ("",))
+        #: Columns of defaults, of the length that they had last.
+        self._kept: dict[tuple[str, int], Floats] = {}
         self._last_ids: list[Any] = []
         self._ids: tuple[str, ...] = ()
 
     def read(self, raw: Any, faults: list[Fault]) -> Columns:
         """The signal's columns; what is wrong with their structure is added to the faults."""
-        if self._plain and type(raw) is dict:
+        if self.plain and type(raw) is dict:
             try:
                 found = self._record(raw) if self.signal.form == RECORD else self._quickly(raw)
             except Exception:  # whatever it is, a closer look says what is wrong with it
@@ -74,6 +76,34 @@ class ColumnsReader:
             faults.append(fault("wrong_type", self.label, "", None, "it cannot be read"))
         return self.nothing()
 
+    def picked(self, raw: dict[str, Any], count: int) -> Sequence[Any]:
+        """What stands for each number of the signal: what is given, or its default; raises KeyError for one that is missing."""
+        try:
+            found: Sequence[Any] = self._pick(raw)
+            return found
+        except KeyError:
+            return [raw[name] if name in raw else self._default(name, count) for name in self.names.numbers]
+
+    def _default(self, name: str, count: int) -> Any:
+        value = self._defaults[name]
+        if self.signal.form == RECORD:
+            return value
+        kept = self._kept.get((name, count))
+        if kept is None:
+            self._kept.clear()
+            kept = self._kept[name, count] = np.full(count, value)
+        return kept
+
+    def ids_of(self, raw: dict[str, Any], count: int) -> tuple[str, ...] | None:
+        """The ids of a set's elements where they are those of the last time, or where none are given; None for others."""
+        if self.signal.form != SET:
+            return ()
+        if "id" not in raw:
+            return self._counted(count)
+        ids = raw["id"]
+        fits = type(ids) is list and {str}.issuperset(map(type, ids)) and ids == self._last_ids
+        return self._ids if fits else None
+
     def nothing(self) -> Columns:
         """One entry of nothing: whatever reads it is undefined."""
         return self._columns(
@@ -89,18 +119,17 @@ class ColumnsReader:
 
     def _quickly(self, raw: dict[str, Any]) -> Columns | None:
         """Columns that are all arrays of float64, or lists of floats; None, or an error, for anything that takes a closer look."""
-        ids: Any = None
-        if not raw.keys() <= self._known:
+        if not raw.keys() <= self.known:
             return None
         columns = self._pick(raw)
         kinds = set(map(type, columns))
         lengths = set(map(len, raw.values()))
         if len(lengths) != 1:
             return None
-        if "id" in raw and self.signal.form == SET:
-            ids = raw["id"]
-            if type(ids) is not list or not {str}.issuperset(map(type, ids)) or ids != self._last_ids:
-                return None
+        (count,) = lengths
+        ids = self.ids_of(raw, count)
+        if ids is None:
+            return None
         if kinds == _ARRAYS:
             flat = np.concatenate(columns, casting="no", dtype=np.float64)
             if flat.ndim != 1:
@@ -112,14 +141,12 @@ class ColumnsReader:
             flat = np.array(listed)
         else:
             return None
-        (count,) = lengths
         if not count and self.signal.form == TIMELINE:
             return None
-        made = flat.reshape(len(columns), count)
-        return Columns(self.names, made, None, self._ids if ids is not None else self._counted(count))
+        return Columns(self.names, flat.reshape(len(columns), count), None, ids)
 
     def _record(self, raw: dict[str, Any]) -> Columns | None:
-        if not raw.keys() <= self._known:
+        if not raw.keys() <= self.known:
             return None
         found = self._pick(raw)
         if not _FLOATS.issuperset(map(type, found)):
@@ -140,7 +167,7 @@ class ColumnsReader:
             data, left_out = self._records(raw, faults)
         else:
             data = values.mapping(raw)
-            refuse_unknown(self.label, [data], self._known, faults)
+            refuse_unknown(self.label, [data], self.known, faults)
         if self.signal.form == RECORD:
             data = {key: [value] for key, value in data.items()}
         read: dict[str, NDArray[Any]] = {}
@@ -254,7 +281,7 @@ class ColumnsReader:
                 records.append(values.mapping(one))
             except WrongTypeError as error:
                 raise WrongTypeError(error.message, index) from error
-        refuse_unknown(self.label, records, self._known, faults, indexed=True)
+        refuse_unknown(self.label, records, self.known, faults, indexed=True)
         columns: dict[str, Any] = {}
         left_out: dict[str, list[int]] = {}
         for name in self._listed:

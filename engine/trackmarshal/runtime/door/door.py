@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from trackmarshal.runtime.contract import EGO, Contract
 from trackmarshal.runtime.contract.cycles import END, NUMBER, STAMP, START, TIMELY, Demand
@@ -48,8 +48,7 @@ class Admission:
     pose: Pose | None
 
 
-@dataclass(frozen=True, slots=True)
-class Stamp:
+class Stamp(NamedTuple):
     """Number and stamp of a cycle as far as they are numbers, with what is wrong with them otherwise."""
 
     number: int | None

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
+from trackmarshal.runtime.door.at_once import AtOnce
 from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.values import WrongTypeError
@@ -74,6 +76,10 @@ class SignalsReader:
         """Put the signals into a frame. What the spec declares and no rule reads is left out."""
         for name, reader in self.columns.items():
             frame.columns[name] = reader.read(raw.get(name), faults)
+        self.read_others(raw, frame, faults)
+
+    def read_others(self, raw: dict[Any, Any], frame: Frame, faults: list[Fault]) -> None:
+        """Put lines and events into a frame."""
         for name, lines in self.lines.items():
             lines.read(raw.get(name), frame, faults)
         for name in self.events:
@@ -99,12 +105,18 @@ class SignalsReader:
 class CycleReader:
     """Reads cycles of one contract."""
 
-    def __init__(self, contract: Contract, settings: Settings = NO_SETTINGS) -> None:
+    def __init__(
+        self, contract: Contract, settings: Settings = NO_SETTINGS,
+        at_once: Callable[[Sequence[ColumnsReader]], AtOnce] = AtOnce,
+    ) -> None:  # fmt: skip
         assert contract.plan is not None
         self.contract = contract
         self.settings = settings
         self.candidates = [(name, ColumnsReader(contract.plan, name)) for name in (DRIVING, EMERGENCY)]
         self.shared = SignalsReader(contract)
+        self._at_once = at_once(
+            [reader for _, reader in self.candidates] + list(self.shared.columns.values())
+        )
         #: Signals that a cycle may bring; the candidates come by themselves.
         self._known = contract.known - {PLAN}
 
@@ -113,6 +125,19 @@ class CycleReader:
         names. Number and stamp are not in it."""
         frame = Frame(settings=self.settings)
         faults: list[Fault] = []
+        if type(cycle.signals) is dict and cycle.signals.keys() <= self._known:
+            signals: dict[Any, Any] = cycle.signals
+            raws = [cycle.driving, cycle.emergency, *map(signals.get, self.shared.columns)]
+            read = self._at_once.read(raws)
+            if read is not None:
+                columns, frame.arena = read
+                frame.candidates = {DRIVING: columns[0], EMERGENCY: columns[1]}
+                frame.columns = dict(zip(self.shared.columns, columns[2:]))
+                self.shared.read_others(signals, frame, faults)
+                return frame, self._but_known(cycle, faults)
+        return self._closely(cycle, frame, faults)
+
+    def _closely(self, cycle: Cycle, frame: Frame, faults: list[Fault]) -> tuple[Frame, list[Fault]]:
         given: dict[str, Columns] = frame.candidates
         for (name, reader), raw in zip(self.candidates, (cycle.driving, cycle.emergency)):
             given[name] = reader.read(raw, faults)
@@ -125,9 +150,14 @@ class CycleReader:
         else:
             self.shared.refuse_unknown(signals, faults, self._known)
         self.shared.read(signals, frame, faults)
-        if cycle.also and type(cycle.also) is frozenset:
-            faults = [fault for fault in faults if not known(fault, cycle.also)]
-        return frame, faults
+        return frame, self._but_known(cycle, faults)
+
+    @staticmethod
+    def _but_known(cycle: Cycle, faults: list[Fault]) -> list[Fault]:
+        """The faults but for names that whoever made the cycle knows of."""
+        if faults and cycle.also and type(cycle.also) is frozenset:
+            return [fault for fault in faults if not known(fault, cycle.also)]
+        return faults
 
 
 def known(fault: Fault, also: frozenset[str]) -> bool:

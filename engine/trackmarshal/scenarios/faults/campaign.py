@@ -147,12 +147,12 @@ class _Saboteur:
             case "":
                 return judged
             case "short":
-                driving = replace(driving, verdicts=driving.verdicts[:-1])
+                driving = driving._replace(verdicts=driving.verdicts[:-1])
             case "unknown":
-                driving = replace(driving, verdicts=b"\xff" + driving.verdicts[1:])
+                driving = driving._replace(verdicts=b"\xff" + driving.verdicts[1:])
             case other:
                 raise AssertionError(other)
-        return replace(judged, rated={**judged.rated, DRIVING: driving})
+        return judged._replace(rated={**judged.rated, DRIVING: driving})
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         return self._program.judge_all(frames)

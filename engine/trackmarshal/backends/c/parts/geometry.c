@@ -8,6 +8,26 @@ static bool tm_sized(double length, double width) {
   return tm_usable(length) && tm_usable(width) && (length >= 1e-6) && (width >= 1e-6);
 }
 
+/** The segment between two points. */
+static tm_segment tm_between(double ax, double ay, double bx, double by) {
+  tm_segment s;
+  s.ax = ax;
+  s.ay = ay;
+  s.bx = bx;
+  s.by = by;
+  s.ex = bx - ax;
+  s.ey = by - ay;
+  s.square = (s.ex * s.ex) + (s.ey * s.ey);
+  s.length = sqrt(s.square);
+  return s;
+}
+
+/** A segment of a shape by its number: only its ends are kept. */
+static tm_segment tm_segment_at(const tm_context *c, size_t i) {
+  const tm_ends *ends = &c->ends[i];
+  return tm_between(ends->ax, ends->ay, ends->bx, ends->by);
+}
+
 /** Whether two boxes meet. */
 static bool tm_boxes_meet(const tm_box *a, const tm_box *b) {
   const int x = (a->x0 <= b->x1) & (b->x0 <= a->x1);
@@ -197,8 +217,9 @@ static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double
   const tm_strip strip = tm_strip_of(&point, at.x0, at.y0);
   const size_t end = shape->first + shape->count;
   const size_t likely = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
+  const tm_segment first = tm_segment_at(c, likely);
   size_t nearest = likely;
-  double best = tm_segment_distance(&c->segment[nearest], ox, oy, x, y);
+  double best = tm_segment_distance(&first, ox, oy, x, y);
   tm_box near = tm_grown(&at, best);
   tm_walk walk = tm_walk_near(shape, shape->first, &near);
   for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
@@ -207,7 +228,8 @@ static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double
     unsigned looked = tm_strip_near(c, i, &strip, best, &beside);
     for (size_t k = i; (looked != 0u) && (k < stop); ++k) {
       if (((looked & 1u) != 0u) && (k != likely)) {
-        const double reach = tm_segment_distance(&c->segment[k], ox, oy, x, y);
+        const tm_segment s = tm_segment_at(c, k);
+        const double reach = tm_segment_distance(&s, ox, oy, x, y);
         if ((reach < best) || ((reach == best) && (k < nearest))) {
           best = reach;
           nearest = k;
@@ -232,14 +254,14 @@ static bool tm_holds(const tm_context *c, const tm_shape *shape, double x, doubl
   for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
     const size_t stop = tm_block_end(i, end);
     for (size_t k = i; k < stop; ++k) {
-      const tm_segment *s = &c->segment[k];
-      const bool upward = s->ay < s->by;
-      const double low = upward ? s->ay : s->by;
-      const double high = upward ? s->by : s->ay;
+      const tm_segment s = tm_segment_at(c, k);
+      const bool upward = s.ay < s.by;
+      const double low = upward ? s.ay : s.by;
+      const double high = upward ? s.by : s.ay;
       if ((low <= y) && (y < high)) {
-        const double ex = upward ? s->ex : -s->ex;
-        const double ey = upward ? s->ey : -s->ey;
-        const double ax = upward ? s->ax : s->bx;
+        const double ex = upward ? s.ex : -s.ex;
+        const double ey = upward ? s.ey : -s.ey;
+        const double ax = upward ? s.ax : s.bx;
         if (((ex * (y - low)) - (ey * (x - ax))) > 0.0) {
           inside = !inside;
         }
@@ -538,11 +560,11 @@ static double tm_outside(tm_context *c, tm_shape *shape, double ox, double oy, c
     for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
       const size_t stop = tm_block_end(i, end);
       for (size_t k = i; k < stop; ++k) {
-        const tm_segment *s = &c->segment[k];
+        const tm_segment s = tm_segment_at(c, k);
         if (pass == 0u) {
-          worst = tm_greatest(worst, tm_depth(hull, s->ax - ox, s->ay - oy));
-        } else if (tm_enters(s, ox, oy, hull)) {
-          worst = tm_greatest(worst, tm_middle_depth(s, ox, oy, hull));
+          worst = tm_greatest(worst, tm_depth(hull, s.ax - ox, s.ay - oy));
+        } else if (tm_enters(&s, ox, oy, hull)) {
+          worst = tm_greatest(worst, tm_middle_depth(&s, ox, oy, hull));
         } else {
           /* beside it */
         }
@@ -615,20 +637,21 @@ static void tm_sweep_between(tm_shape *shape, double x0, double y0, double headi
 }
 
 /** Look at a border segment; whether it is nearer to the sweep than all that were looked at. */
-static bool tm_sweep_nearer(tm_sweep *sweep, const tm_segment *s) {
-  const double apart = tm_frame_apart(&sweep->frame, s, sweep->ox, sweep->oy);
+static bool tm_sweep_nearer(const tm_context *c, size_t i, tm_sweep *sweep) {
+  const tm_segment s = tm_segment_at(c, i);
+  const double apart = tm_frame_apart(&sweep->frame, &s, sweep->ox, sweep->oy);
   double reach;
   if (!(apart <= (sweep->best * sweep->best))) {
     return false;
   }
   if (apart == 0.0) {
     tm_sweep_hull(sweep);
-    if (tm_enters(s, sweep->ox, sweep->oy, &sweep->hull)) {
+    if (tm_enters(&s, sweep->ox, sweep->oy, &sweep->hull)) {
       sweep->entered = true;
       return false;
     }
   }
-  reach = tm_sweep_gap(sweep, s);
+  reach = tm_sweep_gap(sweep, &s);
   if (reach < sweep->best) {
     sweep->best = reach;
     return true;
@@ -665,7 +688,7 @@ static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double 
   const size_t end = shape->first + shape->count;
   const size_t likely = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
   /* What was nearest last time is near this time, and leaves little to look at. */
-  (void)tm_sweep_nearer(&sweep, &c->segment[likely]);
+  (void)tm_sweep_nearer(c, likely, &sweep);
   const tm_strip strip = tm_strip_of(&sweep.frame, x0, y0);
   const tm_box box = tm_box_around(sweep.x, sweep.y, x0, y0);
   tm_box near = tm_grown(&box, sweep.best);
@@ -675,7 +698,7 @@ static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double 
     tm_beside_strip beside;
     unsigned looked = tm_strip_near(c, i, &strip, sweep.best, &beside);
     for (size_t k = i; (looked != 0u) && (k < stop) && !sweep.entered; ++k) {
-      if (((looked & 1u) != 0u) && (k != likely) && tm_sweep_nearer(&sweep, &c->segment[k])) {
+      if (((looked & 1u) != 0u) && (k != likely) && tm_sweep_nearer(c, k, &sweep)) {
         near = tm_grown(&box, sweep.best);
         tm_walk_box(&walk, &near);
         shape->hint = k - shape->first;
@@ -853,7 +876,7 @@ static unsigned long tm_stretch_nearer(const tm_stretch *stretch, const tm_posed
 /** Look at those listed segments that are near to a sweep. */
 static void tm_sweep_listed(const tm_context *c, tm_shape *shape, const tm_stretch *stretch, unsigned long near, tm_sweep *sweep) {
   for (size_t k = 0u; (near != 0u) && !sweep->entered; ++k) {
-    if (((near & 1ul) != 0u) && tm_sweep_nearer(sweep, &c->segment[stretch->at[k]])) {
+    if (((near & 1ul) != 0u) && tm_sweep_nearer(c, stretch->at[k], sweep)) {
       shape->hint = stretch->at[k] - shape->first;
     }
     near >>= 1u;
@@ -864,7 +887,7 @@ static void tm_sweep_listed(const tm_context *c, tm_shape *shape, const tm_stret
    is greater matters. */
 static double tm_first_gap(tm_context *c, tm_shape *shape, size_t which, const double *x, const double *y, const double *heading,
                            size_t n, double length, double width) {
-  const tm_segment *s = &c->segment[shape->first + which];
+  const tm_ends *s = &c->ends[shape->first + which];
   tm_sweep sweep;
   double nearest = TM_INF;
   size_t at = 0u;
@@ -879,7 +902,7 @@ static double tm_first_gap(tm_context *c, tm_shape *shape, size_t which, const d
   }
   const size_t before = tm_before(at, 1u);
   tm_sweep_between(shape, x[before], y[before], heading[before], x[at], y[at], heading[at], length, width, TM_INF, &sweep);
-  (void)tm_sweep_nearer(&sweep, s);
+  (void)tm_sweep_nearer(c, shape->first + which, &sweep);
   if (!sweep.entered && (sweep.best <= (2.0 * length))) {
     return sweep.best;
   }
@@ -1057,7 +1080,8 @@ static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, do
     }
   }
   reach = tm_nearest(c, line, 0.0, 0.0, x, y, &k);
-  result = tm_beside(&c->segment[k], reach, line->closed || (k > line->first),
+  const tm_segment s = tm_segment_at(c, k);
+  result = tm_beside(&s, reach, line->closed || (k > line->first),
                      line->closed || ((k + 1u) < (line->first + line->count)), x, y);
   result.station = c->along[k].station + result.station;
   if (line->closed && (result.station >= line->length)) {
@@ -1111,20 +1135,6 @@ static double tm_line_gap(const tm_context *c, const tm_shape *line, double from
 /** Whether two points are one. */
 static bool tm_same(double ax, double ay, double bx, double by) {
   return (fabs(ax - bx) <= 1e-9) && (fabs(ay - by) <= 1e-9);
-}
-
-/** The segment between two points. */
-static tm_segment tm_between(double ax, double ay, double bx, double by) {
-  tm_segment s;
-  s.ax = ax;
-  s.ay = ay;
-  s.bx = bx;
-  s.by = by;
-  s.ex = bx - ax;
-  s.ey = by - ay;
-  s.square = (s.ex * s.ex) + (s.ey * s.ey);
-  s.length = sqrt(s.square);
-  return s;
 }
 
 /** The index of the next point of a path after `i` that is another one; the count where there is none. */

@@ -19,12 +19,12 @@ static void tm_outlines(tm_context *c, const tm_shape *shape) {
     const size_t stop = tm_block_end(i, end);
     bool torn = false;
     for (size_t k = 0u; k < 9u; ++k) {
-      const tm_segment *s = &c->segment[((i + k) < stop) ? (i + k) : (stop - 1u)];
+      const tm_ends *s = &c->ends[((i + k) < stop) ? (i + k) : (stop - 1u)];
       const bool begins = (i + k) < stop;
       outline->x[k] = (float)((begins ? s->ax : s->bx) - x0);
       outline->y[k] = (float)((begins ? s->ay : s->by) - y0);
       if (begins && (k > 0u)) {
-        torn = torn || !(c->segment[(i + k) - 1u].bx == s->ax) || !(c->segment[(i + k) - 1u].by == s->ay);
+        torn = torn || !(c->ends[(i + k) - 1u].bx == s->ax) || !(c->ends[(i + k) - 1u].by == s->ay);
       }
     }
     for (size_t k = 0u; torn && (k < 9u); ++k) {
@@ -49,7 +49,7 @@ static void tm_hold(tm_box *box, const tm_box *other) {
 }
 
 /** The box of a segment. */
-static tm_box tm_box_of(const tm_segment *s) {
+static tm_box tm_box_of(const tm_ends *s) {
   const tm_box box = {tm_least(s->ax, s->bx), tm_least(s->ay, s->by), tm_greatest(s->ax, s->bx), tm_greatest(s->ay, s->by)};
   return box;
 }
@@ -73,7 +73,7 @@ static void tm_index(tm_context *c, const tm_shape *shape) {
       for (size_t k = j; k < (j + 64u); k += 8u) {
         tm_box block = nothing;
         for (size_t m = k; (m < (k + 8u)) && (m < end); ++m) {
-          const tm_box own = tm_box_of(&c->segment[m]);
+          const tm_box own = tm_box_of(&c->ends[m]);
           tm_hold(&block, &own);
         }
         tm_put_box(&c->blocks[j / 64u], (k / 8u) & 7u, &block);
@@ -125,6 +125,16 @@ static bool tm_any_tiny(const double *points, size_t n) {
   return false;
 }
 
+/** Append a segment to a shape. */
+static void tm_append(tm_context *c, tm_shape *shape, const double *a, const double *b) {
+  tm_ends *ends = &c->ends[shape->first + shape->count];
+  ends->ax = a[0];
+  ends->ay = a[1];
+  ends->bx = b[0];
+  ends->by = b[1];
+  ++shape->count;
+}
+
 /** Append sides of a ring of points to a region: its inside on their left, or, `flipped`, on their right. */
 static void tm_add_ring(tm_context *c, tm_shape *shape, const double *points, size_t n, size_t sides, bool flipped) {
   double doubled = 0.0;
@@ -138,8 +148,7 @@ static void tm_add_ring(tm_context *c, tm_shape *shape, const double *points, si
     const size_t i = forward ? k : ((sides - 1u) - k);
     const double *a = &points[2u * i];
     const double *b = &points[2u * (((i + 1u) < n) ? (i + 1u) : 0u)];
-    c->segment[shape->first + shape->count] = forward ? tm_between(a[0], a[1], b[0], b[1]) : tm_between(b[0], b[1], a[0], a[1]);
-    ++shape->count;
+    tm_append(c, shape, forward ? a : b, forward ? b : a);
   }
 }
 
@@ -162,8 +171,8 @@ static bool tm_crosses(const tm_context *c, const tm_shape *shape, size_t ring_s
     const size_t at = i - shape->first;
     const size_t start = (at < ring_sides) ? shape->first : (shape->first + ring_sides);
     const size_t stop = (at < ring_sides) ? (shape->first + ring_sides) : end;
-    const tm_segment *s = &c->segment[i];
-    const tm_segment *after = &c->segment[((i + 1u) < stop) ? (i + 1u) : start];
+    const tm_ends *s = &c->ends[i];
+    const tm_ends *after = &c->ends[((i + 1u) < stop) ? (i + 1u) : start];
     const double a[2] = {s->ax, s->ay};
     const double b[2] = {s->bx, s->by};
     const double next[2] = {after->bx, after->by};
@@ -173,7 +182,7 @@ static bool tm_crosses(const tm_context *c, const tm_shape *shape, size_t ring_s
     }
     tm_walk walk = tm_walk_near(shape, i, &box);
     for (size_t j = tm_walk_after(c, &walk, i); j < end; j = tm_walk_after(c, &walk, j)) {
-      const tm_segment *other = &c->segment[j];
+      const tm_ends *other = &c->ends[j];
       const double p[2] = {other->ax, other->ay};
       const double q[2] = {other->bx, other->by};
       const bool neighbours = (j < stop) && (((j - i) == 1u) || ((j - i) == ((stop - start) - 1u)));
@@ -270,13 +279,15 @@ static tm_status tm_eight_cuts(const tm_context *c, const tm_shape *shape, size_
   const size_t end = shape->first + shape->count;
   *count = 0u;
   for (size_t i = shape->first; i < end; ++i) {
-    const tm_segment *s = &c->segment[i];
+    const tm_segment way_s = tm_segment_at(c, i);
+    const tm_segment *s = &way_s;
     const double a[2] = {s->ax, s->ay};
     const double b[2] = {s->bx, s->by};
-    const tm_box box = tm_box_of(s);
+    const tm_box box = tm_box_of(&c->ends[i]);
     tm_walk walk = tm_walk_near(shape, i, &box);
     for (size_t j = tm_walk_after(c, &walk, i); j < end; j = tm_walk_after(c, &walk, j)) {
-      const tm_segment *o = &c->segment[j];
+      const tm_segment way_o = tm_segment_at(c, j);
+      const tm_segment *o = &way_o;
       const double p[2] = {o->ax, o->ay};
       const double q[2] = {o->bx, o->by};
       const bool together = (i < (shape->first + rights)) == (j < (shape->first + rights));
@@ -347,8 +358,7 @@ static bool tm_eight_side(tm_context *c, tm_shape *shape, const double *pairs, s
       if (shape->count >= (2u * TM_MAX_BORDER)) {
         return false;
       }
-      c->segment[shape->first + shape->count] = tm_between(p[0], p[1], q[0], q[1]);
-      ++shape->count;
+      tm_append(c, shape, p, q);
     }
   }
   return true;
@@ -430,8 +440,7 @@ static tm_status tm_make_eight(tm_context *c, tm_shape *shape, const double *lef
       const double *b = (at == 2u) ? there : here;
       if ((a[0] != b[0]) || (a[1] != b[1])) {
         if (pass < 2u) {
-          c->segment[shape->first + shape->count] = tm_between(a[0], a[1], b[0], b[1]);
-          ++shape->count;
+          tm_append(c, shape, a, b);
         } else if (!tm_eight_side(c, shape, pairs, n, i, side, a, b, cuts, count)) {
           return TM_UNSUPPORTED;
         } else {
@@ -542,15 +551,15 @@ static tm_status tm_make_line(tm_context *c, tm_shape *line, const double *point
   if (count < (closed ? 3u : 2u)) {
     return TM_UNUSABLE;
   }
-  line->count = closed ? count : (count - 1u);
-  for (size_t k = 0u; k < line->count; ++k) {
+  const size_t sides = closed ? count : (count - 1u);
+  for (size_t k = 0u; k < sides; ++k) {
     const double *a = &c->ring[2u * k];
     const double *b = &c->ring[2u * (((k + 1u) < count) ? (k + 1u) : 0u)];
-    tm_segment *s = &c->segment[line->first + k];
-    *s = tm_between(a[0], a[1], b[0], b[1]);
+    const tm_segment s = tm_between(a[0], a[1], b[0], b[1]);
+    tm_append(c, line, a, b);
     c->along[line->first + k].station = station;
-    c->along[line->first + k].direction = atan2(s->ey, s->ex);
-    station += s->length;
+    c->along[line->first + k].direction = atan2(s.ey, s.ex);
+    station += s.length;
   }
   line->length = station;
   tm_index(c, line);
@@ -578,7 +587,8 @@ static tm_status tm_make_centre(tm_context *c, tm_shape *line, const double *lef
     } else {
       size_t k = 0u;
       (void)tm_nearest(c, line, 0.0, 0.0, x, y, &k);
-      const tm_segment *s = &c->segment[k];
+      const tm_segment nearest = tm_segment_at(c, k);
+      const tm_segment *s = &nearest;
       const double rx = x - s->ax;
       const double ry = y - s->ay;
       const double sx = x - s->bx;

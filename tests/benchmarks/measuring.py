@@ -1,0 +1,65 @@
+"""What benchmarks measure with: CPU time, medians, taking turns, emptied caches, memory."""
+
+from __future__ import annotations
+
+import os
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+
+def median(run: Callable[[], object], repeats: int) -> float:
+    """Median CPU seconds, this process's children included."""
+    run()
+    spent = []
+    for _ in range(repeats):
+        before = time.process_time()
+        run()
+        spent.append(time.process_time() - before)
+    return statistics.median(spent)
+
+
+def by_turns(one: Callable[[], object], other: Callable[[], object], repeats: int) -> tuple[float, float]:
+    """CPU seconds of two functions that run by turns: of each the fastest tenth, when nothing else was in the way."""
+    spent = np.zeros((repeats, 2))
+    for k in range(repeats):
+        for side, run in enumerate((one, other)):
+            before = time.process_time()
+            run()
+            spent[k, side] = time.process_time() - before
+    first, second = np.quantile(spent, 0.1, axis=0)
+    return float(first), float(second)
+
+
+def emptied(run: Callable[[], object], repeats: int = 60) -> float:
+    """Median CPU seconds of a function before each run of which memory is walked that is larger than all caches.
+
+    So it is run by a loop with a planner in it. A run that returns a float says itself how long it took.
+    """
+    memory = np.zeros(_larger_than_caches(), dtype=np.uint8)
+    spent = []
+    for _ in range(repeats):
+        memory[::64] += 1
+        before = time.process_time()
+        said = run()
+        took = time.process_time() - before
+        spent.append(said if isinstance(said, float) else took)
+    return statistics.median(spent)
+
+
+def _larger_than_caches() -> int:
+    """Bytes: twice the largest cache, but at least 64 and at most 512 MiB."""
+    largest = 0
+    for path in Path("/sys/devices/system/cpu/cpu0/cache").glob("index*/size"):
+        size = path.read_text().strip()
+        largest = max(largest, int(size.removesuffix("K")) << 10 if size.endswith("K") else 0)
+    return min(max(2 * largest, 64 << 20), 512 << 20)
+
+
+def memory() -> int:
+    """Bytes of this process that are in memory."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")

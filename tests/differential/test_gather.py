@@ -1,0 +1,121 @@
+"""A cycle of arrays read by C, by numpy at once, and signal by signal: the same columns to the bit, the same faults."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.cycles import cycle, mutate
+from support.supervised import shipped
+from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.gather import Gathered
+from trackmarshal.runtime.contract import of_cycles
+from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.runtime.door.at_once import AtOnce
+from trackmarshal.runtime.door.reading import CycleReader
+
+pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+
+
+class Never(AtOnce):
+    """Reads nothing at once."""
+
+    def _read(self, raws: Any) -> None:
+        return None
+
+
+def readers() -> dict[str, CycleReader]:
+    contract = of_cycles(shipped(), [rule for rule in shipped().rules if rule.formula is not None])
+    return {
+        "C": CycleReader(contract, at_once=lambda readers: Gathered(readers, Limits())),
+        "numpy": CycleReader(contract),
+        "by signal": CycleReader(contract, at_once=Never),
+    }
+
+
+def seen(reader: CycleReader, given: Cycle) -> tuple[Any, ...]:
+    frame, faults = reader.read(given)
+    columns = {**frame.candidates, **frame.columns}
+    return (
+        {
+            name: (own.count, own.ids, own.values.tobytes() if not faults else b"")
+            for name, own in columns.items()
+        },
+        sorted((f.code, f.signal, f.field, f.index or 0) for f in faults),
+        {place: line.points.tobytes() for place, line in frame.lines.items()},
+    )
+
+
+def in_place(given: Cycle, change: Any) -> Cycle:
+    return replace(given, driving={name: change(column) for name, column in given.driving.items()})
+
+
+#: What an array may be like, and still be one of numbers; or like one of numbers, and be none.
+KINDS = {
+    "as it is": lambda c: c,
+    "every other": lambda c: np.repeat(c, 2)[::2],
+    "backwards": lambda c: c[::-1].copy()[::-1],
+    "of a table": lambda c: np.column_stack([c, c])[:, 1],
+    "read-only": lambda c: np.frombuffer(c.tobytes()),
+    "big-endian": lambda c: c.astype(">f8"),
+    "float32": lambda c: c.astype(np.float32),
+    "whole numbers": lambda c: c.astype(np.int64),
+    "masked": lambda c: np.ma.array(c, mask=np.zeros(len(c), dtype=bool)),
+    "half masked": lambda c: np.ma.array(c, mask=np.arange(len(c)) % 2 == 0),
+    "a list": lambda c: c.tolist(),
+    "a column": lambda c: c[:, None],
+    "one number": lambda c: c[0],
+    "no axis": lambda c: np.array(c[0]),
+    "complex": lambda c: c.astype(complex),
+    "structured": lambda c: c.view([("x", "f8")]),
+    "times": lambda c: c.view("M8[s]"),
+    "empty": lambda c: c[:0],
+    "too long": lambda c: np.resize(c, 65),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_kinds_of_arrays(kind: str) -> None:
+    made = readers()
+    for _ in range(2):  # the second time, ids are known
+        found = {name: seen(reader, in_place(cycle(3), KINDS[kind])) for name, reader in made.items()}
+        assert found["C"] == found["numpy"] == found["by signal"]
+
+
+def test_broken_cycles() -> None:
+    made, rng = readers(), random.Random(11)
+    for number in range(400):
+        given = cycle(number, 1 + rng.randrange(3), 1 + rng.randrange(2))
+        if number % 2:
+            given = mutate(rng, given)[0]
+        found = {name: seen(reader, given) for name, reader in made.items()}
+        assert found["C"] == found["numpy"] == found["by signal"], number
+
+
+def test_defaults_and_unknown_names() -> None:
+    made = readers()
+    whole = cycle(1)
+    grip = {**whole.driving, "grip": np.full(len(whole.driving["t"]), 0.5)}
+    ages = {**whole.signals["objects"], "age": np.zeros(2)}
+    for given in (
+        replace(whole, driving=grip),
+        replace(whole, signals={**whole.signals, "objects": ages}),
+        replace(whole, signals={**whole.signals, "ego": {**whole.signals["ego"], "Age": 9.0}}),
+        replace(whole, driving={**grip, "gripp": grip["grip"]}),
+        replace(whole, driving={**whole.driving, "grip": None}),
+        replace(whole, signals={**whole.signals, "zzz": 1}),
+    ):
+        found = {name: seen(reader, given) for name, reader in made.items()}
+        assert found["C"] == found["numpy"] == found["by signal"]
+
+
+def test_memory_of_one_cycle_is_not_that_of_the_next() -> None:
+    reader = readers()["C"]
+    first, _ = reader.read(cycle(0))
+    before = {name: own.values.copy() for name, own in first.candidates.items()}
+    reader.read(cycle(5))
+    assert all(np.array_equal(first.candidates[name].values, values) for name, values in before.items())

@@ -1,0 +1,74 @@
+"""What generated C leaves out: sweeps of a timeline that cannot be the least, distances of which the sign counts, loops over one set."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from trackmarshal.backends.c.source import generate
+from trackmarshal.evaluation import load
+
+HEAD = """module short
+
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal boxes : set of object { x: m, y: m, length: m }
+signal track : corridor { left: polyline, right: polyline }
+
+param length : m = 4.7 m in [0.1, 1000]
+zone z = polygon (0 m, 0 m) (30 m, 0 m) (30 m, 30 m)
+
+"""
+ONE, SINGLE = "tm_timeline_inside(", "tm_swept_inside("
+
+
+def known(folder: Path, *rules: str) -> str:
+    """The C that takes everything for known, of rules given by their clauses."""
+    path = folder / "short.spec"
+    texts = [f'rule r{i} "made up"\n{rule}\n' for i, rule in enumerate(rules)]
+    path.write_text(HEAD + "\n".join(texts), encoding="utf-8")
+    spec = load(path)
+    source = generate(spec, spec.rules).source
+    return "\n".join(
+        re.findall(r"static bool tm_(?:rule|known)_\w+\(.*?^\}", source, re.DOTALL | re.MULTILINE)
+    )
+
+
+@pytest.mark.parametrize(
+    ("rule", "call"),
+    [
+        ("  for all p in plan\n  require swept_footprint(p, length, 2 m) inside track", ONE),
+        ("  for all b in boxes\n  for all p in plan\n  require swept_footprint(p, b.length, 2 m) inside z", ONE),
+        # Not of all samples, not the least, or not of one vehicle: one sweep after the other.
+        ("  for all p in plan where p.v > 1 m/s\n  require swept_footprint(p, length, 2 m) inside track", SINGLE),
+        ("  require exists p in plan: (swept_footprint(p, length, 2 m) inside track)", SINGLE),
+        ("  for all p in plan\n  require swept_footprint(p, abs(p.x), 2 m) inside track", SINGLE),
+        ("  for all p in plan\n  require swept_footprint(p, length, 2 m) inside track and p.v > 1 m/s", SINGLE),
+    ],
+)  # fmt: skip
+def test_all_sweeps_of_a_timeline_at_once(tmp_path: Path, rule: str, call: str) -> None:
+    text = known(tmp_path, rule)
+    assert call in text
+    assert {ONE: SINGLE, SINGLE: ONE}[call] not in text
+
+
+def test_sign_where_the_sign_counts(tmp_path: Path) -> None:
+    assert "tm_in_area_sign(" in known(
+        tmp_path, "  for all p in plan where p in zone z\n  require p.v < 9 m/s"
+    )
+    # Its margin is the rule's.
+    assert "tm_in_area_sign(" not in known(tmp_path, "  for all p in plan\n  require p in zone z")
+
+
+def test_rules_over_one_set_share_a_loop(tmp_path: Path) -> None:
+    text = known(
+        tmp_path,
+        "  for all b in boxes\n  require offset(b, track) > 1 m",
+        "  for all b in boxes where offset(b, track) < 3 m\n  require station(b, track) > 1 m",
+    )
+    assert "tm_known_boxes_0" in text
+    group = text[text.index("tm_known_boxes_0") :]
+    assert group.count("tm_line_project(") == 1
+    # A path is projected on sample by sample: a loop of its own.
+    assert "tm_known_" not in known(tmp_path, *["  for all b in boxes\n  require offset(b, plan) > 1 m"] * 2)
