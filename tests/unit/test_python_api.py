@@ -403,6 +403,32 @@ def test_no_cases_are_no_batch(signals: dict[str, Any], spec: Any) -> None:
     assert raised.value.code == "D205"
 
 
+@pytest.mark.parametrize("given", [{"params": [1.0]}, {"params": {"v_max": "fast"}}, {"tables": 3}])
+def test_overrides_of_a_wrong_type(given: dict[str, Any], spec: Any) -> None:
+    with pytest.raises(tm.TrackmarshalError) as raised:
+        tm.Evaluator(spec).batch(arrays(), SHARED, **given)
+    assert raised.value.code == "D202"
+
+
+def test_a_default_stands_in_though_no_rule_reads_what_is_given() -> None:
+    """Only columns that no rule reads say how many samples there are."""
+    rule = 'rule gripped "gripped"\n  for all p in plan\n  require p.grip >= 0.5\n'
+    evaluator = tm.Evaluator(tm.loads(SPEC[: SPEC.index("rule limit")] + rule))
+    signals = {"plan": {name: arrays()["plan"][name] for name in ("x", "v")}}
+    batch = evaluator.batch(signals)
+    same_as_alone(evaluator, batch, [{"signals": one(signals, i)} for i in range(COUNT)])
+    assert batch.margins["gripped"].tolist() == [0.5] * COUNT
+    assert batch.samples("gripped").tolist() == [[0.5] * SAMPLES] * COUNT
+
+
+def test_auto_evaluates_batches(spec: Any) -> None:
+    batch = tm.Evaluator(spec, backend="auto").batch(arrays(), SHARED)
+    other = tm.Evaluator(spec, backend="numpy").batch(arrays(), SHARED)
+    assert {name: found.tolist() for name, found in batch.verdicts.items()} == {
+        name: found.tolist() for name, found in other.verdicts.items()
+    }
+
+
 def test_signals_are_given_by_name(spec: Any) -> None:
     with pytest.raises(tm.TrackmarshalError) as raised:
         tm.Evaluator(spec).batch([arrays()])  # type: ignore[arg-type]

@@ -30,9 +30,7 @@ class _Stack:
 
     @property
     def count(self) -> int:
-        return int(
-            self.values.shape[2] if self.common.names.numbers or self.flags is None else self.flags.shape[2]
-        )
+        return int(self.values.shape[2])
 
 
 class Arrays:
@@ -160,7 +158,7 @@ class ArraysReader:
                 for field, column in raw.items():
                     if field != "id" and _axes(column) == self._wanted(name):
                         sizes[f"{name}.{field}"] = len(column)
-        for name, value in (overrides.get("params") or {}).items():
+        for name, value in _params(overrides).items():
             if _axes(value) == 1:
                 sizes[f"params.{name}"] = len(value)
         if not sizes:
@@ -200,8 +198,8 @@ class ArraysReader:
             whole = _repeated(f"{name}.{field}", column, size, record)
             if whole is not None and not record:
                 counts[str(field)] = whole.shape[1]
-            if field in reader.names.rows or field not in signal.declared:
-                named[field] = None if whole is None else whole.reshape(-1)
+            # Those that no rule reads say how long the signal is, as with one case.
+            named[field] = None if whole is None else whole.reshape(-1)
         first, count = next(iter(counts.items()), ("", 1))
         what = "elements" if signal.form == SET else "samples"
         for field, other in counts.items():
@@ -218,19 +216,15 @@ class ArraysReader:
         read = reader.read(named, own)
         for one in own:
             _refuse(one, count, record)
-        faults += own
+        faults += self._cases.refused(own)
         spoken = self._ids(name, ids, count, faults) if signal.form == SET else ()
-        shape = (-1, size, count)
-        if read.values.shape[1] != size * count:  # no column that rules read is there
-            read = Columns(
-                reader.names, np.full((len(reader.names.numbers), size * count), np.nan),
-                np.full((len(reader.names.flags), size * count), -1, np.int8) if reader.names.flags else None,
-            )  # fmt: skip
-        numbers = read.values.reshape(len(reader.names.numbers), *shape[1:]).transpose(1, 0, 2)
+        if read.values.shape[1] != size * count:
+            raise AssertionError(f"{name}: {read.values.shape[1]} entries of {size} x {count}")
+        numbers = read.values.reshape(len(reader.names.numbers), size, count).transpose(1, 0, 2)
         flags = (
             None
             if read.flags is None
-            else read.flags.reshape(len(reader.names.flags), *shape[1:]).transpose(1, 0, 2)
+            else read.flags.reshape(len(reader.names.flags), size, count).transpose(1, 0, 2)
         )
         numbers.flags.writeable = False
         return _Stack(read, numbers, flags, spoken)
@@ -253,7 +247,7 @@ class ArraysReader:
 
     def _settings(self, overrides: Mapping[str, Any], size: int) -> list[Settings]:
         """The overrides of every case; one for all where no parameter varies."""
-        params = overrides.get("params") or {}
+        params = _params(overrides)
         varying = {name: value.tolist() for name, value in params.items() if _axes(value) == 1}
         if not varying:
             return [self._cases.settings(overrides)]
@@ -282,6 +276,12 @@ def _mapping(what: str, raw: Any) -> dict[Any, Any]:
             "D202", f"`{what}` is an object, not {values.worded(raw)}", help="give signals by their names"
         )
     return values.mapping(raw)
+
+
+def _params(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Parameters by name; none where they are no object, which the reader of settings refuses."""
+    params = overrides.get("params")
+    return params if isinstance(params, Mapping) else {}
 
 
 def _axes(raw: Any) -> int | None:
