@@ -27,7 +27,7 @@ from trackmarshal.runtime.faults import name_of
 from trackmarshal.supervision import supervisor
 
 #: Cycles that `make test` hands in; `make acceptance` sets more, of which so many are enough here.
-CYCLES = min(int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "2500")), 100_000)
+CYCLES = min(int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "2000")), 100_000)
 #: The reference sees the first of them.
 REFERENCE = max(1000, CYCLES // 20)
 LIMITS = replace(typed.LIMITS, clock_tolerance=0.5)
@@ -144,14 +144,14 @@ def stretch(given: Any, count: int) -> None:
             del column[count:]
 
 
-def spoilt(rng: random.Random, given: Cycle) -> Any:
+def spoilt(rng: random.Random, given: Cycle, variant: str) -> Any:
     """The cycle with some of its parts replaced, left out, or others added."""
-    if rng.random() < 0.3:
+    if rng.random() < (0.3 if variant == "lists" else 0.1):
         given = typed.records(given)
     for _ in range(rng.choice((0, 1, 1, 1, 1, 2, 3))):
         act = rng.random()
         if act < 0.55:
-            place = rng.choice(typed.PLACES)
+            place = rng.choice(typed.places(variant))
             suited = [example for example in KINDS if place.holds in example.holds] if act < 0.4 else KINDS
             try:
                 if typed.based(given, place) is not given:
@@ -209,19 +209,25 @@ def said(decision: Decision) -> tuple[Any, ...]:
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_arbitrary_objects_in_cycles() -> None:
+@pytest.mark.parametrize("variant", typed.VARIANTS)
+def test_arbitrary_objects_in_cycles(variant: str) -> None:
     now = 0.0
     backends = ["numpy", "reference", *(["c"] if compiler() is not None else [])]
     made = {
-        name: supervisor(typed.spec(), backend=name, limits=LIMITS, clock=lambda: now) for name in backends
+        name: supervisor(typed.spec(variant), backend=name, limits=LIMITS, clock=lambda: now)
+        for name in backends
     }
-    rng, plain = random.Random(20261122), Plain(ahead=LIMITS.clock_tolerance)
+    rng = random.Random(20261122)
+    plain = Plain(flags=variant == "lists", ahead=LIMITS.clock_tolerance)
     seen: Counter[str] = Counter()
     for run in range(CYCLES):
         now = float(run)
         following = 0 if plain.number is None or plain.number > 2**60 else plain.number + 1
         with warnings.catch_warnings(action="ignore"):
-            given = spoilt(rng, typed.complete(typed.cycle(following, now)))
+            given = typed.cycle(following, now, variant)
+            given = spoilt(rng, typed.complete(given) if rng.random() < 0.5 else given, variant)
+            if variant == "arrays" and isinstance(given, Cycle) and rng.random() < 0.9:
+                given = typed.arrayed(given)
         decisions = {}
         for name, one in made.items():
             if name != "reference" or run < REFERENCE:

@@ -27,13 +27,13 @@ def demand(holds: object) -> None:
 
 def number(value: Any) -> float:
     """A finite number."""
-    demand(not isinstance(value, bool | np.bool_ | np.ma.core.MaskedConstant))
-    if isinstance(value, np.generic) or type(value) is np.ndarray:
+    demand(not issubclass(type(value), bool | np.bool_ | np.ma.core.MaskedConstant))
+    if issubclass(type(value), np.generic) or type(value) is np.ndarray:
         demand(np.shape(value) == () and value.dtype.kind in "iuf")
         found = float(np.asarray(value).astype(np.float64))
-    elif isinstance(value, float):
+    elif issubclass(type(value), float):
         found = float.fromhex(float.hex(value))
-    elif isinstance(value, int):
+    elif issubclass(type(value), int):
         try:
             found = float(int.__add__(value, 0))
         except OverflowError:
@@ -66,7 +66,7 @@ def many(column: Any, one: Callable[[Any], Any], kinds: str) -> list[Any]:
 
 def stored(column: Any) -> list[Any]:
     """The entries of a list or tuple, whatever a derived class says of itself."""
-    demand(isinstance(column, list | tuple))
+    demand(issubclass(type(column), list | tuple))
     kind: Any = list if isinstance(column, list) else tuple
     return [kind.__getitem__(column, i) for i in range(kind.__len__(column))]
 
@@ -77,12 +77,12 @@ def numbers(column: Any) -> list[float]:
 
 def name(value: Any) -> str:
     """An id."""
-    if isinstance(value, str):
+    if issubclass(type(value), str):
         return "".join(str.__getitem__(value, i) for i in range(str.__len__(value)))
     real = number(value)
     demand(type(value) is not np.ndarray)
-    if isinstance(value, int | np.integer):
-        whole = int.__add__(value, 0) if isinstance(value, int) else int(value)
+    if issubclass(type(value), int | np.integer):
+        whole = int.__add__(value, 0) if issubclass(type(value), int) else int(value)
         demand(-(2**63) <= whole < 2**63)
         return int.__repr__(whole)
     return float.__repr__(real)
@@ -90,9 +90,9 @@ def name(value: Any) -> str:
 
 def fields(given: Any, needed: set[str], others: set[str] = frozenset()) -> dict[str, Any]:  # type: ignore[assignment]
     """What a Mapping holds: all of these fields, and of others only those."""
-    demand(isinstance(given, Mapping))
+    demand(issubclass(type(given), Mapping))
     found = {key: given[key] for key in given}
-    demand(all(isinstance(key, str) for key in found))
+    demand(all(issubclass(type(key), str) for key in found))
     demand(needed <= found.keys() <= needed | others)
     return found
 
@@ -101,12 +101,12 @@ def within(values: list[float], low: float, high: float) -> None:
     demand(all(low <= value <= high for value in values))
 
 
-def plan(given: Any) -> dict[str, list[float]]:
-    held = fields(given, {"t", "x", "y", "heading", "v", "ready"}, {"grip"})
-    flags = many(held.pop("ready"), truth, "b")
+def plan(given: Any, flags: bool) -> dict[str, list[float]]:
+    held = fields(given, {"t", "x", "y", "heading", "v"} | ({"ready"} if flags else set()), {"grip"})
+    ready = many(held.pop("ready"), truth, "b") if flags else numbers(held["t"])
     found = {key: numbers(column) for key, column in held.items()}
-    demand(len({len(column) for column in (*found.values(), flags)}) == 1)
-    demand(2 <= len(flags) <= 8)
+    demand(len({len(column) for column in (*found.values(), ready)}) == 1)
+    demand(2 <= len(ready) <= 8)
     within(found["t"], 0.0, 100.0)
     within(found["v"], -10.0, 150.0)
     within(found.get("grip", []), 0.0, 150.0)
@@ -114,9 +114,9 @@ def plan(given: Any) -> dict[str, list[float]]:
     return found
 
 
-def elements(given: Any) -> None:
-    needed, others = {"x", "w", "seen"}, {"id", "age"}
-    if isinstance(given, list | tuple):
+def elements(given: Any, flags: bool) -> None:
+    needed, others = {"x", "w"} | ({"seen"} if flags else set()), {"id", "age"}
+    if issubclass(type(given), list | tuple):
         records = [fields(one, needed, others) for one in stored(given)]
         demand(len(records) <= 4)
         names = []
@@ -124,12 +124,14 @@ def elements(given: Any) -> None:
             number(one["x"])
             within([number(one["w"])], -180.0, 180.0)
             within([number(one.get("age", 0.0))], 0.0, 10.0)
-            truth(one["seen"])
+            truth(one.get("seen", True))
             names.append(str(index) if one.get("id") is None else name(one["id"]))
         demand(len(set(names)) == len(names))
         return
     held = fields(given, needed, others)
-    lengths = {len(numbers(held["x"])), len(numbers(held["w"])), len(many(held["seen"], truth, "b"))}
+    lengths = {len(numbers(held["x"])), len(numbers(held["w"]))}
+    if flags:
+        lengths.add(len(many(held["seen"], truth, "b")))
     within(numbers(held["w"]), -180.0, 180.0)
     if "age" in held:
         lengths.add(len(numbers(held["age"])))
@@ -165,6 +167,7 @@ class Plain:
 
     number: int | None = None
     t: float | None = None
+    flags: bool = True
     shortest: float = 0.001
     ahead: float = 0.5
 
@@ -174,7 +177,7 @@ class Plain:
             return False
         fine = self._in_order(cycle, now)
         try:
-            _shape(cycle)
+            _shape(cycle, self.flags)
         except Exception:  # what fails to be read cannot be right
             fine = False
         return fine
@@ -184,9 +187,9 @@ class Plain:
         value = cycle.number
         if type(value) is np.ndarray and value.shape == () and value.dtype.kind in "iu":
             value = value[()]
-        if isinstance(value, np.generic):
+        if issubclass(type(value), np.generic):
             whole = int(value) if value.dtype.kind in "iu" else None
-        elif isinstance(value, int) and not isinstance(value, bool):
+        elif issubclass(type(value), int) and not issubclass(type(value), bool):
             whole = int.__add__(value, 0)
         if whole is not None and not -(2**63) < whole < 2**63:
             whole = None
@@ -203,18 +206,18 @@ class Plain:
         return fine
 
 
-def _shape(cycle: Cycle) -> None:
-    driving, emergency = plan(cycle.driving), plan(cycle.emergency)
+def _shape(cycle: Cycle, flags: bool) -> None:
+    driving, emergency = plan(cycle.driving, flags), plan(cycle.emergency, flags)
     held = fields(cycle.signals, {"ego", "car", "objects", "track", "border", "wet"})
     ego = fields(held["ego"], {"x", "y", "heading"}, {"age"})
     within([number(ego.pop("age", 0.0))], 0.0, 1.0)
     for value in ego.values():
         number(value)
-    car = fields(held["car"], {"gap", "on"}, {"load"})
+    car = fields(held["car"], {"gap", "on"} if flags else {"gap"}, {"load"})
     within([number(car["gap"])], 0.0, 500.0)
     number(car.get("load", 0.0))
-    truth(car["on"])
-    elements(held["objects"])
+    truth(car.get("on", True))
+    elements(held["objects"], flags)
     track = fields(held["track"], {"left", "right"}, {"closed"})
     truth(track.get("closed", False))
     line(track["left"])

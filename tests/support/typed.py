@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door.lines import line
@@ -62,26 +62,36 @@ rule near "Near the border"
 rule dry "Dry"
   require not wet
 """
+#: The same in SI, of numbers alone: what is read in one go where it is arrays and floats.
+_PLAIN = {
+    "% in [0, 150] default 100 %": "1 in [0, 150] default 100", ", ready: bool": "", ", seen: bool": "", ", on: bool": "", "km/h": "m/s",
+    "gap: ms": "gap: s", " and p.ready": "", " and car.on": "", " and o.seen": "", "<= 60 m/s": "<= 6000 m/s",
+}  # fmt: skip
+FLAGS = ("ready", "seen", "on")
+VARIANTS = ("lists", "arrays")
 LIMITS = Limits(
     samples=8, elements=4, border=8, longest_gap=1e9, oldest=1e9, clock_tolerance=1e9, budget=1e9, apart=1e9, turned=1e9, blind=1e9
 )  # fmt: skip
 
 
 @cache
-def spec() -> Spec:
+def spec(variant: str = "lists") -> Spec:
+    """The spec; for `arrays`, the one in SI without Booleans."""
+    text = TEXT
+    for old, new in _PLAIN.items() if variant == "arrays" else ():
+        assert old in text, old
+        text = text.replace(old, new)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "types.spec"
-        path.write_text(TEXT, encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
         return load([path])
 
 
-@cache
-def evaluator(backend: str) -> Evaluator:
-    return Evaluator(spec(), None, backend)
+def cycle(number: int, t: float, variant: str = "lists") -> Cycle:
+    """A flawless and safe cycle of plain lists and dicts of Python's own numbers: small and whole, every type holds them.
 
-
-def cycle(number: int, t: float) -> Cycle:
-    """A flawless and safe cycle of plain lists, tuples and dicts of Python's own numbers: small and whole, every type holds them."""
+    For `arrays` without Booleans, and to be handed through `arrayed`.
+    """
     driving = {
         "t": [0.0, 1.0, 2.0], "x": [0.0, 1.0, 2.0], "y": [0.0, 0.0, 1.0], "heading": [0.0, 0.0, 1.0], "v": [1.0, 1.0, 0.0],
         "ready": [True, True, True],
@@ -100,6 +110,10 @@ def cycle(number: int, t: float) -> Cycle:
         "border": [[0.0, 0.0], [9.0, 9.0]],
         "wet": False,
     }
+    if variant == "arrays":
+        for held in (driving, signals["car"], signals["objects"]):
+            for name in FLAGS:
+                held.pop(name, None)  # type: ignore[attr-defined]
     for name in ("left", "right"):
         signals["track"][name] = [
             [x - 50.0, y if name == "left" else -9.0] for x, y in signals["track"][name]
@@ -165,6 +179,28 @@ PLACES = (
     _place("point", "numbers", "signals", "border", 1, told=("border", "")),
     _place("point", "numbers", "signals", "track", "left", 1),
 )  # fmt: skip
+
+
+def arrayed(given: Cycle) -> Cycle:
+    """With arrays for lists of floats, as most cycles come."""
+
+    def columns(held: Any) -> Any:
+        if type(held) is not dict:
+            return held
+        return {
+            name: np.array(c) if type(c) is list and set(map(type, c)) <= {float} else c
+            for name, c in held.items()
+        }
+
+    signals = given.signals
+    if type(signals) is dict and "objects" in signals:
+        signals = {**signals, "objects": columns(signals["objects"])}
+    return replace(given, driving=columns(given.driving), emergency=columns(given.emergency), signals=signals)
+
+
+def places(variant: str) -> list[Place]:
+    """The places that its cycles have."""
+    return [place for place in PLACES if variant == "lists" or not {*FLAGS} & {*place.at}]
 
 
 def complete(given: Cycle) -> Cycle:
