@@ -49,7 +49,7 @@ class _Together:
         """Whether all pass, of (..., rows, count)."""
         x = values if self.rows is None else values[..., self.rows, :]
         variables = (x[..., :-1], x[..., 1:]) if self.of == "step" else (x,)
-        return bool(np.all(self._function(*variables, *self._constants)))
+        return bool(self._function(*variables, *self._constants).all())
 
 
 class ColumnsChecker:

@@ -53,14 +53,22 @@ class Stack(NamedTuple):
     columns: Sequence[Columns]
 
 
-class _Copied(NamedTuple):
-    """The numbers of one case, as they stand in its data: by column, by element, in arrays, or in a record."""
+class _Alike(NamedTuple):
+    """Cases whose data is alike. order: how their numbers stand in it: by column, by element, in arrays, or in a record.
+
+    data, ids, places: of each case its numbers, what its elements are called, and its place.
+    """
 
     layout: Layout
     order: str
     size: int
-    data: Any
-    ids: tuple[str, ...]
+    data: list[Any]
+    ids: list[tuple[str, ...]]
+    places: list[int]
+
+
+#: A layout, how numbers stand, how many in a column, the numbers, and ids: see `_Alike`.
+_Copied = tuple[Layout, str, int, Any, tuple[str, ...]]
 
 
 class Stacks:
@@ -75,7 +83,7 @@ class Stacks:
         self._empty = reader.layout(reader.names.numbers, False) if self._fits else None
         self._last_ids: list[Any] = []
         self._ids: tuple[str, ...] = ()
-        self._waiting: dict[tuple[int, str, int], tuple[list[_Copied], list[int]]] = {}
+        self._waiting: dict[tuple[int, str, int], _Alike] = {}
 
     def clear(self) -> None:
         """Forget all cases."""
@@ -91,24 +99,29 @@ class Stacks:
             return False
         if copied is None:
             return False
-        key = id(copied.layout), copied.order, copied.size
-        cases, places = self._waiting.setdefault(key, ([], []))
-        cases.append(copied)
-        places.append(place)
+        layout, order, size, data, ids = copied
+        key = id(layout), order, size
+        alike = self._waiting.get(key)
+        if alike is None:
+            alike = self._waiting[key] = _Alike(layout, order, size, [], [], [])
+        alike.data.append(data)
+        alike.ids.append(ids)
+        alike.places.append(place)
         return True
 
     def finish(self) -> Iterator[Stack]:
         """The cases that were taken, and forget them."""
-        for cases, places in self._waiting.values():
-            stack = self._stacked(cases)
+        names = self._reader.names
+        for alike in self._waiting.values():
+            stack = self._stacked(alike)
             stack.flags.writeable = False
-            columns = []
-            for index, (one, values) in enumerate(zip(cases, stack)):
-                made = Columns(self._reader.names, values, None, one.ids)
-                made.absent = one.layout.absent
+            absent, columns = alike.layout.absent, []
+            for index, (values, ids) in enumerate(zip(stack, alike.ids)):
+                made = Columns(names, values, None, ids)
+                made.absent = absent
                 made.stack = stack, index
                 columns.append(made)
-            yield Stack(stack, places, columns)
+            yield Stack(stack, alike.places, columns)
         self._waiting = {}
 
     # Copies ---------------------------------------------------------------------------------------------------------
@@ -123,7 +136,7 @@ class Stacks:
 
     def _record(self, raw: dict[Any, Any], layout: Layout) -> _Copied | None:
         found = layout.pick(raw)
-        return _Copied(layout, "record", 1, found, ()) if _FLOATS.issuperset(map(type, found)) else None
+        return (layout, "record", 1, found, ()) if _FLOATS.issuperset(map(type, found)) else None
 
     def _columns(self, raw: dict[Any, Any], layout: Layout) -> _Copied | None:
         found = layout.pick(raw)
@@ -136,15 +149,15 @@ class Stacks:
             return None
         if kinds == _LISTS:
             data = floats(chain.from_iterable(found))
-            return None if data is None else _Copied(layout, "columns", count, data, ids)
+            return None if data is None else (layout, "columns", count, data, ids)
         if kinds != _ARRAYS:
             return None
         joined = np.concatenate(found, casting="no", dtype=np.float64)
-        return _Copied(layout, "arrays", count, joined, ids) if joined.ndim == 1 else None
+        return (layout, "arrays", count, joined, ids) if joined.ndim == 1 else None
 
     def _elements(self, raw: list[Any]) -> _Copied | None:
         if not raw:
-            return None if self._empty is None else _Copied(self._empty, "columns", 0, b"", ())
+            return None if self._empty is None else (self._empty, "columns", 0, b"", ())
         if set(map(type, raw)) != _DICTS:
             return None
         names = tuple(raw[0])
@@ -153,7 +166,7 @@ class Stacks:
             return None
         ids = self._ids_of([one["id"] for one in raw] if "id" in names else None, len(raw))
         data = floats(chain.from_iterable(map(layout.pick, raw)))
-        return None if ids is None or data is None else _Copied(layout, "elements", len(raw), data, ids)
+        return None if ids is None or data is None else (layout, "elements", len(raw), data, ids)
 
     def _ids_of(self, given: Any, count: int) -> tuple[str, ...] | None:
         """What elements are called; None where something may be wrong with that."""
@@ -180,29 +193,29 @@ class Stacks:
 
     # Arrays ---------------------------------------------------------------------------------------------------------
 
-    def _stacked(self, cases: Sequence[_Copied]) -> Floats:
+    def _stacked(self, alike: _Alike) -> Floats:
         """(cases, numbers, count), in SI, of cases that are alike."""
-        layout, order, count = cases[0][:3]
-        given = [one.data for one in cases]
+        layout, order, size, data = alike[:4]
+        cases, width = len(data), layout.width
         values: Floats
         match order:
             case "columns":
-                values = numbers(given).reshape(len(cases), -1 if count else len(layout.rows), count)
+                values = numbers(data).reshape(cases, width, size)
             case "elements":
-                values = numbers(given).reshape(len(cases), count, -1).transpose(0, 2, 1)
+                values = numbers(data).reshape(cases, size, width).transpose(0, 2, 1)
             case "arrays" | "record":
-                values = np.array(given).reshape(len(cases), len(layout.rows), count)
+                values = np.array(data).reshape(cases, width, size)
             case _:
                 raise AssertionError(f"numbers do not stand in {order}")
-        height = len(self._reader.names.numbers)
-        stack = np.empty((len(cases), height, count))
-        if len(layout.rows) == height:
-            stack[...] = values
+        if layout.rows is None:
+            stack = np.array(values)
         else:
+            stack = np.empty((cases, len(self._reader.names.numbers), size))
             stack[:, layout.rows] = values
             for row, value in layout.fills:
                 stack[:, row] = value
-        with np.errstate(all="ignore"):  # what becomes infinite is a fault
-            for row, up, down in layout.scaled:
-                stack[:, row] = stack[:, row] * up / down
+        if layout.scaled:
+            with np.errstate(all="ignore"):  # what becomes infinite is a fault
+                for row, up, down in layout.scaled:
+                    stack[:, row] = stack[:, row] * up / down
         return stack
