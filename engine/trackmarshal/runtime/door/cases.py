@@ -20,8 +20,8 @@ from trackmarshal.runtime.settings import SettingsReader
 #: What a case may hold.
 KEYS = frozenset({"id", "params", "tables", "places", "signals"})
 _SETTINGS = ("params", "tables", "places")
-#: Cases that are checked together.
-AT_ONCE = 256
+#: Cases that are checked together; as many as are evaluated together, so that evaluation finds their numbers in one array.
+AT_ONCE = 500
 _MISSING = "null stands for a missing value; numbers are in the declared unit"
 
 
