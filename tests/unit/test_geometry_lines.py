@@ -170,6 +170,13 @@ def test_the_centre_of_an_unusable_corridor_is_an_unusable_line() -> None:
     assert centre.fault is not None
 
 
+@pytest.mark.parametrize("closed", [False, True])
+def test_a_corridor_that_lacks_a_border_has_no_centre(closed: bool) -> None:
+    there: list[tuple[float, float]] = [(0.0, -1.0), (1.0, -1.0), (2.0, 3.0)]
+    for left, right in (([], there), (there, []), ([], [])):
+        assert Corridor(left, right, closed).centre.fault is not None
+
+
 def test_distances_from_the_paths_of_many_cases() -> None:
     path_x = np.array(
         [[0.0, 10.0, 10.0, np.nan], [5.0, 5.0, 7.0, 7.0], [0.0, np.nan, 1.0, 2.0], [3.0, 4.0, 5.0, 6.0]]

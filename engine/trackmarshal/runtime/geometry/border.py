@@ -109,6 +109,8 @@ class Border:
 
     def nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
         """The nearest segment to each point, of equally near ones the first, and its distance."""
+        if not x.size:
+            return np.empty(0, dtype=np.intp), np.empty(0)
         step = max(1, AT_ONCE // len(self.runs))
         parts = [self._nearest(x[at : at + step], y[at : at + step]) for at in range(0, x.size, step)]
         if len(parts) == 1:
