@@ -18,13 +18,14 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.options import choose_rules
 from trackmarshal.cli.output import dump, rule_json, say, table
-from trackmarshal.cli.project import optional_project
+from trackmarshal.cli.project import optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import open_regular
 from trackmarshal.units import written
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
+    from trackmarshal.ir.spec import Spec
     from trackmarshal.runtime.frame import Frame
     from trackmarshal.runtime.verdict import CaseResult
 
@@ -61,8 +62,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.evaluation import CHUNK, Evaluator, load
 
-    spec = load([Path(args.spec)], [Path(p) for p in args.settings], optional_project(args))
-    evaluator = Evaluator(spec, args.rule, args.backend)
+    project = optional_project(args)
+    spec = load([Path(args.spec)], [Path(p) for p in args.settings], project)
+    within = project if args.project is not None else project_of(Path(args.spec).parent) or project
+    evaluator = Evaluator(spec, args.rule, args.backend, lambda: _declared(spec, within))
     status = 0
     pending: list[tuple[object, Frame | TrackmarshalError]] = []
     read = 0
@@ -74,6 +77,14 @@ def run(args: argparse.Namespace) -> int:
     if read == 0:
         raise TrackmarshalError("D103", "there is no case in the data", file=args.data, help=_HELP)
     return max(status, _flush(pending, evaluator, args))
+
+
+def _declared(spec: Spec, project: Path | None) -> frozenset[str]:
+    """Names that data of a project may have, whichever of its specs declares them."""
+    from trackmarshal.cli.replay import project_specs
+    from trackmarshal.scenarios.fields import declared_names
+
+    return declared_names([spec, *project_specs(project)])
 
 
 def _cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Frame | TrackmarshalError]]:

@@ -144,10 +144,10 @@ def evaluator_for(
     evaluator = None if known is None else known.get(made_of)
     if evaluator is None:
         spec: Spec = load([spec_path, *more], [*used, *settings], project)
-        evaluator = Evaluator(spec, rules, backend, lambda: declared_names([spec, *_project_specs(within)]))
+        evaluator = Evaluator(spec, rules, backend, lambda: declared_names([spec, *project_specs(within)]))
         if known is not None:
             known[made_of] = evaluator
-    check_fields(recording, evaluator.spec, lambda: _project_specs(within))
+    check_fields(recording, evaluator.spec, lambda: project_specs(within))
     tables, _ = known_tables(recording, evaluator.spec)
     try:
         configured = evaluator.reader.settings({"params": recording.params, "tables": tables})
@@ -194,7 +194,7 @@ def _setting(name: str, recording: Recording, near: Path, project: Path | None) 
     )
 
 
-def _project_specs(project: Path | None) -> list[Spec]:
+def project_specs(project: Path | None) -> list[Spec]:
     """All specs of a project, for what they declare; whatever is wrong with them is said elsewhere."""
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.trace import requirements

@@ -1,0 +1,97 @@
+"""Names in the data of `eval`: what any spec of the project declares is fine, what nobody declares is an error with its line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import pytest
+
+from support.project import run_command
+
+SPEC = """module small
+signal plan : trajectory { t: s increasing, v: m/s }
+signal ego : state { x: m, age: s default 0 s }
+rule fast "Not too fast"
+  for all p in plan
+  require p.v <= 100 m/s
+rule fresh "Fresh"
+  require ego.age <= 1 s
+"""
+OTHER = """module other
+signal ego : state { omega: 1/s }
+signal weather : state { rain: 1 }
+event wet
+rule odd require ego.omega <= 1 1/s
+"""
+V_MODEL = "document: v-model\ntitle: small\nproject:\n  name: small\n  specs: [specs]\n  default_spec: specs/small.spec\n"
+GOOD: dict[str, Any] = {"plan": {"t": [0, 1], "v": [9, 0]}, "ego": {"x": 1, "age": 0}}
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    for name, text in {
+        "specs/small.spec": SPEC,
+        "specs/other.spec": OTHER,
+        "requirements/v-model.yaml": V_MODEL,
+    }.items():
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def evaluated(project: Path, *cases: dict[str, Any]) -> tuple[int, list[dict[str, Any]]]:
+    data = project / "cases.jsonl"
+    data.write_text("".join(json.dumps(case) + "\n" for case in cases), encoding="utf-8")
+    status, out, _ = run_command(
+        "eval", str(project / "specs" / "small.spec"), "--data", str(data), "--format", "jsonl"
+    )
+    return status, [json.loads(line) for line in out.splitlines()]
+
+
+def test_what_other_specs_of_the_project_declare_is_fine(project: Path) -> None:
+    signals = {**GOOD, "ego": {**GOOD["ego"], "omega": 7}, "weather": {"rain": 1}, "wet": True}
+    status, (line,) = evaluated(project, {"signals": signals})
+    assert (status, line["safe"]) == (0, True)
+
+
+@pytest.mark.parametrize(
+    ("case", "said", "meant"),
+    [
+        ({"signals": {**GOOD, "ego": {"x": 1, "Age": 9}}}, "ego: nothing declares `Age`", "age"),
+        ({"signals": {**GOOD, "ego": {"x": 1, "omegga": 9}}}, "ego: nothing declares `omegga`", ""),
+        ({"signals": {**GOOD, "wether": {}}}, "signals: nothing declares `wether`", ""),
+        ({"signals": GOOD, "PARAMS": {}}, "a case has no `PARAMS`", "params"),
+        ({"signals": GOOD, "zzz": 1}, "a case has no `zzz`", ""),
+        ({"data": GOOD}, "a case has no `data`", ""),
+    ],
+)
+def test_what_nobody_declares_is_named_with_its_line(
+    project: Path, case: dict[str, Any], said: str, meant: str
+) -> None:
+    status, lines = evaluated(project, {"signals": GOOD}, case, {"signals": GOOD})
+    assert status == 2
+    assert [line.get("safe") for line in lines] == [True, None, True]
+    error = lines[1]["error"]
+    assert (error["code"], error["line"]) == ("D203", 2)
+    assert error["message"] == said
+    assert f"`{meant}`" in error["help"] or not meant
+    assert error["help"]
+
+
+def test_other_specs_are_asked_only_where_a_name_is_new(project: Path) -> None:
+    (project / "specs" / "other.spec").write_text("module other\nthis is no spec\n", encoding="utf-8")
+    with mock.patch("trackmarshal.cli.replay.project_specs", side_effect=AssertionError):
+        assert evaluated(project, {"signals": GOOD})[0] == 0
+    assert evaluated(project, {"signals": {**GOOD, "wet": True}})[0] == 2
+
+
+def test_without_a_project_only_the_spec_itself_counts(tmp_path: Path) -> None:
+    (tmp_path / "specs").mkdir()
+    (tmp_path / "specs" / "small.spec").write_text(SPEC, encoding="utf-8")
+    (tmp_path / "specs" / "other.spec").write_text(OTHER, encoding="utf-8")
+    assert evaluated(tmp_path, {"signals": GOOD})[0] == 0
+    assert evaluated(tmp_path, {"signals": {**GOOD, "wet": True}})[0] == 2
