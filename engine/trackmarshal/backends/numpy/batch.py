@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from trackmarshal.backends.numpy.curves import Curve, Curves
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.frame import Columns, Frame
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -27,6 +27,8 @@ class Batch:
         self.size = len(cases)
         self.rank = rank
         self._curves = curves
+        self._own: dict[str, list[Columns]] = {}
+        self._runs: dict[str, list[Floats] | None] = {}
         self._counts: dict[str, list[int]] = {}
         self._sizes: dict[ir.Axis, int] = {}
         self._columns: dict[tuple[str, str], Floats] = {}
@@ -35,8 +37,10 @@ class Batch:
         self.prepared: dict[tuple[Any, ...], tuple[Any, Any]] = {}
         #: The prepared object of every case, or one that all share, by the place that it is for.
         self.owners: dict[ir.IR, list[Any]] = {}
-        #: Whether any case overrides a parameter.
-        self.overridden = any(case.settings.params for case in cases)
+        settings = list({id(case.settings): case.settings for case in cases}.values())
+        #: Whether any case overrides a parameter; a table.
+        self.overridden = any(one.params for one in settings)
+        self._tabled = any(one.tables for one in settings)
 
     # Values of cases ------------------------------------------------------------------------------------------
 
@@ -59,7 +63,9 @@ class Batch:
 
     def sample(self, signal: str, field: str, index: int) -> Any:
         """A field of one sample of every case's timeline."""
-        return self.per_case([case.columns[signal].column(field)[index] for case in self.cases])
+        if index in (0, -1):  # the last one is repeated up to the end
+            return self.table(signal, field)[:, index].reshape((self.size,) + (1,) * (self.rank - 1))
+        return self.per_case([columns.column(field)[index] for columns in self.own(signal)])
 
     def scalar(self, signal: str, field: str) -> Any:
         """A field of every case's record."""
@@ -72,6 +78,8 @@ class Batch:
     def curve(self, name: str) -> Callable[[Any], Any]:
         """A table: one function where all cases have the same."""
         own = self._curves[name]
+        if not self._tabled:
+            return own
         made: dict[Any, Curve] = {None: own}
         rows = []
         for case in self.cases:
@@ -86,11 +94,18 @@ class Batch:
 
     # Columns --------------------------------------------------------------------------------------------------
 
+    def own(self, signal: str) -> list[Columns]:
+        """The columns of every case."""
+        own = self._own.get(signal)
+        if own is None:
+            own = self._own[signal] = [case.columns[signal] for case in self.cases]
+        return own
+
     def counts(self, signal: str) -> list[int]:
         """How many samples or elements each case has."""
         counts = self._counts.get(signal)
         if counts is None:
-            counts = self._counts[signal] = [case.columns[signal].count for case in self.cases]
+            counts = self._counts[signal] = [columns.count for columns in self.own(signal)]
         return counts
 
     def lengths(self, signal: str) -> NDArray[np.intp]:
@@ -106,16 +121,36 @@ class Batch:
 
     def _stacked(self, signal: str, field: str) -> Floats:
         """The numbers of a column, of arrays that were put into one already where they were."""
-        own = [case.columns[signal] for case in self.cases]
+        own = self.own(signal)
         row = own[0].names.rows[field]
-        first = own[0].stack
-        if first is not None and len(first[0]) == len(own):
-            stack = first[0]
-            if all(
-                c.stack is not None and c.stack[0] is stack and c.stack[1] == i for i, c in enumerate(own)
-            ):
-                return stack[:, row]
-        return self._padded([columns.values[row] for columns in own], signal)
+        if signal not in self._runs:
+            self._runs[signal] = self._read_together(own)
+        runs = self._runs[signal]
+        if runs is None:
+            return self._padded([columns.values[row] for columns in own], signal)
+        return runs[0][:, row] if len(runs) == 1 else np.concatenate([run[:, row] for run in runs])
+
+    @staticmethod
+    def _read_together(own: Sequence[Columns]) -> list[Floats] | None:
+        """The arrays (cases, numbers, count) of runs of cases that were read together; None where those are few, or of many sizes."""
+        found: list[tuple[Floats, int, int]] = []
+        whole: Floats | None = None
+        first = following = 0
+        for columns in own:
+            if columns.stack is None:
+                return None
+            if columns.stack[0] is whole and columns.stack[1] == following:
+                following += 1
+                continue
+            if whole is not None:
+                found.append((whole, first, following))
+            whole, first = columns.stack
+            following = first + 1
+        assert whole is not None
+        found.append((whole, first, following))
+        if len(found) > 1 and (2 * len(found) > len(own) or len({run.shape[2] for run, _, _ in found}) > 1):
+            return None
+        return [run[begin:end] for run, begin, end in found]
 
     def _padded(self, rows: list[NDArray[Any]], signal: str) -> Floats:
         """(cases, longest)."""
@@ -131,7 +166,7 @@ class Batch:
 
     def flags(self, signal: str, field: str) -> Floats:
         """(cases, longest): a column of Booleans as 1, 0 and NaN for a missing value, padded."""
-        rows = [np.array(_codes(case.columns[signal].listed(field))) for case in self.cases]
+        rows = [np.array(_codes(columns.listed(field))) for columns in self.own(signal)]
         return self._padded(rows, signal)
 
     # Axes -----------------------------------------------------------------------------------------------------

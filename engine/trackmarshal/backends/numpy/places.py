@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from functools import cached_property
 from itertools import accumulate
 from typing import Any, assert_never
@@ -200,11 +200,37 @@ def _owners(batch: Batch, place: ir.Area | ir.Line) -> list[Any]:
     owners = batch.owners.get(place)
     if owners is None:
         prepare = _area if isinstance(place, ir.Area) else _line
-        owners = [prepare(batch, index, place) for index in range(batch.size)]  # type: ignore[arg-type]
-        if all(owner is owners[0] for owner in owners):
-            owners = owners[:1]
+        given = _given(batch, place)
+        if given.count(given[0]) == len(given):
+            owners = [prepare(batch, 0, place)]  # type: ignore[arg-type]
+        else:
+            made: dict[Any, Any] = {}
+            for index, data in enumerate(given):
+                if data not in made:
+                    made[data] = prepare(batch, index, place)  # type: ignore[arg-type]
+            owners = [made[data] for data in given]
         batch.owners[place] = owners
     return owners
+
+
+def _given(batch: Batch, place: ir.Area | ir.Line) -> list[Hashable]:
+    """What each case has that the object of a place is made from: the same for those that share it."""
+    name, cases = place.name, batch.cases
+    match place.kind:
+        case "zone" | "place":
+            own = batch.spec.places[name].points
+            return [id(case.settings.places.get(name, own)) for case in cases]
+        case "corridor" | "centre":
+            left, right = (name, "left"), (name, "right")
+            return [(id(c.lines[left]), id(c.lines[right]), c.closed.get(name, False)) for c in cases]
+        case "signal":
+            assert isinstance(place, ir.Line)
+            line = name, place.field
+            return [(id(case.lines[line]), case.closed.get(name, False)) for case in cases]
+        case "path":
+            return list(range(len(cases)))
+        case _:
+            assert_never(place.kind)
 
 
 def _keep(batch: Batch, key: tuple[Any, ...], owner: Any, make: Callable[[], Any]) -> Any:
