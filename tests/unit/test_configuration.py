@@ -90,10 +90,9 @@ IGNORED = {
 def test_what_would_not_be_in_force_is_refused(what: str, verb: str, spec: Path, tmp_path: Path) -> None:
     """A rule in a configuration demanded nothing, without a word."""
     needs = ("rule `slower`", "rulebook", "test of `slow`")
-    head = "module vehicle\nuse rules\n" if what in needs else "module vehicle\n"
-    (tmp_path / "vehicle.spec").write_text(
-        head + "param v_max : m/s = 4 m/s\n" + IGNORED[what], encoding="utf-8"
-    )
+    # What uses the spec sees its parameters, and declares none of them again.
+    head = "module vehicle\n" + ("use rules\n" if what in needs else "param v_max : m/s = 4 m/s\n")
+    (tmp_path / "vehicle.spec").write_text(head + IGNORED[what], encoding="utf-8")
     (tmp_path / "cases.jsonl").write_text('{"signals": {"plan": {"t": [0], "v": [1]}}}\n')
     arguments = {
         "eval": ["eval", str(spec), "--data", str(tmp_path / "cases.jsonl")],
@@ -105,14 +104,15 @@ def test_what_would_not_be_in_force_is_refused(what: str, verb: str, spec: Path,
     assert "error[E402]" in err, err
     assert "would not be in force" in err
     assert what in err
-    line = head.count("\n") + 2
+    line = head.count("\n") + 1
     assert f"vehicle.spec:{line}" in err
     assert "help: " in err
     assert not (tmp_path / "out").exists()
 
 
 def test_a_rule_in_a_module_that_a_configuration_uses_is_refused_too(spec: Path, tmp_path: Path) -> None:
-    (tmp_path / "more.spec").write_text(SPEC.replace("module rules", "module more").replace("slow", "slower"))
+    more = SPEC.replace("module rules", "module more").replace("slow", "slower").replace("v_max", "v_top")
+    (tmp_path / "more.spec").write_text(more)
     with pytest.raises(TrackmarshalError, match="E402") as caught:
         configured(spec, "use more\nparam v_max : m/s = 4 m/s\n")
     assert "more.spec" in str(caught.value.file)
