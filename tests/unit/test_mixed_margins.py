@@ -72,7 +72,7 @@ def test_other_margins_have_the_unit_of_what_decides(
     [
         (9, 20, "satisfied, margin 0 m/s", "reference: expected a margin in m/s, the comparison that decides is in m"),
         (9, 23, "satisfied, margin 3 m/s", "reference: expected a margin in m/s, the comparison that decides is in m"),
-        (9, 23, "satisfied, margin 0", "reference: expected margin 0, got 3.0 m"),
+        (9, 23, "satisfied, margin 0", "reference: expected margin 0 m, got 3 m"),
         (9, 20.5, "satisfied, margin about 0 within 1 m/s", "reference: expected a margin in m/s, the comparison that decides is in m"),
     ],
 )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -250,7 +251,11 @@ def test_a_widening_opens_and_closes() -> None:
 
 
 def declared(tmp_path: Path, name: str, old: str, new: str) -> Path:
-    text = (FOLDER / f"{name}.yaml").read_text("utf-8").replace("../tracks", str(SPECS / "tracks"))
+    text = (
+        (FOLDER / f"{name}.yaml")
+        .read_text("utf-8")
+        .replace("../tracks", os.path.relpath(SPECS / "tracks", tmp_path))
+    )
     assert old in text
     (tmp_path / "scene.yaml").write_text(text.replace(old, new), encoding="utf-8")
     return tmp_path / "scene.yaml"

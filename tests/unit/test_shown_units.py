@@ -185,7 +185,8 @@ def town(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         "candidates": {"driving": columns, "emergency": stop},
     }
     Path("run.tmrec.jsonl").write_text(json.dumps(head) + "\n" + json.dumps(made) + "\n")
-    case = {"id": 1, "signals": {"plan": columns}}
+    declared = {name: columns[name] for name in ("t", "x", "y", "heading", "v")}
+    case = {"id": 1, "signals": {"plan": declared}}
     Path("case.jsonl").write_text(json.dumps(case) + "\n")
 
 

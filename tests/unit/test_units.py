@@ -22,6 +22,7 @@ from trackmarshal.units import (
     UNITS,
     Dimension,
     from_si,
+    in_full,
     name,
     over,
     parse_shown,
@@ -31,7 +32,6 @@ from trackmarshal.units import (
     show,
     times,
     to_si,
-    written,
 )  # fmt: skip
 
 #: The exact factors to SI, written independently of the table under test.
@@ -180,4 +180,4 @@ def test_what_is_not_shown_is_refused() -> None:
     ],
 )  # fmt: skip
 def test_numbers_that_differ_are_written_differently(number: float, unit: str, text: str) -> None:
-    assert written(number, unit) == text
+    assert in_full(number, unit) == text

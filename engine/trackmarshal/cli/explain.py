@@ -74,6 +74,7 @@ def _verdict(args: argparse.Namespace) -> int:
     from trackmarshal.cli.replay import default_spec, evaluator_for, overruled
     from trackmarshal.scenarios import load
     from trackmarshal.scenarios.replay import known_tables
+    from trackmarshal.scenarios.supervised import frame_at
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
     settings = [Path(p) for p in args.settings]
@@ -86,15 +87,16 @@ def _verdict(args: argparse.Namespace) -> int:
         [args.rule],
         "reference",
     )
-    cycle = min(recording.cycles, key=lambda c: abs(c.t - args.at))
+    place, cycle = min(enumerate(recording.cycles), key=lambda entry: abs(entry[1].t - args.at))
     if not abs(cycle.t - args.at) <= 1e-6:  # NaN too
         raise TrackmarshalError(
             "E442", f"no cycle at t = {args.at:g} s", help=f"the nearest is at {cycle.t:g} s"
         )
     tables, _ = known_tables(recording, evaluator.spec)
+    frame = frame_at(recording, evaluator, tables, place)
     for candidate in [args.candidate] if args.candidate else list(cycle.candidates):
-        signals = recording.signals(cycle, candidate)
-        case = evaluator.read({"params": recording.params, "tables": tables, "signals": signals})
+        recording.signals(cycle, candidate)  # refuses a candidate that is not there
+        case = frame.of(candidate)
         values = Reference(evaluator.spec, case)
         rule = evaluator.rules[0]
         result = rule_result(rule, case, values, outcome(rule, case, values)[:2])

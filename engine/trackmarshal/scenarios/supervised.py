@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
@@ -73,6 +74,14 @@ def supervised(
         for cycle, judged in zip(chunk, found):
             clock.now = cycle.t
             yield cycle.t, judged, supervisor.step(cycle)
+
+
+def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int) -> Frame:
+    """One cycle, by its place in the recording, as rules see it in `supervised`; a candidate's part is `of` its name."""
+    door = rulebox(evaluator, recording.params, tables).supervisor(Limits.open_loop()).door
+    for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1):
+        frame = door.admit(-1, cycle, cycle.t).frame  # what came before counts
+    return shown(frame)
 
 
 class _Ahead:
