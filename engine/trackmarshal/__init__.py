@@ -4,13 +4,16 @@
 
     spec = tm.load(["specs/supervisor"])
     evaluator = tm.Evaluator(spec)
+    result = evaluator.case({"signals": {...}})  # one case
+    batch = evaluator.batch({"plan": {"t": t, "v": v}})  # arrays of many
+
     recording = tm.load_recording("specs/scenarios/cut_in.tmrec.jsonl")
     run = tm.replay(recording, evaluator)
 
     supervisor = tm.supervisor(spec, record="run.arrows")
     decision = supervisor.step(tm.Cycle(number, t, driving, emergency, signals))
 
-Importing this costs nothing: each name is imported when it is first used.
+docs/python.md shows each of them. Importing this costs nothing: each name is imported when it is first used.
 """
 
 from __future__ import annotations
@@ -19,9 +22,12 @@ import pkgutil
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from trackmarshal.batches import Batch
     from trackmarshal.errors import TrackmarshalError
-    from trackmarshal.evaluation import Evaluator, load
+    from trackmarshal.evaluation import Evaluator, load, loads
     from trackmarshal.runtime.cycle import Cycle, Limits
+    from trackmarshal.runtime.decision import Decision
+    from trackmarshal.runtime.door.lines import line
     from trackmarshal.scenarios import load as load_recording
     from trackmarshal.scenarios.replay import replay
     from trackmarshal.scenarios.supervised import cycles
@@ -30,17 +36,22 @@ if TYPE_CHECKING:
 __path__ = pkgutil.extend_path(__path__, __name__)
 __version__ = "0.1.0"
 __all__ = [
-    "Cycle", "Evaluator", "Limits", "TrackmarshalError", "cycles", "load", "load_recording", "replay", "supervisor",
+    "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "cycles", "line", "load", "load_recording", "loads", "replay",
+    "supervisor",
 ]  # fmt: skip
 
 _HOMES = {
+    "Batch": ("batches", "Batch"),
     "Cycle": ("runtime.cycle", "Cycle"),
+    "Decision": ("runtime.decision", "Decision"),
     "Evaluator": ("evaluation", "Evaluator"),
     "Limits": ("runtime.cycle", "Limits"),
     "TrackmarshalError": ("errors", "TrackmarshalError"),
     "cycles": ("scenarios.supervised", "cycles"),
+    "line": ("runtime.door.lines", "line"),
     "load": ("evaluation", "load"),
     "load_recording": ("scenarios", "load"),
+    "loads": ("evaluation", "loads"),
     "replay": ("scenarios.replay", "replay"),
     "supervisor": ("supervision", "supervisor"),
 }
@@ -53,3 +64,8 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, attribute = _HOMES[name]
     return getattr(import_module(f"{__name__}.{module}"), attribute)
+
+
+def __dir__() -> list[str]:
+    """The public names, whether they were used before or not."""
+    return sorted({*__all__, *(name for name in globals() if name.startswith("__"))})

@@ -17,6 +17,7 @@ from trackmarshal.runtime.program import Judged, Program, Rated
 from trackmarshal.runtime.verdict import CaseResult
 
 if TYPE_CHECKING:
+    from trackmarshal.batches import Batch
     from trackmarshal.semantics.compile import Compiled
     from trackmarshal.syntax import ast
 
@@ -43,6 +44,11 @@ CODES = {
     "E405": (
         "unknown backend",
         "Rules are evaluated by `numpy`, by the `reference`, by generated `c`, or by `auto`: generated C where it can be had, else numpy.",
+    ),
+    "E406": (
+        "a rule without margins by sample",
+        "Margins by sample are those of a rule that is evaluated `along` a timeline, or that asks something `for all` of its samples. "
+        "What asks for one sample, compares two numbers, or speaks of objects first has no margin of its own at each sample.",
     ),
     "E403": (
         "constraints of the spec do not hold",
@@ -99,6 +105,28 @@ class Evaluator:
     def read_all(self, raws: Iterable[object]) -> list[Frame]:
         """Cases from plain data in one go: the same as `read` of each, cheaper; raises TrackmarshalError."""
         return self.reader.read_all(raws)
+
+    def case(self, raw: object, series: bool = False) -> CaseResult:
+        """One case from plain data, `{"signals": {..}}`, and what the rules say of it, with witnesses; raises TrackmarshalError."""
+        (result,) = self.evaluate([self.read(raw)], series)
+        return result
+
+    def batch(
+        self, signals: Mapping[str, Any], shared: Mapping[str, Any] | None = None, params: Mapping[str, Any] | None = None,
+        tables: Mapping[str, Any] | None = None, places: Mapping[str, Any] | None = None,
+    ) -> Batch:  # fmt: skip
+        """Many cases as arrays, in declared units, and what the rules say of them.
+
+        signals: by signal and field, arrays with an axis for cases: (cases, samples) of timelines, (cases, elements) of sets, (cases,) of
+        records, and of events by themselves. A column without that axis, and a signal of which no column has it, is the same in all cases;
+        so is everything in `shared`, as a case has it. params, tables and places override the spec's; a parameter may be (cases,).
+        Cases pass the same door as by themselves. Raises TrackmarshalError: D202 to D205.
+        """
+        from trackmarshal.batches import Batch
+        from trackmarshal.runtime.door.arrays import ArraysReader
+
+        given = {"params": params, "tables": tables, "places": places}
+        return Batch(self, ArraysReader(self.reader).read(signals, shared, given), CHUNK)
 
     def evaluate(self, frames: Sequence[Frame], series: bool = False) -> Iterator[CaseResult]:
         """The results of cases, in order, with witnesses."""
@@ -201,7 +229,22 @@ def load(
     from trackmarshal.semantics.compile import compile_paths
 
     given = [paths] if isinstance(paths, (str, Path)) else list(paths)
-    compiled = compile_paths([Path(path) for path in given], shown_from)
+    return _configured(compile_paths([Path(path) for path in given], shown_from), configuration, shown_from)
+
+
+def loads(text: str, configuration: Iterable[str | Path] = (), shown_from: Path | None = None) -> Spec:
+    """Compile a spec that is a text, in messages `<text>`, with the values of configuration modules put in; raises Diagnostics.
+
+    It uses modules as a file of the current folder would: those below the folder, and those of the prelude.
+    """
+    from trackmarshal.semantics.compile import compile_text
+
+    if not isinstance(text, str):
+        raise TypeError(f"a spec is a text, not {type(text).__name__}; `load` reads files")
+    return _configured(compile_text(text, shown_from), configuration, shown_from)
+
+
+def _configured(compiled: Compiled, configuration: Iterable[str | Path], shown_from: Path | None) -> Spec:
     compiled.raise_errors()
     spec = compiled.spec
     for path in configuration:

@@ -11,6 +11,8 @@ from trackmarshal.files import read_regular
 
 #: The largest spec file that is read. 10,000 lines are about 0.6 MB.
 MAX_BYTES = 4_000_000
+#: What messages call a spec that comes from no file.
+TEXT = "<text>"
 
 CODES = {
     "E001": ("the file cannot be read", "The file does not exist, is a folder, a pipe or a device, or its permissions forbid reading it."),
@@ -152,6 +154,15 @@ def read(path: Path, shown: str | None = None) -> SourceFile:
         raise TrackmarshalError(
             "E001", f"cannot be read: {message}", file=name, help="check the path and its permissions"
         ) from error
+    return _within(name, data)
+
+
+def of_text(text: str, shown: str = TEXT) -> SourceFile:
+    """A text in memory as a spec file; raises E002 to E005."""
+    return _within(shown, text.encode("utf-8", "surrogatepass"))  # half a character is no UTF-8: E004
+
+
+def _within(name: str, data: bytes) -> SourceFile:
     if len(data) > MAX_BYTES:
         message = f"the file is larger than {MAX_BYTES // 1_000_000} MB"
         raise TrackmarshalError("E002", message, file=name, help="split it into modules, if it is a spec")

@@ -36,15 +36,17 @@ def test_the_page_speaks_of_every_place_and_of_no_other() -> None:
 class Run:
     """A Supervisor that gets one cycle after the other, numbered as it wants them."""
 
-    def __init__(self, backend: str) -> None:
+    def __init__(self, backend: str, variant: str = "lists") -> None:
         self.now = self.number = 0
+        self.variant = variant
         self.supervisor = supervisor(
-            typed.spec(), backend=backend, limits=typed.LIMITS, clock=lambda: float(self.now)
+            typed.spec(variant), backend=backend, limits=typed.LIMITS, clock=lambda: float(self.now)
         )
 
     def step(self, change: Callable[[Cycle], Cycle]) -> Decision:
         self.now += 1
-        decision = self.supervisor.step(change(typed.complete(typed.cycle(self.number, float(self.now)))))
+        given = change(typed.complete(typed.cycle(self.number, float(self.now), self.variant)))
+        decision = self.supervisor.step(typed.arrayed(given) if self.variant == "arrays" else given)
         if not any(fault.signal == "cycle" for fault in decision.faults):
             self.number += 1
         return decision
@@ -59,14 +61,15 @@ def said(decision: Decision) -> tuple[Any, ...]:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("variant", typed.VARIANTS)
 @pytest.mark.parametrize("what", TABLE)
-def test_a_line_of_the_table(what: str, backend: str) -> None:
+def test_a_line_of_the_table(what: str, variant: str, backend: str) -> None:
     taken, refused = TABLE[what]
-    run = Run(backend)
+    run = Run(backend, variant)
     plain = said(run.step(lambda given: given))
     assert said(run.step(typed.records)) == plain
     for example in typed.EXAMPLES[what]:
-        for place in typed.PLACES:
+        for place in typed.places(variant):
             handed: list[Any] = []
 
             def put(given: Cycle, place: typed.Place = place, example: typed.Example = example) -> Cycle:
@@ -88,8 +91,9 @@ def test_a_line_of_the_table(what: str, backend: str) -> None:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-def test_what_is_left_out_is_counted_or_has_its_default(backend: str) -> None:
-    run = Run(backend)
+@pytest.mark.parametrize("variant", typed.VARIANTS)
+def test_what_is_left_out_is_counted_or_has_its_default(variant: str, backend: str) -> None:
+    run = Run(backend, variant)
     plain = said(run.step(lambda given: given))
 
     def without(given: Cycle) -> Cycle:

@@ -29,8 +29,8 @@ class Taped(Stepper):
         self.limits = limits
 
     def step(self, number: Any, t: Any, now: float, columns: Sequence[Columns | None], lines: Sequence[Line], closed: Any = (),
-             events: Any = (), found: Any = ()) -> Said:  # fmt: skip
-        said = super().step(number, t, now, columns, lines, closed, events, found)
+             events: Any = (), found: Any = (), arena: Any = None) -> Said:  # fmt: skip
+        said = super().step(number, t, now, columns, lines, closed, events, found, arena)
         self._write(found, said)
         for entry in columns:
             if entry is not None:

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door.lines import line
@@ -62,26 +62,36 @@ rule near "Near the border"
 rule dry "Dry"
   require not wet
 """
+#: The same in SI, of numbers alone: what is read in one go where it is arrays and floats.
+_PLAIN = {
+    "% in [0, 150] default 100 %": "1 in [0, 150] default 100", ", ready: bool": "", ", seen: bool": "", ", on: bool": "", "km/h": "m/s",
+    "gap: ms": "gap: s", " and p.ready": "", " and car.on": "", " and o.seen": "", "<= 60 m/s": "<= 6000 m/s",
+}  # fmt: skip
+FLAGS = ("ready", "seen", "on")
+VARIANTS = ("lists", "arrays")
 LIMITS = Limits(
     samples=8, elements=4, border=8, longest_gap=1e9, oldest=1e9, clock_tolerance=1e9, budget=1e9, apart=1e9, turned=1e9, blind=1e9
 )  # fmt: skip
 
 
 @cache
-def spec() -> Spec:
+def spec(variant: str = "lists") -> Spec:
+    """The spec; for `arrays`, the one in SI without Booleans."""
+    text = TEXT
+    for old, new in _PLAIN.items() if variant == "arrays" else ():
+        assert old in text, old
+        text = text.replace(old, new)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "types.spec"
-        path.write_text(TEXT, encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
         return load([path])
 
 
-@cache
-def evaluator(backend: str) -> Evaluator:
-    return Evaluator(spec(), None, backend)
+def cycle(number: int, t: float, variant: str = "lists") -> Cycle:
+    """A flawless and safe cycle of plain lists and dicts of Python's own numbers: small and whole, every type holds them.
 
-
-def cycle(number: int, t: float) -> Cycle:
-    """A flawless and safe cycle of plain lists, tuples and dicts of Python's own numbers: small and whole, every type holds them."""
+    For `arrays` without Booleans, and to be handed through `arrayed`.
+    """
     driving = {
         "t": [0.0, 1.0, 2.0], "x": [0.0, 1.0, 2.0], "y": [0.0, 0.0, 1.0], "heading": [0.0, 0.0, 1.0], "v": [1.0, 1.0, 0.0],
         "ready": [True, True, True],
@@ -100,6 +110,10 @@ def cycle(number: int, t: float) -> Cycle:
         "border": [[0.0, 0.0], [9.0, 9.0]],
         "wet": False,
     }
+    if variant == "arrays":
+        for held in (driving, signals["car"], signals["objects"]):
+            for name in FLAGS:
+                held.pop(name, None)  # type: ignore[attr-defined]
     for name in ("left", "right"):
         signals["track"][name] = [
             [x - 50.0, y if name == "left" else -9.0] for x, y in signals["track"][name]
@@ -167,6 +181,28 @@ PLACES = (
 )  # fmt: skip
 
 
+def arrayed(given: Cycle) -> Cycle:
+    """With arrays for lists of floats, as most cycles come."""
+
+    def columns(held: Any) -> Any:
+        if type(held) is not dict:
+            return held
+        return {
+            name: np.array(c) if type(c) is list and set(map(type, c)) <= {float} else c
+            for name, c in held.items()
+        }
+
+    signals = given.signals
+    if type(signals) is dict and "objects" in signals:
+        signals = {**signals, "objects": columns(signals["objects"])}
+    return replace(given, driving=columns(given.driving), emergency=columns(given.emergency), signals=signals)
+
+
+def places(variant: str) -> list[Place]:
+    """The places that its cycles have."""
+    return [place for place in PLACES if variant == "lists" or not {*FLAGS} & {*place.at}]
+
+
 def complete(given: Cycle) -> Cycle:
     """With every place there: the column that may be left to its default too."""
     return replace(given, emergency={**given.emergency, "grip": [100.0, 100.0, 100.0]})
@@ -181,7 +217,8 @@ def records(given: Cycle) -> Cycle:
 
 def based(given: Cycle, place: Place) -> Cycle:
     """The cycle in the form in which it has the place."""
-    return records(given) if "objects" in place.at and type((*place.at, "")[2]) is int else given
+    of_records = "objects" in place.at and type((*place.at, "")[2]) is int
+    return records(given) if of_records and isinstance(given.signals["objects"], dict) else given
 
 
 def content(given: Cycle, place: Place) -> Any:
@@ -193,15 +230,19 @@ def content(given: Cycle, place: Place) -> Any:
 
 
 def put(given: Cycle, place: Place, value: Any) -> Cycle:
-    """The cycle with something else at a place."""
-    made = copy.deepcopy(based(given, place))
+    """A copy of the cycle with something else at a place."""
+    return replaced(copy.deepcopy(based(given, place)), place, value)
+
+
+def replaced(given: Cycle, place: Place, value: Any) -> Cycle:
+    """The cycle with something else at a place, in the dicts and lists that it has."""
     if len(place.at) == 1:
-        return replace(made, **{place.at[0]: value})
-    holder = getattr(made, place.at[0])
+        return replace(given, **{place.at[0]: value})
+    holder = getattr(given, place.at[0])
     for step in place.at[1:-1]:
         holder = holder[step]
     holder[place.at[-1]] = value
-    return made
+    return given
 
 
 # The page ---------------------------------------------------------------------------------------------------------

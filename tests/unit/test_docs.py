@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+import trackmarshal as tm
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.scenarios import load
 from trackmarshal.scenarios.supervised import cycles
@@ -47,6 +48,37 @@ def test_programs_run(
     assert "previous_emergency" in said
     assert "safe_gap violated" in said
     assert "emergency of" in said
+
+
+def test_the_page_about_python(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The programs of docs/python.md, one after the other; what they say is what the page says, and the picture is the page's."""
+    plt = pytest.importorskip("matplotlib.pyplot", reason="draws the page's picture")
+    plt.switch_backend("agg")
+    page = (ROOT / "docs" / "python.md").read_text("utf-8")
+    (tmp_path / "specs").symlink_to(ROOT / "specs")
+    monkeypatch.chdir(tmp_path)
+    scope: dict[str, Any] = {}
+    said = []
+    for program in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
+        exec(compile(program, "docs/python.md", "exec"), scope)
+        said += capsys.readouterr().out.splitlines()
+    assert re.findall(r"It prints `(.*?)`", page) == [said[1]]
+    assert said[-1] == "safe_gap is violated from t = 10.4 s to 12.1 s"
+    assert "t = 10.4: previous_emergency" in said
+    margins, batch = scope["margins"], scope["batch"]
+    assert ((margins < 0).any(axis=1) == (batch.verdicts["friction"] == "violated")).all()
+    assert 0 < batch.safe.sum() < len(batch)
+    assert scope["cycle_of"](0, 0.0, {}, {}, {}, []).signals["track"]["left"] is scope["left"]
+    drawn, shown = plt.imread("margins.png"), plt.imread(ROOT / "docs" / "pictures" / "margins.png")
+    assert drawn.shape == shown.shape
+    assert abs(drawn - shown).mean() < 0.01  # other versions set letters otherwise
+
+
+def test_the_page_about_python_names_all_of_it() -> None:
+    page = (ROOT / "docs" / "python.md").read_text("utf-8")
+    assert [name for name in tm.__all__ if f"`{name}`" not in page] == []
 
 
 def test_the_readme_supervises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -51,7 +51,8 @@ class Columns:
         self.ids = ids
         self.absent: frozenset[str] = frozenset()
         self.stack: tuple[Floats, int] | None = None
-        self._listed: dict[str, list[Any]] = {}
+        #: Made when first asked for: of many frames, most are never asked.
+        self._listed: dict[str, list[Any]] | None = None
 
     def column(self, name: str) -> NDArray[Any]:
         """(count,) of a field; the array is the frame's own. Raises KeyError where there is none."""
@@ -63,6 +64,8 @@ class Columns:
 
     def listed(self, name: str) -> list[Any]:
         """The same as Python's numbers, or True, False and None."""
+        if self._listed is None:
+            self._listed = {}
         found = self._listed.get(name)
         if found is None:
             found = self.column(name).tolist()

@@ -78,6 +78,13 @@ def compile_paths(paths: Iterable[Path], shown_from: Path | None = None) -> Comp
     return _Compiler(library, asked).run()
 
 
+def compile_text(text: str, shown_from: Path | None = None) -> Compiled:
+    """The same for a text in memory, which uses modules as a file of the current folder would."""
+    library = Library(shown_from)
+    asked = library.load_text(text)
+    return _Compiler(library, asked).run()
+
+
 class _Compiler:
     def __init__(self, library: Library, asked: tuple[str, ...]) -> None:
         self.library = library
@@ -477,4 +484,4 @@ def _inside(value: float, lower: float | None, upper: float | None) -> bool:
     return (lower is None or value >= lower) and (upper is None or value <= upper) and not math.isnan(value)
 
 
-__all__ = ["Compiled", "compile_paths", "describe"]
+__all__ = ["Compiled", "compile_paths", "compile_text", "describe"]

@@ -13,7 +13,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import below
 from trackmarshal.node import Node
 from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
-from trackmarshal.source import SourceFile, Span, read
+from trackmarshal.source import TEXT, SourceFile, Span, of_text, read
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.names import spelled
 from trackmarshal.syntax.trees import parse_kept
@@ -66,6 +66,17 @@ class Library:
                     names.append(module.name)
         return tuple(dict.fromkeys(names))
 
+    def load_text(self, text: str) -> tuple[str, ...]:
+        """Load a text with what it uses, as a file of the current folder would; its spans name `<text>`."""
+        path = Path.cwd() / TEXT
+        try:
+            file = of_text(text)
+        except TrackmarshalError as error:
+            self.failures.append(error)
+            return ()
+        module = self._with_uses(path, file)
+        return () if module is None else (module.name,)
+
     def order(self, names: Iterable[str]) -> tuple[str, ...]:
         """All modules that these need, each after those that it uses; circles are reported and cut."""
         done: dict[str, bool] = {}
@@ -109,13 +120,17 @@ class Library:
         )
 
     def _load_file(self, path: Path) -> LoadedModule | None:
-        pending = [path]
+        return self._with_uses(path, None)
+
+    def _with_uses(self, path: Path, file: SourceFile | None) -> LoadedModule | None:
+        """The module of a path, or of a file that was read already, and all that it uses."""
+        pending: list[tuple[Path, SourceFile | None]] = [(path, file)]
         used: list[tuple[ast.Use, Path]] = []
         while pending:
-            current = pending.pop()
+            current, own = pending.pop()
             if _real(current) in self._by_path:
                 continue
-            module = self._read(current)
+            module = self._read(current, own)
             self._by_path[_real(current)] = module
             if module is None:
                 continue
@@ -123,7 +138,7 @@ class Library:
             for use in module.uses:
                 target = module_path(use.name, root)
                 if target.is_file():
-                    pending.append(target)
+                    pending.append((target, None))
                     used.append((use, target))
                 else:
                     self._missing(use, target, root)
@@ -131,9 +146,9 @@ class Library:
             self._misnamed(use, target)
         return self._by_path[_real(path)]
 
-    def _read(self, path: Path) -> LoadedModule | None:
+    def _read(self, path: Path, file: SourceFile | None) -> LoadedModule | None:
         try:
-            file = read(path, self._shown(path))
+            file = read(path, self._shown(path)) if file is None else file
         except TrackmarshalError as error:
             self.failures.append(error)
             return None
@@ -144,7 +159,7 @@ class Library:
         broken = _broken(file, tree) if found else {}
         if not names:
             if "module" not in broken.values():
-                hint = f"start it with `module {path.stem}`"
+                hint = f"start it with `module {'NAME' if file.path == TEXT else path.stem}`"
                 self.found.append(ModuleName(top, "the file does not say which module it is", hint))
             name = path.stem
         else:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from typing import Any
-
-import numpy as np
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
@@ -14,15 +12,16 @@ from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.checking import FrameChecker
 from trackmarshal.runtime.door.columns import suggested
 from trackmarshal.runtime.door.reading import SignalsReader, known
+from trackmarshal.runtime.door.stacks import Stacks
 from trackmarshal.runtime.faults import Fault, name_of
-from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.settings import SettingsReader
 
 #: What a case may hold.
 KEYS = frozenset({"id", "params", "tables", "places", "signals"})
 _SETTINGS = ("params", "tables", "places")
-#: Cases that are checked together.
-AT_ONCE = 256
+#: Cases that are checked together; as many as are evaluated together, so that evaluation finds their numbers in one array.
+AT_ONCE = 500
 _MISSING = "null stands for a missing value; numbers are in the declared unit"
 
 
@@ -39,17 +38,18 @@ class CasesReader:
     ) -> None:  # fmt: skip
         self.contract = of_cases(spec, reads)
         self._settings = SettingsReader(spec)
-        self._reader = SignalsReader(self.contract, spelt=True)
+        self.reader = SignalsReader(self.contract, spelt=True)
+        self._stacks = {name: Stacks(reader) for name, reader in self.reader.columns.items()}
         self._checker = FrameChecker(self.contract)
         self._declared, self._broken = declared, broken
         self._own: Settings | None = None
-        self._orders = frozenset(
+        self.orders = frozenset(
             (signal.name, field.name)
             for signal in self.contract.signals
             for field in signal.fields_
             if any(check.kind.of == "step" for check in field.checks)
         )
-        self._ordered = {signal for signal, _ in self._orders}
+        self._ordered = {signal for signal, _ in self.orders}
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError D201 to D204."""
@@ -59,24 +59,33 @@ class CasesReader:
         """Cases from plain data, in order; raises what the first of them that cannot be read raises."""
         frames: list[Frame] = []
         chunk: list[Frame] = []
+        for stacks in self._stacks.values():
+            stacks.clear()
         for raw in raws:  # each is read before the next is asked for: it may be made in the same memory
-            chunk.append(self._structure(raw))
+            chunk.append(self._structure(raw, len(chunk)))
             if len(chunk) == AT_ONCE:
                 frames += self._checked(chunk)
                 chunk = []
         return frames + self._checked(chunk)
 
     def _checked(self, chunk: list[Frame]) -> list[Frame]:
-        passed = self._together(chunk)
-        for frame in chunk:
-            broken = {f.signal for f in frame.faults}
-            self._checker.check_signals(frame, broken, frame.faults, passed)
-            for name in broken & self._ordered:
-                # A column that is missing says nothing of the others; without order in time, none of them means anything.
-                found: list[Fault] = []
-                self._checker.columns[name].check(frame.columns[name], found)
-                frame.faults += [fault for fault in found if name_of(fault) == "not_increasing"]
+        for frame, passed in zip(chunk, self._together(chunk)):
+            self.check(frame, passed)
         return chunk
+
+    def check(self, frame: Frame, passed: Set[str] = frozenset()) -> None:
+        """Add what is wrong with the values of a frame to its faults; signals that have `passed` already are left out."""
+        broken = {f.signal for f in frame.faults}
+        self._checker.check_signals(frame, broken, frame.faults, passed)
+        for name in broken & self._ordered:
+            # A column that is missing says nothing of the others; without order in time, none of them means anything.
+            found: list[Fault] = []
+            self._checker.columns[name].check(frame.columns[name], found)
+            frame.faults += [fault for fault in found if name_of(fault) == "not_increasing"]
+
+    def fine(self, name: str, stack: Any, count: int, flags: Any = None) -> bool:
+        """Whether nothing is wrong with a signal of columns in many frames: (frames, numbers, count), (frames, flags, count)."""
+        return self._checker.columns[name].all_fine(stack, count, flags)
 
     def settings(self, data: Mapping[str, Any]) -> Settings:
         """Overrides from plain data, with the constraints that do not hold with them; raises TrackmarshalError."""
@@ -88,7 +97,7 @@ class CasesReader:
         read = self._settings.read(data)
         return Settings(read.params, read.tables, read.places, self._broken(read))
 
-    def _structure(self, raw: object) -> Frame:
+    def _structure(self, raw: object, place: int) -> Frame:
         if not isinstance(raw, Mapping):
             help_ = 'write {"id": 1, "signals": {...}}'
             raise TrackmarshalError("D201", f"the case is an object, not {values.worded(raw)}", help=help_)
@@ -103,36 +112,34 @@ class CasesReader:
             raise TrackmarshalError(
                 "D202", f"`signals` is an object, not {values.worded(signals)}", help=help_
             )
-        frame = Frame(raw.get("id"), self.settings(raw), orders=self._orders)
+        frame = Frame(raw.get("id"), self.settings(raw), orders=self.orders)
         given = signals if type(signals) is dict else dict(signals)
-        self._reader.refuse_unknown(given, frame.faults, self.contract.known)
-        self._reader.read(given, frame, frame.faults)
-        if any(name_of(fault) == "unknown" for fault in frame.faults):
-            also = self._declared()
-            frame.faults = [fault for fault in frame.faults if not known(fault, also)]
-        for fault in frame.faults:
-            _refuse(fault)
+        self.reader.refuse_unknown(given, frame.faults, self.contract.known)
+        self.reader.read_later(given, frame, frame.faults, self._stacks, place)
+        frame.faults = self.refused(frame.faults)
         return frame
 
-    def _together(self, frames: Sequence[Frame]) -> frozenset[str]:
-        """Put the numbers of all frames into one array a signal, where they have the same size; which signals passed all checks."""
-        passed = set()
-        if len(frames) < 2:
-            return frozenset()
-        for name in self._reader.columns:
-            own = [frame.columns[name] for frame in frames]
-            first = own[0]
-            if first.flags is not None or any(columns.count != first.count for columns in own):
-                continue
-            stack = np.array([columns.values for columns in own])
-            if not self._checker.columns[name].all_fine(stack, first.count):
-                continue
-            stack.flags.writeable = False
-            for place, (frame, columns) in enumerate(zip(frames, own)):
-                frame.columns[name] = made = Columns(columns.names, stack[place], None, columns.ids)
-                made.stack = stack, place
-            passed.add(name)
-        return frozenset(passed)
+    def refused(self, faults: list[Fault]) -> list[Fault]:
+        """Faults of structure without those of names that are known after all; raises for what makes a case unreadable."""
+        if any(name_of(fault) == "unknown" for fault in faults):
+            also = self._declared()
+            faults = [fault for fault in faults if not known(fault, also)]
+        for fault in faults:
+            _refuse(fault)
+        return faults
+
+    def _together(self, frames: Sequence[Frame]) -> list[set[str]]:
+        """Put columns in place that were read together; which signals of each frame passed all checks by that."""
+        passed: list[set[str]] = [set() for _ in frames]
+        for name, stacks in self._stacks.items():
+            checker = self._checker.columns[name]
+            for stack, places, columns in stacks.finish():
+                fine = checker.all_fine(stack, stack.shape[2])
+                for place, made in zip(places, columns):
+                    frames[place].columns[name] = made
+                    if fine:
+                        passed[place].add(name)
+        return passed
 
 
 def _refuse(fault: Fault) -> None:

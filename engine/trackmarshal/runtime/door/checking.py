@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from typing import Any
 
 import numpy as np
@@ -49,7 +49,7 @@ class _Together:
         """Whether all pass, of (..., rows, count)."""
         x = values if self.rows is None else values[..., self.rows, :]
         variables = (x[..., :-1], x[..., 1:]) if self.of == "step" else (x,)
-        return bool(np.all(self._function(*variables, *self._constants)))
+        return bool(self._function(*variables, *self._constants).all())
 
 
 class ColumnsChecker:
@@ -74,9 +74,13 @@ class ColumnsChecker:
             and all(kind.hold(columns.flags) for kind in self._flags)
         )
 
-    def all_fine(self, stack: Any, count: int) -> bool:
-        """Whether nothing is wrong with the numbers of many frames, (frames, numbers, count)."""
-        return all(check(count) for check in self._counts) and all(kind.hold(stack) for kind in self._numbers)
+    def all_fine(self, stack: Any, count: int, flags: Any = None) -> bool:
+        """Whether nothing is wrong with many frames: their numbers (frames, numbers, count), and flags, where there are any."""
+        return (
+            all(check(count) for check in self._counts)
+            and all(kind.hold(stack) for kind in self._numbers)
+            and (flags is None or all(kind.hold(flags) for kind in self._flags))
+        )
 
     def check(self, columns: Columns, faults: list[Fault]) -> None:
         """Add what is wrong: the first entry of every kind in every field."""
@@ -165,7 +169,7 @@ class FrameChecker:
                 self.candidates[name].check(columns, faults)
 
     def check_signals(
-        self, frame: Frame, found: set[str], faults: list[Fault], passed: frozenset[str] = frozenset()
+        self, frame: Frame, found: set[str], faults: list[Fault], passed: Set[str] = frozenset()
     ) -> None:
         """All others, in the order of the contract; those that have `passed` already are left out."""
         for signal in self._order:

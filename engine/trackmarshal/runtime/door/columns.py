@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from itertools import chain
 from operator import itemgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,25 @@ from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import Columns, Names
 from trackmarshal.units import parse_unit
 
+Ints = NDArray[np.intp]
+
 _ARRAYS, _LISTS = {np.ndarray}, {list}
 _FLOATS = {float, np.float64}
+
+
+class Layout(NamedTuple):
+    """What data of certain names, all of them declared, says of a signal.
+
+    pick: the numbers that are there, in order, of a dict; width: how many; rows: which those are, None for all; fills: the others with what stands for them, in SI;
+    scaled: rows that are there with the numbers that bring them to SI, up and down; absent: see `Columns`.
+    """
+
+    pick: Callable[[dict[Any, Any]], tuple[Any, ...]]
+    width: int
+    rows: slice | Ints | None
+    fills: list[tuple[int, float]]
+    scaled: list[tuple[int, float, float]]
+    absent: frozenset[str]
 
 
 class ColumnsReader:
@@ -104,6 +122,26 @@ class ColumnsReader:
         fits = type(ids) is list and {str}.issuperset(map(type, ids)) and ids == self._last_ids
         return self._ids if fits else None
 
+    def layout(self, names: Sequence[Any], each: bool) -> Layout | None:
+        """What data of these names says, if its values are as they should be; None where a name is wrong, or a number missing.
+
+        each: they are the names of each element of a set.
+        """
+        there = [name for name in self.names.numbers if name in names]
+        others = [name for name in self.names.numbers if name not in names]
+        left_out = self._defaults.keys() if each else self._defaults.keys() | self._spared
+        if not there or not self.known.issuperset(names) or not left_out >= set(others):
+            return None
+        (first, *more), rows = there, self.names.rows
+        return Layout(
+            itemgetter(*there) if more else lambda data: (data[first],),
+            len(there),
+            None if not others else _rows([rows[name] for name in there]),
+            [(rows[name], self._defaults.get(name, math.nan)) for name in others],
+            [one for one in self._scaled if self.names.numbers[one[0]] in there],
+            frozenset(name for name in others if name not in self._defaults),
+        )
+
     def nothing(self) -> Columns:
         """One entry of nothing: whatever reads it is undefined."""
         return self._columns(
@@ -163,7 +201,7 @@ class ColumnsReader:
             faults.append(fault("missing", self.label, "", None, "it is not there"))
             return self.nothing()
         left_out: dict[str, list[int]] = {}
-        if self.signal.form == SET and isinstance(raw, list | tuple):
+        if self.signal.form == SET and values.is_a(raw, (list, tuple)):
             data, left_out = self._records(raw, faults)
         else:
             data = values.mapping(raw)
@@ -257,8 +295,8 @@ class ColumnsReader:
             lengths["id"] = len(ids)
         if self.signal.form != RECORD:
             for name in self._unread:
-                column = data.get(name)
-                if isinstance(column, list | tuple | np.ndarray) and getattr(column, "ndim", 1) == 1:
+                column: Any = data.get(name)
+                if values.is_a(column, (list, tuple, np.ndarray)) and getattr(column, "ndim", 1) == 1:
                     lengths[name] = len(column)
         return lengths
 
@@ -306,6 +344,12 @@ class ColumnsReader:
             if name not in self._defaults:
                 columns.setdefault(name, [])  # of no records
         return columns, {name: places for name, places in left_out.items() if places}
+
+
+def _rows(places: list[int]) -> slice | Ints:
+    """Rows of an array, in the way that is read fastest."""
+    first, last = places[0], places[-1]
+    return slice(first, last + 1) if last - first == len(places) - 1 else np.array(places)
 
 
 #: Names that nothing declares for which something else is suggested; a flood of them takes no time.

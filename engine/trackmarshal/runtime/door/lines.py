@@ -70,7 +70,7 @@ class LineReader:
                 last = self._last if content == self._content else self._known_as(("array", content))
                 return self._remember(last, raw if kind is np.ndarray and _frozen(raw) else None, content)
             raw = raw.tolist()
-        if not isinstance(raw, list | tuple):
+        if not values.is_a(raw, (list, tuple)):
             raise NoLineError("wrong_type", None, "not a list of points")
         return self._remember(self._known_as(_content(raw), raw), None, None)
 

@@ -5,15 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.at_once import AtOnce
 from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
+from trackmarshal.runtime.door.stacks import Stacks
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
-from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Names, Settings
+
+#: Columns that are still to come.
+LATER = Columns(Names(()), np.zeros((0, 0)))
 
 
 class LinesReader:
@@ -78,19 +84,30 @@ class SignalsReader:
             frame.columns[name] = reader.read(raw.get(name), faults)
         self.read_others(raw, frame, faults)
 
+    def read_later(
+        self, raw: dict[Any, Any], frame: Frame, faults: list[Fault], stacks: dict[str, Stacks], place: int
+    ) -> None:
+        """The same, but that columns may be left to `stacks`, where this frame has a place."""
+        for name, reader in self.columns.items():
+            one = raw.get(name)
+            # Signals are in order, also where the columns come later.
+            frame.columns[name] = LATER if stacks[name].take(one, place) else reader.read(one, faults)
+        self.read_others(raw, frame, faults)
+
     def read_others(self, raw: dict[Any, Any], frame: Frame, faults: list[Fault]) -> None:
         """Put lines and events into a frame."""
         for name, lines in self.lines.items():
             lines.read(raw.get(name), frame, faults)
         for name in self.events:
-            frame.events[name] = self._event(name, raw.get(name), faults)
+            frame.events[name] = self.event(name, raw.get(name), faults)
 
     def refuse_unknown(self, raw: dict[Any, Any], faults: list[Fault], known: frozenset[str]) -> None:
         """Faults of signals that nothing declares."""
         refuse_unknown("signals", [raw], known, faults)
 
     @staticmethod
-    def _event(name: str, raw: Any, faults: list[Fault]) -> int:
+    def event(name: str, raw: Any, faults: list[Fault]) -> int:
+        """An event as 1, 0, and -1 for a missing one."""
         found = values.flag(raw)
         if raw is None:
             faults.append(fault("missing", name, "", None, "it is not there"))

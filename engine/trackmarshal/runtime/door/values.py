@@ -29,7 +29,12 @@ class WrongTypeError(Exception):
         self.message, self.index, self.name = message, index, name
 
 
-def number(value: object, spelt: bool = False) -> float | None:
+def is_a(value: object, kinds: type | tuple[type, ...]) -> bool:
+    """Whether an object is of one of these classes, whatever it says of itself."""
+    return issubclass(type(value), kinds)
+
+
+def number(value: Any, spelt: bool = False) -> float | None:
     """A number as a float, a missing one (None) as NaN; None for what is no number.
 
     Python's and numpy's whole and real numbers are numbers, and arrays of one of them without axes; Booleans are none, and neither are
@@ -38,34 +43,34 @@ def number(value: object, spelt: bool = False) -> float | None:
     """
     kind = type(value)
     if kind is float:
-        return value  # type: ignore[return-value]
+        return value  # type: ignore[no-any-return]
     if value is None:
         return math.nan
-    if isinstance(value, np.generic) or (kind is np.ndarray and value.ndim == 0):  # type: ignore[attr-defined]
-        return _float(item(value)) if value.dtype.kind in NUMBERS else None  # type: ignore[attr-defined]
-    if isinstance(value, float):
+    if is_a(value, np.generic) or (kind is np.ndarray and value.ndim == 0):
+        return _float(item(value)) if value.dtype.kind in NUMBERS else None
+    if is_a(value, float):
         return float.__pos__(value)
-    if isinstance(value, int) and not isinstance(value, bool):
+    if is_a(value, int) and not is_a(value, bool):
         return _float(int.__pos__(value))
     if spelt and kind is str:
-        return SPELT.get(value)  # type: ignore[call-overload, no-any-return]
+        return SPELT.get(value)
     return None
 
 
-def whole(value: object) -> int | None:
+def whole(value: Any) -> int | None:
     """A whole number of Python or numpy, or an array of one without axes; None for anything else."""
     if type(value) is int:
         return value
-    if isinstance(value, np.generic) or (type(value) is np.ndarray and value.ndim == 0):
+    if is_a(value, np.generic) or (type(value) is np.ndarray and value.ndim == 0):
         return int(item(value)) if value.dtype.kind in WHOLE else None
-    if isinstance(value, bool) or not isinstance(value, int):
+    if is_a(value, bool) or not is_a(value, int):
         return None
     return int.__pos__(value)
 
 
 def item(value: Any) -> Any:
     """What a number of numpy is in Python, whatever a derived class makes of that."""
-    return np.generic.item(value) if isinstance(value, np.generic) else value.item()
+    return np.generic.item(value) if is_a(value, np.generic) else value.item()
 
 
 def _float(value: Any) -> float:
@@ -75,13 +80,13 @@ def _float(value: Any) -> float:
         return math.inf if value > 0 else -math.inf
 
 
-def flag(value: object) -> int | None:
+def flag(value: Any) -> int | None:
     """A Boolean as 1 or 0, a missing one (None) as -1; None for what is none."""
     if value is None:
         return -1
     if type(value) is np.ndarray and value.ndim == 0 and value.dtype == bool:
         return int(value.item())
-    return int(value) if isinstance(value, bool | np.bool_) else None
+    return int(value) if type(value) in (bool, np.bool_) else None
 
 
 def numbers(column: Any, spelt: bool = False) -> Floats:
@@ -150,9 +155,9 @@ def flags(column: Any) -> NDArray[np.int8]:
 
 def entries(column: Any) -> list[Any]:
     """The entries of a list or tuple, of any derived type, as they are stored; raises WrongTypeError."""
-    if isinstance(column, list):
+    if is_a(column, list):
         return list.__getitem__(column, slice(None))
-    if isinstance(column, tuple):
+    if is_a(column, tuple):
         return list(tuple.__getitem__(column, slice(None)))
     raise WrongTypeError(f"{worded(column)} is no column")
 
@@ -171,7 +176,7 @@ def mapping(raw: Any) -> dict[Any, Any]:
     """
     if type(raw) is dict:
         return raw
-    if isinstance(raw, Mapping):
+    if is_a(raw, Mapping):
         return {key: _held(raw[key]) for key in raw}
     raise WrongTypeError(f"{worded(raw)} has no fields")
 
@@ -180,10 +185,10 @@ def _held(value: Any) -> Any:
     """Lists, tuples, arrays and Mappings with all that they hold, for good; anything else as it is."""
     if type(value) in ARRAYS:
         return value.copy()
-    if isinstance(value, list | tuple):
-        own = list if isinstance(value, list) else tuple
+    if is_a(value, (list, tuple)):
+        own = list if is_a(value, list) else tuple
         return own(map(_held, entries(value)))
-    if isinstance(value, Mapping):
+    if is_a(value, Mapping):
         return {key: _held(value[key]) for key in value}
     return value
 
@@ -204,22 +209,22 @@ def ids(column: Any) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _spoken(name: object) -> str | None:
+def _spoken(name: Any) -> str | None:
     """An id as a text; None for what is none."""
-    if isinstance(name, str):
+    if is_a(name, str):
         return str.__str__(name)
-    number = item(name) if isinstance(name, np.generic) and name.dtype.kind in NUMBERS else name
-    if isinstance(number, float | np.longdouble):
-        real = float.__pos__(float(number) if isinstance(number, np.longdouble) else number)
+    number = item(name) if is_a(name, np.generic) and name.dtype.kind in NUMBERS else name
+    if is_a(number, (float, np.longdouble)):
+        real = float.__pos__(float(number) if is_a(number, np.longdouble) else number)
         return repr(real) if math.isfinite(real) else None
-    if isinstance(number, bool) or not isinstance(number, int) or _long(number):
+    if is_a(number, bool) or not is_a(number, int) or _long(number):
         return None
     return int.__repr__(number)
 
 
-def _long(value: object) -> bool:
+def _long(value: Any) -> bool:
     """Whether a number is too long to be an id; its digits alone would take long to write."""
-    return isinstance(value, int) and not -(2**63) <= value < 2**63
+    return is_a(value, int) and not -(2**63) <= value < 2**63
 
 
 def worded(raw: object) -> str:

@@ -111,7 +111,7 @@ int64_t gather(PyObject *raws, const wanted *signals, int64_t signal_count, PyOb
         at += n;
       }
     }
-    if (types[4] != NULL) {
+    if (!one->record && (one->least == 0)) { /* of a set: only its elements have ids */
       PyObject *ids = PyDict_GetItemWithError(given, types[4]);
       if (ids != NULL) { ++seen; } else if (PyErr_Occurred() != NULL) { PyErr_Clear(); return -1; }
     }

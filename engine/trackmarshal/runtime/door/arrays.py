@@ -1,0 +1,319 @@
+"""Arrays of many cases through the same door: each signal is read, and checked, once for all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.contract import RECORD, SET, TIMELINE, Signal
+from trackmarshal.runtime.door import values
+from trackmarshal.runtime.door.cases import CasesReader
+from trackmarshal.runtime.door.columns import ColumnsReader
+from trackmarshal.runtime.door.values import WrongTypeError
+from trackmarshal.runtime.faults import Fault, fault, name_of
+from trackmarshal.runtime.frame import Columns, Frame, Settings
+
+
+@dataclass(frozen=True, slots=True)
+class _Stack:
+    """A signal of all cases: values (cases, numbers, count) and flags (cases, flags, count), and what all have in common."""
+
+    common: Columns
+    values: NDArray[np.float64]
+    flags: NDArray[np.int8] | None
+    ids: tuple[str, ...]
+
+    @property
+    def count(self) -> int:
+        return int(self.values.shape[2])
+
+
+class Arrays:
+    """Cases that have been read: `size` of them, as frames when they are asked for."""
+
+    def __init__(
+        self, cases: CasesReader, size: int, settings: list[Settings], template: Frame, stacks: Mapping[str, _Stack],
+        events: Mapping[str, NDArray[np.int8]],
+    ) -> None:  # fmt: skip
+        self.size = size
+        self._cases, self._settings, self._template, self._stacks, self._events = (
+            cases, settings, template, stacks, events,
+        )  # fmt: skip
+        self._passed = self._shared()
+
+    def frames(self, start: int, stop: int) -> list[Frame]:
+        """The cases from start to before stop, checked; their ids are their numbers."""
+        parts = {
+            name: (s.values[start:stop], None if s.flags is None else s.flags[start:stop])
+            for name, s in self._stacks.items()
+        }
+        passed = self._passed | {
+            name for name, (numbers, flags) in parts.items() if self._cases.fine(name, numbers, self._stacks[name].count, flags)
+        }  # fmt: skip
+        found = []
+        for place, index in enumerate(range(start, min(stop, self.size))):
+            frame = self._frame(index)
+            for name, (numbers, flags) in parts.items():
+                stack = self._stacks[name]
+                own = None if flags is None else flags[place]
+                frame.columns[name] = made = Columns(stack.common.names, numbers[place], own, stack.ids)
+                made.absent = stack.common.absent
+                made.stack = numbers, place
+            self._cases.check(frame, passed)
+            found.append(frame)
+        return found
+
+    def _frame(self, index: int) -> Frame:
+        """A case with what all share."""
+        shared = self._template
+        faults = list(shared.faults)
+        events = dict(shared.events)
+        for name, codes in self._events.items():
+            events[name] = int(codes[index])
+            if codes[index] < 0:
+                faults.append(fault("missing", name, "", None, "it is not there"))
+        settings = self._settings[index if len(self._settings) > 1 else 0]
+        return Frame(
+            index,
+            settings,
+            dict(shared.columns),
+            events,
+            shared.lines,
+            shared.closed,
+            {},
+            faults,
+            shared.orders,
+        )
+
+    def _shared(self) -> frozenset[str]:
+        """The signals that all share and that are as they should be: they need not be looked at in every case."""
+        probe = self._frame(0)
+        probe.faults = [one for one in probe.faults if one.signal not in self._stacks]
+        before = len(probe.faults)
+        self._cases.check(probe, frozenset(self._stacks))
+        found = {one.signal for one in probe.faults[before:]}
+        return frozenset(s.name for s in self._cases.contract.signals) - found - self._stacks.keys()
+
+
+class ArraysReader:
+    """Reads arrays for the rules that a reader of cases is for."""
+
+    def __init__(self, cases: CasesReader) -> None:
+        self._cases = cases
+        signals = [s for s in cases.contract.signals if s.name in cases.reader.columns]
+        self._signals = {signal.name: signal for signal in signals}
+        # All entries of all cases are read as one long column.
+        self._readers = {signal.name: ColumnsReader(_long(signal), spelt=True) for signal in signals}
+
+    def read(self, signals: Any, shared: Any, overrides: Mapping[str, Any]) -> Arrays:
+        """The cases that arrays stand for; see `Evaluator.batch`. Raises TrackmarshalError D202 to D205."""
+        given, common = _mapping("signals", signals), _mapping("shared", shared)
+        twice = sorted(str(name) for name in given.keys() & common.keys())
+        if twice:
+            raise TrackmarshalError(
+                "D205", f"`{twice[0]}` is among the signals, and shared", help="leave one of the two out"
+            )
+        size = self._size(given, overrides)
+        reader, faults = self._cases.reader, list[Fault]()
+        together = {**common, **given}
+        reader.refuse_unknown(together, faults, self._cases.contract.known)
+        template = Frame(orders=self._cases.orders)
+        stacks: dict[str, _Stack] = {}
+        for name, columns in reader.columns.items():
+            if name in given and self._varies(name, given[name]):
+                stacks[name] = self._stack(name, given[name], size, faults)
+            else:
+                template.columns[name] = columns.read(together.get(name), faults)
+        for name, lines in reader.lines.items():
+            lines.read(together.get(name), template, faults)
+        events: dict[str, NDArray[np.int8]] = {}
+        for name in reader.events:
+            raw = together.get(name)
+            if name in given and raw is not None and _axes(raw) == 1:
+                found = list[Fault]()
+                codes = [reader.event(name, one, found) for one in raw.tolist()]
+                events[name] = np.array(codes, dtype=np.int8)
+                faults += [
+                    one for one in found if name_of(one) != "missing"
+                ]  # what is missing is so in one case
+            else:
+                template.events[name] = reader.event(name, raw, faults)
+        template.faults = self._cases.refused(faults)
+        return Arrays(self._cases, size, self._settings(overrides, size), template, stacks, events)
+
+    # Shapes ---------------------------------------------------------------------------------------------------
+
+    def _size(self, given: Mapping[Any, Any], overrides: Mapping[str, Any]) -> int:
+        """How many cases there are: what all arrays with an axis for them say; raises D205."""
+        sizes: dict[str, int] = {}
+        for name, raw in given.items():
+            if name in self._cases.reader.events and _axes(raw) == 1:
+                sizes[str(name)] = len(raw)
+            elif name in self._signals and isinstance(raw, Mapping):
+                for field, column in raw.items():
+                    if field != "id" and _axes(column) == self._wanted(name):
+                        sizes[f"{name}.{field}"] = len(column)
+        for name, value in _params(overrides).items():
+            if _axes(value) == 1:
+                sizes[f"params.{name}"] = len(value)
+        if not sizes:
+            raise TrackmarshalError(
+                "D205", "no array says how many cases there are",
+                help="timelines and sets are arrays (cases, samples), fields of records and events (cases,)",
+            )  # fmt: skip
+        first, size = next(iter(sizes.items()))
+        for name, other in sizes.items():
+            if other != size:
+                raise TrackmarshalError(
+                    "D205", f"`{first}` has {size} cases, `{name}` has {other}", help="the first axis counts the cases"
+                )  # fmt: skip
+        if size == 0:
+            raise TrackmarshalError("D205", f"`{first}` has no cases", help="of nothing, nothing can be said")
+        return size
+
+    def _wanted(self, name: str) -> int:
+        """The axes of the arrays of a signal."""
+        return 1 if self._signals[name].form == RECORD else 2
+
+    def _varies(self, name: str, raw: Any) -> bool:
+        """Whether any column of a signal has an axis for cases."""
+        return isinstance(raw, Mapping) and any(
+            _axes(column) == self._wanted(name) for field, column in raw.items() if field != "id"
+        )
+
+    def _stack(self, name: str, raw: Mapping[Any, Any], size: int, faults: list[Fault]) -> _Stack:
+        signal, reader = self._signals[name], self._readers[name]
+        data = values.mapping(raw)
+        record = signal.form == RECORD
+        ids, named = data.get("id") if signal.form == SET else None, {}
+        counts: dict[str, int] = {}
+        for field, column in data.items():
+            if field == "id" and signal.form == SET:
+                continue
+            whole = _repeated(f"{name}.{field}", column, size, record)
+            if whole is not None and not record:
+                counts[str(field)] = whole.shape[1]
+            # Those that no rule reads say how long the signal is, as with one case.
+            named[field] = None if whole is None else whole.reshape(-1)
+        first, count = next(iter(counts.items()), ("", 1))
+        what = "elements" if signal.form == SET else "samples"
+        for field, other in counts.items():
+            if other != count:
+                raise TrackmarshalError(
+                    "D205", f"`{name}.{first}` has {count} {what}, `{name}.{field}` has {other}",
+                    help=f"the second axis counts the {what}; cases of different lengths are for `evaluate`",
+                )  # fmt: skip
+        if count == 0 and signal.form == TIMELINE:
+            raise TrackmarshalError(
+                "D205", f"`{name}.{first}` has no samples", help="of nothing, nothing can be said"
+            )
+        own = list[Fault]()
+        read = reader.read(named, own)
+        for one in own:
+            _refuse(one, count, record)
+        faults += self._cases.refused(own)
+        spoken = self._ids(name, ids, count, faults) if signal.form == SET else ()
+        if read.values.shape[1] != size * count:
+            raise AssertionError(f"{name}: {read.values.shape[1]} entries of {size} x {count}")
+        numbers = read.values.reshape(len(reader.names.numbers), size, count).transpose(1, 0, 2)
+        flags = (
+            None
+            if read.flags is None
+            else read.flags.reshape(len(reader.names.flags), size, count).transpose(1, 0, 2)
+        )
+        numbers.flags.writeable = False
+        return _Stack(read, numbers, flags, spoken)
+
+    def _ids(self, name: str, raw: Any, count: int, faults: list[Fault]) -> tuple[str, ...]:
+        """Ids of elements, the same in all cases; counted where there are none."""
+        counted = tuple(map(str, range(count)))
+        if raw is None:
+            return counted
+        try:
+            found = values.ids(raw)
+        except WrongTypeError as error:
+            faults.append(fault(error.name, name, "id", error.index, error.message))
+            return counted
+        if len(found) != count:
+            raise TrackmarshalError(
+                "D205", f"`{name}.id` has {len(found)} entries for {count} elements", help="ids are the same in all cases"
+            )  # fmt: skip
+        return found
+
+    def _settings(self, overrides: Mapping[str, Any], size: int) -> list[Settings]:
+        """The overrides of every case; one for all where no parameter varies."""
+        params = _params(overrides)
+        varying = {name: value.tolist() for name, value in params.items() if _axes(value) == 1}
+        if not varying:
+            return [self._cases.settings(overrides)]
+        made: dict[str, Settings] = {}
+        found = []
+        for index in range(size):
+            own = {name: column[index] for name, column in varying.items()}
+            key = repr(own)
+            if key not in made:
+                made[key] = self._cases.settings({**overrides, "params": {**params, **own}})
+            found.append(made[key])
+        return found
+
+
+def _long(signal: Signal) -> Signal:
+    """A signal whose records are read as columns too."""
+    form = TIMELINE if signal.form == RECORD else signal.form
+    return Signal(signal.name, form, signal.fields_, signal.checks, signal.declared)
+
+
+def _mapping(what: str, raw: Any) -> dict[Any, Any]:
+    if raw is None:
+        return {}
+    if not isinstance(raw, Mapping):
+        raise TrackmarshalError(
+            "D202", f"`{what}` is an object, not {values.worded(raw)}", help="give signals by their names"
+        )
+    return values.mapping(raw)
+
+
+def _params(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Parameters by name; none where they are no object, which the reader of settings refuses."""
+    params = overrides.get("params")
+    return params if isinstance(params, Mapping) else {}
+
+
+def _axes(raw: Any) -> int | None:
+    """How many axes an array has; None for anything else."""
+    return raw.ndim if type(raw) in values.ARRAYS else None
+
+
+def _repeated(place: str, column: Any, size: int, record: bool) -> Any:
+    """A column with its axis of cases: one that has none is the same in all of them; raises D205."""
+    if column is None and not record:
+        return None
+    wanted = 1 if record else 2
+    if (
+        record
+        and (_axes(column) is None or column.ndim == 0)
+        and not isinstance(column, list | tuple | Mapping)
+    ):
+        column = np.asarray(column)
+    if _axes(column) == wanted:
+        return column
+    if _axes(column) == wanted - 1:
+        return column[np.newaxis].repeat(size, axis=0)
+    what = values.worded(column) if _axes(column) is None else f"an array of {column.ndim} axes"
+    shape = "(cases,), or one value for all" if record else "(cases, samples), or (samples,) for all"
+    raise TrackmarshalError("D205", f"`{place}` is {what}", help=f"it is an array of shape {shape}")
+
+
+def _refuse(one: Fault, count: int, record: bool) -> None:
+    """Raise for an entry of a wrong type, in words for arrays."""
+    if name_of(one) == "wrong_type" and one.index is not None:
+        case, entry = divmod(one.index, count)
+        at = f"[{case}]" if record else f"[{case}, {entry}]"
+        raise TrackmarshalError(
+            "D202", f"{one.signal}.{one.field}{at}: {one.message}", help="use arrays of numbers"
+        )
