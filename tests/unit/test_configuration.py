@@ -111,8 +111,7 @@ def test_what_would_not_be_in_force_is_refused(what: str, verb: str, spec: Path,
 
 
 def test_a_rule_in_a_module_that_a_configuration_uses_is_refused_too(spec: Path, tmp_path: Path) -> None:
-    more = SPEC.replace("module rules", "module more").replace("slow", "slower").replace("v_max", "v_top")
-    (tmp_path / "more.spec").write_text(more)
+    (tmp_path / "more.spec").write_text(SPEC.replace("module rules", "module more").replace("slow", "slower"))
     with pytest.raises(TrackmarshalError, match="E402") as caught:
         configured(spec, "use more\n")
     assert "more.spec" in str(caught.value.file)
