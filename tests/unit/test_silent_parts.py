@@ -138,7 +138,7 @@ def test_an_answer_for_another_step_is_none() -> None:
     """Whole and of the right type, but of another step."""
     other: dict[str, Callable[[Any], Any]] = {
         "door": lambda said: replace(said, about=said.about + 1),
-        "judge": lambda said: replace(said, about=replace(said.about)),
+        "judge": lambda said: Judged(Frame(), said.rated),
         "watchdog": lambda said: replace(said, about=said.about - 1),
         "machine": lambda said: (replace(said[0], about=-1), said[1]),
         "violations": lambda said: replace(said, about=0),
