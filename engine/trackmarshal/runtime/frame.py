@@ -170,6 +170,6 @@ class Frame:
             whole = name in _WHOLE or (fault.signal, fault.field) in self.orders
             if whole or name in UNUSABLE or (fault.signal, fault.field) in self.lines:
                 for signal, field_ in reads:
-                    if signal == fault.signal and (whole or fault.field in ("", field_) or not field_):
+                    if signal == fault.signal and (whole or fault.field in ("", field_)):
                         return fault
         return None

@@ -86,7 +86,7 @@ def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tupl
     Those that are greater than the least may differ from the truth. The third value knows the truth; None: the first two do.
     """
     shape = np.broadcast(*args).shape
-    size = shape[axis]
+    size = shape[axis] if shape else 1  # what all cases share may be one footprint
     if size == 1 or math.prod(shape) <= MANY or math.prod(shape[axis:]) > size:
         return (*swept_inside(batch, area, *args), None)
     owners = _owners(batch, area)

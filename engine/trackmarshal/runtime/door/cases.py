@@ -49,7 +49,6 @@ class CasesReader:
             for field in signal.fields_
             if any(check.kind.of == "step" for check in field.checks)
         )
-        self._ordered = {signal for signal, _ in self.orders}
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError D201 to D204."""
@@ -75,13 +74,16 @@ class CasesReader:
 
     def check(self, frame: Frame, passed: Set[str] = frozenset()) -> None:
         """Add what is wrong with the values of a frame to its faults; signals that have `passed` already are left out."""
-        broken = {f.signal for f in frame.faults}
+        named = {(f.signal, f.field) for f in frame.faults}
+        broken = {signal for signal, _ in named}
         self._checker.check_signals(frame, broken, frame.faults, passed)
-        for name in broken & self._ordered:
-            # A column that is missing says nothing of the others; without order in time, none of them means anything.
+        for name in broken & self._checker.columns.keys():
+            if (name, "") in named:
+                continue  # no rule can use any of it
+            # A column that is missing says nothing of the others, which rules may read that do not read it.
             found: list[Fault] = []
             self._checker.columns[name].check(frame.columns[name], found)
-            frame.faults += [fault for fault in found if name_of(fault) == "not_increasing"]
+            frame.faults += [fault for fault in found if fault.field and (name, fault.field) not in named]
 
     def fine(self, name: str, stack: Any, count: int, flags: Any = None) -> bool:
         """Whether nothing is wrong with a signal of columns in many frames: (frames, numbers, count), (frames, flags, count)."""
