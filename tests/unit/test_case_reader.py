@@ -181,7 +181,7 @@ NAN, INF = math.nan, math.inf
         (changed("plan", "v"), [("D211", "plan.v", None)]),
         (changed("plan", "v", to=None), [("D211", "plan.v", None)]),
         (changed("plan", "grip", to=None), [("D211", "plan.grip", None)]),  # a null is not the wish for a default
-        (changed("plan", to={}), [("D211", "plan.v", None), ("D211", "plan.ready", None)]),
+        (changed("plan", to={}), [("D211", "plan.v", None), ("D211", "plan.ready", None), ("D213", "plan", None)]),
         (changed("ego", "x"), [("D211", "ego.x", None)]),
         (changed("ego", "on"), [("D211", "ego.on", None)]),
         (changed("ego", "on", to=None), [("D215", "ego.on", None)]),
@@ -214,7 +214,7 @@ NAN, INF = math.nan, math.inf
         (changed("objects", 0, "v", to=51), [("D216", "objects.v", 0)]),
         (changed("plan", "t", to=[0.0, 0.2, 0.1]), [("D214", "plan.t", 2)]),
         (changed("plan", "t", to=[0.0, 0.1, 0.1]), [("D214", "plan.t", 2)]),
-        (changed("plan", to={n: c[:1] for n, c in GOOD["signals"]["plan"].items() if n != "ready"}), [("D211", "plan.ready", None)]),
+        (changed("plan", to={n: c[:1] for n, c in GOOD["signals"]["plan"].items() if n != "ready"}), [("D211", "plan.ready", None), ("D213", "plan", None)]),
         (changed("objects", 1, "id", to="a"), [("D218", "objects.id", 1)]),
         (changed("objects", 0, "id", to="1"), [("D218", "objects.id", 1)]),  # the other one is called by its index
         # lines

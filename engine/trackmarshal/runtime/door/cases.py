@@ -83,7 +83,7 @@ class CasesReader:
             # A column that is missing says nothing of the others, which rules may read that do not read it.
             found: list[Fault] = []
             self._checker.columns[name].check(frame.columns[name], found)
-            frame.faults += [fault for fault in found if fault.field and (name, fault.field) not in named]
+            frame.faults += [fault for fault in found if (name, fault.field) not in named]
 
     def fine(self, name: str, stack: Any, count: int, flags: Any = None) -> bool:
         """Whether nothing is wrong with a signal of columns in many frames: (frames, numbers, count), (frames, flags, count)."""
