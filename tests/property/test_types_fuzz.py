@@ -5,7 +5,6 @@ What is a breach, `support.plain_contract` decides, which has none of the door's
 
 from __future__ import annotations
 
-import copy
 import math
 import os
 import random
@@ -138,9 +137,7 @@ def stretch(given: Any, count: int) -> None:
         if type(column) is list and len(column) > 1:
             while len(column) < count:
                 last, before = column[-1], column[-2]
-                column.append(
-                    last + (last - before) if type(last) is type(before) is float else copy.copy(last)
-                )
+                column.append(last + (last - before) if type(last) is type(before) is float else last)
             del column[count:]
 
 
@@ -179,7 +176,7 @@ def spoilt(rng: random.Random, given: Cycle, variant: str) -> Any:
                     (held[key], *(odd(rng) for odd in ODD[:2]))
                 )
             else:
-                held.append(copy.copy(held[key]))
+                held.append(held[key])
         elif act < 0.94:
             stretch(
                 rng.choice((given.driving, given.emergency, given.signals.get("objects"))),
