@@ -22,8 +22,8 @@ from trackmarshal.runtime.program import Rated
 from trackmarshal.runtime.verdict import VERDICTS
 
 #: Codes of verdicts: their places in VERDICTS.
-_SATISFIED, _VIOLATED, _UNDEFINED, _INACTIVE = map(
-    VERDICTS.index, ("satisfied", "violated", "undefined", "inactive")
+_SATISFIED, _VIOLATED, _UNDEFINED, _INACTIVE = (
+    np.uint8(VERDICTS.index(name)) for name in ("satisfied", "violated", "undefined", "inactive")
 )
 
 
@@ -46,7 +46,8 @@ class NumpyProgram(Stateless):
             for node, formula in self.code.formulas.items()
         }
         #: Which of the rules has a range that may be empty.
-        self.ranged = [row for row, rule in enumerate(self.rules) if rule.active is not None]
+        ranged = [row for row, rule in enumerate(self.rules) if rule.active is not None]
+        self.ranged = np.array(ranged, dtype=np.intp)
         of_rules = [self.places[formula] for formula in formulas]
         #: Where the worst and the best margin of each rule are.
         self.margins = [(at[0], at[1]) for _, at in of_rules]
@@ -61,7 +62,7 @@ class NumpyProgram(Stateless):
             self._left = tuple(map(_without_axes, self._fixed(self._batch(()))))
 
     def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
-        return self.run(frames).rated()
+        return self.run(frames).rated() if frames else []
 
     def run(self, cases: Sequence[Frame]) -> Run:
         """Evaluate all rules on all frames, cases or seen by one candidate."""
@@ -85,23 +86,44 @@ class _Cases:
     def __init__(self, sides: Sequence[tuple[int, int, int]]) -> None:
         """By side what the margin says, where it is, and, unless it says it, where whether it holds is."""
         self._margins = [margin for _, margin, _ in sides]
-        self._strict = [[not says & AT_LEAST] for says, _, _ in sides]
-        self._unsaid = [(row, sat) for row, (says, _, sat) in enumerate(sides) if says == NEITHER]
+        #: Whether they hold where the margin is 0.
+        self._at_zero = np.array([[bool(says & AT_LEAST)] for says, _, _ in sides])
+        self._sats = [sat if says == NEITHER else None for says, _, sat in sides]
 
-    def read(self, values: Sequence[Any], size: int) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-        """(sides, cases) of whether they hold, and of their margins."""
-        rows = [_of_cases(values[place], size) for place in self._margins]
-        margins = np.concatenate(rows, axis=None).reshape(len(rows), size)
+    def read(
+        self, values: Sequence[Any], size: int, chosen: Sequence[int] | None = None
+    ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+        """(sides, cases) of whether they hold, and of their margins; of all sides, or of chosen ones."""
+        sides = range(len(self._margins)) if chosen is None else chosen
+        margins = _by_case([values[self._margins[side]] for side in sides], size)
         margins += 0.0  # a margin of zero is 0.0 by definition
-        sat = np.where(self._strict, margins > 0.0, margins >= 0.0)
-        for row, place in self._unsaid:
-            sat[row] = _of_cases(values[place], size).ravel()
+        sat = margins >= 0.0
+        sat &= (margins != 0.0) | (self._at_zero if chosen is None else self._at_zero[chosen])
+        for row, side in enumerate(sides):
+            at = self._sats[side]
+            if at is not None:
+                sat[row] = _of_cases(values[at], size).ravel()
         return sat, margins
 
 
 def _side(place: tuple[int, tuple[int, ...]], best: int) -> tuple[int, int, int]:
     says, at = place
     return says, at[best], at[2 + best] if says == NEITHER else -1
+
+
+def _by_case(rows: Sequence[Any], size: int) -> NDArray[np.float64]:
+    """(rows, cases) of arrays without other axes, some of which have one value for all."""
+    sized = [row for row in rows if row.ndim and len(row) == size]
+    if not sized:
+        return np.array([row.item() for row in rows]).repeat(size).reshape(-1, size)
+    together = np.concatenate(sized).reshape(-1, size)
+    if len(sized) == len(rows):
+        return together
+    made = np.empty((len(rows), size))
+    own = np.array([row.ndim > 0 and len(row) == size for row in rows])
+    made[own] = together
+    made[~own] = np.array([[row.item()] for row, alone in zip(rows, own.tolist()) if not alone])
+    return made
 
 
 def _of_cases(array: Any, size: int) -> Any:
@@ -161,17 +183,23 @@ class Run:
         program, values, size = self.program, self._values, self.batch.size
         rules = len(program.rules)
         sat, margins = program.settled.read(values, size)
-        empty = np.zeros((rules, size), dtype=np.bool_)
-        empty[program.ranged] = ~sat[rules:]
+        occupied = sat[rules:]
         sat, margins = sat[:rules], margins[:rules]
-        code = np.where(sat, _SATISFIED, _VIOLATED).astype(np.uint8)
-        if any(values[worst] is not values[best] for worst, best in program.margins):
-            possible, best = program.possible.read(values, size)
-            code[possible & ~sat] = _UNDEFINED
-            margins = np.where(sat, margins, np.where(possible, np.nan, best))
-        code[empty], margins[empty] = _INACTIVE, np.inf
-        for index, case in enumerate(self.batch.cases):
-            if case.faults:
-                blocked = [case.unusable(rule.reads) is not None for rule in self.program.rules]
+        code = np.where(sat, _SATISFIED, _VIOLATED)
+        unsure = [
+            row for row, (worst, best) in enumerate(program.margins) if values[worst] is not values[best]
+        ]
+        if unsure:
+            possible, best = program.possible.read(values, size, unsure)
+            surely, doubtful = sat[unsure], code[unsure]
+            doubtful[possible & ~surely] = _UNDEFINED
+            code[unsure] = doubtful
+            margins[unsure] = np.where(surely, margins[unsure], np.where(possible, np.nan, best))
+        if not occupied.all():
+            row, case = (~occupied).nonzero()
+            code[program.ranged[row], case], margins[program.ranged[row], case] = _INACTIVE, np.inf
+        for index, frame in enumerate(self.batch.cases):
+            if frame.faults:
+                blocked = [frame.unusable(rule.reads) is not None for rule in self.program.rules]
                 code[blocked, index], margins[blocked, index] = _UNDEFINED, np.nan
         return code, margins
