@@ -23,3 +23,10 @@ def configure_with(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="a configuration module (a vehicle, a track)",
     )
+
+
+def choose_backend(parser: argparse.ArgumentParser, default: str | None, what: str) -> None:
+    """Let an evaluator be named."""
+    from trackmarshal.evaluation import BACKENDS
+
+    parser.add_argument("--backend", choices=BACKENDS, default=default, help=what)
