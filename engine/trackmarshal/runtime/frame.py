@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
+from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.cycle import EMERGENCY
 from trackmarshal.runtime.faults import UNUSABLE, Fault, name_of
 from trackmarshal.runtime.lines import Line
@@ -161,15 +161,15 @@ class Frame:
 
     def of(self, candidate: str) -> Frame:
         """The frame as rules see it that rate a candidate: with its `plan`, its own faults and those of what all share."""
-        others = self.candidates.keys() - {candidate}
+        unseen = self.candidates.keys() - {candidate, FOLLOWED}
+        columns = {**self.columns, PLAN: self.candidates[candidate], FOLLOWED: self.candidates[FOLLOWED]}
+        faults = [f for f in self.faults if f.signal not in unseen]
+        faults += [
+            Fault(f.code, PLAN, f.field, f.index, f.message) for f in self.faults if f.signal == candidate
+        ]
         return Frame(
-            candidate, self.settings, {**self.columns, PLAN: self.candidates[candidate]},
-            {**self.events, IS_EMERGENCY: int(candidate == EMERGENCY)}, self.lines, self.closed, {},
-            [
-                Fault(f.code, PLAN, f.field, f.index, f.message) if f.signal == candidate else f
-                for f in self.faults if f.signal not in others
-            ],
-            self.orders,
+            candidate, self.settings, columns, {**self.events, IS_EMERGENCY: int(candidate == EMERGENCY)}, self.lines, self.closed, {},
+            faults, self.orders,
         )  # fmt: skip
 
     def seen(self) -> list[tuple[str, Frame]]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
+from trackmarshal.runtime.contract import EVENT, FOLLOWED, LINES, PLAN, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.at_once import AtOnce
@@ -151,7 +151,7 @@ class CycleReader:
             [reader for _, reader in self.candidates] + list(self.shared.columns.values())
         )
         #: Signals that a cycle may bring; the candidates come by themselves.
-        self._known = contract.known - {PLAN}
+        self._known = contract.known - {PLAN, FOLLOWED}
 
     def read(self, cycle: Cycle) -> tuple[Frame, list[Fault]]:
         """The frame of a cycle, and what is wrong with the structure of it: types, what is missing, lengths that differ, misspelt
