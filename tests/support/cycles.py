@@ -45,13 +45,15 @@ _TRACK = {
 }
 
 
-def cycle(number: int, objects: int = 2, obstacles: int = 1, at: float | None = None) -> Cycle:
-    """A flawless, safe cycle, stamped number * PERIOD; `at`: where the car is, m."""
+def cycle(
+    number: int, objects: int = 2, obstacles: int = 1, at: float | None = None, v: float = SPEED
+) -> Cycle:
+    """A flawless, safe cycle, stamped number * PERIOD; `at`: where the car is, m; `v`: how fast it is, m/s."""
     start = SPEED * number * PERIOD if at is None else at
     others = np.arange(objects) * 60.0 + start + 150.0
     things = np.arange(obstacles) * 10.0 + start + 300.0
     signals = {
-        "ego": {"x": start, "y": 0.0, "heading": 0.0, "v": SPEED, "age": 0.0},
+        "ego": {"x": start, "y": 0.0, "heading": 0.0, "v": v, "age": 0.0},
         "objects": {
             "id": [f"o{i}" for i in range(objects)], "x": others, "y": np.full(objects, 3.0), "heading": np.zeros(objects),
             "v": np.full(objects, 25.0), "length": np.full(objects, 4.5), "width": np.full(objects, 2.0),

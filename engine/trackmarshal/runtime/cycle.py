@@ -51,9 +51,12 @@ class Limits:
     start_speed: float = 0.5
     #: Speed at the end of an emergency trajectory.
     rest_speed: float = 0.01
-    #: How far the car may be from the stored emergency trajectory, and how long its pose may stay unknown.
-    apart: float = 2.0
+    #: Of the car and the stored emergency trajectory: how far along its path the car may be from where it is due, how far beside the
+    #: path, how much turned and how much faster than it is there; and how long the car's pose may stay unknown.
+    apart: float = 4.0
+    beside: float = 1.5
     turned: float = 0.35
+    overspeed: float = 5.0
     blind: float = 0.5
 
     def __post_init__(self) -> None:
@@ -72,6 +75,17 @@ class Limits:
     def open_loop(cls) -> Limits:
         """For recordings of a car that did not follow the decisions: its pace and its pose say nothing about them."""
         free = dict.fromkeys(
-            ("longest_gap", "oldest", "clock_tolerance", "budget", "apart", "turned", "blind"), math.inf
+            (
+                "longest_gap",
+                "oldest",
+                "clock_tolerance",
+                "budget",
+                "apart",
+                "beside",
+                "turned",
+                "overspeed",
+                "blind",
+            ),
+            math.inf,
         )
         return cls(samples=10_000, elements=1_000, border=1_000_000, shortest_gap=0.0, **free)

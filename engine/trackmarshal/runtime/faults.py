@@ -39,6 +39,7 @@ FAULTS = {
     "expired": "D242",
     "apart": "D243",
     "unconfirmed": "D244",
+    "too_fast": "D245",
 }
 NAMES = {code: name for name, code in FAULTS.items()}
 

@@ -17,6 +17,7 @@ FOLLOWED = "driving"
 #: What the Supervisor itself reads, in SI units.
 _PLAN_FIELDS = {"t": "s", "x": "m", "y": "m", "heading": "rad", "v": "m/s"}
 _EGO_FIELDS = {"x": "m", "y": "m", "heading": "rad"}
+_EGO_OPTIONAL = {"age": "s", "v": "m/s"}
 
 TIMELINE, SET, RECORD, LINES, EVENT = "timeline", "set", "record", "lines", "event"
 
@@ -111,9 +112,10 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
 def supervised(spec: Spec) -> Spec:
     """The spec with all that the Supervisor itself reads declared; raises E482 where it is declared differently."""
     plan, ego = _part(spec, PLAN, "trajectory", _PLAN_FIELDS), _part(spec, EGO, "state", _EGO_FIELDS)
-    age = ego.field("age")
-    if age is not None and (age.kind != "number" or age.unit != "s"):
-        raise _unfit(f"`ego.age` is declared in {age.unit or age.kind}, not in s")
+    for name, unit in _EGO_OPTIONAL.items():
+        field = ego.field(name)
+        if field is not None and (field.kind != "number" or field.unit != unit):
+            raise _unfit(f"`ego.{name}` is declared in {field.unit or field.kind}, not in {unit}")
     if FOLLOWED in spec.signals:
         _fits(_part(spec, FOLLOWED, "trajectory", {}), plan)
     signals = spec.signals | {PLAN: plan, EGO: ego}
