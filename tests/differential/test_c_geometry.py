@@ -47,6 +47,7 @@ RULES = {
     "distances": "for all p in plan|distance_to(p, track) <= 1 m",
     "paths": "for all o in objects|station(o, plan) + 1000 * offset(o, plan) <= distance_to(o, plan)",
     "path_directions": "for all o in objects|direction(o, plan) <= 1",
+    "path_distances": "for all o in objects|distance_to(o, plan) <= 3 m",
     "ways": "for all p in plan|offset(p, way) + station(p, way) <= distance_to(p, way)",
     "places": "for all p in plan|offset(p, l) + station(p, l) <= distance_to(p, l)",
     "borders": "for all p in plan|distance_to(p, track.left) <= distance_to(p, track.right)",

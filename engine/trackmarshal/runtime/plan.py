@@ -24,7 +24,7 @@ class Spot(NamedTuple):
 class Plan:
     """One candidate of one cycle, for good: nobody else has its memory.
 
-    number, t: the cycle's. columns: the fields, in SI.
+    number, t: the cycle's; times of samples count from the stamp t. columns: the fields, in SI.
     """
 
     def __init__(self, candidate: str, number: int, t: float, columns: Columns) -> None:
@@ -43,8 +43,7 @@ class Plan:
     @cached_property
     def due(self) -> list[float]:
         """When each sample is due on the Supervisor's clock, in s."""
-        times = self.columns.column("t")
-        due: list[float] = (times - (times[0] - self.t)).tolist()
+        due: list[float] = (self.columns.column("t") + self.t).tolist()
         return due
 
     @property

@@ -83,7 +83,7 @@ def _store(given: Supervised) -> Iterator[str]:
     yield "  to->t = cycle->t;"
     yield "  to->count = in->count;"
     yield "  for (size_t i = 0u; i < in->count; ++i) {"
-    yield f"    to->{DUE}[i] = in->{t}[i] - (in->{t}[0] - cycle->t);"
+    yield f"    to->{DUE}[i] = in->{t}[i] + cycle->t;"
     for _, c_name in given.plan.fields:
         yield f"    to->plan.{c_name}[i] = in->{c_name}[i];"
     yield "  }"

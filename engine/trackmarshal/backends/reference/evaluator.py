@@ -72,9 +72,11 @@ class Reference:
             case ir.Direction():
                 return self._projected(node, env)[2]
             case ir.Distance():
-                return geometry.distance_to_line(
-                    self.number(node.x, env), self.number(node.y, env), *self.line(node.line)
-                )
+                x, y = self.number(node.x, env), self.number(node.y, env)
+                points, closed = self.line(node.line)
+                if node.line.kind == "path":
+                    return geometry.distance_to_path(x, y, points)
+                return geometry.distance_to_line(x, y, points, closed)
             case ir.StationGap():
                 points, closed = self.line(node.line)
                 return geometry.station_gap(

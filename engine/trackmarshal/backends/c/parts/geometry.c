@@ -1146,14 +1146,19 @@ static size_t tm_path_next(const double *px, const double *py, size_t n, size_t 
   return j;
 }
 
-/** Whether the points of a path are usable, and at least two are different. */
-static bool tm_path_usable(const double *px, const double *py, size_t n) {
+/** Whether a path has two or more points, all of them usable. */
+static bool tm_path_there(const double *px, const double *py, size_t n) {
   for (size_t i = 0u; i < n; ++i) {
     if (!tm_usable(px[i]) || !tm_usable(py[i])) {
       return false;
     }
   }
-  return (n > 0u) && (tm_path_next(px, py, n, 0u) < n);
+  return n >= 2u;
+}
+
+/** Whether the points of a path are usable, and at least two are different. */
+static bool tm_path_usable(const double *px, const double *py, size_t n) {
+  return tm_path_there(px, py, n) && (tm_path_next(px, py, n, 0u) < n);
 }
 
 /** Station, offset and direction of a point along the path of a trajectory. */
@@ -1192,14 +1197,19 @@ static tm_projection tm_path_project(const double *px, const double *py, size_t 
   return result;
 }
 
-/** The distance [m] of a point from the path of a trajectory. */
+/** The distance [m] of a point from the path of a trajectory; of one that stays in one place, from that place. */
 static double tm_path_distance(const double *px, const double *py, size_t n, double x, double y) {
   double best = TM_INF;
-  if (!tm_usable(x) || !tm_usable(y) || !tm_path_usable(px, py, n)) {
+  if (!tm_usable(x) || !tm_usable(y) || !tm_path_there(px, py, n)) {
     return TM_NAN;
   }
   size_t i = 0u;
   size_t j = tm_path_next(px, py, n, 0u);
+  if (j >= n) {
+    const double dx = x - px[0];
+    const double dy = y - py[0];
+    best = sqrt((dx * dx) + (dy * dy));
+  }
   while (j < n) {
     const tm_segment s = tm_between(px[i], py[i], px[j], py[j]);
     best = tm_least(best, tm_segment_distance(&s, 0.0, 0.0, x, y));

@@ -1,8 +1,8 @@
-/** The last sample of a trajectory from time `begin` on that is due by now, 0 before all. */
-static void tm_due_by(const double *t, size_t count, double begin, double now, size_t *first) {
+/** The last sample of a trajectory, whose times count from `stamp`, that is due by now, 0 before all. */
+static void tm_due_by(const double *t, size_t count, double stamp, double now, size_t *first) {
   *first = 0u;
   for (size_t i = 0u; i < count; ++i) {
-    if ((t[i] - (t[0] - begin)) <= now) {
+    if ((t[i] + stamp) <= now) {
       *first = i;
     }
   }

@@ -10,6 +10,7 @@ from trackmarshal.backends.reference.geometry.corridor import (
 from trackmarshal.backends.reference.geometry.curvilinear import (
     centre_line,
     distance_to_line,
+    distance_to_path,
     line_fault,
     project,
     station_gap,
@@ -23,7 +24,7 @@ from trackmarshal.backends.reference.geometry.footprint import (
 )
 
 __all__ = [
-    "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "distance_to_line", "footprint",
-    "hull_in_polygon_margin", "hull_inside_margin", "in_zone_margin", "line_fault", "project", "station_gap", "swept",
+    "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "distance_to_line", "distance_to_path",
+    "footprint", "hull_in_polygon_margin", "hull_inside_margin", "in_zone_margin", "line_fault", "project", "station_gap", "swept",
     "swept_clearance", "zone_fault",
 ]  # fmt: skip
