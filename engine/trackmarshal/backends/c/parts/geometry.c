@@ -777,13 +777,10 @@ static size_t tm_stretch_end(const double *x, const double *y, const double *hea
   return stop;
 }
 
-/** Poses seen along the one in their middle, and the box of them all; `kappa`: the curvatures there, NULL where ways are straight. */
-static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y, const double *heading, const double *kappa,
-                          size_t count, double length, double width) {
+/** Poses seen along the one in their middle, and the box of them all. */
+static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y, const double *heading, size_t count, double length,
+                          double width) {
   const size_t middle = count / 2u;
-  const double corner = 0.5 * sqrt((length * length) + (width * width));
-  double cosine_before = 1.0;
-  double sine_before = 0.0;
   tm_frame *all = &stretch->frame;
   stretch->ox = x[middle];
   stretch->oy = y[middle];
@@ -793,7 +790,6 @@ static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y,
   all->u1 = -TM_INF;
   all->v0 = TM_INF;
   all->v1 = -TM_INF;
-  stretch->widest = 0.0;
   for (size_t i = 0u; i < count; ++i) {
     const double dx = x[i] - stretch->ox;
     const double dy = y[i] - stretch->oy;
@@ -808,21 +804,33 @@ static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y,
     all->u1 = tm_greatest(all->u1, pose->u + pose->along);
     all->v0 = tm_least(all->v0, pose->v - pose->across);
     all->v1 = tm_greatest(all->v1, pose->v + pose->across);
-    stretch->reach[i] = 0.0;
-    if (kappa != NULL) {
-      const double square = pose->turn * pose->turn;
-      const double cosine = 1.0 - (square * (0.5 - (square / 24.0)));
-      const double sine_now = pose->turn * (1.0 - ((square / 6.0) * (1.0 - (square / 20.0))));
-      if (i > 0u) {
-        const tm_posed *before = &stretch->pose[i - 1u];
-        const bool small = (fabs(pose->turn) <= 0.4) && (fabs(before->turn) <= 0.4);
-        stretch->reach[i] = small ? tm_curve_reach(pose->u - before->u, pose->v - before->v, cosine_before, sine_before, cosine,
-                                                   sine_now, pose->turn - before->turn, kappa[i - 1u], kappa[i], corner)
-                                  : TM_INF;
-      }
-      cosine_before = cosine;
-      sine_before = sine_now;
+  }
+}
+
+/** How far what is swept along the ways of a stretch may be beyond the straight ones, and the most of these; `kappa`: the curvatures at its
+   poses. */
+static void tm_stretch_reaches(tm_stretch *stretch, const double *kappa, size_t count, double length, double width) {
+  const double corner = 0.5 * sqrt((length * length) + (width * width));
+  double cosine[TM_STRETCH + 1u];
+  double sine[TM_STRETCH + 1u];
+  stretch->widest = 0.0;
+  stretch->reach[0] = 0.0;
+  for (size_t i = 0u; i < count; ++i) {
+    const double turn = stretch->pose[i].turn;
+    const double square = turn * turn;
+    cosine[i] = 1.0 - (square * (0.5 - (square * (1.0 / 24.0))));
+    sine[i] = turn * (1.0 - ((square * (1.0 / 6.0)) * (1.0 - (square * 0.05))));
+  }
+  for (size_t i = 1u; i < count; ++i) {
+    const tm_posed *p = &stretch->pose[i - 1u];
+    const tm_posed *q = &stretch->pose[i];
+    const double du = q->u - p->u;
+    const double dv = q->v - p->v;
+    double reach = tm_curve_reach(du, dv, cosine[i - 1u], sine[i - 1u], cosine[i], sine[i], kappa[i - 1u], kappa[i], corner);
+    if (!(reach < TM_INF)) {
+      reach = tm_stand_reach(du, dv, q->turn - p->turn, corner);
     }
+    stretch->reach[i] = ((fabs(p->turn) <= 0.4) && (fabs(q->turn) <= 0.4)) ? reach : TM_INF;
     stretch->widest = tm_greatest(stretch->widest, stretch->reach[i]);
   }
 }
@@ -1038,10 +1046,13 @@ static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x
     const size_t from = tm_before(first, 1u);
     stop = tm_stretch_end(x, y, heading, n, from, first, length);
     tm_stretch stretch;
-    tm_stretch_of(&stretch, &x[from], &y[from], &heading[from], (kappa == NULL) ? NULL : &kappa[from], stop - from, length, width);
-    const bool within = stretch.widest < TM_INF;
+    tm_stretch_of(&stretch, &x[from], &y[from], &heading[from], stop - from, length, width);
+    stretch.widest = 0.0;
+    if (kappa != NULL) {
+      tm_stretch_reaches(&stretch, &kappa[from], stop - from, length, width);
+    }
     stretch.count = TM_STRETCH_LIST + 1u;
-    if (within) {
+    if (stretch.widest < TM_INF) {
       tm_stretch_list(c, shape, &stretch, tm_greatest(best, 1e-3) + stretch.widest);
     }
     if ((stretch.count == 0u) && (inside || tm_holds(c, shape, x[from], y[from]))) {
@@ -1058,8 +1069,7 @@ static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x
       if (listed) {
         const tm_posed *p = &stretch.pose[k - from];
         const tm_posed *q = &stretch.pose[i - from];
-        const double more = stretch.reach[i - from];
-        const double reach = tm_greatest(best, 1e-3) + more;
+        const double reach = tm_greatest(best, 1e-3) + ((kappa != NULL) ? stretch.reach[i - from] : 0.0);
         near = tm_stretch_near(&stretch, p, q, reach);
         if (near != 0u) {
           near = tm_stretch_nearer(&stretch, p, q, length, width, reach, near);
