@@ -177,8 +177,9 @@ def _lines(source: Source) -> Iterator[str]:
         yield from _step(source.supervised, limits)
     yield "A rule is computed once, taking everything for known; only where something is not known, a second time with worst and best"
     yield "cases (about twice the values). Geometry adds passes over the segments of a line or border: at most one for each point on a"
-    yield "line, two for each point in an area, and 21 for each sweep, of which 18 are of those that leave the area. Boxes over the segments,"
-    yield "and what was near in the last cycle, leave a few segments of each pass in practice."
+    yield "line, two for each point in an area, and 21 for each sweep, of which 18 are of those that leave the area; a sweep along a curve counts"
+    yield "as often as it has pieces, 8 times at most. Boxes over the segments, and what was near in the last cycle, leave a few segments of"
+    yield "each pass in practice."
     yield ""
     yield "| function | cyclomatic complexity |" + (" stack, bytes |" if usage else "")
     yield "|---|---:|" + ("---:|" if usage else "")
