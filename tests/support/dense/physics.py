@@ -24,7 +24,9 @@ def between(columns: Columns, car: Car) -> dict[str, bool]:
     v, a = (columns[name] for name in ("v", "a"))
     square = _linear(np.square(v) * np.sign(v), part.share)
     speed = np.sign(square) * np.sqrt(np.abs(square))
-    return _exceeded(speed, _linear(a, part.share), part.kappa, car)
+    found = _exceeded(speed, _linear(a, part.share), part.kappa, car)
+    # Whoever leaves drag out of what brakes do is more cautious.
+    return {**found, "brakes": bool((a < -car.brakes).any())}
 
 
 def _linear(values: Floats, share: Floats) -> Floats:
@@ -33,10 +35,11 @@ def _linear(values: Floats, share: Floats) -> Floats:
 
 
 def _exceeded(v: Floats, a: Floats, kappa: Floats, car: Car) -> dict[str, bool]:
+    wheels = a + car.air(v)
     return {
         "friction": bool((car.tyres(v, a, kappa) > car.grip).any()),
-        "drive": bool((a + car.air(v) > car.most_drive(v)).any()),
-        "brakes": bool((a < -car.brakes).any()),
+        "drive": bool((wheels > car.most_drive(v)).any()),
+        "brakes": bool((wheels < -car.brakes).any()),
         "radius": bool((np.abs(kappa) * car.radius > 1.0).any()),
         "fast": bool((v > car.v_max).any()),
         "backwards": bool((v < 0.0).any()),
