@@ -68,7 +68,7 @@ def window(cycle: Cycle, terms: Terms, begin: float | None = None, moments: int 
     turns = curve.turned(driving.at("heading", follows) - on.at("heading", stations))
     return Window(
         times,
-        stations + terms.slip,
+        stations,
         driving.at("v", follows) + terms.push,
         beside=float(max(abs(side) for _, side in places)),
         turned=float(np.abs(turns).max()),
@@ -108,10 +108,12 @@ class TakeUp:
 def take_up(cycle: Cycle, road: Road | None, car: Car, terms: Terms, begin: float | None = None) -> TakeUp:
     """The rule. Driven with the same acceleration at each station, the square of speed keeps its excess; what is left at the end is braked there."""
     seen = window(cycle, terms, begin)
-    planned = seen.on.at("v", seen.stations)
+    # The car may be behind or ahead of the driving trajectory: it is held against the emergency one from there to there.
+    around = seen.stations + terms.slip * np.linspace(-1.0, 1.0, 5)[:, None]
+    planned = seen.on.at("v", around)
     excess = float(max(0.0, (np.square(seen.speeds) - np.square(planned)).max()))
     emergency = cycle.candidates["emergency"]
-    late = max(0.0, float(seen.stations.max()) - seen.on.end)  # it has stopped before the car is there
+    late = max(0.0, float(around.max()) - seen.on.end)  # it has stopped before the car is there
     left = car.grip**2 - (excess * seen.on.kappa[-1]) ** 2
     overrun = late + excess / (2.0 * np.sqrt(left)) if left > 0.0 else np.inf
     reaches = min(float(overrun), BEYOND)
@@ -120,19 +122,20 @@ def take_up(cycle: Cycle, road: Road | None, car: Car, terms: Terms, begin: floa
         excess=excess,
         beside=seen.beside,
         turned=seen.turned,
-        grip=used(emergency, float(seen.stations[0]), excess, car),
+        grip=used(emergency, float(around.min()), excess, car),
         overrun=float(overrun),
         on_road=road is None or braking.on_road(seen.on, seen.on.end, seen.on.end + reaches, road, car),
     )
 
 
 def used(emergency: Columns, begin: float, excess: float, car: Car) -> float:
-    """The greatest share of the grip that samples beyond a station ask for, with the square of speed greater by the excess.
+    """The greatest share of the grip that samples ask for, with the square of speed greater by the excess: from the last one before a station on.
 
-    The last sample is left out: the trajectory rests there, and what is left of the excess is braked beyond it.
+    An acceleration counts from its sample on. The last sample is left out: the trajectory rests there, and what is left of the excess is braked beyond it.
     """
     s = np.concatenate([[0.0], np.cumsum(curve.chords(emergency))])
-    counts = (s >= begin) & (s < s[-1])
+    first = max(0, int(np.searchsorted(s, begin, side="right")) - 1)
+    counts = (np.arange(len(s)) >= first) & (s < s[-1])
     if not counts.any():
         return 0.0
     v, a, kappa = (emergency[name][counts] for name in ("v", "a", "kappa"))
