@@ -46,7 +46,9 @@ def run(name: str, share: float, every: int = 1, backend: str = "numpy") -> Run:
     wider = {"mu": recording.params["mu"] * (1.0 + share), "drive_factor": 1.0 + share}
     kept = recording.cycles[::every]
     recording = replace(recording, params={**recording.params, **wider}, cycles=kept)
-    evaluator = evaluator_for(recording, REPOSITORY / "specs" / "supervisor", _nowhere(path), REPOSITORY, None, backend)
+    evaluator = evaluator_for(
+        recording, REPOSITORY / "specs" / "supervisor", _nowhere(path), REPOSITORY, None, backend
+    )
     outcome = replay(recording, evaluator)
     fired: dict[Key, tuple[Firing, ...]] = {}
     for index, cycle in enumerate(outcome.cycles):

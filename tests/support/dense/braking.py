@@ -38,5 +38,7 @@ def deceleration(square: float, kappa: float, car: Car) -> float:
 def on_road(on: Path, begin: float, end: float, road: Road, car: Car) -> bool:
     """Whether every footprint from station to station is, 10 cm apart."""
     s = np.append(np.arange(begin, end, 0.1), end)
-    prints = shapely.polygons(corners(on.at("x", s), on.at("y", s), on.at("heading", s), car.length, car.width))
+    prints = shapely.polygons(
+        corners(on.at("x", s), on.at("y", s), on.at("heading", s), car.length, car.width)
+    )
     return bool(shapely.covers(road.area, prints).all())

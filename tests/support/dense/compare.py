@@ -84,7 +84,9 @@ class Table:
         return {rule for (rule, _), row in self.rows.items() if row.unconfirmed}
 
     def __str__(self) -> str:
-        lines = [f"{self.recording:28} {'candidate':10}{'confirmed':>10}{'warned':>8}{'neither':>8}  neither at s"]
+        lines = [
+            f"{self.recording:28} {'candidate':10}{'confirmed':>10}{'warned':>8}{'neither':>8}  neither at s"
+        ]
         for (rule, candidate), row in sorted(self.rows.items()):
             some = ", ".join(f"{t:g}" for t in row.unconfirmed[:6]) + (" .." if row.unconfirmed[6:] else "")
             counts = f"{len(row.confirmed):10}{len(row.warned):8}{len(row.unconfirmed):8}"
@@ -102,7 +104,9 @@ def compare(
     apart: Collection[str] = (),
 ) -> Table:
     """judged: the rules of the run; apart: those that are looked at elsewhere. Raises AssertionError for a rule that has no counterpart here."""
-    strange = {name for names in [judged, *fired.values()] for name in names} - CONFIRMED_BY.keys() - set(apart)
+    strange = (
+        {name for names in [judged, *fired.values()] for name in names} - CONFIRMED_BY.keys() - set(apart)
+    )
     assert not strange, f"nothing here confirms or denies {sorted(strange)}: name the facts in CONFIRMED_BY"
     rows: dict[tuple[str, str], Row] = {}
     missed: dict[tuple[str, str], list[float]] = {}

@@ -17,10 +17,14 @@ from support.dense.recording import Floats
 
 @dataclass(frozen=True)
 class Driven:
-    """One entry a car. rest: its station in the end, m. grip: the most that its tyres gave before the trajectory's end, to what they have."""
+    """One entry a car. rest: its station in the end, m. grip: the most that its tyres gave before the trajectory's end, to what they have.
+
+    excess: the most that the square of its speed was above the trajectory's at the same station, m^2/s^2.
+    """
 
     rest: Floats
     grip: Floats
+    excess: Floats
 
 
 def drive(paths: Sequence[Path], begin: Floats, v: Floats, car: Car, step: float = 0.001) -> Driven:
@@ -30,20 +34,23 @@ def drive(paths: Sequence[Path], begin: Floats, v: Floats, car: Car, step: float
     end = np.array([on.end for on in paths])
     kappa = np.stack([on.at("kappa", grid) for on in paths])
     # The square of speed falls from grid point to grid point by what the trajectory accelerates there.
-    gain = np.diff(np.stack([np.square(on.at("v", grid)) for on in paths]), axis=1) / (2.0 * STEP)
+    square = np.stack([np.square(on.at("v", grid)) for on in paths])
+    gain = np.diff(square, axis=1) / (2.0 * STEP)
     gain = np.concatenate([gain, np.zeros((len(paths), 1))], axis=1)
     rows = np.arange(len(paths))
-    s, v, grip = begin.copy(), v.copy(), np.zeros(len(paths))
+    s, v = begin.copy(), v.copy()
+    grip, excess = np.zeros(len(paths)), np.full(len(paths), -np.inf)
     for _ in range(round(40.0 / step)):
         at = np.clip((s / STEP).astype(int), 0, len(grid) - 1)
         bend = kappa[rows, at]
         left = np.sqrt(np.maximum(0.0, car.grip**2 - np.square(v * v * bend)))
         a = np.where(s < end, gain[rows, at], -left)
         goes = v > 0.0
+        excess = np.maximum(excess, v * v - square[rows, at] - gain[rows, at] * 2.0 * (s - at * STEP))
         share = car.tyres(v, a, bend) / car.grip
         grip = np.where(goes & (s < end - STEP), np.maximum(grip, share), grip)
         faster = np.maximum(0.0, v + np.where(goes, a, 0.0) * step)
         s, v = s + (v + faster) / 2.0 * step, faster
         if not goes.any():
             break
-    return Driven(s, grip)
+    return Driven(s, grip, excess)

@@ -35,7 +35,9 @@ def facts(
             certain = at_least | both | _of_itself(name, candidate, car)
             if sweep.leaves(candidate, road, car):
                 certain.add("off the road")
-            possible = at_most | _true(physics.between(candidate, car)) | _true(columns.disagreements(candidate))
+            possible = (
+                at_most | _true(physics.between(candidate, car)) | _true(columns.disagreements(candidate))
+            )
             possible |= _true(place.astray(cycle, candidate, near or place.Near()))
             result[cycle.index, name] = Facts(frozenset(certain), frozenset(certain | possible))
     return result

@@ -73,7 +73,9 @@ def path(columns: Columns, beyond: float = 0.0) -> Path:
     for i in going:
         step = np.hypot(np.diff(parts.x[i]), np.diff(parts.y[i]))
         s = station + np.concatenate([[0.0], np.cumsum(step)])
-        square = np.square(columns["v"][i]) * (1.0 - parts.share) + np.square(columns["v"][i + 1]) * parts.share
+        square = (
+            np.square(columns["v"][i]) * (1.0 - parts.share) + np.square(columns["v"][i + 1]) * parts.share
+        )
         heading = np.unwrap(parts.heading[i])
         rows.append(np.stack([s, parts.x[i], parts.y[i], heading, parts.kappa[i], np.sqrt(square)])[:, :-1])
         station = float(s[-1])

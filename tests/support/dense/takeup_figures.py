@@ -67,7 +67,9 @@ def _refused(label: str, taken: Sequence[TakeUp], terms: Terms) -> Iterator[str]
         yield _row(label, f"{dv:g}", f"{ds:g}", sum(map(bool, causes)), by_cause)
     steady = [one for one in taken if one.grip <= 1.0 and np.isfinite(one.overrun)]
     if steady:
-        yield _row(label, "needs", f"dv {max(o.dv for o in steady):.2f}", f"ds {max(o.overrun for o in steady):.2f}")
+        yield _row(
+            label, "needs", f"dv {max(o.dv for o in steady):.2f}", f"ds {max(o.overrun for o in steady):.2f}"
+        )
     yield _row(label, "grip", _quantiles([one.grip for one in taken]))
 
 

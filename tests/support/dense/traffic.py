@@ -72,9 +72,7 @@ def at_car(cycle: Cycle, columns: Columns) -> float:
     return float(columns["t"][i] + (lasts * share * whole / mean if mean > 0.0 else 0.0))
 
 
-def _seen(
-    recording: Recording, index: int, name: str, times: Floats
-) -> tuple[Floats, Floats, Floats]:
+def _seen(recording: Recording, index: int, name: str, times: Floats) -> tuple[Floats, Floats, Floats]:
     """x, y, heading of another car at the times up to the last one at which it is reported without a gap."""
     rows = []
     for cycle in recording.cycles[index:]:
@@ -135,7 +133,9 @@ def gaps(lane: Lane, cycle: Cycle, car: Car, r: rss.Response) -> Sequence[Gaps]:
         along, across = body["v"] * np.cos(its_turn), body["v"] * np.sin(its_turn)
         whole = lane.line.length
         ahead = float(np.remainder(its_station - station + whole / 2.0, whole) - whole / 2.0)
-        gap = abs(ahead) - _reach(car.length, car.width, turn) - _reach(body["length"], body["width"], its_turn)
+        gap = (
+            abs(ahead) - _reach(car.length, car.width, turn) - _reach(body["length"], body["width"], its_turn)
+        )
         flank = abs(its_offset - offset) - _reach(car.width, car.length, turn)
         flank -= _reach(body["width"], body["length"], its_turn)
         left = 1.0 if its_offset >= offset else -1.0
