@@ -82,7 +82,7 @@ def path(columns: Columns, beyond: float = 0.0) -> Path:
     last = [columns[name][-1] for name in ("x", "y", "heading", "kappa", "v")]
     rows.append(np.array([[station], *([value] for value in last)]))
     if beyond > 0.0:
-        rows.append(_beyond(station, *last[:4], length=beyond))
+        rows.append(_beyond(station, last[0], last[1], last[2], last[3], beyond))
     s, x, y, heading, kappa, v = np.concatenate(rows, axis=1)
     return Path(s, x, y, np.unwrap(heading), kappa, v, station)
 
