@@ -1,4 +1,4 @@
-"""The figures of docs/takeup.md, as tables: `PYTHONPATH=tests python -m support.dense.takeup_figures FOLDER [EVERY]`, some minutes."""
+"""The figures of docs/takeup.md, as tables: `PYTHONPATH=tests python -m support.dense.takeup_figures FOLDER EVERY NAME ...`, minutes each."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ def _quantiles(values: Sequence[float]) -> str:
     return ", ".join(f"{q:.2f}" for q in np.quantile(values, [0.5, 0.9, 0.99, 1.0]))
 
 
-def tables(folder: Path, every: int = 1) -> Iterator[str]:
-    """Lines of Markdown."""
+def tables(folder: Path, every: int, names: Sequence[str]) -> Iterator[str]:
+    """Lines of Markdown, of every so many cycles of each recording."""
     planned = cars.read(folder / "ltpl_car.spec")
     car = planned.allowed(0.01)
-    for name in recording.NAMES:
+    for name in names:
         data = recording.read(folder, name)
         road = sweep.road(data)
         said = facts(data, car, data.cycles[::every])
@@ -74,5 +74,5 @@ def _refused(label: str, taken: Sequence[TakeUp], terms: Terms) -> Iterator[str]
 
 
 if __name__ == "__main__":
-    for line in tables(Path(sys.argv[1]), int(sys.argv[2]) if sys.argv[2:] else 1):
+    for line in tables(Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3:]):
         print(line, flush=True)
