@@ -26,7 +26,8 @@ NOT_MENDED: Mapping[str, str] = {
 }
 
 SOME, ALL = 23, 1
-SHARES = [SOME, pytest.param(ALL, marks=pytest.mark.acceptance)]
+EVERYTHING = [pytest.param(name, ALL, marks=pytest.mark.acceptance) for name in recording.NAMES]
+CASES = [("berlin", SOME), ("modena_cars", SOME), *EVERYTHING]
 
 
 @cache
@@ -47,8 +48,7 @@ def table(name: str, every: int) -> compare.Table:
     return compare.compare(read(name), found(name, every), fired, run.rules, TAKE_UP)
 
 
-@pytest.mark.parametrize("every", SHARES)
-@pytest.mark.parametrize("name", recording.NAMES)
+@pytest.mark.parametrize(("name", "every"), CASES)
 def test_what_fires_is_so(name: str, every: int) -> None:
     """Alone, nothing fires but what is confirmed; in traffic, what is confirmed or what the planner itself warns of."""
     result = table(name, every)
@@ -58,8 +58,7 @@ def test_what_fires_is_so(name: str, every: int) -> None:
     assert without <= NOT_MENDED.keys(), f"\n{result}"
 
 
-@pytest.mark.parametrize("every", SHARES)
-@pytest.mark.parametrize("name", recording.NAMES)
+@pytest.mark.parametrize(("name", "every"), CASES)
 def test_what_is_so_fires(name: str, every: int) -> None:
     assert not table(name, every).missed, f"\n{table(name, every)}"
 
@@ -71,11 +70,11 @@ def test_nothing_counts_as_not_mended_that_is() -> None:
     assert NOT_MENDED.keys() <= without, "take what is mended out of NOT_MENDED"
 
 
-@pytest.mark.parametrize("name", recording.ALONE)
-def test_alone_the_planner_keeps_to_its_limits(name: str) -> None:
+@pytest.mark.parametrize(("name", "every"), [case for case in CASES if "cars" not in str(case)])
+def test_alone_the_planner_keeps_to_its_limits(name: str, every: int) -> None:
     """What the whole comparison rests on: a planner that did nothing wrong."""
     physical = {"off the road", "friction", "drive", "radius", "fast", "backwards", "does not stop"}
-    assert not {fact for said in found(name, SOME).values() for fact in said.possible} & physical
+    assert not {fact for said in found(name, every).values() for fact in said.possible} & physical
 
 
 @pytest.mark.acceptance

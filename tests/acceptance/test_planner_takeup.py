@@ -19,7 +19,6 @@ from support.dense.takeup import TakeUp, Terms, take_up, window
 from support.shared import shared
 
 SOME, ALL = 83, 1
-SHARES = [SOME, pytest.param(ALL, marks=pytest.mark.acceptance)]
 TERMS = (Terms(ds=20.0, dv=8.0), Terms(ds=20.0, dv=8.0, slip=0.2, push=0.2))
 #: What driving in steps of a millisecond, along points 10 cm apart, may differ by: m, m^2/s^2, and the share of the grip that the path asks for
 #: between samples, where rules do not look.
@@ -67,11 +66,16 @@ def taken_up(
 
 @pytest.mark.parametrize("late", [False, True], ids=["as planned", "braking later"])
 @pytest.mark.parametrize(
-    ("terms", "every"),
-    [(TERMS[1], SOME), *(pytest.param(terms, ALL, marks=pytest.mark.acceptance) for terms in TERMS)],
-    ids=["disturbed, some", "undisturbed, all", "disturbed, all"],
+    ("name", "terms", "every"),
+    [
+        ("modena_cars", TERMS[1], SOME),
+        *(
+            pytest.param(name, terms, ALL, marks=pytest.mark.acceptance)
+            for name in recording.NAMES
+            for terms in TERMS
+        ),
+    ],
 )
-@pytest.mark.parametrize("name", recording.NAMES)
 def test_what_is_approved_can_be_taken_up(name: str, terms: Terms, late: bool, every: int) -> None:
     """In every moment until the decision is overdue: within the grip, at rest where the rule says, on the road until there."""
     some = approved(name, every, terms, late=late)
@@ -97,8 +101,13 @@ def _stands_on(on: Path, station: float, road: Road) -> bool:
     )
 
 
-@pytest.mark.parametrize("every", SHARES)
-@pytest.mark.parametrize("name", recording.ALONE)
+@pytest.mark.parametrize(
+    ("name", "every"),
+    [
+        ("berlin", SOME),
+        *(pytest.param(name, ALL, marks=pytest.mark.acceptance) for name in recording.ALONE),
+    ],
+)
 def test_a_planner_that_brakes_later_needs_no_reserve(name: str, every: int) -> None:
     """Emergency trajectories that drive as the driving ones until the window is over are taken up as they are."""
     data, _ = read(name)
@@ -106,8 +115,8 @@ def test_a_planner_that_brakes_later_needs_no_reserve(name: str, every: int) -> 
     assert len(some) == len(data.cycles[::every])
 
 
-@pytest.mark.parametrize("name", recording.ALONE)
-def test_without_a_reserve_the_planner_is_refused(name: str) -> None:
+def test_without_a_reserve_the_planner_is_refused() -> None:
     """Its emergency trajectories brake from a sample behind the car on."""
+    name = "berlin"
     data, _ = read(name)
     assert len(approved(name, SOME, Terms(ds=0.01, dv=0.01), late=False)) < len(data.cycles[::SOME]) / 2
