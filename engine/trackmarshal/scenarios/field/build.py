@@ -77,11 +77,6 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     return Drive(mapping, log, noise, motion, recording, name, _sources(mapping, log))
 
 
-def header(mapping: Mapping) -> Recording:
-    """The recording without its cycles and borders: what it is evaluated with is known where its log is not."""
-    return Recording(mapping.name, mapping.source, (), {"left": [], "right": [], "closed": mapping.closed}, use=(mapping.vehicle, *mapping.use))
-
-
 def as_logged(log: Log) -> Motion:
     """The log itself as a motion, with all its noise: acceleration and curvature are what its columns change by."""
     heading = np.unwrap(log.heading)

@@ -107,6 +107,7 @@ def _braked(
     if end_t == 0.0:  # it stands: one place, for one step
         t, s, v, a = np.array([0.0, step]), s[[0, 0]], np.zeros(2), np.zeros(2)
     else:
+        end_t = max(float(end_t), 1e-3)  # times are rounded, and have to increase
         # a sample so shortly before the end says nothing more
         whole = int(np.ceil((end_t - 0.1 * step) / step))
         t = np.append(np.arange(max(whole, 1)) * step, end_t)
