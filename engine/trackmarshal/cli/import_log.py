@@ -36,13 +36,26 @@ CODES = {
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("what", choices=("log",), help="what is imported")
-    parser.add_argument("file", nargs="?", metavar="FILE", help="CSV (also .gz) or MCAP; default: the one that the mapping names")
-    parser.add_argument("--map", required=True, metavar="MAP", help="the mapping: columns, units, conventions, track, vehicle")
+    parser.add_argument(
+        "file",
+        nargs="?",
+        metavar="FILE",
+        help="CSV (also .gz) or MCAP; default: the one that the mapping names",
+    )
+    parser.add_argument(
+        "--map", required=True, metavar="MAP", help="the mapping: columns, units, conventions, track, vehicle"
+    )
     parser.add_argument("--out", metavar="RECORDING", help="write the recording (.tmrec.jsonl, also .gz)")
-    parser.add_argument("--from", dest="begin", type=float, metavar="S", help="from here on, s; default: the mapping's")
+    parser.add_argument(
+        "--from", dest="begin", type=float, metavar="S", help="from here on, s; default: the mapping's"
+    )
     parser.add_argument("--to", dest="end", type=float, metavar="S")
     parser.add_argument("--no-report", action="store_true", help="only make the recording")
-    parser.add_argument("--limits", action="store_true", help="also search at which values of their parameters rules would have fired first")
+    parser.add_argument(
+        "--limits",
+        action="store_true",
+        help="also search at which values of their parameters rules would have fired first",
+    )
     parser.add_argument("--keep", metavar="FILE", help="keep the run as evidence for the traceability matrix")
     parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
     choose_rules(parser, "evaluate")
@@ -79,7 +92,9 @@ def _may_keep(args: argparse.Namespace) -> None:
     other = [name for name, given in named.items() if given]
     if other:
         message = f"`--keep` keeps the run that the mapping declares, not one with {' and '.join(other)}"
-        raise TrackmarshalError("E435", message, file=args.map, help="write it into the mapping, or leave it out")
+        raise TrackmarshalError(
+            "E435", message, file=args.map, help="write it into the mapping, or leave it out"
+        )
 
 
 def _report(args: argparse.Namespace, drive: Drive) -> int:
@@ -95,7 +110,9 @@ def _report(args: argparse.Namespace, drive: Drive) -> int:
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
     settings = [Path(name) for name in args.settings]
     evaluator = evaluator_for(drive.recording, spec_path, settings, project, args.rule, "numpy")
-    judged = judge(drive.recording, evaluator, lambda chunks: progress(chunks, drive.recording.name, args.quiet))
+    judged = judge(
+        drive.recording, evaluator, lambda chunks: progress(chunks, drive.recording.name, args.quiet)
+    )
     logged = None
     if drive.smoother:
         raw = build(drive.mapping, Path(drive.log.path), raw=True)

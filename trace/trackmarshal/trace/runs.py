@@ -52,7 +52,9 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
                     f"nothing fired, but the recording is {scenario.origin}, not from the field",
                     evaluated,
                 )
-            return Showing("covered", f"nothing fired in {run.cycles} cycles{_kept(scenario, run, hashes)}", evaluated)
+            return Showing(
+                "covered", f"nothing fired in {run.cycles} cycles{_kept(scenario, run, hashes)}", evaluated
+            )
         case "fire":
             quiet = _quiet(scenario, run)
             if quiet:
@@ -174,14 +176,23 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
         if absent:
             message = f"the run of `{path}` is kept, and cannot be made again here: `{absent[0]}` is not here"
             more = f" (and {len(absent) - 1} more)" if len(absent) > 1 else ""
-            yield Finding("T248", "note", message + more, place, "its hash is in the run; fetch it to make the run again", path)
+            yield Finding(
+                "T248",
+                "note",
+                message + more,
+                place,
+                "its hash is in the run; fetch it to make the run again",
+                path,
+            )
         stale = spec.run_staleness(run, hashes.get(path)) or _changed(scenario, run, hashes)
         if stale:
             yield warning(
                 "T242",
                 f"the run of `{path}` is stale: {stale}",
                 place,
-                f"run `trackmarshal import log --map {path} --keep {scenario.kept}`" if scenario.kept else "run `trackmarshal assess` again",
+                f"run `trackmarshal import log --map {path} --keep {scenario.kept}`"
+                if scenario.kept
+                else "run `trackmarshal assess` again",
                 path,
             )
         elif scenario.expect == "ground_truth":

@@ -47,7 +47,9 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     """
     if path is None and mapping.log is None:
         message = "the mapping names no log"
-        raise TrackmarshalError("D178", message, file=mapping.source, help="give the file, or name it under `log`")
+        raise TrackmarshalError(
+            "D178", message, file=mapping.source, help="give the file, or name it under `log`"
+        )
     where = path if path is not None or mapping.log is None else logs.find(mapping, mapping.log)
     assert where is not None
     log = logs.read(mapping, where)
@@ -63,12 +65,21 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     for row, driving, emergency in zip(rows, driven, braked):
         if emergency is None:
             break  # nothing after this one stands in time either: the log ends
-        ego = {"x": float(log.x[row]), "y": float(log.y[row]), "heading": float(log.heading[row]), "v": float(log.v[row])}
+        ego = {
+            "x": float(log.x[row]),
+            "y": float(log.y[row]),
+            "heading": float(log.heading[row]),
+            "v": float(log.v[row]),
+        }
         ego = {name: round(value, 6) for name, value in ego.items()}
         cycles.append(Cycle(round(float(log.t[row]), 6), ego, [], {DRIVING: driving, EMERGENCY: emergency}))
     if not cycles:
-        message = f"no cycle between {mapping.begin:g} s and the end has {mapping.horizon:g} s of driving after it"
-        raise TrackmarshalError("D176", message, file=str(where), help="`time` says from when to when; `plan` how far ahead")
+        message = (
+            f"no cycle between {mapping.begin:g} s and the end has {mapping.horizon:g} s of driving after it"
+        )
+        raise TrackmarshalError(
+            "D176", message, file=str(where), help="`time` says from when to when; `plan` how far ahead"
+        )
     name = smoother.NAME if smooth else ""
     recording = Recording(
         mapping.name, mapping.source, tuple(cycles), {"left": borders[0], "right": borders[1], "closed": mapping.closed},
@@ -123,9 +134,13 @@ def _braking(mapping: Mapping) -> Braking:
     missing = [name for name in ("mu", "g", "mass", "drag", "b_max") if name not in values]
     if missing:
         message = f"the vehicle `{mapping.vehicle}` has no parameter `{missing[0]}`"
-        raise TrackmarshalError("D151", message, file=mapping.source, help="mu, g, mass, drag and b_max say how it brakes")
+        raise TrackmarshalError(
+            "D151", message, file=mapping.source, help="mu, g, mass, drag and b_max say how it brakes"
+        )
     share = mapping.share
-    return Braking(share * values["mu"] * values["g"], share * values["b_max"], values["drag"] / values["mass"])
+    return Braking(
+        share * values["mu"] * values["g"], share * values["b_max"], values["drag"] / values["mass"]
+    )
 
 
 def spec_of(mapping: Mapping, name: str) -> Path:
@@ -135,7 +150,12 @@ def spec_of(mapping: Mapping, name: str) -> Path:
         if (place / name).is_file():
             return place / name
     message = f"the spec `{name}` is not there"
-    raise TrackmarshalError("D178", message, file=mapping.source, help="its path is from the mapping's folder, or from one above it")
+    raise TrackmarshalError(
+        "D178",
+        message,
+        file=mapping.source,
+        help="its path is from the mapping's folder, or from one above it",
+    )
 
 
 def _notes(mapping: Mapping, log: Log, noise: Noise, motion: Motion, name: str, count: int) -> list[str]:

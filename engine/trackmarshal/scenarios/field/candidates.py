@@ -30,7 +30,7 @@ class Braking:
 
 def driving(motion: Motion, times: Floats, horizon: float, step: float) -> list[Columns]:
     """What was driven from each time on, over the horizon, a sample every `step`; columns in SI, s and t from 0."""
-    after = np.arange(round(horizon / step) + 1) * step
+    after: Floats = np.arange(round(horizon / step) + 1, dtype=np.float64) * step
     grid = times[:, None] + after
     rows = {
         name: np.interp(grid, motion.t, column)
@@ -56,7 +56,8 @@ def emergency(motion: Motion, times: Floats, step: float, braking: Braking) -> l
     v = np.maximum(np.interp(times, motion.t, motion.v), 0.0)
     every = max(1, round(step / _FINE))
     fine = step / every
-    kept_s, kept_v, kept_a = [s.copy()], [v.copy()], []
+    kept_s, kept_v = [s.copy()], [v.copy()]
+    kept_a: list[Floats] = []
     end_t, end_s = np.where(v > REST_SPEED, np.nan, 0.0), s.copy()
     final_a = np.zeros(count)
     now = 0.0
@@ -92,7 +93,18 @@ def emergency(motion: Motion, times: Floats, step: float, braking: Braking) -> l
         kept_a.append(np.zeros(count))
     all_s, all_v, all_a = np.array(kept_s), np.array(kept_v), np.array(kept_a)
     return [
-        _braked(step, all_s[:, i], all_v[:, i], all_a[:, i], end_t[i], end_s[i], final_a[i], way, path, motion.s[-1])
+        _braked(
+            step,
+            all_s[:, i],
+            all_v[:, i],
+            all_a[:, i],
+            end_t[i],
+            end_s[i],
+            final_a[i],
+            way,
+            path,
+            motion.s[-1],
+        )
         for i in range(count)
     ]
 
@@ -132,4 +144,7 @@ def _columns(
     """As a recording has them: lists, headings in (-pi, pi]; rounded to a micrometre, which keeps files small."""
     wrapped = np.angle(np.exp(1j * heading))
     named = {"t": t, "s": s, "x": x, "y": y, "heading": wrapped, "kappa": kappa, "v": v, "a": a}
-    return {name: [float(value) for value in np.round(column, 9 if name == "kappa" else 6)] for name, column in named.items()}
+    return {
+        name: [float(value) for value in np.round(column, 9 if name == "kappa" else 6)]
+        for name, column in named.items()
+    }

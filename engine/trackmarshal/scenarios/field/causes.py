@@ -45,22 +45,33 @@ def firings(drive: Drive, judged: Judgement, clean: Judgement | None = None) -> 
     for number, rule in enumerate(judged.evaluator.rules):
         fired = np.flatnonzero(unsafe[:, :, number].any(axis=1))
         road = reads_road(rule, judged.evaluator.spec)
-        calm = np.zeros(0) if clean is None else ~clean.unsafe[:, :, number].any(axis=1)
+        quiet = clean_of(clean, number, len(judged.times))
         causes = [
-            (int(place), *_cause(drive, judged, rule.name, int(place), off if road else None, clean is not None and bool(calm[place])))
+            (int(place), *_cause(drive, judged, rule.name, int(place), off if road else None, bool(quiet[place])))
             for place in fired
         ]  # fmt: skip
         found += _grouped(judged, rule.name, number, causes)
     for place, fault in judged.faults.items():
-        cause, because = _cause(drive, judged, CONTRACT, place, None, clean is not None and place not in clean.faults)
+        cause, because = _cause(
+            drive, judged, CONTRACT, place, None, clean is not None and place not in clean.faults
+        )
         t = float(judged.times[place])
         found.append(Firing(CONTRACT, (), t, t, 1, cause, because or fault, (place, 0, float("nan"))))
     return sorted(found, key=lambda one: (one.begin, one.rule))
 
 
+def clean_of(clean: Judgement | None, rule: int, cycles: int) -> Flags:
+    """(cycles,) where a rule does not fire with the declared noise; nowhere, where that was not looked at."""
+    if clean is None:
+        return np.zeros(cycles, np.bool_)
+    return np.asarray(~clean.unsafe[:, :, rule].any(axis=1))
+
+
 def reads_road(rule: RuleInfo, spec: Spec) -> bool:
     """Whether a rule reads borders or lines that a map has."""
-    return any(spec.signals[name].kind in ("corridor", "polyline") for name, _ in rule.reads if name in spec.signals)
+    return any(
+        spec.signals[name].kind in ("corridor", "polyline") for name, _ in rule.reads if name in spec.signals
+    )
 
 
 def _cause(
@@ -79,9 +90,7 @@ def _cause(
     return REAL, ""
 
 
-def _grouped(
-    judged: Judgement, rule: str, number: int, causes: list[tuple[int, str, str]]
-) -> list[Firing]:
+def _grouped(judged: Judgement, rule: str, number: int, causes: list[tuple[int, str, str]]) -> list[Firing]:
     runs: list[list[tuple[int, str, str]]] = []
     for entry in causes:
         if runs and runs[-1][-1][0] == entry[0] - 1 and runs[-1][-1][1:] == entry[1:]:
@@ -95,7 +104,9 @@ def _firing(judged: Judgement, rule: str, number: int, run: list[tuple[int, str,
     places = [entry[0] for entry in run]
     unsafe = judged.unsafe[places, :, number]
     margins = np.where(unsafe, judged.margins[places, :, number], np.inf)
-    shown = np.where(np.isnan(margins), np.inf, margins)  # an undefined one is the worst only where nothing else is
+    shown = np.where(
+        np.isnan(margins), np.inf, margins
+    )  # an undefined one is the worst only where nothing else is
     where = np.unravel_index(int(np.argmin(shown)), shown.shape)
     if not np.isfinite(shown[where]):
         where = np.unravel_index(int(np.argmax(unsafe)), unsafe.shape)
@@ -140,7 +151,9 @@ class _Off:
             off = np.zeros(len(places), np.bool_)
             for along, across in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
                 a, b = 0.5 * along * length, 0.5 * across * width
-                off |= ~on_road(log.x[places] + a * c - b * s, log.y[places] + a * s + b * c, self._drive.recording.track)
+                off |= ~on_road(
+                    log.x[places] + a * c - b * s, log.y[places] + a * s + b * c, self._drive.recording.track
+                )
             self._times = log.t[places[off]]
         return self._times
 
@@ -149,7 +162,7 @@ def on_road(x: Floats, y: Floats, track: dict[str, object]) -> Flags:
     """(n,) whether points lie between the borders: inside one ring and not the other of a closed track, inside the one ring of an open one."""
     left, right = np.asarray(track["left"], dtype=float), np.asarray(track["right"], dtype=float)
     if track.get("closed"):
-        return _inside(x, y, left) != _inside(x, y, right)
+        return np.asarray(_inside(x, y, left) != _inside(x, y, right))
     return _inside(x, y, np.vstack([left, right[::-1]]))
 
 

@@ -45,12 +45,14 @@ class Judgement:
     @property
     def unsafe(self) -> NDArray[np.bool_]:
         """(cycles, candidates, rules)"""
-        return np.isin(self.codes, _UNSAFE)
+        found: NDArray[np.bool_] = np.isin(self.codes, _UNSAFE)
+        return found
 
     @property
     def active(self) -> NDArray[np.bool_]:
         """(cycles, candidates, rules): where the rule said something."""
-        return self.codes != _INACTIVE
+        found: NDArray[np.bool_] = self.codes != _INACTIVE
+        return found
 
     def result(self, cycle: int, candidate: int, rule: int) -> RuleResult:
         """One outcome with its witness."""
@@ -72,11 +74,16 @@ def judge(
             faults[place] = str(frame.faults[0])
         frames.append(frame)
     codes, margins = rated(evaluator.program, frames, len(evaluator.rules), watch)
-    return Judgement(evaluator, np.array([cycle.t for cycle in recording.cycles]), frames, codes, margins, faults)
+    return Judgement(
+        evaluator, np.array([cycle.t for cycle in recording.cycles]), frames, codes, margins, faults
+    )
 
 
 def rated(
-    program: Program, frames: Sequence[Frame], rules: int, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter
+    program: Program,
+    frames: Sequence[Frame],
+    rules: int,
+    watch: Callable[[Sequence[Any]], Iterable[Any]] = iter,
 ) -> tuple[NDArray[np.uint8], Floats]:
     """Codes and margins (frames, candidates, rules); a candidate that is not there is undefined."""
     codes = np.full((len(frames), len(CANDIDATES), rules), VERDICTS.index("undefined"), np.uint8)

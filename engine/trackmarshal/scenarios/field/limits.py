@@ -7,14 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.nodes import Param, below
 from trackmarshal.ir.spec import ParamInfo, RuleInfo
 from trackmarshal.runtime.frame import Frame, Settings
 from trackmarshal.runtime.program import Program
-from trackmarshal.scenarios.field.judged import Judgement, rated
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS
+from trackmarshal.scenarios.field.judged import Judgement, rated
 
 _UNSAFE = [VERDICTS.index(name) for name in UNSAFE]
 #: Frames that are looked at before all of them are.
@@ -57,15 +58,34 @@ def limits(judged: Judgement, quiet_from: int = 0) -> list[Limit]:
             result.append(Limit(rule.name, "", "", math.nan, why="it has no parameter"))
             continue
         if not active[:, :, number].any():
-            result.append(Limit(rule.name, "", "", math.nan, why="it had nothing to say: nothing that it speaks of was there"))
+            result.append(
+                Limit(
+                    rule.name,
+                    "",
+                    "",
+                    math.nan,
+                    why="it had nothing to say: nothing that it speaks of was there",
+                )
+            )
             continue
         if unsafe[:, :, number].any():
             result.append(Limit(rule.name, "", "", math.nan, why="it fires with the values as they are"))
             continue
         alone = Evaluator(judged.evaluator.spec, [rule.name], "numpy")
         # those with the least margins, and some of all the others
-        order = np.argsort(np.nanmin(np.where(np.isnan(judged.margins[quiet_from:, :, number]), np.inf, judged.margins[quiet_from:, :, number]), axis=1))
-        few = list(dict.fromkeys([*order[:_FEW].tolist(), *range(0, len(frames), max(1, len(frames) // _FEW))]))
+        order = np.argsort(
+            np.nanmin(
+                np.where(
+                    np.isnan(judged.margins[quiet_from:, :, number]),
+                    np.inf,
+                    judged.margins[quiet_from:, :, number],
+                ),
+                axis=1,
+            )
+        )
+        few = list(
+            dict.fromkeys([*order[:_FEW].tolist(), *range(0, len(frames), max(1, len(frames) // _FEW))])
+        )
         search = _Search(alone.program, frames, few)
         result += [_limit(rule, info, search) for info in infos]
     return result
@@ -119,7 +139,7 @@ class _Search:
             end = quiet
         return loud
 
-    def _fires(self, places: Sequence[int], name: str, value: float) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    def _fires(self, places: Sequence[int], name: str, value: float) -> NDArray[np.bool_]:
         """(places,) whether a candidate is unsafe with this value."""
         made: dict[int, Settings] = {}
         frames = []
@@ -131,5 +151,5 @@ class _Search:
                 made[id(frame.settings)] = settings
             frames.append(replace(frame, settings=settings))
         codes, _ = rated(self._program, frames, 1)
-        fires: np.ndarray[tuple[int], np.dtype[np.bool_]] = np.isin(codes[:, :, 0], _UNSAFE).any(axis=1)
+        fires: NDArray[np.bool_] = np.asarray(np.isin(codes[:, :, 0], _UNSAFE).any(axis=1))
         return fires

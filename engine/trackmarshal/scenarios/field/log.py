@@ -56,7 +56,12 @@ def read(mapping: Mapping, path: Path, shown: str | None = None) -> Log:
     if data.startswith(mcap_log.MAGIC):
         columns, lines = mcap_log.read(data, shown, mapping.columns, mapping.hold)
     elif data.startswith((b"PK\x03\x04", b"SQLite format 3", b"#ROSBAG")):
-        raise TrackmarshalError("D174", "neither delimited text nor MCAP", file=shown, help="export the log as CSV or as MCAP with JSON")
+        raise TrackmarshalError(
+            "D174",
+            "neither delimited text nor MCAP",
+            file=shown,
+            help="export the log as CSV or as MCAP with JSON",
+        )
     else:
         columns, lines = table.read(data, shown, mapping.columns, mapping.delimiter)
     si = {name: _si(values, mapping.columns[name]) for name, values in columns.items()}
@@ -66,7 +71,9 @@ def read(mapping: Mapping, path: Path, shown: str | None = None) -> Log:
     heading = np.angle(np.exp(1j * heading))
     rate = mapping.heading_sign * si["yaw_rate"] if "yaw_rate" in si else None
     x, y = si["x"] + mapping.forward * np.cos(heading), si["y"] + mapping.forward * np.sin(heading)
-    log = Log(si["t"] - origin, x, y, heading, si["v"], rate, origin, str(path), hashlib.sha256(raw).hexdigest())
+    log = Log(
+        si["t"] - origin, x, y, heading, si["v"], rate, origin, str(path), hashlib.sha256(raw).hexdigest()
+    )
     _fits(log, shown)
     return log
 
@@ -75,7 +82,12 @@ def checked(path: Path, shown: str, named: Named | None, mapping: Mapping) -> by
     """The bytes of a file, which are those that the mapping's hash is of; raises D120, D124, D175 and D178."""
     if named is not None and not path.exists():
         message = "this file of the mapping is not here: nothing is said about it"
-        raise TrackmarshalError("D178", message, file=shown, help=f"{mapping.source}:{named.line} names it; it need not be part of the project")
+        raise TrackmarshalError(
+            "D178",
+            message,
+            file=shown,
+            help=f"{mapping.source}:{named.line} names it; it need not be part of the project",
+        )
     raw = content.read(path, shown)
     if named is not None and named.sha256 and hashlib.sha256(raw).hexdigest() != named.sha256:
         message = "this is not the file that the mapping names: its hash is another"
@@ -92,7 +104,9 @@ def border(mapping: Mapping, named: Border) -> list[list[float]]:
     columns, _ = table.read(data, str(path), {"x": named.x, "y": named.y}, named.delimiter)
     x, y = _si(columns["x"], named.x), _si(columns["y"], named.y)
     if len(x) < 2:
-        raise TrackmarshalError("D176", "a border of one point", file=str(path), help="two or more are needed")
+        raise TrackmarshalError(
+            "D176", "a border of one point", file=str(path), help="two or more are needed"
+        )
     return [[float(a), float(b)] for a, b in zip(x, y)]
 
 
@@ -103,13 +117,21 @@ def _si(values: Floats, column: Column) -> Floats:
 
 def _in_order(t: Floats, lines: NDArray[np.int64], shown: str) -> None:
     if len(t) < _FEWEST:
-        raise TrackmarshalError("D176", f"{len(t)} rows are no log", file=shown, help=f"at least {_FEWEST} are needed")
+        raise TrackmarshalError(
+            "D176", f"{len(t)} rows are no log", file=shown, help=f"at least {_FEWEST} are needed"
+        )
     steps = np.diff(t)
     bad = np.flatnonzero(steps <= 0.0)
     if len(bad):
         place = int(bad[0]) + 1
         message = f"time {t[place]:.6f} s does not come after {t[place - 1]:.6f} s"
-        raise TrackmarshalError("D172", message, file=shown, line=int(lines[place]), help="sort the rows, and keep one of each time")
+        raise TrackmarshalError(
+            "D172",
+            message,
+            file=shown,
+            line=int(lines[place]),
+            help="sort the rows, and keep one of each time",
+        )
     gaps = np.flatnonzero(steps > _LONGEST_GAP)
     if len(gaps):
         place = int(gaps[0]) + 1
@@ -133,13 +155,27 @@ def _fits(log: Log, shown: str) -> None:
     moving = seen > _MOVING
     if np.count_nonzero(moving) < _FEWEST:
         if np.median(np.abs(said)) > _MOVING:
-            raise _contradicts("the speed column says that it drives, the positions do not move", shown, "is it the right column?")
+            raise _contradicts(
+                "the speed column says that it drives, the positions do not move",
+                shown,
+                "is it the right column?",
+            )
         return
     ratio = float(np.median(np.abs(said[moving]) / seen[moving]))
     if not 0.8 <= ratio <= 1.25:
-        close = [(abs(np.log(ratio / f)), text) for f, text in ((3.6, "km/h"), (1 / 3.6, "m/s"), (2.2369, "a unit that is not known here, mph"), (1000.0, "mm/s"))]
+        close = [
+            (abs(np.log(ratio / f)), text)
+            for f, text in (
+                (3.6, "km/h"),
+                (1 / 3.6, "m/s"),
+                (2.2369, "a unit that is not known here, mph"),
+                (1000.0, "mm/s"),
+            )
+        ]
         best = min(close)
-        help_ = f"is its unit {best[1]}?" if best[0] < 0.2 else "are the units of time, place and speed right?"
+        help_ = (
+            f"is its unit {best[1]}?" if best[0] < 0.2 else "are the units of time, place and speed right?"
+        )
         raise _contradicts(f"the speed column is {ratio:.3g} times the speed of the positions", shown, help_)
     travel = np.arctan2(dy, dx)
     middle = log.heading[lag // 2 : len(travel) + lag // 2]
@@ -153,7 +189,11 @@ def _fits(log: Log, shown: str) -> None:
             f"is it counted from another axis? Turned by {quarter * 90} deg it would fit" if steady
             else "is its unit deg or rad, and does it turn left or right?"
         )  # fmt: skip
-        raise _contradicts(f"the heading is {np.degrees(centre):.0f} deg (spread {np.degrees(spread):.0f}) off the direction of travel", shown, help_)
+        raise _contradicts(
+            f"the heading is {np.degrees(centre):.0f} deg (spread {np.degrees(spread):.0f}) off the direction of travel",
+            shown,
+            help_,
+        )
     if log.yaw_rate is not None:
         turned = np.angle(np.exp(1j * (log.heading[lag:] - log.heading[:-lag]))) / dt
         rate = 0.5 * (log.yaw_rate[lag:] + log.yaw_rate[:-lag])
@@ -161,7 +201,11 @@ def _fits(log: Log, shown: str) -> None:
         if np.count_nonzero(turning) >= _FEWEST:
             fit = float(np.median(rate[turning] / turned[turning]))
             if not 0.5 <= fit <= 2.0:
-                raise _contradicts(f"the yaw rate is {fit:.3g} times the change of the heading", shown, "are its unit and its sign right?")
+                raise _contradicts(
+                    f"the yaw rate is {fit:.3g} times the change of the heading",
+                    shown,
+                    "are its unit and its sign right?",
+                )
 
 
 def _contradicts(message: str, shown: str, help: str) -> TrackmarshalError:

@@ -8,8 +8,8 @@ from pathlib import Path
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.generate import document
 from trackmarshal.scenarios.generate.document import Item
-from trackmarshal.units import NUMBER, SPEED, TIME, Dimension, over, parse_unit
 from trackmarshal.units import LENGTH as METRES
+from trackmarshal.units import NUMBER, SPEED, TIME, Dimension, over, parse_unit
 
 FORMAT = "trackmarshal-log-map"
 VERSION = 1
@@ -111,7 +111,9 @@ def read(path: Path, shown: str | None = None) -> Mapping:
 
 def is_mapping(data: bytes) -> bool:
     """Whether a YAML text says of itself that it is one."""
-    return any(line.split(b"#")[0].split() == [b"format:", FORMAT.encode()] for line in data.splitlines()[:200])
+    return any(
+        line.split(b"#")[0].split() == [b"format:", FORMAT.encode()] for line in data.splitlines()[:200]
+    )
 
 
 def _mapping(root: Item, folder: Path) -> Mapping:

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.scenarios.fields import suggestion
 from trackmarshal.scenarios.field.mapping import Column
+from trackmarshal.scenarios.fields import suggestion
 
 Floats = NDArray[np.float64]
 MAGIC = b"\x89MCAP0\r\n"
@@ -33,7 +33,9 @@ def read(
         from mcap.exceptions import McapError
         from mcap.reader import make_reader
     except ImportError as error:
-        raise TrackmarshalError("E484", "MCAP needs the package `mcap`", file=shown, help="pip install trackmarshal[mcap]") from error
+        raise TrackmarshalError(
+            "E484", "MCAP needs the package `mcap`", file=shown, help="pip install trackmarshal[mcap]"
+        ) from error
     ways = {name: _way(column, name, shown) for name, column in columns.items()}
     base = ways["t"][0]
     wanted = {topic for topic, _ in ways.values()}
@@ -52,20 +54,44 @@ def read(
             number += 1
             if channel.message_encoding != "json":
                 message_ = f"messages of `{channel.topic}` are encoded as `{channel.message_encoding}`"
-                raise TrackmarshalError("D174", message_, file=shown, help="only JSON is read: convert the log, or export it as CSV")
+                raise TrackmarshalError(
+                    "D174",
+                    message_,
+                    file=shown,
+                    help="only JSON is read: convert the log, or export it as CSV",
+                )
             latest[channel.topic] = message.log_time, _parsed(message.data, channel.topic, number, shown)
             if channel.topic != base:
                 continue
             if set(latest) != wanted or any(message.log_time - at > hold * 1e9 for at, _ in latest.values()):
                 if rows:
-                    silent = sorted(t for t in wanted if t not in latest or message.log_time - latest[t][0] > hold * 1e9)
-                    raise _wrong(f"nothing of `{silent[0]}` for more than {hold:g} s", shown, number, "`hold` says how long it may be silent")
+                    silent = sorted(
+                        t for t in wanted if t not in latest or message.log_time - latest[t][0] > hold * 1e9
+                    )
+                    raise _wrong(
+                        f"nothing of `{silent[0]}` for more than {hold:g} s",
+                        shown,
+                        number,
+                        "`hold` says how long it may be silent",
+                    )
                 continue
             rows.append([_value(latest[topic], way, topic, shown, number) for topic, way in ways.values()])
             counts.append(number)
     except TrackmarshalError:
         raise
-    except (McapError, ValueError, KeyError, EOFError, OverflowError, OSError, MemoryError, RuntimeError, TypeError, IndexError, AttributeError) as error:
+    except (
+        McapError,
+        ValueError,
+        KeyError,
+        EOFError,
+        OverflowError,
+        OSError,
+        MemoryError,
+        RuntimeError,
+        TypeError,
+        IndexError,
+        AttributeError,
+    ) as error:
         message_ = f"a damaged MCAP file: {str(error) or type(error).__name__}"
         raise TrackmarshalError("D174", message_, file=shown, help="fetch the file again") from error
     except Exception as error:  # of the packages that unpack: struct.error, and those of lz4 and zstandard
@@ -76,7 +102,12 @@ def read(
         help_ = f"{suggestion(missing[0], topics)} topics: {', '.join(sorted(topics)[:12]) or 'none'}".strip()
         raise TrackmarshalError("D170", f"there is no topic `{missing[0]:.60}`", file=shown, help=help_)
     if not rows:
-        raise TrackmarshalError("D126", "there is no message with all columns", file=shown, help="are the topics there at one time?")
+        raise TrackmarshalError(
+            "D126",
+            "there is no message with all columns",
+            file=shown,
+            help="are the topics there at one time?",
+        )
     table = np.array(rows, dtype=np.float64)
     return {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(columns)}, np.array(counts)
 
@@ -109,7 +140,12 @@ def _value(latest: tuple[int, Any], way: tuple[str, ...], topic: str, shown: str
             message = f"message {number}: `{topic}` has no `{'.'.join(way):.60}`"
             raise TrackmarshalError("D170", message, file=shown, help=f"at `{name}` there are: {known}")
         value = value[name]
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < 1e300 or not math.isfinite(value):
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | float)
+        or not abs(value) < 1e300
+        or not math.isfinite(value)
+    ):
         help_ = "leave out that part of the log, or mend it; a missing number is not guessed"
         raise _wrong(f"`{topic}.{'.'.join(way)}` is {value!r:.40}, no finite number", shown, number, help_)
     return float(value)

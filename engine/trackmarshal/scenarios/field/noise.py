@@ -71,7 +71,9 @@ def estimate(log: Log) -> Noise | None:
     v = np.interp(times, log.t, log.v)
     lateral = v * np.interp(times, log.t, rate)
     fast = v > _MOVING
-    twice = (v[2 * lag :] - 2 * v[lag:-lag] + v[: -2 * lag])[fast[2 * lag :] & fast[lag:-lag] & fast[: -2 * lag]]
+    twice = (v[2 * lag :] - 2 * v[lag:-lag] + v[: -2 * lag])[
+        fast[2 * lag :] & fast[lag:-lag] & fast[: -2 * lag]
+    ]
     both = fast[lag:] & fast[:-lag]
     # the second difference of a doubly integrated white noise over T has the variance 2/3 q T^3; of noise, 6 r
     # What adds up over a second is no noise of positions but an offset of the speed, and of the heading.

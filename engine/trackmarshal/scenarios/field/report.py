@@ -66,7 +66,10 @@ class Report:
 
 
 def report(
-    drive: Drive, judged: Judgement, logged: tuple[Drive, Judgement] | None = None, limits: list[Limit] | None = None
+    drive: Drive,
+    judged: Judgement,
+    logged: tuple[Drive, Judgement] | None = None,
+    limits: list[Limit] | None = None,
 ) -> Report:
     """`logged`: the same log without smoother, for what noise makes of the rules; its cycles are the same ones."""
     found = firings(drive, judged)
@@ -105,7 +108,11 @@ def residuals(drive: Drive, begin: float = 0.0, end: float = math.inf) -> dict[s
         terms = np.column_stack([np.ones(np.count_nonzero(moving)), -motion.a[moving], motion.v[moving]])
         found = np.linalg.lstsq(terms, columns["speed"][moving], rcond=None)[0]
         rest = columns["speed"][moving] - terms @ found
-        result["speed"] |= {"lag": float(found[1]), "scale": float(found[2]), "beside_lag": float(np.abs(rest).max())}
+        result["speed"] |= {
+            "lag": float(found[1]),
+            "scale": float(found[2]),
+            "beside_lag": float(np.abs(rest).max()),
+        }
     return result
 
 
@@ -131,14 +138,20 @@ def _margins(judged: Judgement, found: Sequence[Firing]) -> tuple[list[Margin], 
             if one.rule == rule.name and one.cause == CAUSES[0]:
                 left_out |= (judged.times >= one.begin) & (judged.times <= one.end)
         for candidate, name in enumerate(CANDIDATES):
-            said = judged.active[:, candidate, number] & ~left_out & np.isfinite(judged.margins[:, candidate, number])
+            said = (
+                judged.active[:, candidate, number]
+                & ~left_out
+                & np.isfinite(judged.margins[:, candidate, number])
+            )
             if not said.any():
                 continue
             places = np.flatnonzero(said)
             place = int(places[np.argmin(judged.margins[places, candidate, number])])
             result = judged.result(place, candidate, number)
             text = written(result.margin, result.unit, result.shown)
-            margins.append(Margin(rule.name, name, result.margin, result.unit, text, float(judged.times[place])))
+            margins.append(
+                Margin(rule.name, name, result.margin, result.unit, text, float(judged.times[place]))
+            )
     return margins, silent
 
 
@@ -189,7 +202,8 @@ def text(made: Report, table: Any) -> Iterator[str]:
     )
     yield from made.drive.recording.notes
     rows = [
-        [name, *(f"{stats[key]:.3g}" for key in ("deviation", "p999", "most"))] for name, stats in made.residuals.items()
+        [name, *(f"{stats[key]:.3g}" for key in ("deviation", "p999", "most"))]
+        for name, stats in made.residuals.items()
     ]
     yield ""
     yield from table(rows, ["log apart from motion", "deviation", "99.9 %", "most"])
@@ -210,20 +224,32 @@ def text(made: Report, table: Any) -> Iterator[str]:
         yield f"  {one.begin:g} to {one.end:g} s: {one.rule}, {' and '.join(one.candidates) or 'the cycle'}, {one.cause}{why}"
     yield ""
     yield from table(
-        [[m.rule, m.candidate, m.said, f"{m.t:g}"] for m in made.margins], ["rule", "candidate", "least margin", "at s"]
+        [[m.rule, m.candidate, m.said, f"{m.t:g}"] for m in made.margins],
+        ["rule", "candidate", "least margin", "at s"],
     )
     if made.silent:
         yield f"not shown by this drive, as nothing that they speak of was there: {', '.join(made.silent)}"
     if made.limits is not None:
         yield ""
-        yield from table(list(_limit_rows(made.limits)), ["rule", "parameter", "value", "fires from (less)", "fires from (more)"])
+        yield from table(
+            list(_limit_rows(made.limits)),
+            ["rule", "parameter", "value", "fires from (less)", "fires from (more)"],
+        )
 
 
 def _table_of(rates: Sequence[Rate], table: Any) -> Iterable[str]:
     if not rates:
         return ["  none"]
     rows = [
-        [r.rule, r.cause, str(r.firings), str(r.cycles), f"{r.per_hour:.3g}", "-" if r.per_km is None else f"{r.per_km:.3g}"] for r in rates
+        [
+            r.rule,
+            r.cause,
+            str(r.firings),
+            str(r.cycles),
+            f"{r.per_hour:.3g}",
+            "-" if r.per_km is None else f"{r.per_km:.3g}",
+        ]
+        for r in rates
     ]
     lines: list[str] = table(rows, ["rule", "cause", "firings", "cycles", "per hour", "per km"])
     return lines

@@ -26,7 +26,9 @@ from trackmarshal.scenarios.field.noise import Noise
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-NAME = "Rauch-Tung-Striebel smoother (Rauch, Tung, Striebel 1965), along, turning and place one after the other"
+NAME = (
+    "Rauch-Tung-Striebel smoother (Rauch, Tung, Striebel 1965), along, turning and place one after the other"
+)
 #: A car that stands moves less than a millimetre in a second; as small as double precision carries through the recursion. m/s
 _STANDING = 1e-3
 #: s: a standstill that is shorter is none, and so is a start.
@@ -137,12 +139,20 @@ def _aside(apart: Floats, noise: Noise, v: Floats, ds: Floats) -> tuple[Floats, 
     observe = np.tile(np.array([[1.0, 0.0]]), (len(v), 1, 1))
     deviation = np.full((len(v), 1), noise.place)
     spread = np.diag([noise.place, slope]) ** 2
-    result, fit = _smoothed(np.array([apart[0], 0.0]), spread, step, added, observe, apart[:, None], deviation)
+    result, fit = _smoothed(
+        np.array([apart[0], 0.0]), spread, step, added, observe, apart[:, None], deviation
+    )
     return np.ascontiguousarray(result[:, 0]), fit
 
 
 def _smoothed(
-    start: Floats, spread: Floats, step: Floats, added: Floats, observe: Floats, found: Floats, deviation: Floats
+    start: Floats,
+    spread: Floats,
+    step: Floats,
+    added: Floats,
+    observe: Floats,
+    found: Floats,
+    deviation: Floats,
 ) -> tuple[Floats, float]:
     """The states (n, k) of a linear motion, and the mean squared innovation.
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import content
-from trackmarshal.scenarios.fields import suggestion
 from trackmarshal.scenarios.field.mapping import Column
+from trackmarshal.scenarios.fields import suggestion
 
 Floats = NDArray[np.float64]
 _DELIMITERS = {",": ",", ";": ";", "tab": "\t"}
@@ -34,7 +34,9 @@ def read(
     text = content.text(data, shown)
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise TrackmarshalError("D171", "a NUL stands in the text", file=shown, line=line, help="was it cut off?")
+        raise TrackmarshalError(
+            "D171", "a NUL stands in the text", file=shown, line=line, help="was it cut off?"
+        )
     numbers, lines = [], []
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=_DELIMITERS[delimiter], strict=True)
     places: list[int] | None = None
@@ -56,7 +58,9 @@ def read(
     except csv.Error as error:
         raise _wrong(str(error), shown, reader.line_num, "is this delimited text?") from error
     if not numbers:
-        raise TrackmarshalError("D126", "there is no row of numbers", file=shown, line=1, help="was it cut off?")
+        raise TrackmarshalError(
+            "D126", "there is no row of numbers", file=shown, line=1, help="was it cut off?"
+        )
     table = np.array(numbers, dtype=np.float64)
     return {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(columns)}, np.array(lines)
 
@@ -68,12 +72,16 @@ def _places(
     counted = {type(column.name) is int for column in columns.values()}
     if len(counted) > 1:
         help_ = "name all columns, or count all of them, from 1, where the file has no header"
-        raise TrackmarshalError("D170", "some columns are named and some are counted", file=shown, line=line, help=help_)
+        raise TrackmarshalError(
+            "D170", "some columns are named and some are counted", file=shown, line=line, help=help_
+        )
     if counted == {True}:
         places = [int(column.name) - 1 for column in columns.values()]
         if max(places) >= len(cells):
             message = f"there is no column {max(places) + 1}: the first line has {len(cells)} cells"
-            raise TrackmarshalError("D170", message, file=shown, line=line, help=f"is `{delimiter}` what divides them?")
+            raise TrackmarshalError(
+                "D170", message, file=shown, line=line, help=f"is `{delimiter}` what divides them?"
+            )
         return places, False
     names = [_plain(cell) for cell in cells]
     if names:
@@ -103,7 +111,9 @@ def _number(cells: list[str], place: int, shown: str, line: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        help_ = "leave out that part of the log (`time`: from, to), or mend it; a missing number is not guessed"
+        help_ = (
+            "leave out that part of the log (`time`: from, to), or mend it; a missing number is not guessed"
+        )
         raise _wrong(f"column {place + 1}: {cell!r:.40} is no finite number", shown, line, help_)
     return value
 
