@@ -100,7 +100,9 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
         results = evidence.test_results(run_tests(compiled.spec, prepared), compiled.spec)
         evidence.keep(folder / evidence.TESTS, "test_results", results)
         # Specs with errors are not replayed: what would run is not what the project demands.
-        runs, replays = ([], []) if broken else _run_scenarios(root, project, runs, evaluators, everything, quiet)
+        runs, replays = (
+            ([], []) if broken else _run_scenarios(root, project, runs, evaluators, everything, quiet)
+        )
         evidence.keep(folder / evidence.RUNS, "runs", runs)
         fault_results = campaigns.run(prepared_faults, fault_results, everything, quiet)
         evidence.keep(folder / campaigns.FAULTS, "fault_results", fault_results)

@@ -29,7 +29,12 @@ def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
 def sources(root: Path, project: Project, runs: Iterable[RunSummary]) -> Hashes:
     """The hashes of what kept runs were made from, also out of the project: logs that are not part of it are there named by path."""
     kept = {str(scenario.path) for scenario in project.scenarios if scenario.kept}
-    return {path: _hash(root, path, outside=True) for run in runs if run.scenario in kept for path in run.made_from}
+    return {
+        path: _hash(root, path, outside=True)
+        for run in runs
+        if run.scenario in kept
+        for path in run.made_from
+    }
 
 
 def _hash(root: Path, path: str, outside: bool = False) -> str | None:
