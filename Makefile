@@ -8,7 +8,7 @@ COMPILE := $(BIN)/python -m compileall -q engine trace
 # A file's tests stay together: they share what they prepare.
 PARALLEL := -n auto --dist loadfile
 
-.PHONY: assess test acceptance embedded bench lint format clean
+.PHONY: assess test acceptance embedded field bench lint format clean
 
 assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/index.html
 	$(BIN)/trackmarshal assess --out out/assess
@@ -27,6 +27,9 @@ acceptance: $(STAMP) lint  ## every "Done when" point that can be a command; tak
 embedded: $(STAMP)  ## the emitted Supervisor on an emulated Cortex-M7 decides as here, bit for bit; figures in out/embedded
 	sh tests/embedded/tools.sh
 	$(BIN)/python -m pytest -m acceptance tests/acceptance/test_embedded.py
+
+field: $(STAMP)  ## the shared log of a real drive again, where it is there: docs/field.md
+	$(BIN)/trackmarshal import log --map specs/field/lvms.yaml --limits --keep specs/field/lvms.run.json
 
 bench: $(STAMP)  ## CPU times, medians, as ratios where a yardstick is at hand
 	$(COMPILE)

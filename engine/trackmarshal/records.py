@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -213,13 +213,15 @@ class RunSummary:
     ground_truth: Mapping[str, TruthFacts]
     fired: bool  #: whether any cycle was rated unsafe
     created: str
+    #: sha256 by path (from the project, also out of it) of what the recording was made from, where it was made of a log
+    made_from: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         return {
             "scenario": self.scenario, "source_hash": self.source_hash, "spec_fingerprint": self.spec_fingerprint,
             "cycles": self.cycles, "rules": [facts.to_json() for facts in self.rules],
             "ground_truth": {kind: truth.to_json() for kind, truth in self.ground_truth.items()},
-            "fired": self.fired, "created": self.created,
+            "fired": self.fired, "created": self.created, "made_from": dict(self.made_from),
         }  # fmt: skip
 
     @classmethod
@@ -229,7 +231,7 @@ class RunSummary:
             f.text("scenario"), f.text("source_hash"), f.text("spec_fingerprint"), f.count("cycles"),
             tuple(RuleFacts.from_json(item) for item in f.array("rules")),
             {kind: TruthFacts.from_json(item) for kind, item in f.table("ground_truth").items()},
-            f.flag("fired"), f.text("created"),
+            f.flag("fired"), f.text("created"), f.words("made_from"),
         )  # fmt: skip
 
 
@@ -417,6 +419,13 @@ class _Fields:
     def table(self, name: str) -> dict[str, Any]:
         value: dict[str, Any] = self._get(name, _REQUIRED, dict, "an object")
         return value
+
+    def words(self, name: str) -> dict[str, str]:
+        """Texts by name; none where it is not there."""
+        value: dict[str, Any] = self._get(name, {}, dict, "an object")
+        if not all(isinstance(item, str) for item in value.values()):
+            raise _refused(f"{self.what}: `{name}` holds something else than texts")
+        return dict(value)
 
     def texts(self, name: str) -> tuple[str, ...]:
         items = self.array(name)

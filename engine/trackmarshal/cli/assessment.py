@@ -100,10 +100,13 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
         results = evidence.test_results(run_tests(compiled.spec, prepared), compiled.spec)
         evidence.keep(folder / evidence.TESTS, "test_results", results)
         # Specs with errors are not replayed: what would run is not what the project demands.
-        runs, replays = ([], []) if broken else _run_scenarios(root, runs, evaluators, everything, quiet)
+        runs, replays = (
+            ([], []) if broken else _run_scenarios(root, project, runs, evaluators, everything, quiet)
+        )
         evidence.keep(folder / evidence.RUNS, "runs", runs)
         fault_results = campaigns.run(prepared_faults, fault_results, everything, quiet)
         evidence.keep(folder / campaigns.FAULTS, "fault_results", fault_results)
+    runs = [*(run for run in runs if run.scenario not in _kept(project)), *_kept_runs(root, project)]
     prints = {shown: evaluator.spec.fingerprint for shown, (_, evaluator) in evaluators.items()}
     return Assessment(
         root, project, compiled, items, tests, results, runs, replays, prepared, found, prints,
@@ -117,13 +120,16 @@ def _evaluators(
     """Every scenario's recording and the rules that it is replayed with; those that are not there are left to the matrix."""
     from trackmarshal.cli.replay import evaluator_for
     from trackmarshal.scenarios import load
+    from trackmarshal.scenarios.field.header import header
+    from trackmarshal.scenarios.field.mapping import read
 
     result = {}
     for scenario in project.scenarios:
         shown = str(scenario.path)
         path = root / shown
         if path.is_file():
-            recording = load(path, shown)
+            # Of a log that need not be here, the mapping alone says what it is evaluated with.
+            recording = header(read(path, shown)) if scenario.kept else load(path, shown)
             more = [root / str(spec) for spec in scenario.specs]
             result[shown] = (
                 recording,
@@ -134,8 +140,21 @@ def _evaluators(
     return result
 
 
+def _kept(project: Project) -> dict[str, str]:
+    """By scenario, the file that its run is kept in: of logs that need not be part of the project."""
+    return {str(scenario.path): str(scenario.kept) for scenario in project.scenarios if scenario.kept}
+
+
+def _kept_runs(root: Path, project: Project) -> list[RunSummary]:
+    found = []
+    for shown, file in _kept(project).items():
+        found += [run for run in evidence.kept(root / file, "runs") if run.scenario == shown]
+    return found
+
+
 def _run_scenarios(
     root: Path,
+    project: Project,
     old: list[RunSummary],
     evaluators: dict[str, tuple[Recording, Evaluator]],
     everything: bool,
@@ -147,6 +166,8 @@ def _run_scenarios(
     known = {run.scenario: run for run in old}
     runs, replays = [], []
     for shown, (recording, evaluator) in evaluators.items():
+        if shown in _kept(project):
+            continue
         digest = evidence.file_hash(root / shown)
         before = known.get(shown)
         fresh = before is not None and (before.source_hash, before.spec_fingerprint) == (

@@ -7,7 +7,7 @@ from importlib import import_module
 #: Modules whose diagnostics or CODES belong to the catalogue.
 _SOURCES = (
     "trackmarshal.source", "trackmarshal.syntax.errors", "trackmarshal.semantics.errors", "trackmarshal.testing.errors",
-    "trackmarshal.evaluation", "trackmarshal.cli.project", "trackmarshal.cli.evaluate", "trackmarshal.cli.replay",
+    "trackmarshal.evaluation", "trackmarshal.cli.project", "trackmarshal.cli.evaluate", "trackmarshal.cli.replay", "trackmarshal.cli.import_log",
     "trackmarshal.cli.explain", "trackmarshal.cli.bench", "trackmarshal.testing.builders", "trackmarshal.runtime.codes", "trackmarshal.scenarios.codes",
     "trackmarshal.backends.reference.temporal", "trackmarshal.backends.c.codes", "trackmarshal.trace.codes", "trackmarshal.trace.report.codes",
 )  # fmt: skip

@@ -21,6 +21,7 @@ VERBS = {
     "trace": "traceability matrix and coverage",
     "assess": "all of it: check, test, replay, evidence, matrix, report",
     "scenario": "generate a recording from its declaration",
+    "import": "a vehicle's log as a recording, with what the rules say of it",
     "bench": "the benchmarks",
 }
 OK, FINDINGS, UNUSABLE, INTERNAL = 0, 1, 2, 3
@@ -143,7 +144,7 @@ def _at_the_verb(arguments: list[str]) -> tuple[list[str], str | None, list[str]
 
 
 def _module(verb: str) -> str:
-    return {"eval": "evaluate", "test": "run_tests"}.get(verb, verb)
+    return {"eval": "evaluate", "test": "run_tests", "import": "import_log"}.get(verb, verb)
 
 
 def _overview(verb: str | None, arguments: list[str]) -> int:

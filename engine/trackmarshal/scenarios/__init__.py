@@ -42,6 +42,12 @@ def load(path: str | Path, shown: str | None = None) -> Recording:
 
         return recording_io.decode(data, shown)
     if suffix in (".yaml", ".yml"):
+        from trackmarshal.scenarios.field import mapping
+
+        if mapping.is_mapping(data):
+            from trackmarshal.scenarios.field.build import build
+
+            return build(mapping.read(path, shown)).recording
         from trackmarshal.scenarios.generate import generate
 
         return generate(path, shown)

@@ -111,6 +111,45 @@ CODES: dict[str, tuple[str, str]] = {
         "The fault changes a column, a field or an object that the recording does not have, or none of its cycles lies in the fault's time. "
         "It would be evidence for nothing.",
     ),
+    "D170": (
+        "a log without a column that its mapping names",
+        "Columns of a log are named in its mapping as its header names them, each exactly once; files without a header count theirs from 1. Fields of an "
+        "MCAP file are /topic.field.",
+    ),
+    "D171": (
+        "a row of a log that cannot be read",
+        "Every cell that a mapping asks for is a finite number, and every row has as many cells as the first. A missing number is not guessed: leave "
+        "out that part of the log, or mend it.",
+    ),
+    "D172": (
+        "a log whose time does not go on",
+        "The times of a log's rows are strictly increasing, without a gap of more than a second: across a gap, what was driven next is not known.",
+    ),
+    "D173": (
+        "a log that contradicts its mapping",
+        "Speed, heading and yaw rate are held against the positions. Where they are apart by more than noise can be, a unit or a convention in the "
+        "mapping is not that of the log, and everything that rules would say of it would mean something else.",
+    ),
+    "D174": (
+        "a log of a kind that is not read",
+        "Logs are delimited text with one row a sample (also packed with gzip), or MCAP files with JSON messages. Other encodings are converted first.",
+    ),
+    "D175": (
+        "another file than the mapping names",
+        "A mapping names the log and the borders by path and, if it likes, by hash; with a hash, no other file is taken for it.",
+    ),
+    "D176": (
+        "a log that is too short",
+        "A recording of a log has at least one cycle that is followed by as much driving as its plan looks ahead and its emergency trajectory takes.",
+    ),
+    "D177": (
+        "a log that does not tell its noise",
+        "The noise of a log is taken from its own statistics while the car moves. A log that is too short for that needs all of it declared.",
+    ),
+    "D178": (
+        "a file of a mapping is not here",
+        "A log need not be part of the project that names it. Where it is not here, nothing is said about it: neither that something fired, nor that nothing did.",
+    ),
 }  # fmt: skip
 
 

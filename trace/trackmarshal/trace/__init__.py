@@ -55,7 +55,10 @@ def build(
         spec = Spec(
             spec_items, spec_tests, test_results, runs, spec_fingerprint, run_fingerprints, fault_cases, fault_results
         )  # fmt: skip
-        hashes = _files.hashes(project_root, project, spec.items)
+        hashes = {
+            **_files.sources(project_root, project, spec.runs.values()),
+            **_files.hashes(project_root, project, spec.items),
+        }
         baseline = _baseline.load(project_root, project, found)
         return assemble(project, spec, hashes, baseline, today=today or date.today(), found=found)
 

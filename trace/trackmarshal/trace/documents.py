@@ -133,6 +133,7 @@ PROJECT = Record("project", "Settings of the project.", (
         optional("requirements", PATTERNS, "The requirements that it is evidence for; all if not given."),
         optional("title", TEXT, "What happens in it."),
         optional("with", Many(PROJECT_PATH, 1), "Specs beside `default_spec` whose rules it is replayed with, such as variants of rules."),
+        optional("kept", PROJECT_PATH, "For a log that is not part of the project: its run, kept in this file by `import log --keep`; `assess` does not replay it."),
     ))), "The scenarios that `assess` replays."),
     optional("campaigns", Many(PROJECT_PATH, 1), "Files of faults that `assess` puts into recordings."),
 ))  # fmt: skip

@@ -26,10 +26,21 @@ def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
     return {path: _hash(root, path) for path in sorted(paths)}
 
 
-def _hash(root: Path, path: str) -> str | None:
+def sources(root: Path, project: Project, runs: Iterable[RunSummary]) -> Hashes:
+    """The hashes of what kept runs were made from, also out of the project: logs that are not part of it are there named by path."""
+    kept = {str(scenario.path) for scenario in project.scenarios if scenario.kept}
+    return {
+        path: _hash(root, path, outside=True)
+        for run in runs
+        if run.scenario in kept
+        for path in run.made_from
+    }
+
+
+def _hash(root: Path, path: str, outside: bool = False) -> str | None:
     try:
         whole = (root / path).resolve()
-        if not whole.is_relative_to(root.resolve()) or not whole.is_file():
+        if not (outside or whole.is_relative_to(root.resolve())) or not whole.is_file():
             return None
         with whole.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()

@@ -110,6 +110,7 @@ class Scenario:
     requirements: tuple[Placed, ...]
     title: str
     specs: tuple[Placed, ...] = ()  #: beside the project's default one
+    kept: Placed | None = None  #: the file of its run, where it cannot be made again at any time
 
 
 @dataclass(frozen=True, slots=True)

@@ -167,6 +167,7 @@ def _scenario(t: Table) -> model.Scenario:
     return model.Scenario(
         t.text("path"), t.text("stage"), t.text("expect"), t.text("origin"), t.texts("by"),
         t.texts("requirements") or (Placed.at("*", t.place),), t.text("title"), t.texts("with"),
+        t.text("kept") or None,
     )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
         return Showing("missing", "the recording is not there")
     if run is None:
         return Showing("missing", "not run")
-    stale = spec.run_staleness(run, hashes.get(scenario.path))
+    stale = spec.run_staleness(run, hashes.get(scenario.path)) or _changed(scenario, run, hashes)
     if stale:
         return Showing("stale", stale)
     names = {rule.name for rule in rules}
@@ -52,7 +52,9 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
                     f"nothing fired, but the recording is {scenario.origin}, not from the field",
                     evaluated,
                 )
-            return Showing("covered", f"nothing fired in {run.cycles} cycles", evaluated)
+            return Showing(
+                "covered", f"nothing fired in {run.cycles} cycles{_kept(scenario, run, hashes)}", evaluated
+            )
         case "fire":
             quiet = _quiet(scenario, run)
             if quiet:
@@ -60,6 +62,32 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
             return Showing("covered", "fired as expected", evaluated, fired)
         case _:
             raise ValueError(f"unknown expectation {scenario.expect!r}")
+
+
+def _absent(scenario: Scenario, run: RunSummary, hashes: Hashes) -> list[str]:
+    """What a kept run was made from and is not here."""
+    return [path for path in sorted(run.made_from) if hashes.get(path) is None] if scenario.kept else []
+
+
+def _changed(scenario: Scenario, run: RunSummary, hashes: Hashes) -> str:
+    """Why a kept run is of other files than there are; empty where it is not. Evaluated are specs, so those are compared by their meaning."""
+    if not scenario.kept:
+        return ""
+    if not run.made_from:
+        return "it does not say what it was made from"
+    for path, digest in sorted(run.made_from.items()):
+        actual = hashes.get(path)
+        if actual is not None and actual != digest and not path.endswith(".spec"):
+            return f"`{path}` has changed since"
+    return ""
+
+
+def _kept(scenario: Scenario, run: RunSummary, hashes: Hashes) -> str:
+    """What is said beside a kept run."""
+    if not scenario.kept:
+        return ""
+    absent = _absent(scenario, run, hashes)
+    return f" (run of {run.created[:10]}" + (f", whose `{absent[0]}` is not here)" if absent else ")")
 
 
 def _against_truth(
@@ -144,13 +172,27 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 path,
             )
             continue
-        stale = spec.run_staleness(run, hashes.get(path))
+        absent = _absent(scenario, run, hashes)
+        if absent:
+            message = f"the run of `{path}` is kept, and cannot be made again here: `{absent[0]}` is not here"
+            more = f" (and {len(absent) - 1} more)" if len(absent) > 1 else ""
+            yield Finding(
+                "T248",
+                "note",
+                message + more,
+                place,
+                "its hash is in the run; fetch it to make the run again",
+                path,
+            )
+        stale = spec.run_staleness(run, hashes.get(path)) or _changed(scenario, run, hashes)
         if stale:
             yield warning(
                 "T242",
                 f"the run of `{path}` is stale: {stale}",
                 place,
-                "run `trackmarshal assess` again",
+                f"run `trackmarshal import log --map {path} --keep {scenario.kept}`"
+                if scenario.kept
+                else "run `trackmarshal assess` again",
                 path,
             )
         elif scenario.expect == "ground_truth":

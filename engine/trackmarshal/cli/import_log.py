@@ -1,0 +1,160 @@
+"""A vehicle's log as a recording, by a declared mapping (docs/field.md), and what the rules say of it, with causes.
+
+trackmarshal import log drive.csv --map map.yaml --out drive.tmrec.jsonl.gz
+
+Without FILE, the log that the mapping names. The exit status is 1 where something fires that is neither noise nor a gap of the map.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trackmarshal.cli.options import choose_rules
+from trackmarshal.cli.output import progress, say, table
+from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.records import RuleFacts, RunSummary
+
+if TYPE_CHECKING:
+    from trackmarshal.scenarios.field.build import Drive
+    from trackmarshal.scenarios.field.judged import Judgement
+
+CODES = {
+    "E435": (
+        "a run that cannot be kept as evidence",
+        "`--keep` keeps the run that the mapping declares, of the whole spec of the project: what is kept with other times, rules or values would say "
+        "of itself that it is that run. What is kept also has to be the run of a project.",
+    ),
+}  # fmt: skip
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("what", choices=("log",), help="what is imported")
+    parser.add_argument(
+        "file",
+        nargs="?",
+        metavar="FILE",
+        help="CSV (also .gz) or MCAP; default: the one that the mapping names",
+    )
+    parser.add_argument(
+        "--map", required=True, metavar="MAP", help="the mapping: columns, units, conventions, track, vehicle"
+    )
+    parser.add_argument("--out", metavar="RECORDING", help="write the recording (.tmrec.jsonl, also .gz)")
+    parser.add_argument(
+        "--from", dest="begin", type=float, metavar="S", help="from here on, s; default: the mapping's"
+    )
+    parser.add_argument("--to", dest="end", type=float, metavar="S")
+    parser.add_argument("--no-report", action="store_true", help="only make the recording")
+    parser.add_argument(
+        "--limits",
+        action="store_true",
+        help="also search at which values of their parameters rules would have fired first",
+    )
+    parser.add_argument("--keep", metavar="FILE", help="keep the run as evidence for the traceability matrix")
+    parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
+    choose_rules(parser, "evaluate")
+    parser.add_argument("--format", choices=("text", "json"), default="text")
+
+
+def run(args: argparse.Namespace) -> int:
+    from trackmarshal.scenarios.field import mapping as mappings
+    from trackmarshal.scenarios.field.build import build
+    from trackmarshal.scenarios.recording_io import write
+
+    _may_keep(args)
+    mapping = mappings.read(Path(args.map))
+    if args.begin is not None:
+        mapping = replace(mapping, begin=args.begin)
+    if args.end is not None:
+        mapping = replace(mapping, end=args.end)
+    drive = build(mapping, Path(args.file) if args.file else None)
+    if args.out:
+        write(drive.recording, args.out)
+        if not args.quiet:
+            say(f"{args.out}: {len(drive.recording.cycles)} cycles", file=sys.stderr)
+    return 0 if args.no_report else _report(args, drive)
+
+
+def _may_keep(args: argparse.Namespace) -> None:
+    """Raise E435 where what would be kept is not the run that the mapping declares."""
+    if not args.keep:
+        return
+    named = {
+        "--from": args.begin is not None, "--to": args.end is not None, "--no-report": args.no_report, "--spec": args.spec is not None,
+        "--rule": bool(args.rule), "--with": bool(args.settings), "FILE": args.file is not None,
+    }  # fmt: skip
+    other = [name for name, given in named.items() if given]
+    if other:
+        message = f"`--keep` keeps the run that the mapping declares, not one with {' and '.join(other)}"
+        raise TrackmarshalError(
+            "E435", message, file=args.map, help="write it into the mapping, or leave it out"
+        )
+
+
+def _report(args: argparse.Namespace, drive: Drive) -> int:
+    from trackmarshal.cli.evidence import keep
+    from trackmarshal.cli.replay import default_spec, evaluator_for
+    from trackmarshal.scenarios.field import report as reports
+    from trackmarshal.scenarios.field.build import build
+    from trackmarshal.scenarios.field.causes import MAP, NOISE
+    from trackmarshal.scenarios.field.judged import judge
+    from trackmarshal.scenarios.field.limits import limits
+
+    project = optional_project(args)
+    spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
+    settings = [Path(name) for name in args.settings]
+    evaluator = evaluator_for(drive.recording, spec_path, settings, project, args.rule, "numpy")
+    judged = judge(
+        drive.recording, evaluator, lambda chunks: progress(chunks, drive.recording.name, args.quiet)
+    )
+    logged = None
+    if drive.smoother:
+        raw = build(drive.mapping, Path(drive.log.path), raw=True)
+        logged = raw, judge(raw.recording, evaluator)
+    made = reports.report(drive, judged, logged, limits(judged) if args.limits else None)
+    if args.format == "json":
+        print(json.dumps(reports.data(made), ensure_ascii=True, allow_nan=False))
+    else:
+        say(*reports.text(made, table))
+    if args.keep:
+        keep(Path(args.keep), "runs", [_summary(drive, judged, find_project(args))])
+        if not args.quiet:
+            say(f"{args.keep}: the run is kept as evidence", file=sys.stderr)
+    return int(any(one.cause not in (MAP, NOISE) for one in made.firings))
+
+
+def _summary(drive: Drive, judged: Judgement, root: Path) -> RunSummary:
+    """The run as evidence: what every rule said, and all that it was made from, by paths from the project."""
+    import numpy as np
+
+    from trackmarshal.cli.evidence import file_hash, now
+    from trackmarshal.runtime.verdict import VERDICTS
+    from trackmarshal.scenarios.recording import CANDIDATES
+
+    unsafe = judged.unsafe
+    facts = []
+    for number, rule in enumerate(judged.evaluator.rules):
+        counts = {
+            name: {VERDICTS[code]: int(count) for code, count in zip(*np.unique(judged.codes[:, place, number], return_counts=True))}
+            for place, name in enumerate(CANDIDATES)
+        }  # fmt: skip
+        violated = np.flatnonzero((judged.codes[:, :, number] == VERDICTS.index("violated")).any(axis=1))
+        first = float(judged.times[violated[0]]) if len(violated) else None
+        facts.append(RuleFacts(rule.name, rule.fingerprint, counts, first))
+    source = Path(drive.mapping.source)
+    made_from = {_from(root, path): digest for path, digest in drive.sources.items()}
+    return RunSummary(
+        _from(root, str(source)), file_hash(source), judged.evaluator.spec.fingerprint, len(judged.times), tuple(facts), {},
+        bool(unsafe.any()) or bool(judged.faults), now(), dict(sorted(made_from.items())),
+    )  # fmt: skip
+
+
+def _from(root: Path, path: str) -> str:
+    """A path from the project, with forward slashes, wherever it leads."""
+    return Path(os.path.relpath(os.path.abspath(path), root)).as_posix()

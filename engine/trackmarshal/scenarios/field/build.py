@@ -1,0 +1,184 @@
+"""A log and its mapping to a recording, with everything that the evidence has to name."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.scenarios import content
+from trackmarshal.scenarios.field import candidates, smoother
+from trackmarshal.scenarios.field import log as logs
+from trackmarshal.scenarios.field.candidates import Braking
+from trackmarshal.scenarios.field.log import Log
+from trackmarshal.scenarios.field.mapping import Mapping
+from trackmarshal.scenarios.field.noise import Noise, estimate
+from trackmarshal.scenarios.field.smoother import Motion
+from trackmarshal.scenarios.recording import Cycle, Recording
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """A log as it was read, its noise, the motion that the trajectories are cut out of, and the recording.
+
+    smoother: its name; empty where the log stands as it is. sources: sha256 by path of all that the recording was made from.
+    """
+
+    mapping: Mapping
+    log: Log
+    noise: Noise
+    motion: Motion
+    recording: Recording
+    smoother: str
+    sources: dict[str, str]
+
+
+def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Drive:
+    """The recording of a log; `path` in place of the one that the mapping names. `raw`: without smoother, whatever is declared.
+
+    Raises D12x, D142, D151, D170 to D178; diagnostics of the vehicle's spec.
+    """
+    if path is None and mapping.log is None:
+        message = "the mapping names no log"
+        raise TrackmarshalError(
+            "D178", message, file=mapping.source, help="give the file, or name it under `log`"
+        )
+    where = path if path is not None or mapping.log is None else logs.find(mapping, mapping.log)
+    assert where is not None
+    log = logs.read(mapping, where)
+    noise = _noise(mapping, log)
+    smooth = mapping.smoother and not raw
+    motion = smoother.smooth(log, noise) if smooth else as_logged(log)
+    borders = [logs.border(mapping, border) for border in mapping.track]
+    rows = _cycles(mapping, log)
+    times = log.t[rows]
+    driven = candidates.driving(motion, times, mapping.horizon, mapping.step)
+    braked = candidates.emergency(motion, times, mapping.step, _braking(mapping))
+    cycles = []
+    for row, driving, emergency in zip(rows, driven, braked):
+        if emergency is None:
+            break  # nothing after this one stands in time either: the log ends
+        ego = {
+            "x": float(log.x[row]),
+            "y": float(log.y[row]),
+            "heading": float(log.heading[row]),
+            "v": float(log.v[row]),
+        }
+        ego = {name: round(value, 6) for name, value in ego.items()}
+        cycles.append(Cycle(round(float(log.t[row]), 6), ego, [], {DRIVING: driving, EMERGENCY: emergency}))
+    if not cycles:
+        message = (
+            f"no cycle between {mapping.begin:g} s and the end has {mapping.horizon:g} s of driving after it"
+        )
+        raise TrackmarshalError(
+            "D176", message, file=str(where), help="`time` says from when to when; `plan` how far ahead"
+        )
+    name = smoother.NAME if smooth else ""
+    recording = Recording(
+        mapping.name, mapping.source, tuple(cycles), {"left": borders[0], "right": borders[1], "closed": mapping.closed},
+        use=(mapping.vehicle, *mapping.use), notes=tuple(_notes(mapping, log, noise, motion, name, len(cycles))),
+    )  # fmt: skip
+    return Drive(mapping, log, noise, motion, recording, name, _sources(mapping, log))
+
+
+def as_logged(log: Log) -> Motion:
+    """The log itself as a motion, with all its noise: acceleration and curvature are what its columns change by."""
+    heading = np.unwrap(log.heading)
+    s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(log.x), np.diff(log.y)))])
+    a = np.gradient(log.v, log.t)
+    rate = log.yaw_rate if log.yaw_rate is not None else np.gradient(heading, log.t)
+    slow = np.abs(log.v) < 0.1
+    kappa = np.where(slow, 0.0, rate / np.where(slow, 1.0, log.v))
+    return Motion(log.t, s, log.x, log.y, heading, log.v, a, kappa, np.zeros(len(s), np.bool_), {})
+
+
+def _cycles(mapping: Mapping, log: Log) -> NDArray[np.int64]:
+    """Rows of the log at the declared rate, each the first at or after its time, as far as the horizon lies in the log."""
+    end = log.t[-1] - mapping.horizon
+    if mapping.end is not None:
+        end = min(end, mapping.end)
+    wanted = np.arange(max(mapping.begin, log.t[0]), end, 1.0 / mapping.rate)
+    rows = np.unique(np.searchsorted(log.t, wanted - 1e-6))
+    found: NDArray[np.int64] = rows[log.t[rows] <= end]
+    return found
+
+
+def _noise(mapping: Mapping, log: Log) -> Noise:
+    """What is declared, and for what is not, what the log's statistics say; raises D177."""
+    found = estimate(log)
+    if found is not None:
+        return replace(found, **mapping.noise)
+    try:
+        return Noise(**mapping.noise)
+    except TypeError:
+        message = "the car moves for less than ten seconds: that tells nothing of its noise"
+        help_ = "declare all of `noise`: along, across, heading, speed, yaw_rate, jerk, lateral_jerk"
+        raise TrackmarshalError("D177", message, file=mapping.source, help=help_) from None
+
+
+def _braking(mapping: Mapping) -> Braking:
+    """The declared share of what the vehicle's spec says of tyres and brakes; raises D151 where it lacks something."""
+    from trackmarshal.semantics.compile import compile_paths
+
+    path = spec_of(mapping, mapping.vehicle)
+    compiled = compile_paths([path])
+    compiled.raise_errors()
+    values = {name.rpartition(".")[2]: info.value for name, info in compiled.spec.params.items()}
+    missing = [name for name in ("mu", "g", "mass", "drag", "b_max") if name not in values]
+    if missing:
+        message = f"the vehicle `{mapping.vehicle}` has no parameter `{missing[0]}`"
+        raise TrackmarshalError(
+            "D151", message, file=mapping.source, help="mu, g, mass, drag and b_max say how it brakes"
+        )
+    share = mapping.share
+    return Braking(
+        share * values["mu"] * values["g"], share * values["b_max"], values["drag"] / values["mass"]
+    )
+
+
+def spec_of(mapping: Mapping, name: str) -> Path:
+    """A spec that the mapping names, from its folder or one above it, as the project's; raises D178."""
+    folder = mapping.folder.absolute()
+    for place in (folder, *folder.parents):
+        if (place / name).is_file():
+            return place / name
+    message = f"the spec `{name}` is not there"
+    raise TrackmarshalError(
+        "D178",
+        message,
+        file=mapping.source,
+        help="its path is from the mapping's folder, or from one above it",
+    )
+
+
+def _notes(mapping: Mapping, log: Log, noise: Noise, motion: Motion, name: str, count: int) -> list[str]:
+    """What was done to the log, for whoever reads the recording."""
+    noisy = ", ".join(f"{key} {value:.3g}" for key, value in noise.named().items())
+    fits = ", ".join(f"{key} {value:.3g}" for key, value in motion.innovations.items())
+    return [
+        f"log {Path(log.path).name}, sha256 {log.sha256}, its time 0 at {log.origin:.6f} s",
+        f"{count} cycles at {mapping.rate:g} Hz; the driving trajectory is what was driven in the next {mapping.horizon:g} s, "
+        f"a sample every {mapping.step:g} s",
+        f"the emergency trajectory brakes to rest on the same path with {100 * mapping.share:g} % of the friction limit of {Path(mapping.vehicle).stem}",
+        f"smoother: {name or 'none'}" + (f"; noise: {noisy}; mean squared innovations: {fits}" if name else ""),
+        f"the car is where the log says, noise and all; it is taken to stand for {standing_time(motion):.1f} s",
+    ]  # fmt: skip
+
+
+def standing_time(motion: Motion) -> float:
+    """s."""
+    return float(np.diff(motion.t)[motion.standing[1:]].sum())
+
+
+def _sources(mapping: Mapping, log: Log) -> dict[str, str]:
+    files = [Path(mapping.source), *(logs.find(mapping, border.file) for border in mapping.track)]
+    files += [spec_of(mapping, name) for name in (mapping.vehicle, *mapping.use)]
+    found = {log.path: log.sha256}
+    return found | {str(path): hashlib.sha256(content.read(path, str(path))).hexdigest() for path in files}

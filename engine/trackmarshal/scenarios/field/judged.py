@@ -1,0 +1,98 @@
+"""Every rule on every cycle of a drive, as arrays: what causes, rates, margins and limits are told from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmarshal.evaluation import CHUNK, Evaluator
+from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.program import Program
+from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult
+from trackmarshal.scenarios.fields import further_names
+from trackmarshal.scenarios.recording import CANDIDATES, Recording
+from trackmarshal.scenarios.replay import known_tables
+from trackmarshal.scenarios.supervised import cycles, shown
+from trackmarshal.supervision import rulebox
+
+Floats = NDArray[np.float64]
+_UNSAFE = [VERDICTS.index(name) for name in UNSAFE]
+_INACTIVE = VERDICTS.index("inactive")
+#: What stands for breaches of the input contract among the rules.
+CONTRACT = "input contract"
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """times (cycles,), s; codes (cycles, candidates, rules): places in VERDICTS; margins alike, in SI; faults: by cycle, what breaks the contract."""
+
+    evaluator: Evaluator
+    times: Floats
+    frames: Sequence[Frame]
+    codes: NDArray[np.uint8]
+    margins: Floats
+    faults: dict[int, str]
+
+    @property
+    def rules(self) -> list[str]:
+        return [rule.name for rule in self.evaluator.rules]
+
+    @property
+    def unsafe(self) -> NDArray[np.bool_]:
+        """(cycles, candidates, rules)"""
+        found: NDArray[np.bool_] = np.isin(self.codes, _UNSAFE)
+        return found
+
+    @property
+    def active(self) -> NDArray[np.bool_]:
+        """(cycles, candidates, rules): where the rule said something."""
+        found: NDArray[np.bool_] = self.codes != _INACTIVE
+        return found
+
+    def result(self, cycle: int, candidate: int, rule: int) -> RuleResult:
+        """One outcome with its witness."""
+        (judged,) = self.evaluator.judge_all([self.frames[cycle]])
+        return judged.rated[CANDIDATES[candidate]].explain(rule, False)
+
+
+def judge(
+    recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter
+) -> Judgement:
+    """All cycles of a recording, through the door, by all rules; `watch` wraps the chunks of work."""
+    tables, _ = known_tables(recording, evaluator.spec)
+    door = rulebox(evaluator, recording.params, tables).supervisor(Limits.open_loop()).door
+    frames: list[Frame] = []
+    faults: dict[int, str] = {}
+    for place, cycle in enumerate(cycles(recording, further_names(recording, evaluator))):
+        frame = shown(door.admit(-1, cycle, cycle.t).frame)
+        if frame.faults:
+            faults[place] = str(frame.faults[0])
+        frames.append(frame)
+    codes, margins = rated(evaluator.program, frames, len(evaluator.rules), watch)
+    return Judgement(
+        evaluator, np.array([cycle.t for cycle in recording.cycles]), frames, codes, margins, faults
+    )
+
+
+def rated(
+    program: Program,
+    frames: Sequence[Frame],
+    rules: int,
+    watch: Callable[[Sequence[Any]], Iterable[Any]] = iter,
+) -> tuple[NDArray[np.uint8], Floats]:
+    """Codes and margins (frames, candidates, rules); a candidate that is not there is undefined."""
+    codes = np.full((len(frames), len(CANDIDATES), rules), VERDICTS.index("undefined"), np.uint8)
+    margins = np.full(codes.shape, np.nan)
+    for start in watch(range(0, len(frames), CHUNK)):
+        for place, judged in enumerate(program.judge_all(frames[start : start + CHUNK]), start):
+            for number, name in enumerate(CANDIDATES):
+                one = judged.rated.get(name)
+                if one is not None:
+                    codes[place, number] = np.frombuffer(one.verdicts, np.uint8)
+                    margins[place, number] = one.margins
+    return codes, margins

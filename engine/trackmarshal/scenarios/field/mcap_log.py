@@ -1,0 +1,155 @@
+"""Numbers out of an MCAP file: fields of JSON messages, at the times of the topic that the time is of."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from collections.abc import Mapping as AnyMapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.scenarios.field.mapping import Column
+from trackmarshal.scenarios.fields import suggestion
+
+Floats = NDArray[np.float64]
+MAGIC = b"\x89MCAP0\r\n"
+#: Instead of a field: when the message was logged, in seconds.
+LOG_TIME = "log_time"
+
+
+def read(
+    data: bytes, shown: str, columns: AnyMapping[str, Column], hold: float
+) -> tuple[dict[str, Floats], NDArray[np.int64]]:
+    """(rows,) of each column, and which message of its topic each row is, from 1.
+
+    A column is `/topic.field.field`; a row is a message of the topic of `t`, and columns of other topics are what they said last, at most `hold`
+    seconds of the log's own time before. Raises E484 without the package `mcap`, D170, D171 and D174.
+    """
+    try:
+        from mcap.exceptions import McapError
+        from mcap.reader import make_reader
+    except ImportError as error:
+        raise TrackmarshalError(
+            "E484", "MCAP needs the package `mcap`", file=shown, help="pip install trackmarshal[mcap]"
+        ) from error
+    ways = {name: _way(column, name, shown) for name, column in columns.items()}
+    base = ways["t"][0]
+    wanted = {topic for topic, _ in ways.values()}
+    latest: dict[str, tuple[int, Any]] = {}
+    rows: list[list[float]] = []
+    counts: list[int] = []
+    topics: set[str] = set()
+    number = 0
+    try:
+        reader = make_reader(io.BytesIO(data), validate_crcs=True)
+        summary = reader.get_summary()
+        if summary is not None:
+            topics = {channel.topic for channel in summary.channels.values()}
+        for _, channel, message in reader.iter_messages(topics=sorted(wanted)):
+            topics.add(channel.topic)
+            number += 1
+            if channel.message_encoding != "json":
+                message_ = f"messages of `{channel.topic}` are encoded as `{channel.message_encoding}`"
+                raise TrackmarshalError(
+                    "D174",
+                    message_,
+                    file=shown,
+                    help="only JSON is read: convert the log, or export it as CSV",
+                )
+            latest[channel.topic] = message.log_time, _parsed(message.data, channel.topic, number, shown)
+            if channel.topic != base:
+                continue
+            if set(latest) != wanted or any(message.log_time - at > hold * 1e9 for at, _ in latest.values()):
+                if rows:
+                    silent = sorted(
+                        t for t in wanted if t not in latest or message.log_time - latest[t][0] > hold * 1e9
+                    )
+                    raise _wrong(
+                        f"nothing of `{silent[0]}` for more than {hold:g} s",
+                        shown,
+                        number,
+                        "`hold` says how long it may be silent",
+                    )
+                continue
+            rows.append([_value(latest[topic], way, topic, shown, number) for topic, way in ways.values()])
+            counts.append(number)
+    except TrackmarshalError:
+        raise
+    except (
+        McapError,
+        ValueError,
+        KeyError,
+        EOFError,
+        OverflowError,
+        OSError,
+        MemoryError,
+        RuntimeError,
+        TypeError,
+        IndexError,
+        AttributeError,
+    ) as error:
+        message_ = f"a damaged MCAP file: {str(error) or type(error).__name__}"
+        raise TrackmarshalError("D174", message_, file=shown, help="fetch the file again") from error
+    except Exception as error:  # of the packages that unpack: struct.error, and those of lz4 and zstandard
+        message_ = f"a damaged MCAP file: {type(error).__name__}"
+        raise TrackmarshalError("D174", message_, file=shown, help="fetch the file again") from error
+    missing = sorted(wanted - topics)
+    if missing:
+        help_ = f"{suggestion(missing[0], topics)} topics: {', '.join(sorted(topics)[:12]) or 'none'}".strip()
+        raise TrackmarshalError("D170", f"there is no topic `{missing[0]:.60}`", file=shown, help=help_)
+    if not rows:
+        raise TrackmarshalError(
+            "D126",
+            "there is no message with all columns",
+            file=shown,
+            help="are the topics there at one time?",
+        )
+    table = np.array(rows, dtype=np.float64)
+    return {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(columns)}, np.array(counts)
+
+
+def _way(column: Column, name: str, shown: str) -> tuple[str, tuple[str, ...]]:
+    topic, *fields = str(column.name).split(".")
+    if not topic.startswith("/") or not fields:
+        message = f"`{column.name}` is no field of a topic, which is to be `{name}`"
+        raise TrackmarshalError("D170", message, file=shown, help="write /topic.field, or /topic.log_time")
+    return topic, tuple(fields)
+
+
+def _parsed(data: bytes, topic: str, number: int, shown: str) -> Any:
+    try:
+        return json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise _wrong(f"a message of `{topic}` is no JSON", shown, number, "fetch the file again") from error
+
+
+def _value(latest: tuple[int, Any], way: tuple[str, ...], topic: str, shown: str, number: int) -> float:
+    at, value = latest
+    if way == (LOG_TIME,):
+        return at / 1e9
+    for name in way:
+        if isinstance(value, list) and name.isdigit() and int(name) < len(value):
+            value = value[int(name)]
+            continue
+        if not isinstance(value, dict) or name not in value:
+            known = ", ".join(list(value)[:12]) if isinstance(value, dict) else "no fields"
+            message = f"message {number}: `{topic}` has no `{'.'.join(way):.60}`"
+            raise TrackmarshalError("D170", message, file=shown, help=f"at `{name}` there are: {known}")
+        value = value[name]
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | float)
+        or not abs(value) < 1e300
+        or not math.isfinite(value)
+    ):
+        help_ = "leave out that part of the log, or mend it; a missing number is not guessed"
+        raise _wrong(f"`{topic}.{'.'.join(way)}` is {value!r:.40}, no finite number", shown, number, help_)
+    return float(value)
+
+
+def _wrong(message: str, shown: str, number: int, help: str) -> TrackmarshalError:
+    return TrackmarshalError("D171", f"message {number}: {message}", file=shown, help=help)

@@ -1,0 +1,122 @@
+"""Numbers out of delimited text: the columns that a mapping asks for, each row with its line."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import unicodedata
+from collections.abc import Mapping as AnyMapping
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.scenarios import content
+from trackmarshal.scenarios.field.mapping import Column
+from trackmarshal.scenarios.fields import suggestion
+
+Floats = NDArray[np.float64]
+_DELIMITERS = {",": ",", ";": ";", "tab": "\t"}
+#: A cell of a number is short; what is longer is another file.
+_LONGEST = 1000
+
+
+def read(
+    data: bytes, shown: str, columns: AnyMapping[str, Column], delimiter: str
+) -> tuple[dict[str, Floats], NDArray[np.int64]]:
+    """(rows,) of each column, as in the file, and the line of each row. Raises D126, D170 and D171 with the line.
+
+    The first line names the columns (a `#` before it is no part of a name), unless the mapping counts them. Names that are the same
+    text to a reader are the same name, however their letters are put together (Unicode, NFC).
+    """
+    text = content.text(data, shown)
+    if "\0" in text:
+        line = text[: text.index("\0")].count("\n") + 1
+        raise TrackmarshalError(
+            "D171", "a NUL stands in the text", file=shown, line=line, help="was it cut off?"
+        )
+    numbers, lines = [], []
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=_DELIMITERS[delimiter], strict=True)
+    places: list[int] | None = None
+    width = 0
+    try:
+        for cells in reader:
+            if not cells or (len(cells) == 1 and not cells[0].strip()):
+                continue
+            if places is None:
+                places, is_header = _places(cells, reader.line_num, shown, columns, delimiter)
+                width = len(cells)
+                if is_header:
+                    continue
+            if len(cells) != width:
+                message = f"{len(cells)} cells, the first line has {width}"
+                raise _wrong(message, shown, reader.line_num, "was the line cut off?")
+            numbers.append([_number(cells, place, shown, reader.line_num) for place in places])
+            lines.append(reader.line_num)
+    except csv.Error as error:
+        raise _wrong(str(error), shown, reader.line_num, "is this delimited text?") from error
+    if not numbers:
+        raise TrackmarshalError(
+            "D126", "there is no row of numbers", file=shown, line=1, help="was it cut off?"
+        )
+    table = np.array(numbers, dtype=np.float64)
+    return {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(columns)}, np.array(lines)
+
+
+def _places(
+    cells: list[str], line: int, shown: str, columns: AnyMapping[str, Column], delimiter: str
+) -> tuple[list[int], bool]:
+    """Where the columns stand, and whether this line is a header."""
+    counted = {type(column.name) is int for column in columns.values()}
+    if len(counted) > 1:
+        help_ = "name all columns, or count all of them, from 1, where the file has no header"
+        raise TrackmarshalError(
+            "D170", "some columns are named and some are counted", file=shown, line=line, help=help_
+        )
+    if counted == {True}:
+        places = [int(column.name) - 1 for column in columns.values()]
+        if max(places) >= len(cells):
+            message = f"there is no column {max(places) + 1}: the first line has {len(cells)} cells"
+            raise TrackmarshalError(
+                "D170", message, file=shown, line=line, help=f"is `{delimiter}` what divides them?"
+            )
+        return places, False
+    names = [_plain(cell) for cell in cells]
+    if names:
+        names[0] = names[0].removeprefix("#").strip()
+    result = []
+    for meaning, column in columns.items():
+        wanted = _plain(str(column.name))
+        count = names.count(wanted)
+        if count != 1:
+            message = f"the header has {'no' if count == 0 else 'more than one'} column `{wanted:.60}`, which is to be `{meaning}`"
+            listed = ", ".join(f"`{name:.40}`" for name in islice(names, 12))
+            help_ = f"{suggestion(wanted, names)} the header has {listed}".strip()
+            raise TrackmarshalError("D170", message, file=shown, line=line, help=help_)
+        result.append(names.index(wanted))
+    return result, True
+
+
+def _plain(name: str) -> str:
+    return unicodedata.normalize("NFC", name).strip()
+
+
+def _number(cells: list[str], place: int, shown: str, line: int) -> float:
+    cell = cells[place].strip()
+    try:
+        # Python's own `1_000` is nothing that a log means
+        value = float(cell) if len(cell) <= _LONGEST and "_" not in cell else math.nan
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        help_ = (
+            "leave out that part of the log (`time`: from, to), or mend it; a missing number is not guessed"
+        )
+        raise _wrong(f"column {place + 1}: {cell!r:.40} is no finite number", shown, line, help_)
+    return value
+
+
+def _wrong(message: str, shown: str, line: int, help: str) -> TrackmarshalError:
+    return TrackmarshalError("D171", message, file=shown, line=line, help=help)

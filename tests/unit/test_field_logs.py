@@ -1,0 +1,293 @@
+"""Logs are read as their mapping says, or refused with file, line, code and help."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import random
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support import field_logs
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.scenarios.field import build, log, mapping
+
+CLEAN = field_logs.straight(30.0, 10.0)
+
+
+def refused(folder: Path, data: bytes | None = None, declared: str = field_logs.MAP) -> TrackmarshalError:
+    """What a log, or its mapping, is refused with."""
+    where, file = field_logs.write(folder, CLEAN, declared)
+    if data is not None:
+        file.write_bytes(data)
+    with pytest.raises(TrackmarshalError) as found:
+        build.build(mapping.read(where), file)
+    assert found.value.file
+    assert found.value.help
+    return found.value
+
+
+def test_a_log_becomes_what_was_driven(tmp_path: Path) -> None:
+    where, file = field_logs.write(tmp_path, CLEAN)
+    made = build.build(mapping.read(where), file)
+    first = made.recording.cycles[0]
+    assert first.ego == pytest.approx({"x": 0.0, "y": 0.0, "heading": 1.570796, "v": 0.0}, abs=1e-6)
+    at_20 = next(cycle for cycle in made.recording.cycles if cycle.t == pytest.approx(20.0))
+    driving = at_20.candidates["driving"]
+    assert driving["t"] == pytest.approx(np.arange(21) * 0.1)
+    assert np.diff(driving["y"]) == pytest.approx(np.full(20, 1.5), abs=0.02)
+    assert driving["v"] == pytest.approx(np.full(21, 15.0), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "said", "line"),
+    [
+        (lambda t: "", "D126", "empty", 1),
+        (lambda t: "\n \n", "D126", "empty", 1),
+        (lambda t: "time,x,y,heading,v,yaw\n", "D126", "no row", 1),
+        (lambda t: t.replace("heading", "headin", 1), "D170", "`heading`", 1),
+        (lambda t: t.replace("time,x", "x,x", 1), "D170", "no column `time`", 1),
+        (lambda t: t.replace("yaw", "v", 1), "D170", "more than one column `v`", 1),
+        (lambda t: line(t, 7, "0.5,0,nan,1.57,0,0"), "D171", "'nan' is no finite number", 7),
+        (lambda t: line(t, 7, "0.5,0,,1.57,0,0"), "D171", "'' is no finite number", 7),
+        (lambda t: line(t, 7, "0.5,0,1e999,1.57,0,0"), "D171", "no finite number", 7),
+        (lambda t: line(t, 7, "0.5,0,1_0,1.57,0,0"), "D171", "no finite number", 7),
+        (lambda t: line(t, 7, "0.5,0,0"), "D171", "3 cells", 7),
+        (lambda t: line(t, 7, '0.5,0,"0,1.57,0,0'), "D171", "", None),
+        (lambda t: line(t, 7, "0.5,0,\0,1.57,0,0"), "D171", "NUL", 7),
+        (lambda t: line(t, 7, "0.4,0,0,1.57,0,0"), "D172", "does not come after", 7),
+        (lambda t: line(t, 7, "0.0,0,0,1.57,0,0"), "D172", "does not come after", 7),
+        (lambda t: "\n".join(t.split("\n")[:100] + t.split("\n")[120:]), "D172", "without a row", 101),
+        (lambda t: "\n".join(t.split("\n")[:15]), "D176", "14 rows", None),
+        (lambda t: "\n".join(t.split("\n")[:40]), "D177", "less than ten seconds", None),
+        (lambda t: "PK\x03\x04" + t, "D174", "neither", None),
+    ],
+)
+def test_a_bad_log_is_refused(tmp_path: Path, change: Any, code: str, said: str, line: int | None) -> None:
+    error = refused(tmp_path, change(field_logs.text(CLEAN)).encode())
+    assert (error.code, error.line) == (code, line) if line is not None else error.code == code
+    assert said in error.message
+
+
+def line(text: str, number: int, new: str) -> str:
+    lines = text.split("\n")
+    lines[number - 1] = new
+    return "\n".join(lines)
+
+
+def test_bytes_that_are_no_text(tmp_path: Path) -> None:
+    assert refused(tmp_path, b"time,x\n\xff\xfe").code == "D126"
+    assert refused(tmp_path, gzip.compress(b"time,x\n" * 100)[:-20]).code == "D142"
+    assert refused(tmp_path, b"\x89MCAP0\r\n" + b"\x00" * 40).code == "D170"  # the mapping names no topics
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("v: {column: v, unit: m/s}", "v: {column: v, unit: km/h}", "speed of the positions"),
+        (
+            "heading: {column: heading, unit: rad",
+            "heading: {column: heading, unit: deg",
+            "off the direction of travel",
+        ),
+        ("zero: +x", "zero: +y", "Turned by 270 deg"),
+        ("turns: left", "turns: right", "off the direction of travel"),
+        ("unit: m}\n  y", "unit: km}\n  y", "the speed column is"),
+    ],
+)
+def test_a_unit_or_a_convention_that_the_log_contradicts(
+    tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    declared = field_logs.MAP.replace(old, new)
+    if "km}" in new:
+        declared = declared.replace("y: {column: y, unit: m}", "y: {column: y, unit: km}")
+    error = refused(tmp_path, declared=declared)
+    assert error.code == "D173"
+    assert said in f"{error.message} {error.help}"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "number"),
+    [
+        ("version: 1", "version: 2", "D143", 2),
+        ("unit: m/s}", "unit: m}", "D151", 9),
+        ("unit: m/s}", "unit: furlong}", "D151", 9),
+        ("  v: {column: v, unit: m/s}\n", "", "D151", 5),
+        ("zero: +x", "zero: north", "D151", 8),
+        ("rate: 10", "rate: 0", "D151", 11),
+        ("horizon: 2", "horizon: .nan", "D151", 17),
+        ("share: 0.9", "share: 1.5", "D151", 18),
+        ("vehicle:", "vehikel:", "D151", None),
+        ("specs/vehicles/av21.spec", "specs/vehicles/none.spec", "D178", None),
+        ("left.csv", "nowhere.csv", "D178", None),
+        ("time: {rate: 10}", "time: {rate: 10, from: 29}", "D176", None),
+        ("x: 1, y: 2}\n  right", "x: 1, y: 7}\n  right", "D170", 1),
+    ],
+)
+def test_a_bad_mapping_is_refused(tmp_path: Path, old: str, new: str, code: str, number: int | None) -> None:
+    error = refused(tmp_path, declared=field_logs.MAP.replace(old, new, 1))
+    assert error.code == code
+    assert number is None or error.line == number
+
+
+def test_a_hash_holds_the_mapping_to_its_log(tmp_path: Path) -> None:
+    digest = "0" * 64
+    declared = field_logs.MAP + f"log: {{path: log.csv, sha256: {digest}}}\n"
+    error = refused(tmp_path, declared=declared)
+    assert error.code == "D175"
+    where, file = field_logs.write(tmp_path, CLEAN, declared)
+    file.unlink()
+    with pytest.raises(TrackmarshalError) as found:
+        build.build(mapping.read(where))
+    assert found.value.code == "D178"
+    assert "nothing is said about it" in found.value.message
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("packed", [False, True])
+def test_line_ends_names_and_packing_make_no_difference(tmp_path: Path, end: str, packed: bool) -> None:
+    head = ("# temps écoulé", "x", "y", "ψ (rad)", " v ", "Ω")
+    decomposed = "e\u0301coule\u0301"  # the same to a reader: é in two code points
+    data = b"\xef\xbb\xbf" + field_logs.text(CLEAN, head, end, ";").replace("écoulé", decomposed).encode()
+    declared = field_logs.MAP.replace("column: time", "column: temps écoulé").replace(
+        "column: heading", "column: ψ (rad)"
+    )
+    declared = declared.replace("column: yaw", "column: Ω") + 'delimiter: ";"\n'
+    where, file = field_logs.write(tmp_path, CLEAN, declared)
+    file.write_bytes(gzip.compress(data) if packed else data)
+    found = log.read(mapping.read(where), file)
+    assert found.v == pytest.approx(CLEAN["v"])
+
+
+def test_conventions_and_units(tmp_path: Path) -> None:
+    """Heading in degrees from +y to the right, as a compass; km/h; milliseconds from anywhere; the point 1.5 m behind the middle."""
+    ring = field_logs.ring()
+    other = {
+        "time": 1e9 + 1000.0 * ring["time"], "x": ring["x"] - 1.5 * np.cos(ring["heading"]), "y": ring["y"] - 1.5 * np.sin(ring["heading"]),
+        "heading": 90.0 - np.degrees(ring["heading"]), "v": 3.6 * ring["v"], "yaw": -np.degrees(ring["yaw"]),
+    }  # fmt: skip
+    declared = field_logs.MAP.replace("time, unit: s", "time, unit: ms").replace("unit: m/s}", "unit: km/h}")
+    declared = declared.replace(
+        "unit: rad, zero: +x, turns: left", "unit: deg, zero: +y, turns: right"
+    ).replace("rad/s", "deg/s")
+    where, file = field_logs.write(tmp_path, other, declared + "pose: {forward: 1.5}\n")
+    found = log.read(mapping.read(where), file)
+    for name in ("x", "y", "v"):
+        assert getattr(found, name) == pytest.approx(ring[name], abs=1e-6)
+    assert np.cos(found.heading - ring["heading"]) == pytest.approx(1.0)
+    assert found.yaw_rate == pytest.approx(ring["yaw"])
+    assert found.t == pytest.approx(ring["time"], abs=1e-6)
+
+
+def test_mcap(tmp_path: Path) -> None:
+    """Two topics at other rates; what the slower one said last counts, as long as it is not older than `hold`."""
+    writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
+    declared = field_logs.MAP
+    for name, way in (
+        ("time", "/odom.log_time"),
+        ("x", "/odom.pose.0"),
+        ("y", "/odom.pose.1"),
+        ("heading", "/odom.pose.2"),
+        ("v", "/wheel.v"),
+        ("yaw", "/odom.yaw"),
+    ):
+        declared = declared.replace(f"column: {name},", f"column: {way},")
+    where, _ = field_logs.write(tmp_path, CLEAN, declared)
+
+    def written(silent: float, encoding: str = "json") -> Path:
+        path = tmp_path / "log.mcap"
+        with path.open("wb") as file:
+            writer = writing.Writer(file)
+            writer.start()
+            channels = {topic: writer.register_channel(topic, encoding, 0) for topic in ("/odom", "/wheel")}
+            for i, (t, x, y, h, v, yaw) in enumerate(zip(*CLEAN.values())):
+                at = round(t * 1e9)
+                if i % 2 == 0 and not silent < t < silent + 1.0:
+                    writer.add_message(channels["/wheel"], at, json.dumps({"v": v}).encode(), at)
+                writer.add_message(
+                    channels["/odom"], at, json.dumps({"pose": [x, y, h], "yaw": yaw}).encode(), at
+                )
+            writer.finish()
+        return path
+
+    found = log.read(mapping.read(where), written(100.0))
+    assert len(found.t) == len(CLEAN["time"])
+    assert found.v == pytest.approx(CLEAN["v"], abs=1.5 / 10 + 1e-9)
+    for silent, encoding, code, said in (
+        (10.0, "json", "D171", "nothing of `/wheel`"),
+        (100.0, "cdr", "D174", "`cdr`"),
+    ):
+        with pytest.raises(TrackmarshalError) as error:
+            log.read(mapping.read(where), written(silent, encoding))
+        assert error.value.code == code
+        assert said in error.value.message
+    whole = written(100.0).read_bytes()
+    for _ in range(60):
+        draw = random.Random(_)
+        data = bytearray(whole[: draw.randrange(8, len(whole))] if _ % 2 else whole)
+        for _ in range(5):
+            data[draw.randrange(8, len(data))] ^= 1 << draw.randrange(8)
+        (tmp_path / "log.mcap").write_bytes(data)
+        try:
+            log.read(mapping.read(where), tmp_path / "log.mcap")
+        except TrackmarshalError as refusal:
+            assert refusal.code in ("D126", "D170", "D171", "D172", "D173", "D174", "D176")
+
+
+def test_changed_bytes_are_read_or_refused(tmp_path: Path) -> None:
+    """Never another exception, and never a number that is not finite."""
+    where, file = field_logs.write(tmp_path, field_logs.straight(20.0, 5.0))
+    whole = file.read_bytes()
+    declared = mapping.read(where)
+    draw = random.Random(4)
+    for _ in range(120):
+        data = bytearray(whole)
+        for _ in range(draw.randrange(1, 6)):
+            place = draw.randrange(len(data))
+            match draw.randrange(3):
+                case 0:
+                    data[place] = draw.randrange(256)
+                case 1:
+                    del data[place : place + draw.randrange(1, 40)]
+                case _:
+                    data[place:place] = bytes(
+                        draw.choice(b'\n\r",;-e#\xc3\x00 nan') for _ in range(draw.randrange(1, 4))
+                    )
+        file.write_bytes(data)
+        try:
+            found = log.read(declared, file)
+        except TrackmarshalError as refusal:
+            assert refusal.code.startswith("D1")
+            assert refusal.help
+        else:
+            assert all(
+                np.isfinite(column).all() for column in (found.t, found.x, found.y, found.heading, found.v)
+            )
+            assert (np.diff(found.t) > 0).all()
+
+
+def test_changed_mappings_are_read_or_refused(tmp_path: Path) -> None:
+    where, _ = field_logs.write(tmp_path, CLEAN)
+    whole = where.read_text(encoding="utf-8")
+    draw = random.Random(7)
+    for _ in range(120):
+        lines = whole.split("\n")
+        place = draw.randrange(len(lines))
+        match draw.randrange(4):
+            case 0:
+                del lines[place]
+            case 1:
+                lines[place] = lines[place].replace(":", "", 1)
+            case 2:
+                lines[place] = lines[place][: draw.randrange(len(lines[place]) + 1)]
+            case _:
+                lines[place] += draw.choice([" [", " {", " &a", " é", " 1e400", ": x", "\n- 1"])
+        where.write_text("\n".join(lines), encoding="utf-8")
+        try:
+            mapping.read(where)
+        except TrackmarshalError as refusal:
+            assert refusal.code.startswith("D1")
+            assert refusal.help

@@ -1,0 +1,221 @@
+"""What the rules say of a log: causes that are shown or declared, margins, limits; the extract of a real drive; kept runs."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from support import field_logs
+from trackmarshal.cli.main import main
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.ir.spec import Spec
+from trackmarshal.scenarios import load as load_recording
+from trackmarshal.scenarios.field import mapping
+from trackmarshal.scenarios.field.build import Drive, build
+from trackmarshal.scenarios.field.causes import firings, on_road
+from trackmarshal.scenarios.field.judged import Judgement, judge
+from trackmarshal.scenarios.field.limits import limits, params_of
+from trackmarshal.scenarios.field.report import data, report
+
+ROOT = Path(__file__).resolve().parents[2]
+EXTRACT = ROOT / "tests" / "field" / "lvms_25s.yaml"
+RULES = ["static_collision", "speed_limit", "no_reversing", "acceleration_integrity", "safe_gap"]
+
+
+def judged(
+    where: Path, file: Path | None = None, rules: list[str] | None = None, raw: bool = False
+) -> tuple[Drive, Judgement]:
+    drive = build(mapping.read(where), file, raw)
+    return drive, judge(drive.recording, Evaluator(spec(), rules))
+
+
+@cache
+def spec(*more: Path) -> Spec:
+    specs = [ROOT / "specs" / "vehicles" / "av21.spec", ROOT / "specs" / "tracks" / "lvms.spec"]
+    return load([ROOT / "specs" / "supervisor"], [*specs, *more])
+
+
+@pytest.fixture(scope="module")
+def extract() -> tuple[Drive, Judgement]:
+    return judged(EXTRACT)
+
+
+def a_standing_car_has_a_path() -> bool:
+    """Whether this version of the rules gives a trajectory in one place a path (without one, `pose_on_path` is undefined there)."""
+    plan = {
+        "t": [0.0, 0.1],
+        "s": [0.0, 0.0],
+        "x": [1.0, 1.0],
+        "y": [0.0, 0.0],
+        "heading": [0.0, 0.0],
+        "kappa": [0.0, 0.0],
+        "v": [0.0, 0.0],
+        "a": [0.0, 0.0],
+    }
+    ego = {"x": 1.0, "y": 0.0, "heading": 0.0, "v": 0.0}
+    result = Evaluator(spec(), ["pose_on_path"]).case({"signals": {"plan": plan, "ego": ego}})
+    return not result.rules["pose_on_path"].unsafe
+
+
+def test_a_real_drive_fires_nothing(extract: tuple[Drive, Judgement]) -> None:
+    """25 s of it, with jumps of the localisation and -0.35 m/s at standstill in what the rules see as the car's pose."""
+    drive, found = extract
+    assert min(cycle.ego["v"] for cycle in drive.recording.cycles) < -0.3
+    fired = {(one.rule, one.begin < 17.0) for one in firings(drive, found)}
+    assert fired == set() if a_standing_car_has_a_path() else fired == {("pose_on_path", False)}
+    assert found.faults == {}
+
+
+def test_the_same_drive_as_logged_fires_on_noise_and_says_so(extract: tuple[Drive, Judgement]) -> None:
+    _, clean = extract
+    raw = judged(EXTRACT, raw=True)
+    found = firings(*raw, clean)
+    by_rule = {one.rule: one.cause for one in found if one.rule != "pose_on_path"}
+    assert {"acceleration_integrity", "no_reversing"} <= set(by_rule)
+    assert set(by_rule.values()) == {"noise"}
+
+
+def test_the_report_is_strict_json_and_says_all(extract: tuple[Drive, Judgement]) -> None:
+    drive, found = extract
+    made = data(report(drive, found, None, None))
+    text = json.loads(json.dumps(made, allow_nan=False))
+    assert text["cycles"] == len(drive.recording.cycles)
+    assert text["km"] == pytest.approx(0.278, abs=0.005)
+    assert "Rauch" in text["smoother"]
+    assert text["log"]["sha256"] in text["notes"][0]
+    assert {"safe_gap", "contact", "zone_speed_limit"} <= set(text["silent"])
+    assert 0.02 < text["residuals"]["speed"]["lag"] < 0.1
+    margins = {(m["rule"], m["candidate"]): m["margin"] for m in text["margins"]}
+    assert 1.0 < margins["static_collision", "driving"] < 1.5
+
+
+def drive_of(folder: Path, more: str = "", **columns: Any) -> tuple[Path, Path]:
+    log = {**field_logs.straight(30.0, 10.0), **columns}
+    return field_logs.write(folder, log, field_logs.MAP.replace("rate: 10}", "rate: 5}") + more)
+
+
+def test_a_gap_of_the_map_is_shown_and_declared(tmp_path: Path) -> None:
+    """The road begins at y = 60 m, which the car reaches after 14 s. Declared is the gap until 12 s: what is left is real."""
+    gap = "gaps: [{from: 0, to: 12, because: a start that nobody surveyed}]\n"
+    where, file = drive_of(tmp_path, gap)
+    for side, x in (("left", -10), ("right", 10)):
+        (tmp_path / f"{side}.csv").write_text(f"{x},60\n{x},400\n", encoding="utf-8")
+    found = [one for one in firings(*judged(where, file, RULES)) if one.rule == "static_collision"]
+    assert [(one.cause, one.because) for one in found] == [
+        ("map gap", "a start that nobody surveyed"),
+        ("real", ""),
+    ]
+    assert found[0].begin == 0.0
+    assert found[0].end == pytest.approx(12.0, abs=0.21)
+    assert 13.5 < found[1].end < 14.5
+
+
+def test_a_declared_gap_excuses_nothing_where_the_car_was_on_the_map(tmp_path: Path) -> None:
+    """A pinch of the road from y = 200 m on, inside of which the car's middle is and its corners, too; the car drives on past it."""
+    gap = "gaps: [{from: 0, to: 29, because: not surveyed}]\n"
+    where, file = drive_of(tmp_path, gap)
+    (tmp_path / "left.csv").write_text(
+        "-10,-50\n-10,200\n-1.05,200\n-1.05,201\n-10,201\n-10,400\n", encoding="utf-8"
+    )
+    assert [one for one in firings(*judged(where, file, RULES)) if one.rule == "static_collision"] == []
+    (tmp_path / "left.csv").write_text(
+        "-10,-50\n-10,200\n-0.9,200\n-0.9,201\n-10,201\n-10,400\n", encoding="utf-8"
+    )
+    found = [one for one in firings(*judged(where, file, RULES)) if one.rule == "static_collision"]
+    assert {one.cause for one in found} == {"map gap"}
+
+
+def test_a_person_may_put_it_down_to_a_rule(tmp_path: Path) -> None:
+    word = "findings: [{rule: speed_limit, from: 0, to: 18, cause: rule, because: no limit on this day}]\n"
+    where, file = drive_of(tmp_path, word)
+    drive = build(mapping.read(where), file)
+    (tmp_path / "slow.spec").write_text("module slow\n\nparam v_max : m/s = 10 m/s\n", encoding="utf-8")
+    slow = spec(tmp_path / "slow.spec")
+    assert firings(drive, judge(drive.recording, Evaluator(spec(), ["speed_limit"]))) == []
+    found = firings(drive, judge(drive.recording, Evaluator(slow, ["speed_limit"])))
+    assert [one.cause for one in found] == ["rule", "real"]
+
+
+def test_limits_are_where_closed_forms_say(tmp_path: Path) -> None:
+    """At 15 m/s on a road of 20 m, no rule is near: it would fire from a top speed of 15 m/s down, and from a car 20 m wide up."""
+    where, file = drive_of(tmp_path)
+    _, found = judged(
+        where, file, ["speed_limit", "static_collision", "no_reversing", "safe_gap", "ends_at_rest"]
+    )
+    made = {(one.rule, one.param): one for one in limits(found)}
+    assert made["speed_limit", "v_max"].below == pytest.approx(15.0, abs=0.01)
+    assert made["speed_limit", "v_max"].above is None
+    width = made["static_collision", "width"]
+    assert (width.below, width.above) == (None, None)  # 5 m at most are declared for a width
+    assert made["ends_at_rest", "v_rest"].below is None  # it is at rest exactly
+    assert "no parameter" in made["no_reversing", ""].why
+    assert "nothing to say" in made["safe_gap", ""].why
+    (tmp_path / "left.csv").write_text("-2,-50\n-2,400\n", encoding="utf-8")
+    drive, narrow = judged(where, file, ["static_collision"])
+    (_, width) = sorted(limits(narrow), key=lambda one: one.param)
+    assert width.above == pytest.approx(4.0, abs=0.02)  # twice the 2 m to the left border
+    assert firings(drive, narrow) == []
+
+
+def test_parameters_of_a_rule_are_those_that_its_formula_reads() -> None:
+    names = {rule.name: {name.rpartition(".")[2] for name in params_of(rule)} for rule in spec().rules}
+    assert names["speed_limit"] == {"v_max"}
+    assert {"mu", "g", "mass"} <= names["friction"]
+    assert {"response", "b_rear", "length", "least_gap"} <= names["safe_gap"]  # through definitions
+
+
+def test_on_road() -> None:
+    import numpy as np
+
+    ring = [[2.0, 2.0], [-2.0, 2.0], [-2.0, -2.0], [2.0, -2.0]]
+    outer = [[2 * x, 2 * y] for x, y in ring]
+    x, y = np.array([0.0, 3.0, 5.0]), np.array([0.0, 0.5, 0.0])
+    assert on_road(x, y, {"left": ring, "right": outer, "closed": True}).tolist() == [False, True, False]
+    assert on_road(x, y, {"left": [[0, 1], [9, 1]], "right": [[0, -1], [9, -1]]}).tolist() == [
+        True,
+        True,
+        True,
+    ]
+
+
+def test_the_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    out = tmp_path / "made.tmrec.jsonl.gz"
+    assert (
+        main(
+            ["import", "log", "--map", str(EXTRACT), "--to", "3", "--out", str(out), "--no-report", "--quiet"]
+        )
+        == 0
+    )
+    recording = load_recording(out)
+    assert recording.use == ("specs/vehicles/av21.spec", "specs/tracks/lvms.spec")
+    assert main(["replay", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "every trajectory is safe" in said
+    assert (
+        main(
+            ["import", "log", "--map", str(EXTRACT), "--to", "3", "--rule", "speed_limit", "--format", "json"]
+        )
+        == 0
+    )
+    assert json.loads(capsys.readouterr().out)["rates"] == []
+    assert (
+        main(["import", "log", "--map", str(EXTRACT), "--to", "3", "--keep", str(tmp_path / "run.json")]) == 2
+    )
+    assert "E435" in capsys.readouterr().err
+
+
+def test_a_mapping_is_a_recording_too() -> None:
+    """`replay` takes it as it takes a declaration."""
+    recording = load_recording(EXTRACT)
+    assert len(recording.cycles) == 220
+    with pytest.raises(TrackmarshalError) as found:
+        mapping.read(ROOT / "specs" / "scenarios" / "cut_in.yaml")
+    assert found.value.code == "D151"
