@@ -2,7 +2,8 @@
 
 Equations: plane motion of the single-track model after Rajamani, Vehicle Dynamics and Control, 2nd ed., Springer 2012, sections 2.3
 and 4.1; lateral tyre forces by Pacejka's Magic Formula, Tire and Vehicle Dynamics, 3rd ed., Butterworth-Heinemann 2012, section 4.3.1,
-D sin(C arctan(B alpha)), with the rest of the friction circle where the tyre also pulls or brakes (section 3.2.3, friction ellipse);
+D sin(C arctan(B alpha)), whose stiffness BCD grows less than the load does, c1 sin(2 arctan(Fz / c2)) (the same section), with the
+rest of the friction circle where the tyre also pulls or brakes (section 3.2.3, friction ellipse);
 load moves between the axles with the acceleration along the car (Rajamani, section 4.1.5). Below `SLOW` slip angles mean nothing:
 the car then rolls as the kinematic single-track model has it (Rajamani, section 2.2).
 """
@@ -35,7 +36,9 @@ class Build:
     width: float = 2.0
     drag: float = 0.854
     mu: float = 1.5
-    stiffness: float = 12.0
+    #: Of the front and the rear axle, N/rad, where the load is `stiffest`, N; wider tyres at the back keep the car stable under braking.
+    stiffness: tuple[float, float] = (150e3, 190e3)
+    stiffest: float = 7500.0
     shape: float = 1.4
     steer_most: float = 0.40
     steer_rate: float = 0.7
@@ -123,14 +126,15 @@ class Car:
             -math.atan2(across - b.rear * yaw, along),
         )
         lengthways, sideways = [], []
-        for load, slip in zip(loads, slips):
+        for load, slip, stiffness in zip(loads, slips, b.stiffness):
             grip = b.mu * max(load, 0.0)
             # drive and brakes are shared out as the loads are, so both axles reach their limit together
             wanted = b.mass * self.state.pull * load / (b.mass * G)
             pull = min(max(wanted, -grip), grip)
             rest = math.sqrt(max(1.0 - (pull / grip) ** 2, 0.01)) if grip > 0.0 else 0.0
             lengthways.append(pull)
-            sideways.append(rest * grip * math.sin(b.shape * math.atan(b.stiffness * slip)))
+            stiff = stiffness * math.sin(2.0 * math.atan(load / b.stiffest)) / max(b.shape * grip, 1.0)
+            sideways.append(rest * grip * math.sin(b.shape * math.atan(stiff * slip)))
         ahead = lengthways[0] * math.cos(steering) - sideways[0] * math.sin(steering) + lengthways[1]
         left = lengthways[0] * math.sin(steering) + sideways[0] * math.cos(steering)
         return (

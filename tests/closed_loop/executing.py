@@ -3,6 +3,7 @@
 - `drive` and `previous_emergency`: the trajectory of the decision.
 - No decision by the last one's `valid_until`: that one's fallback.
 - `no_safe_trajectory`: the last fallback that it was given, which is where the road was last known to be free: on its path, braking.
+- No pose that it believes for `BLIND`: the last fallback from before; what is planned from such poses is not followed.
 - Never anything to fall back to: it brakes, wheels straight.
 
 Where the car is, it takes from the localisation as long as that agrees with its own wheels and yaw rate; a pose that jumps is not
@@ -20,8 +21,10 @@ from closed_loop.car import Build
 
 Columns = dict[str, list[float]]
 
-#: How far a pose may be from where the car reckons to be: m, rad.
-BELIEVED, TURNED = 1.0, 0.2
+#: How far a pose may be from where the car reckons to be, m, rad; for how long it drives on what is planned without believing any, s.
+BELIEVED, TURNED, BLIND = 1.0, 0.2, 0.3
+#: How much of the difference to a pose that is believed is made good every `period`.
+BELIEF = 0.1
 AHEAD = 8.0
 STIFF = 0.10
 SPEED = 4.0
@@ -60,14 +63,14 @@ class Executing:
         self.given: Given | None = None
         self.path: Columns | None = None
         self.doing = "hold"
-        self.distrusted = 0
+        self._distrusted = 0.0
         self._last_fallback: Columns | None = None
         self._segment = 0
 
     def take(self, given: Given) -> None:
         """A decision has come."""
         self.given = given
-        if given.fallback is not None:
+        if given.fallback is not None and not self._distrusted:
             self._last_fallback = given.fallback
 
     def locate(self, sensed: Sensed, speed: float, drift: float, yaw: float, seconds: float) -> None:
@@ -86,9 +89,12 @@ class Executing:
             else math.inf
         )
         if apart <= BELIEVED and turned <= TURNED:  # NaN is not believed
-            self.x, self.y, self.heading = sensed.x, sensed.y, sensed.heading
+            self.x += BELIEF * (sensed.x - self.x)
+            self.y += BELIEF * (sensed.y - self.y)
+            self.heading += BELIEF * math.remainder(sensed.heading - self.heading, math.tau)
+            self._distrusted = 0.0
         else:
-            self.distrusted += 1
+            self._distrusted += seconds
 
     def act(self, now: float, speed: float) -> tuple[float, float]:
         """Steering, rad, and pull, m/s^2."""
@@ -103,6 +109,8 @@ class Executing:
         given = self.given
         if given is None:
             return None, "hold"
+        if self._distrusted > BLIND:
+            return self._last_fallback, "lost"
         if now > given.valid_until:
             return self._last_fallback, "fallback"
         if given.driven is not None:
@@ -113,16 +121,20 @@ class Executing:
         station, offset = self._project(path)
         heading, kappa, v, a = (_at(path, name, station) for name in ("heading", "kappa", "v", "a"))
         b = self.build
-        over = station >= path["s"][-1]
-        if over or (v < 0.2 and a <= 0.0):
-            return math.atan(b.base * kappa), HOLD
+        if station >= path["s"][-1] or (v < 0.2 and a <= 0.0):
+            return math.atan(b.base * kappa), HOLD if speed < 1.0 else -HARDEST
         # feedforward where the steering will be once it has moved
         soon = _at(path, "kappa", station + speed * b.steer_lag * 2)
         slip = _slip(b, speed**2 * kappa)
-        sideslip = b.rear * kappa - slip
+        sideslip = b.rear * kappa - slip[1]
         error = math.remainder(self.heading + sideslip - heading, math.tau)
-        steering = math.atan(b.base * soon) - STIFF * min(1.0, 8.0 / max(speed, 1.0)) * (
-            min(max(offset, -1.5), 1.5) + AHEAD * math.sin(error)
+        steering = (
+            math.atan(b.base * soon)
+            + slip[0]
+            - slip[1]
+            - STIFF
+            * min(1.0, 8.0 / max(speed, 1.0))
+            * (min(max(offset, -1.5), 1.5) + AHEAD * math.sin(error))
         )
         lag = b.brake_lag if a < 0.0 else b.drive_lag
         due = _at(path, "a", station + speed * lag)
@@ -151,10 +163,15 @@ class Executing:
         return found
 
 
-def _slip(b: Build, lateral: float) -> float:
-    """Slip angle of an axle in steady cornering, rad, from the linear part of the tyre; lateral in m/s^2."""
-    share = min(max(lateral / (b.mu * 9.81), -0.95), 0.95)
-    return math.tan(math.asin(share) / b.shape) / b.stiffness
+def _slip(b: Build, lateral: float) -> tuple[float, float]:
+    """Slip angles of the axles in steady cornering, rad; lateral in m/s^2. Loads as at rest."""
+    found = []
+    for stiffness, share in zip(b.stiffness, (b.rear / b.base, b.front / b.base)):
+        grip = b.mu * b.mass * 9.81 * share
+        stiff = stiffness * math.sin(2.0 * math.atan(b.mass * 9.81 * share / b.stiffest)) / (b.shape * grip)
+        used = min(max(b.mass * share * lateral / grip, -0.95), 0.95)
+        found.append(math.tan(math.asin(used) / b.shape) / stiff)
+    return found[0], found[1]
 
 
 def _at(path: Columns, name: str, station: float) -> float:

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 
 def ahead(world: World) -> float:
-    """How far ahead something that stands can still be braked for: at 9 m/s^2 after 0.3 s, and 20 m more."""
-    return world.v**2 / 18.0 + 0.3 * world.v + 20.0
+    """How far ahead something that stands can still be braked for: where the emergency trajectory ends that was planned last, and 10 m more."""
+    return world.stopping + 10.0
 
 
 class Overlooked(Fault):
@@ -28,10 +28,10 @@ class Overlooked(Fault):
 
 class CutIn(Fault):
     id, group, requirement = "O-02", "objects", "S-1-A-2"
-    title = "A car cuts in 10 m ahead, 2 m/s slower"
+    title = "A car cuts in 8 m ahead, 3 m/s slower"
 
     def begins(self, world: World) -> list[Other]:
-        return [Other("cutting_in", world.station + 14.7, speed=max(world.v - 2.0, 0.0))]
+        return [Other("cutting_in", world.station + 12.7, speed=max(world.v - 3.0, 0.0))]
 
 
 class LostPlace(Fault):

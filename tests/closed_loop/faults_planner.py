@@ -66,19 +66,21 @@ class Past(Fault):
 
 class Drifting(Fault):
     id, group, requirement = "P-05", "planner", "S-1-A-2"
-    title = "Plans off the road: 8 m to the left, 60 m ahead"
+    title = "Plans off the road: 8 m to the left within 2.2 s"
 
     def sent(self, since: float, message: Message, past: Sequence[Message]) -> list[Message]:
-        return [replace(message, driving=_aside(message.driving, 8.0, 60.0))]
+        return [
+            replace(message, driving=_aside(message.driving, 8.0, max(2.2 * message.driving["v"][0], 30.0)))
+        ]
 
 
 class TooFast(Fault):
     id, group, requirement = "P-06", "planner", "S-1-A-4"
-    title = "Plans up to half as fast again, beyond what the tyres hold"
+    title = "Plans up to a third faster, beyond what the tyres hold"
 
     def sent(self, since: float, message: Message, past: Sequence[Message]) -> list[Message]:
         plan = message.driving
-        v = [v * (1.0 + 0.5 * min(1.0, s / 30.0)) for s, v in zip(plan["s"], plan["v"])]
+        v = [v * (1.0 + 0.33 * min(1.0, s / 60.0)) for s, v in zip(plan["s"], plan["v"])]
         return [replace(message, driving=with_speeds(plan, v))]
 
 

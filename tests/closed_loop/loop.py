@@ -22,16 +22,16 @@ from closed_loop.road import Road
 from closed_loop.supervising import Said, Supervising
 from closed_loop.traffic import Other, World
 
-#: s; a run ends when the car has stood for `STOOD`, and in any case after `LONGEST`, or `UNDISTURBED` where everything was safe.
+#: s; a run ends when the car has stood for `STOOD`, when everything was safe for `SAFE` since the fault began, or after `LONGEST`.
 TICK, CYCLE, LATENCY = 0.01, 10, 0.06
-STOOD, LONGEST, UNDISTURBED = 0.5, 25.0, 9.0
+STOOD, SAFE, LONGEST = 0.5, 7.0, 40.0
 #: A cycle is missed when the last one came longer ago than this, s.
 SILENT = 0.17
 
 #: What the planner may ask of the car: less than what the rules allow (13 m/s^2, the drive train's table), so that something is left for
 #: taking up emergency trajectories; m/s, m/s^2, m. Until `common` s after the car, the emergency trajectory is the driving one.
 PACE: dict[str, Any] = {
-    "v_max": 72.0, "along": 11.0, "across": 11.0, "safety_distance": 30.0, "own_emergency": False, "common": 0.3,
+    "v_max": 72.0, "along": 11.0, "across": 11.0, "safety_distance": 30.0, "own_emergency": False, "common": 0.3, "wanted": ["straight", "follow", "left", "right"],
     "drive": [[0.0, 5.0], [36.0, 5.0], [40.0, 4.8], [44.0, 4.4], [48.0, 4.0], [52.0, 3.6], [56.0, 3.4], [60.0, 3.2],
               [66.0, 2.7], [72.0, 2.0]],
 }  # fmt: skip
@@ -50,7 +50,6 @@ class Trace:
     messages: list[Message] = field(default_factory=list)
     failed: str = ""
     speed: float = math.nan
-    distrusted: int = 0
 
 
 def others(road: Road, station: float, v: float) -> list[Other]:
@@ -97,7 +96,7 @@ class Run:
         self.planner.ask("run", pace=PACE)
         spot = self.world.road.spot(self.world.station)
         self.planner.ask("start", x=s.x, y=s.y, heading=_theirs(spot.heading), v=s.along)
-        tick, stood, unsafe = 0, 0.0, False
+        tick, stood, unsafe = 0, 0.0, BEGIN
         while True:
             t = tick * TICK
             since = t - BEGIN
@@ -106,7 +105,8 @@ class Run:
                 self._begin()
             if tick % CYCLE == 0:
                 self._plan(tick // CYCLE, t)
-            unsafe = self._decide(t) or unsafe
+            if self._decide(t):
+                unsafe = max(unsafe, t)
             pose = self.fault.sensed(CAR, since, self._past) if self._began else self._past[-1]
             self.below.locate(pose, s.along, s.across, s.yaw, TICK if tick else 0.0)
             steering, pull = self.below.act(t, s.v)
@@ -114,7 +114,7 @@ class Run:
                 self.trace.doing.append((t, self.below.doing))
             self._keep(t)
             stood = stood + TICK if s.standing else 0.0
-            if (stood >= STOOD and self._began) or t >= LONGEST or (t >= UNDISTURBED and not unsafe):
+            if (stood >= STOOD and self._began) or t >= LONGEST or t >= unsafe + SAFE:
                 break
             self.car.drive(steering, pull, TICK)
             for other in self.world.others:
@@ -122,7 +122,6 @@ class Run:
             tick += 1
         self.planner.ask("end")
         self.supervisor.close()
-        self.trace.distrusted = self.below.distrusted
         return self.trace
 
     def _begin(self) -> None:
@@ -130,6 +129,7 @@ class Run:
         self._began = True
         self.trace.speed = s.v
         self.world.station, self.world.v = self.road.nearest(s.x, s.y), s.v
+        self.world.stopping = self.trace.messages[-1].emergency["s"][-1]
         self.world.others += self.fault.begins(self.world)
 
     def _plan(self, number: int, t: float) -> None:
@@ -150,7 +150,7 @@ class Run:
         driving, emergency = (candidate(raw[name], pose.x, pose.y) for name in ("driving", "emergency"))
         message = Message(
             number, t, t + LATENCY if number else 0.0, driving, emergency, self._pose(SUPERVISOR, t),
-            self._told(SUPERVISOR, t), tuple(raw["said"]), raw["action"],
+            *self._reported(t), tuple(raw["said"]), raw["action"],
         )  # fmt: skip
         sent = self.fault.sent(t - BEGIN, message, self.trace.messages) if self._began else [message]
         self.trace.messages.append(message)
@@ -180,6 +180,13 @@ class Run:
     def _told(self, who: str, t: float) -> tuple[Object, ...] | None:
         objects = tuple(other.seen(self.road) for other in self.world.others if who in other.told)
         return self.fault.seen(who, t - BEGIN, objects) if self._began else objects
+
+    def _reported(self, t: float) -> tuple[tuple[Object, ...] | None, tuple[Object, ...]]:
+        """Objects and obstacles for the Supervisor: who stands still is an obstacle, which a trajectory must not touch."""
+        told = self._told(SUPERVISOR, t)
+        still = tuple(o for o in told or () if o["v"] == 0.0 and math.isfinite(o["x"]))
+        obstacles = tuple({k: o[k] for k in ("id", "x", "y", "heading", "length", "width")} for o in still)
+        return None if told is None else tuple(o for o in told if o not in still), obstacles
 
     def _keep(self, t: float) -> None:
         s = self.car.state

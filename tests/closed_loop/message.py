@@ -22,5 +22,6 @@ class Message:
     emergency: Columns
     ego: Sensed
     objects: tuple[Object, ...] | None
+    obstacles: tuple[Object, ...] = ()
     said: tuple[str, ...] = field(default=(), compare=False)
     action: str = ""

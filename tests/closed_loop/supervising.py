@@ -59,7 +59,7 @@ class InProcess:
         signals: dict[str, Any] = {
             "track": self._track,
             "ego": {"x": ego.x, "y": ego.y, "heading": ego.heading, "v": ego.v, "age": ego.age},
-            "obstacles": [],
+            "obstacles": list(message.obstacles),
         }
         if message.objects is not None:
             signals["objects"] = list(message.objects)

@@ -38,9 +38,10 @@ class Other:
 
 @dataclass
 class World:
-    """The road, the others, and where the car is: its station on the race line and its speed."""
+    """The road, the others, where the car is (its station on the race line), its speed, and how far its approved emergency trajectory goes."""
 
     road: Road
     others: list[Other]
     station: float
     v: float
+    stopping: float = 0.0

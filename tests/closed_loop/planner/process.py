@@ -17,6 +17,7 @@ import shim  # first: it replaces the clock
 
 CLOCK = shim.install()
 
+# ruff: noqa: E402
 import json
 import logging
 import os
@@ -28,8 +29,6 @@ import numpy as np
 from graph_ltpl.Graph_LTPL import Graph_LTPL
 from graph_ltpl.helper_funcs.src.calc_brake_emergency import calc_brake_emergency
 
-#: What the planner prefers to do, most wanted first, as its own example has it.
-WANTED = ("right", "left", "straight", "follow")
 COLUMNS = ("s", "x", "y", "psi", "kappa", "v", "a")
 
 
@@ -81,7 +80,7 @@ class Planning:
             safety_d=self.pace["safety_distance"],
             incl_emerg_traj=True,
         )[0]
-        self.action = next(name for name in WANTED if name in found)
+        self.action = next(name for name in self.pace["wanted"] if name in found)
         driving = found[self.action][0]
         own = self.pace["own_emergency"]
         return {
