@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 from types import TracebackType
 from typing import Any
@@ -22,7 +23,11 @@ class PlannerProcess:
         places.BUILD.mkdir(parents=True, exist_ok=True)
         command = [places.PLANNER_PYTHON, script, places.race_line(track), places.PARAMS, places.graph(track)]
         self._process = subprocess.Popen(
-            list(map(str, command)), stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+            list(map(str, command)),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env={**os.environ, "PYTHONHASHSEED": "0"},
         )
         self._read()
 

@@ -40,15 +40,14 @@ def boxes(poses: Sequence[tuple[float, float, float]], length: float, width: flo
 
 
 def clearance(road: Road, footprints: Sequence[shapely.Polygon]) -> float:
-    """The least distance to a border, m; negative: how far the farthest corner is off the road."""
+    """The least distance to a border, m; negative: how far the body is off the road."""
     ground = surface(road)
     shapely.prepare(ground)
     inside = shapely.covers(ground, np.array(footprints))
     if inside.all():
         return float(shapely.distance(shapely.boundary(ground), np.array(footprints)).min())
-    out = [f for f, good in zip(footprints, inside) if not good]
-    corners = np.array([shapely.points(f.exterior.coords[:4]) for f in out]).ravel()
-    return -float(shapely.distance(ground, corners).max()) or -1e-9
+    out = shapely.segmentize(np.array(footprints)[~inside], 0.1)
+    return -float(shapely.distance(ground, shapely.points(shapely.get_coordinates(out))).max()) or -1e-9
 
 
 def swept(path: Columns) -> list[tuple[float, float, float]]:
