@@ -12,7 +12,7 @@ from closed_loop import places
 
 
 class PlannerFailed(Exception):
-    """The planner raised, or its process ended."""
+    """The planner raised, its process ended, or it has no environment."""
 
 
 class PlannerProcess:
@@ -21,6 +21,10 @@ class PlannerProcess:
     def __init__(self, track: str) -> None:
         script = places.HERE / "planner" / "process.py"
         places.BUILD.mkdir(parents=True, exist_ok=True)
+        if not places.PLANNER_PYTHON.exists():
+            raise PlannerFailed(
+                "the planner has no environment yet: `make closed-loop` and `make acceptance` make it"
+            )
         command = [places.PLANNER_PYTHON, script, places.race_line(track), places.PARAMS, places.graph(track)]
         self._process = subprocess.Popen(
             list(map(str, command)),

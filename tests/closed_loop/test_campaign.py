@@ -91,3 +91,20 @@ def test_kept_results_are_whole_and_on_the_page() -> None:
     kept = json.loads(text)
     assert [run["name"] for run in kept["runs"]] == [run.name for run in sorted(every())]
     assert PAGE.read_text(encoding="utf-8") == page(kept, hashlib.sha256(text).hexdigest())
+
+
+def test_the_page_counts_what_ended_badly() -> None:
+    runs = []
+    for run in every():
+        kind = FAULTS[run.fault]
+        runs.append(
+            {"name": run.name, "fault": run.fault, "beyond": kind.beyond, "reaction": None, "below": None, "contact": "",
+             "outcome": "drives_on", "clearance": 0.5, "gap": None, "approved_clearance": 0.4, "unsafe_before": 0}
+        )  # fmt: skip
+    runs[5] |= {"outcome": "off_road", "clearance": -0.25}
+    runs[7] |= {"reaction": {"after": 0.1, "found": ["late"]}, "unsafe_before": 2}
+    text = page({"runs": runs, "origin": {"rules": "abc"}}, "def")
+    assert f"- {runs[5]['name']}: 0.25 m off the road" in text
+    assert "of these 1 left the road" in text
+    assert "0.10 to 0.10 (1 of 12) | late 1" in text
+    assert "In 1 runs a cycle was unsafe" in text
