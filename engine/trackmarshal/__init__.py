@@ -32,14 +32,29 @@ if TYPE_CHECKING:
     from trackmarshal.scenarios.replay import replay
     from trackmarshal.scenarios.supervised import cycles
     from trackmarshal.supervision import supervisor
+    from trackmarshal.trajectories.public import (
+        acceleration_along,
+        arc_length,
+        complete,
+        curvature_along,
+        cut_at_rest,
+        direction_along,
+        heading_from,
+        resample,
+        time_along,
+    )
 
 __path__ = pkgutil.extend_path(__path__, __name__)
 __version__ = "0.1.0"
 __all__ = [
-    "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "cycles", "line", "load", "load_recording", "loads", "replay",
-    "supervisor",
+    "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "acceleration_along", "arc_length", "complete", "curvature_along",
+    "cut_at_rest", "cycles", "direction_along", "heading_from", "line", "load", "load_recording", "loads", "replay", "resample", "supervisor",
+    "time_along",
 ]  # fmt: skip
 
+_OF_TRAJECTORIES = (
+    "acceleration_along", "arc_length", "complete", "curvature_along", "cut_at_rest", "direction_along", "heading_from", "resample", "time_along",
+)  # fmt: skip
 _HOMES = {
     "Batch": ("batches", "Batch"),
     "Cycle": ("runtime.cycle", "Cycle"),
@@ -54,6 +69,7 @@ _HOMES = {
     "loads": ("evaluation", "loads"),
     "replay": ("scenarios.replay", "replay"),
     "supervisor": ("supervision", "supervisor"),
+    **{name: ("trajectories.public", name) for name in _OF_TRAJECTORIES},
 }
 
 
