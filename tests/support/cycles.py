@@ -238,7 +238,7 @@ def too_short(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
 def over_capacity(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
     """One more than the capacities of default limits."""
     where, _ = _table(rng)
-    n = 65 if where in ("driving", "emergency") else 33
+    n = 129 if where in ("driving", "emergency") else 33
     if where in ("driving", "emergency"):
         grown: Any = plan(float(given.driving["x"][0]), BRAKING if where == "emergency" else 0.0, n)
     else:

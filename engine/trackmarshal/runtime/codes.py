@@ -14,7 +14,7 @@ CODES = {
     "D216": ("outside its range", "A value is outside the range that the input contract declares. The rules are evaluated, but the case is not safe."),
     "D218": ("an id that stands twice", "Elements of a set are told apart by their ids; with two of one id, reports could not say which one decided. The case is not safe."),
     "D217": ("unusable geometry", "A border has too few or non-finite points, or crosses itself or the other one. The rules that read it are undefined."),
-    "D219": ("over capacity", "More samples, elements or border points than the Supervisor was set up for. Its memory does not grow while it drives: the cycle is not safe. Give it larger limits at the start."),
+    "D219": ("over capacity", "More samples, elements or border points than the Supervisor was set up for. Its memory does not grow while it drives: the cycle is not safe. The message names the limit to raise, and to what: a project declares it in its module `supervisor.limits` (`param samples : 1 = 128`), and who starts a Supervisor may give it (`tm.supervisor(spec, limits={\"samples\": 128})`)."),
     "D220": ("a key that nothing declares", "A signal or a field has a name that the spec does not declare: probably it is misspelt, and what it stands for would silently be left out or take its default. What is declared and read by no rule may be there."),
     "D221": ("no cycle came", "The caller says (`step(None)`) that a cycle was due and did not come. Nothing is known of the present, so the stored emergency trajectory is driven."),
     "D222": ("a cycle came again", "Its number or its stamp is that of the cycle before: a message was sent twice, or the sender hangs. The cycle is not safe."),
@@ -39,6 +39,7 @@ CODES = {
     "E482": ("a spec that cannot be supervised with", "The Supervisor itself reads `plan`, a trajectory with t, x, y, heading and v, and the state `ego` with x, y and heading, all in SI units. A spec may leave them out, or declare them so with ranges of its own."),
     "E483": ("the record of a run cannot be made", "A record is a new file: one that is there already is never overwritten or added to."),
     "E484": ("a package is missing", "Exporting a record as MCAP needs the package `mcap`: pip install trackmarshal[mcap]."),
+    "E485": ("a declared limit that is none", "The parameters of the module `supervisor.limits` are the limits that a project's Supervisors are set up with: by the names of docs/supervisor.md, in their units, capacities as whole numbers of at least 2."),
     "D161": ("a record without a whole head", "The file begins like a record of a run, but its first block is damaged or cut off. Cycles are only readable with it."),
     "D162": ("a record of another version", "The head of the record names another format or version, or lacks what this one says."),
 }  # fmt: skip

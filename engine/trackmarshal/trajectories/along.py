@@ -48,12 +48,12 @@ def direction_along(x: list[float], y: list[float]) -> list[float]:
     """Direction of travel at each sample, rad from +x, counter-clockwise: tangent of the circle through a sample and its neighbours.
 
     At the ends, that of the circle through the nearest three. Where samples stand in one place, the direction of the last that moved,
-    or of the first that moves. Raises D182 where nothing moves.
+    or of the first that moves. Raises D192 where nothing moves.
     """
     places, at = _apart(x, y)
     if len(places) < 2:
         raise TrackmarshalError(
-            "D182", "`heading` cannot be computed: all samples are in one place", help="give the heading"
+            "D192", "`heading` cannot be computed: all samples are in one place", help="give the heading"
         )
     chords = [math.atan2(b[1] - a[1], b[0] - a[0]) for a, b in pairwise(places)]
     lengths = [math.dist(a, b) for a, b in pairwise(places)]

@@ -19,7 +19,7 @@ Lists = dict[str, list[float]]
 
 
 def numbers(name: str, values: Any) -> list[float]:
-    """One column; None is NaN. Raises D181 for what is no column of numbers."""
+    """One column; None is NaN. Raises D191 for what is no column of numbers."""
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
         raise _unusable(f"`{name}` is {type(values).__name__}, not a column of numbers")
     listed = values.tolist() if hasattr(values, "tolist") else list(values)
@@ -40,20 +40,20 @@ def numbers(name: str, values: Any) -> list[float]:
 
 
 def lists(columns: Mapping[str, Any], needed: Iterable[str] = ()) -> Lists:
-    """Equally long columns of one sample at least; raises D181 where they are not, and D182 where a needed one is missing."""
+    """Equally long columns of one sample at least; raises D191 where they are not, and D192 where a needed one is missing."""
     if not isinstance(columns, Mapping):
         raise _unusable(f"columns are a mapping by name, not {type(columns).__name__}")
     found = {str(name): numbers(str(name), values) for name, values in columns.items()}
     missing = [name for name in needed if name not in found]
     if missing:
         there = ", ".join(found) or "no column"
-        raise TrackmarshalError("D182", f"`{missing[0]}` is missing", help=f"there: {there}")
+        raise TrackmarshalError("D192", f"`{missing[0]}` is missing", help=f"there: {there}")
     equally_long(found)
     return found
 
 
 def equally_long(columns: Mapping[str, list[float]]) -> None:
-    """Raise D181 unless columns are equally long and not empty."""
+    """Raise D191 unless columns are equally long and not empty."""
     if len({len(values) for values in columns.values()}) != 1 or not next(iter(columns.values())):
         counts = ", ".join(f"{name} {len(values)}" for name, values in columns.items()) or "there is none"
         raise _unusable(f"columns have to be equally long, one sample at least ({counts})")
@@ -67,4 +67,4 @@ def arrays(columns: Lists) -> dict[str, Array]:
 
 
 def _unusable(message: str) -> TrackmarshalError:
-    return TrackmarshalError("D181", message, help="a column is a list or an array of numbers, one a sample")
+    return TrackmarshalError("D191", message, help="a column is a list or an array of numbers, one a sample")

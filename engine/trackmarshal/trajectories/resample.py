@@ -16,7 +16,7 @@ def resampled(
     """A complete trajectory (t, s, x, y, heading, v) at `count` samples, every `spacing` m, or every `step` s. First and last sample stay.
 
     Between samples: constant acceleration; positions on the cubic curve that has the samples' headings (its error falls with the fourth
-    power of the distance: 1 mm for 2.5 m at 16 m radius); all else straight. Samples in one place (at rest) count as one where places are asked for. Raises D184.
+    power of the distance: 1 mm for 2.5 m at 16 m radius); all else straight. Samples in one place (at rest) count as one where places are asked for. Raises D194.
     """
     if sum(given is not None for given in (count, spacing, step)) != 1:
         raise _refused("one of `count`, `spacing` and `step` says how to resample")
@@ -87,7 +87,7 @@ def _hermite(a: float, da: float, b: float, db: float, u: float) -> float:
 
 def _refused(what: str) -> TrackmarshalError:
     return TrackmarshalError(
-        "D184",
+        "D194",
         f"a trajectory cannot be resampled: {what}",
         help="give `count` (2 or more), `spacing` in m or `step` in s; complete the columns first",
     )
