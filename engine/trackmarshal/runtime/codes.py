@@ -25,6 +25,7 @@ CODES = {
     "D227": ("a stamp in the future", "The stamp is ahead of the Supervisor's clock: the clocks differ, or the stamp is wrong. The cycle is not safe, and its stamp is not remembered."),
     "D228": ("the emergency trajectory starts elsewhere", "Both candidates begin where the car is at the stamp of the cycle: in position, heading and speed. Where they do not, one of them starts where the car never will be. The cycle is not safe."),
     "D229": ("the emergency trajectory does not end at rest", "Behind its end nothing is planned, so the car has to stand there. The cycle is not safe."),
+    "D230": ("places of another track", "A zone or line of a module `tracks.NAME` is on the track NAME; on another one it says nothing. The data names another track (`track.name`). Name the module of that track as configuration (`--with`, a recording's `use`), or bring the places with the case."),
     "D231": ("the judge failed", "The evaluator of the rules raised an error. What it was asked about is unsafe."),
     "D232": ("a verdict is missing", "The evaluator did not return one known verdict for every rule and both candidates. The cycle is unsafe."),
     "D233": ("the verdict came too late", "From the arrival of the cycle to its verdict more time went by than `budget` allows. A late verdict is unsafe, whatever it says (S-1-B-2)."),
