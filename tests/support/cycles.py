@@ -240,7 +240,7 @@ def too_short(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
 def over_capacity(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
     """One more than the capacities of default limits."""
     where, _ = _table(rng)
-    n = 65 if where in ("driving", "emergency") else 33
+    n = 129 if where in ("driving", "emergency") else 33
     if where in ("driving", "emergency"):
         grown: Any = plan(float(given.driving["x"][0]), BRAKING if where == "emergency" else 0.0, n)
     else:
@@ -388,7 +388,15 @@ def misspelt(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
     return _with(given, where, {**own, wrong: own[name]}), Expected(("unknown",), where, (wrong,))
 
 
+def wrong_track(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
+    """Borders of a track that the places of the shipped rules are not on."""
+    name = rng.choice(("Modena", "monteblanco", ""))
+    track = {**given.signals["track"], "name": name}
+    return _with(given, "track", track), Expected(("wrong_track",), "track", ("name",))
+
+
 MUTATIONS: tuple[Mutation, ...] = (
     misspelt, drop_column, drop_signal, junk_signal, junk_column, not_finite, junk_value, out_of_range, reversed_time, wrong_length,
     too_short, over_capacity, duplicate, junk_id, ego, border, numbering, stamp, starts_elsewhere, not_at_rest, no_record,
+    wrong_track,
 )  # fmt: skip

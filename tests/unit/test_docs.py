@@ -89,7 +89,7 @@ def test_the_readme_supervises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     (tmp_path / "specs").symlink_to(ROOT / "specs")
     monkeypatch.chdir(tmp_path)
     limits = Limits(oldest=60.0, budget=60.0)  # the machine that tests run on is no car
-    monkeypatch.setattr("trackmarshal.supervision.Limits", lambda: limits)
+    monkeypatch.setattr(Limits, "of", lambda spec: limits)
     scope = {"cycle": replace(first, t=time.monotonic())}
     exec(compile(program, "README.md", "exec"), scope)
     decision: Any = scope["decision"]

@@ -16,6 +16,7 @@ VERBS = {
     "test": "run the tests written in specs, with rule coverage",
     "eval": "evaluate rules on given data",
     "replay": "run the Supervisor's rules over a recording",
+    "check-planner": "what does not fit the contract in a planner's cycles, with a mapping",
     "compile": "generated C99 with its header and a report",
     "explain": "what an error code means; why a rule said what it said",
     "trace": "traceability matrix and coverage",
@@ -144,7 +145,13 @@ def _at_the_verb(arguments: list[str]) -> tuple[list[str], str | None, list[str]
 
 
 def _module(verb: str) -> str:
-    return {"eval": "evaluate", "test": "run_tests", "import": "import_log"}.get(verb, verb)
+    named = {
+        "eval": "evaluate",
+        "test": "run_tests",
+        "import": "import_log",
+        "check-planner": "check_planner",
+    }
+    return named.get(verb, verb)
 
 
 def _overview(verb: str | None, arguments: list[str]) -> int:
@@ -154,7 +161,7 @@ def _overview(verb: str | None, arguments: list[str]) -> int:
         print(f"trackmarshal {__version__}")
         return OK
     lines = ["usage: trackmarshal VERB ...", ""]
-    lines += [f"  {name:<10} {text}" for name, text in VERBS.items()]
+    lines += [f"  {name:<13} {text}" for name, text in VERBS.items()]
     lines += ["", "`trackmarshal VERB --help` says more."]
     if verb is None:
         print("\n".join(lines))

@@ -231,8 +231,12 @@ def _claim(recording: Recording, written: set[str]) -> None:
 
 def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
     """Replay with a progress bar."""
+    from trackmarshal.scenarios.fields import unnamed_track
     from trackmarshal.scenarios.replay import replay
 
+    unnamed = unnamed_track(recording, evaluator)
+    if unnamed and not quiet:
+        say(f"note: {recording.name}: {unnamed}", file=sys.stderr)
     outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet))
     for name in outcome.ignored:
         if not quiet:

@@ -29,6 +29,7 @@ FAULTS = {
     "unknown": "D220",
     "starts_elsewhere": "D228",
     "not_at_rest": "D229",
+    "wrong_track": "D230",
     "judge_failed": "D231",
     "incomplete": "D232",
     "overrun": "D233",

@@ -15,7 +15,7 @@ from trackmarshal.backends.c import calls
 from trackmarshal.backends.c.build import EXACT, library
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.expressions import called
-from trackmarshal.backends.c.header import CAPACITIES, capacities
+from trackmarshal.backends.c.header import CAPACITIES, capacities, default
 from trackmarshal.backends.c.online import CAPACITY
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
@@ -132,7 +132,7 @@ def _step(given: Supervised, limits: Mapping[str, int]) -> Iterator[str]:
 
 def _lines(source: Source) -> Iterator[str]:
     plan = source.plan
-    limits = {name: CAPACITIES[name][0] for name in capacities(plan, source.supervised)}
+    limits = {name: default(name, plan.spec) for name in capacities(plan, source.supervised)}
     yield f"# Report on `{source.name}.c`"
     yield ""
     yield f"Generated from a spec with fingerprint `{plan.spec.fingerprint[:16]}`; {len(source.rules)} rules. C99, no allocation, no recursion, no global"

@@ -50,7 +50,7 @@ class CSupervisor:
             raise TrackmarshalError(
                 "E473", "a generated Supervisor has the places of its spec", help="put them into the spec"
             )
-        self.limits = Limits() if limits is None else limits
+        self.limits = Limits.of(spec) if limits is None else limits
         self.spec = spec
         self.contract = of_cycles(spec, rules)
         source = generate(spec, rules, doored=True)

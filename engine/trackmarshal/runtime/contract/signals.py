@@ -8,6 +8,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 from trackmarshal.node import Node
 from trackmarshal.runtime.contract.checks import Check, checks_of
+from trackmarshal.runtime.contract.tracks import Places, corridors_of, places_of
 from trackmarshal.source import SourceFile, Span
 
 #: The signal that a candidate stands for, the car's own state, and the event that tells the candidates apart.
@@ -79,19 +80,22 @@ class Contract(Node):
     tells: bool
     follows: bool
     known: frozenset[str]
+    #: The places of named tracks that rules read, and the signals that name the track.
+    places: Places = ()
+    corridors: tuple[str, ...] = ()
 
     def signal(self, name: str) -> Signal | None:
         return next((signal for signal in self.signals if signal.name == name), None)
 
 
-def of_cases(spec: Spec, reads: Iterable[tuple[str, str]]) -> Contract:
+def of_cases(spec: Spec, reads: Iterable[tuple[str, str]], places: Places = ()) -> Contract:
     """The contract of cases for rules that read these (signal, field) pairs: these fields, and the order of samples."""
     wanted: dict[str, set[str]] = {}
     for name, field in reads:
         wanted.setdefault(name, set()).add(field)
     signals = [_signal(info, wanted[name]) for name, info in spec.signals.items() if name in wanted]
     events = [_event(name) for name in spec.events if name in wanted]
-    return Contract(None, (*signals, *events), False, False, _names(spec))
+    return Contract(None, (*signals, *events), False, False, _names(spec), places, corridors_of(spec))
 
 
 def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
@@ -106,7 +110,15 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
     events = [_event(name) for name in spec.events if name in read and name != IS_EMERGENCY]
     plan = _signal(spec.signals[PLAN], None)
     tells = IS_EMERGENCY in read and IS_EMERGENCY in spec.events
-    return Contract(plan, (*signals, *events), tells, FOLLOWED in read, _names(spec))
+    return Contract(
+        plan,
+        (*signals, *events),
+        tells,
+        FOLLOWED in read,
+        _names(spec),
+        places_of(spec, rules),
+        corridors_of(spec),
+    )
 
 
 def supervised(spec: Spec) -> Spec:

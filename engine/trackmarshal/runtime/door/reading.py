@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.runtime.contract import EVENT, FOLLOWED, LINES, PLAN, Contract, Signal
+from trackmarshal.runtime.contract.tracks import elsewhere
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.at_once import AtOnce
@@ -29,7 +30,7 @@ class LinesReader:
     def __init__(self, signal: Signal) -> None:
         self.signal = signal
         self._readers = {field.name: LineReader() for field in signal.lines}
-        self._known = signal.declared | {field.name for field in signal.lines} | {"closed"}
+        self._known = signal.declared | {field.name for field in signal.lines} | {"closed", "name"}
         self._places = [(line, (signal.name, line), reader) for line, reader in self._readers.items()]
 
     def read(self, raw: Any, frame: Frame, faults: list[Fault]) -> None:
@@ -94,6 +95,8 @@ class SignalsReader:
         self.lines = {s.name: LinesReader(s) for s in contract.signals if s.form == LINES}
         self.events = [s.name for s in contract.signals if s.form == EVENT]
         self.known = contract.known
+        self._places = contract.places
+        self._corridors = contract.corridors if contract.places else ()
 
     def read(self, raw: dict[Any, Any], frame: Frame, faults: list[Fault]) -> None:
         """Put the signals into a frame. What the spec declares and no rule reads is left out."""
@@ -117,6 +120,25 @@ class SignalsReader:
             lines.read(raw.get(name), frame, faults)
         for name in self.events:
             frame.events[name] = self.event(name, raw.get(name), faults)
+        for name in self._corridors:
+            self._same_track(name, raw.get(name), frame, faults)
+
+    def _same_track(self, signal: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
+        """A fault where the data names a track that the places which rules read are not on."""
+        try:
+            name = None if raw is None else values.mapping(raw).get("name")
+        except (
+            Exception
+        ):  # what was handed in has a say in how it is read; whoever reads it says what is wrong
+            return
+        if name is None:
+            return
+        if not isinstance(name, str):
+            faults.append(fault("wrong_type", signal, "name", None, "the name of a track is a text"))
+            return
+        problem = elsewhere(self._places, str(name), frame.settings.places.keys())
+        if problem:
+            faults.append(fault("wrong_track", signal, "name", None, problem))
 
     def refuse_unknown(self, raw: dict[Any, Any], faults: list[Fault], known: frozenset[str]) -> None:
         """Faults of signals that nothing declares."""
