@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -58,6 +58,12 @@ def small_library(path: Path) -> Path:
     return _library({path.name: path.read_text(encoding="utf-8")}, path.name, ["-std=c99", "-O2", *SHARED])
 
 
+def program(files: Mapping[str, str], units: Sequence[str], capacities: Mapping[str, int]) -> Path:
+    """A program of generated files, of which `units` are compiled, built if it is not there; raises TrackmarshalError E471 or E472."""
+    macros = [f"-D{name}={value}u" for name, value in sorted(capacities.items())]
+    return _library(files, " ".join(units), [*EXACT, *FAST, *macros])
+
+
 def _library(files: Mapping[str, str], unit: str, flags: list[str]) -> Path:
     digest = hashlib.sha256()
     for part in (*files.values(), *flags, os.environ.get("CC", ""), platform.machine(), sys.platform):
@@ -96,7 +102,7 @@ def _compile(files: Mapping[str, str], unit: str, flags: list[str], root: Path, 
         for file, text in files.items():
             (place / file).write_text(text, encoding="utf-8")
         done = subprocess.run(
-            [*command, *flags, "-o", "made.so", unit, "-lm"],
+            [*command, *flags, "-o", "made.so", *unit.split(" "), "-lm"],
             cwd=place,
             capture_output=True,
             text=True,

@@ -25,7 +25,11 @@ DATAGRAM = 65_507
 
 
 def describe(
-    source: Source, table: Table, limits: Mapping[str, float], params: Mapping[str, float], tables: Mapping[str, Any]
+    source: Source,
+    table: Table,
+    limits: Mapping[str, float],
+    params: Mapping[str, float],
+    tables: Mapping[str, Any],
 ) -> dict[str, Any]:
     """What JSON says. limits, params (SI) and tables (knots, values; SI) are those in force; `layout` is the fingerprint of the rest."""
     spec = source.plan.spec
@@ -103,7 +107,14 @@ def _message(message: Message) -> dict[str, Any]:
 
 def _region(region: Region) -> dict[str, Any]:
     boxes = [
-        {"name": box.name, "message": box.message, "place": box.place, "first": box.first, "slots": box.slots, "step": box.step}
+        {
+            "name": box.name,
+            "message": box.message,
+            "place": box.place,
+            "first": box.first,
+            "slots": box.slots,
+            "step": box.step,
+        }
         for box in region.mailboxes
     ]
     return {"name": region.name, "size": region.size, "mailboxes": boxes}

@@ -7,8 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.backends.c.cycles import FOUND, label
 from trackmarshal.backends.c.binding import SAID
+from trackmarshal.backends.c.cycles import FOUND, label
 from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.process.description import PERIOD, SILENCE, describe, text_of
@@ -83,7 +83,12 @@ def _context(
     given, spec = source.supervised, source.plan.spec
     assert given is not None
     assert given.contract.plan is not None
-    groups = [*(_group(given.contract.plan, given.plan.fields, given.plan.c_name, name) for name in (DRIVING, EMERGENCY))]
+    groups = [
+        *(
+            _group(given.contract.plan, given.plan.fields, given.plan.c_name, name)
+            for name in (DRIVING, EMERGENCY)
+        )
+    ]
     for signal in given.inputs:
         c_name = given.signals[signal.name]
         groups.append(_group(signal, source.plan.input(signal.name).fields, c_name, ""))
@@ -141,7 +146,11 @@ def _group(signal: Signal, infos: Sequence[tuple[Any, str]], c_name: str, candid
 
 def _bordered(signal: Signal, c_name: str, made: Table) -> dict[str, Any]:
     assert signal.form == LINES
-    lines = [{"c": member, "slot": slot} for slot, (name, _, _, member) in enumerate(made.lines) if name == signal.name]
+    lines = [
+        {"c": member, "slot": slot}
+        for slot, (name, _, _, member) in enumerate(made.lines)
+        if name == signal.name
+    ]
     return {
         "kind": "lines", "record": False, "c": f"in_{c_name}", "type": f"tm_in_{c_name}", "member": f"signals.{c_name}", "fields": [],
         "closed": any(field.name for field in signal.lines), "lines": lines, "capacity": "",

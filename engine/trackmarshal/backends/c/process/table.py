@@ -16,7 +16,7 @@ from trackmarshal.backends.c.header import CAPACITIES, capacities, unit
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.runtime.contract import LINES, RECORD, TIMELINE, Signal
+from trackmarshal.runtime.contract import RECORD, TIMELINE, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.decision import MOST_REASONS
 
@@ -122,7 +122,9 @@ class Table:
         return next(message for message in self.messages if message.name == name)
 
 
-def own(name: str, type_: str, about: str, count: int | None = None, group: str = "", c_group: str = "") -> Item:
+def own(
+    name: str, type_: str, about: str, count: int | None = None, group: str = "", c_group: str = ""
+) -> Item:
     """An entry that is ours. In C, what stands beside names of a spec has a prefix that they cannot have."""
     c_name = f"tm_{name}" if c_group else name
     return Item(group, name, type_, count or 1, about, True, c_group, c_name, count is None)
@@ -155,34 +157,62 @@ def table(source: Source, sizes: Mapping[str, int]) -> Table:
     _bounded(lines, "lines")
     messages = (
         _message("cycle", 1, True, "one cycle: what `tm_cycle` has", _cycle(source, given, lines, sizes)),
-        _message("line", 2, True, "the points of a border or line, sent when they change", _line(sizes) if lines else ()),
-        _message("tick", 3, True, "time has passed: for a Supervisor whose clock is that of its messages", ()),
+        _message(
+            "line",
+            2,
+            True,
+            "the points of a border or line, sent when they change",
+            _line(sizes) if lines else (),
+        ),
+        _message(
+            "tick", 3, True, "time has passed: for a Supervisor whose clock is that of its messages", ()
+        ),
         _message("decision", 4, False, "what is driven, and why", _decision(source, given, sizes)),
         _message("beat", 5, False, "the Supervisor is there", _beat()),
     )
-    return Table(messages, lines, signals, fields, {name: sizes[name] for name in capacities(source.plan, given)})
+    return Table(
+        messages, lines, signals, fields, {name: sizes[name] for name in capacities(source.plan, given)}
+    )
 
 
 def sizes_of(source: Source, limits: Mapping[str, float]) -> dict[str, int]:
     """Capacities by macro: those of limits, and as many points of places and rows of tables as the spec has."""
     spec = source.plan.spec
-    declared = {
+    return {
         "TM_MAX_SAMPLES": int(limits["samples"]),
         "TM_MAX_ELEMENTS": int(limits["elements"]),
         "TM_MAX_BORDER": int(limits["border"]),
         "TM_MAX_PLACE": max(CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0),
         "TM_MAX_KNOTS": max(CAPACITIES["TM_MAX_KNOTS"][0], *(len(t.knots) for t in spec.tables.values()), 0),
     }
-    return declared
 
 
 def _names(given: Supervised) -> tuple[tuple[str, ...], tuple[str, ...]]:
     contract = given.contract
     assert contract.plan is not None
     every = (contract.plan, *contract.signals)
-    signals = [DRIVING, EMERGENCY, "cycle", "clock", "supervisor", *(signal.name for signal in contract.signals)]
+    signals = [
+        DRIVING,
+        EMERGENCY,
+        "cycle",
+        "clock",
+        "supervisor",
+        *(signal.name for signal in contract.signals),
+    ]
     # Parts of the Supervisor stand where a field does.
-    parts = ["door", "judge", "rating", "watchdog", "sound", "store", "machine", "supervisor", "number", "t", "step"]
+    parts = [
+        "door",
+        "judge",
+        "rating",
+        "watchdog",
+        "sound",
+        "store",
+        "machine",
+        "supervisor",
+        "number",
+        "t",
+        "step",
+    ]
     fields = ["", *(field.name for signal in every for field in signal.fields_), "closed", *parts]
     return tuple(dict.fromkeys(signals)), tuple(dict.fromkeys(fields))
 
@@ -190,7 +220,9 @@ def _names(given: Supervised) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def _bounded(things: Sequence[object], what: str) -> None:
     if len(things) > _MOST:
         raise TrackmarshalError(
-            "E476", f"{len(things)} {what}, where messages tell {_MOST} apart", help="leave rules out that read them"
+            "E476",
+            f"{len(things)} {what}, where messages tell {_MOST} apart",
+            help="leave rules out that read them",
         )
 
 
@@ -230,7 +262,12 @@ def _cycle(
     yield own("found_index", "i64", "sample or element of each; -1: none", FOUND)
     yield own("found_name", "u16", "the fault, by its place in `faults` of the description", FOUND)
     yield own("found_signal", "u16", "its signal, by its place in `signals`", FOUND)
-    yield own("found_field", "u16", "its field, by its place in `fields`; beyond them: one that no spec knows", FOUND)
+    yield own(
+        "found_field",
+        "u16",
+        "its field, by its place in `fields`; beyond them: one that no spec knows",
+        FOUND,
+    )
     for name in (DRIVING, EMERGENCY):
         yield from _columns(contract.plan, given.plan, name, name, sizes, True)
     for signal in given.inputs:
@@ -268,7 +305,14 @@ def _columns(
         if not record:
             yield own("absent", "u64", "bit k: column k of this list is not there", None, group, c_group)
     if not record:
-        yield own("count", "u64", f"entries; of more than {capacity}, the first {capacity} stand here", None, group, c_group)
+        yield own(
+            "count",
+            "u64",
+            f"entries; of more than {capacity}, the first {capacity} stand here",
+            None,
+            group,
+            c_group,
+        )
     for kind, fields in (("f64", signal.numbers), ("i8", signal.flags)):
         for field in fields:
             c_name, info = names[field.name]
@@ -279,7 +323,9 @@ def _columns(
 def _line(sizes: Mapping[str, int]) -> Iterator[Item]:
     most = sizes["TM_MAX_BORDER"]
     yield own("slot", "u64", "which line: its place in `lines` of the description")
-    yield own("line_version", "u64", "counts the lines of a session, from 1 on; a cycle names the one that counts")
+    yield own(
+        "line_version", "u64", "counts the lines of a session, from 1 on; a cycle names the one that counts"
+    )
     yield own("count", "u64", f"points; of more than {most}, the first {most} stand here")
     yield own("points", "f64", "m, x and y by turns", 2 * most)
 
@@ -288,9 +334,15 @@ def _decision(source: Source, given: Supervised, sizes: Mapping[str, int]) -> It
     contract, rules = given.contract, len(source.rules)
     assert contract.plan is not None
     yield own("about_session", "u64", "of the cycle that is decided about")
-    yield own("about_sequence", "u64", "of the cycle's message; 0: none came in time, and this is what follows from that")
+    yield own(
+        "about_sequence",
+        "u64",
+        "of the cycle's message; 0: none came in time, and this is what follows from that",
+    )
     yield own("simulated", "u64", "1: the Supervisor's clock is that of its messages")
-    yield own("wanted", "u64", "bit k: line k was not known in the version that the cycle named; send it again")
+    yield own(
+        "wanted", "u64", "bit k: line k was not known in the version that the cycle named; send it again"
+    )
     yield own("number", "i64", "of the cycle; 0 where it has none")
     yield own("t", "f64", "s, the cycle's stamp; NaN where it has none")
     for name, kind in SAID:
@@ -298,7 +350,9 @@ def _decision(source: Source, given: Supervised, sizes: Mapping[str, int]) -> It
     for name in (DRIVING, EMERGENCY):
         yield own(f"{name}_margin", "f64", "by rule, in SI", max(1, rules))
     yield own("reason_index", "i64", "sample or element of each reason; -1: none", MOST_REASONS)
-    yield own("reason_name", "u16", "fault, or why nothing stored is driven, by its place in `faults`", MOST_REASONS)
+    yield own(
+        "reason_name", "u16", "fault, or why nothing stored is driven, by its place in `faults`", MOST_REASONS
+    )
     yield own("reason_signal", "u16", "by its place in `signals`", MOST_REASONS)
     yield own("reason_field", "u16", "by its place in `fields`", MOST_REASONS)
     yield own("reason_rule", "u16", "by its place in `rules`", MOST_REASONS)
@@ -306,7 +360,10 @@ def _decision(source: Source, given: Supervised, sizes: Mapping[str, int]) -> It
     yield own("reason_candidate", "u8", "of a rule: 0 driving, 1 emergency", MOST_REASONS)
     for name in (DRIVING, EMERGENCY):
         yield own(f"{name}_verdict", "u8", "by rule: its place in `verdicts`", max(1, rules))
-    for group, about in ((DRIVING, "this cycle's, where it is driven"), ("fallback", "the stored emergency trajectory")):
+    for group, about in (
+        (DRIVING, "this cycle's, where it is driven"),
+        ("fallback", "the stored emergency trajectory"),
+    ):
         most = sizes["TM_MAX_SAMPLES"]
         yield own("due", "f64", f"s, when each sample is due; {about}", most, group, group)
         yield from _columns(contract.plan, given.plan, group, group, sizes, False)
