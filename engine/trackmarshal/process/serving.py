@@ -53,8 +53,7 @@ def build(
     source = generate(spec, rules, doored=True)
     held = {name: float(value) for name, value in asdict(limits or Limits()).items()}
     made = Emitted(source, held, settings)
-    files = {f"{source.name}.h": source.header, f"{source.name}.c": source.source, **made.files}
-    path = program(files, [f"{source.name}.c", *UNITS], made.sizes)
+    path = program(source, made.files, UNITS, made.sizes)
     return Built(path, Layout(made.description))
 
 

@@ -213,7 +213,7 @@ def _names(given: Supervised) -> tuple[tuple[str, ...], tuple[str, ...]]:
         "t",
         "step",
     ]
-    fields = ["", *(field.name for signal in every for field in signal.fields_), "closed", *parts]
+    fields = ["", *(field.name for signal in every for field in signal.fields_), "id", "closed", *parts]
     return tuple(dict.fromkeys(signals)), tuple(dict.fromkeys(fields))
 
 

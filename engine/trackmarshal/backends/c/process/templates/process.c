@@ -51,6 +51,8 @@ static double patience(double beat) {
 
 static tml_region cycles;
 static tml_region decisions;
+static uint64_t cycle_seen;
+static uint64_t tick_seen;
 
 #if TML_LINES > 0
 /* The line that the planner's side has put into its mailbox last, whichever version that is. */
@@ -90,13 +92,13 @@ static bool shared_memory(const char *name) {
     (void)fprintf(stderr, "%s %s\n", path, why);
     return false;
   }
+  /* What was put there before this Supervisor started is not for it. */
+  cycle_seen = tml_latest(&cycles, TML_BOX_CYCLE);
+  tick_seen = tml_latest(&cycles, TML_BOX_TICK);
   return true;
 }
 
 static void serve_memory(tml_waiting how) {
-  /* What was put there before this Supervisor started is not for it. */
-  uint64_t cycle_seen = tml_latest(&cycles, TML_BOX_CYCLE);
-  uint64_t tick_seen = tml_latest(&cycles, TML_BOX_TICK);
   double beat = monotonic();
   while (ending == 0) {
     const uint32_t heard = tml_bell(&cycles);
