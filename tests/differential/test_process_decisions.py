@@ -102,7 +102,16 @@ def emitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
         recorded.step(None if number % 50 == 20 else given)
     recorded.close()
     made = emit(folder / "out", "--process", recordings=[folder / "run.arrows"])
-    flags = ["-std=c99", "-O1", "-ffp-contract=off", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
+    flags = [
+        "-std=c99",
+        "-O0",
+        "-ffp-contract=off",
+        "-pedantic",
+        "-Wall",
+        "-Wextra",
+        "-Wconversion",
+        "-Werror",
+    ]
     subprocess.run(["cc", *flags, "-c", *[f"{path.name}" for path in made.glob("*.c")]], cwd=made, check=True)
     for name, units in {
         "process": ("desk", "mailbox", "messages", "process"),
@@ -120,7 +129,9 @@ def test_the_client_in_c(udp: bool, emitted: Path) -> None:
     cycles = emitted / "run.cycles"
     example = subprocess.run([emitted / "example", cycles], capture_output=True, text=True, check=True)
     where = ["--udp", str(free_port())] if udp else ["--shm", str(emitted / "memory")]
-    process = subprocess.Popen([emitted / "process", *where, "--simulated"], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [emitted / "process", *where, "--simulated"], stdout=subprocess.PIPE, text=True
+    )
     try:
         assert process.stdout is not None
         assert process.stdout.readline().startswith("serves ")

@@ -42,7 +42,9 @@ def free_port() -> int:
 class Served:
     """A process that serves, over shared memory or over datagrams; `with` ends it."""
 
-    def __init__(self, program: Built, udp: bool = False, simulated: bool = True, wait: str = "sleep") -> None:
+    def __init__(
+        self, program: Built, udp: bool = False, simulated: bool = True, wait: str = "sleep"
+    ) -> None:
         self.program, self.simulated, self._wait = program, simulated, wait
         self.name = None if udp else f"trackmarshal-test-{os.getpid()}-{next(_names)}"
         self.port, self.listener = (free_port(), free_port()) if udp else (0, 0)
@@ -53,12 +55,18 @@ class Served:
         if self.name is not None:
             self.process = start(self.program, shm=self.name, simulated=self.simulated, wait=self._wait)
         else:
-            self.process = start(self.program, udp=self.port, to=[self.listener], simulated=self.simulated, wait=self._wait)
+            self.process = start(
+                self.program, udp=self.port, to=[self.listener], simulated=self.simulated, wait=self._wait
+            )
 
     def channel(self, program: Built | None = None) -> Any:
         """For a planner."""
         layout = (program or self.program).layout
-        return Datagrams(layout, self.port) if self.name is None else SharedMemory(layout, shared_path(self.name))
+        return (
+            Datagrams(layout, self.port)
+            if self.name is None
+            else SharedMemory(layout, shared_path(self.name))
+        )
 
     def listening(self) -> Any:
         """For an executing layer."""
@@ -120,11 +128,9 @@ class Rig:
     def later(self, now: float) -> Message | None:
         """Time passes without a cycle; a decision that follows from that, where one does."""
         self.now = now
-        before = self._beats()
-        self.client.tick()
+        sequence, found = self.client.tick(), None
         until = time.monotonic() + PATIENCE
-        found = None
-        while self._beats() == before or self.client.beat is None or self.client.beat.head.sent < now:
+        while not self._told(sequence):
             message = self.client.hear(PATIENCE)
             assert message is not None
             assert time.monotonic() < until
@@ -162,9 +168,10 @@ class Rig:
     def at(self, now: float) -> Setpoint:
         return self.executing.at(now)
 
-    def _beats(self) -> tuple[int, int]:
+    def _told(self, sequence: int) -> bool:
+        """Whether a sign of life says that a message was heard."""
         beat = self.client.beat
-        return (0, 0) if beat is None else (beat.head.session, beat.head.sequence)
+        return beat is not None and beat["client"] == self.client.session and beat["heard"] >= sequence
 
     def close(self) -> None:
         self.client.close()

@@ -40,6 +40,8 @@ class Border:
         self.number = next(self._numbers)
 
 
+#: Stands for a field that is left out: its default counts then, where it has one.
+_LEFT_OUT = object()
 #: A fault that the sender has found: its name, signal, field, and the sample or element, None for none.
 Found = tuple[str, str, str, int | None]
 
@@ -69,7 +71,7 @@ class Client:
         """Send a cycle, all in SI; the sequence of its message, 0 where it could not be sent.
 
         driving, emergency: columns by field. signals: columns, or values of a record, by field; of borders `Border`s, and `closed`; of an
-        event True, False or None. What is left out is missing. found: faults that the caller has found. came: False says that a cycle was due.
+        event True, False or None. What is left out, and has no default, is missing, as is None. found: faults that the caller has found. came: False says that a cycle was due.
         """
         kind, message = self._cycle, bytearray(self._cycle.length)
         given = {
@@ -92,9 +94,9 @@ class Client:
         self._found(message, found)
         return self._post(kind, "cycle", message)
 
-    def tick(self) -> bool:
-        """Say that time has passed, to a Supervisor whose clock is that of its messages."""
-        return self._post(self._tick, "tick", bytearray(self._tick.length)) > 0
+    def tick(self) -> int:
+        """Say that time has passed, to a Supervisor whose clock is that of its messages; as `send`."""
+        return self._post(self._tick, "tick", bytearray(self._tick.length))
 
     def answer(self, sequence: int, seconds: float) -> Message | None:
         """The decision about the message of this sequence and no other one; None where it does not come in time."""
@@ -161,19 +163,26 @@ class Client:
             return
         fields = [name for name in entries if name.startswith(f"{group}.")]
         record = f"{group}/count" not in entries
-        absent, count = 0, 0
-        for place, name in enumerate(fields):
-            column = value.get(name[len(group) + 1 :])
-            if column is None:
+        columns = [value.get(name[len(group) + 1 :], _LEFT_OUT) for name in fields]
+        count = (
+            1
+            if record
+            else max((len(one) for one in columns if one is not None and one is not _LEFT_OUT), default=0)
+        )
+        absent = 0
+        for place, (name, column) in enumerate(zip(fields, columns)):
+            default = entries[name].default
+            if column is _LEFT_OUT and default is not None:
+                column = int(default) if entries[name].type == "i8" else default
+                column = column if record else [column] * count
+            if column is None or column is _LEFT_OUT:
                 absent |= 1 << place
                 if record:
-                    kind.put(message, name, float("nan") if entries[name].type == "f64" else -1)
+                    kind.put(message, name, -1 if entries[name].type == "i8" else float("nan"))
                 continue
+            if not record and len(column) != count:
+                raise LinkError(f"the columns of `{group}` have different lengths")
             kind.put(message, name, column)
-            if not record:
-                if count and len(column) != count:
-                    raise LinkError(f"the columns of `{group}` have different lengths")
-                count = len(column)
         if not record:
             kind.put(message, f"{group}/count", count)
             kind.put(message, f"{group}/absent", absent)

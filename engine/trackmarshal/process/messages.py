@@ -23,13 +23,17 @@ class LinkError(Exception):
 
 
 class Entry(NamedTuple):
-    """An entry of a message: its place in bytes, its type, `room` for so many values; array: whether it is one."""
+    """An entry of a message: its place in bytes, its type, `room` for so many values; array: whether it is one.
+
+    default: what is put in for a field that is left out; None: nothing is.
+    """
 
     name: str
     offset: int
     type: str
     room: int
     array: bool
+    default: float | None
 
     @property
     def format(self) -> str:
@@ -62,7 +66,10 @@ class Kind:
         self.number: int = said["kind"]
         self.up: bool = said["from"] == "planner"
         self.length: int = said["length"]
-        entries = (Entry(e["name"], e["offset"], e["type"], e["count"], e["array"]) for e in said["entries"])
+        entries = (
+            Entry(e["name"], e["offset"], e["type"], e["count"], e["array"], _default(e.get("default")))
+            for e in said["entries"]
+        )
         self.entries = {entry.name: entry for entry in entries}
         if any(entry.end > self.length for entry in self.entries.values()):
             raise LinkError(f"the description of `{self.name}` has an entry beyond its end")
@@ -90,6 +97,10 @@ class Kind:
         if not entry.array:
             return struct.unpack_from("<" + entry.format, data, entry.offset)[0]
         return memoryview(data)[entry.offset : entry.end].cast(cast(Any, entry.format))
+
+
+def _default(said: float | str | None) -> float | None:
+    return None if said is None else float(said)
 
 
 class Layout:

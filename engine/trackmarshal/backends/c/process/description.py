@@ -95,7 +95,7 @@ def _message(message: Message) -> dict[str, Any]:
     entries = [
         {
             "name": item.key, "offset": item.offset, "type": item.type, "count": item.count, "array": not item.scalar,
-            "about": item.about,
+            "about": item.about, **({} if item.default is None else {"default": _number(item.default)}),
         }
         for item in message.items
     ]  # fmt: skip

@@ -51,7 +51,7 @@ class Item:
     """An entry of a message: `count` values of a type at a place in bytes.
 
     group: what it belongs to (`driving`, `signals.ego`), empty for the message itself. own: whether it is ours and not a field of the
-    spec. c_group, c_name: its C names. scalar: one value, no array.
+    spec. c_group, c_name: its C names. scalar: one value, no array. default: in SI, what a client puts in for a field that is left out.
     """
 
     group: str
@@ -64,6 +64,7 @@ class Item:
     c_name: str
     scalar: bool
     offset: int = 0
+    default: float | None = None
 
     @property
     def key(self) -> str:
@@ -317,7 +318,9 @@ def _columns(
         for field in fields:
             c_name, info = names[field.name]
             about = "1, 0, -1 for missing" if kind == "i8" else f"{unit(info)}; NaN: missing"
-            yield Item(group, field.name, kind, capacity, about, False, c_group, c_name, record)
+            yield Item(
+                group, field.name, kind, capacity, about, False, c_group, c_name, record, 0, field.default
+            )
 
 
 def _line(sizes: Mapping[str, int]) -> Iterator[Item]:
@@ -374,5 +377,6 @@ def _beat() -> Iterator[Item]:
     yield own("decided", "u64", "sequence of the last decision; 0: none yet")
     yield own("state", "i64", "after it, by its place in `states`")
     yield own("client", "u64", "session of the newest client; 0: none yet")
+    yield own("heard", "u64", "sequence of its newest cycle or tick; 0: none yet")
     yield own("taken", "u64", "messages that were taken")
     yield own("refused", "u64", "messages that were not, by their place in `causes`", len(CAUSES))
