@@ -138,8 +138,7 @@ class Rig:
                 found = message
         if found is not None:
             self.heard(found)
-        else:
-            self.listen()
+        self.listen(sequence)
         return found
 
     def heard(self, decision: Message) -> None:
@@ -153,10 +152,19 @@ class Rig:
                 return
         raise AssertionError("the decision did not come to the executing layer")
 
-    def listen(self) -> None:
-        """Let the executing layer hear what there is."""
-        while (data := self._ear.receive(0.0)) is not None:
+    def listen(self, sequence: int = 0) -> None:
+        """Let the executing layer hear all that there is, and in any case a sign of life that a message was heard."""
+        layout, told = self.client.layout, sequence == 0
+        while (data := self._ear.receive(0.0 if told else PATIENCE)) is not None:
             self.executing.hear(data)
+            message = layout.look(data, up=False)[1]
+            if (
+                message is not None
+                and message.kind.name == "beat"
+                and message["client"] == self.client.session
+            ):
+                told = told or message["heard"] >= sequence
+        assert told
 
     def refused(self) -> dict[str, int]:
         """What the process has refused so far, by cause, once it has taken a further tick."""
