@@ -91,6 +91,11 @@ def tape_of(rng: random.Random, layout: Layout, pool: Pool, count: int) -> list[
         if rng.random() < 0.4:
             now = max(now, sent + rng.choice([0.0, 0.01, 0.06, 0.2])) if -1.0 < sent < 10.0 else now
             tape.append(now)
+        if rng.random() < 0.01:  # a Supervisor that starts, and is replaced before it has decided anything
+            beat = bytearray(next(one for one in down if len(one) == layout.kinds["beat"].length))
+            session, sequence, _ = struct.unpack_from("<QQd", data, 24)
+            struct.pack_into("<QQd", beat, 24, session + 1, sequence, now)
+            tape += [sealed(layout, beat), now]
         if place == 0:  # time begins anew: it would never get back to where decisions are fresh
             now = 0.0
     return tape
