@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-from .messages import Kind, Layout, LinkError, Message
+from .messages import Entry, Kind, Layout, LinkError, Message
 
 
 class Channel(Protocol):
@@ -18,6 +18,14 @@ class Channel(Protocol):
     def receive(self, seconds: float) -> bytes | None: ...
 
     def close(self) -> None: ...
+
+
+class Block:
+    """Columns that know how to put themselves into a message; for callers who have them in one piece."""
+
+    def write(self, message: bytearray, columns: Sequence[tuple[str, Entry]]) -> int:
+        """Put all columns at their entries; how many values each has."""
+        raise NotImplementedError
 
 
 class Border:
@@ -40,6 +48,36 @@ class Border:
         self.number = next(self._numbers)
 
 
+class _Group:
+    """A signal or candidate as a cycle's message has it: its columns, or the entries of its lines."""
+
+    def __init__(self, name: str, kind: Kind, lines: list[str]) -> None:
+        self.lines = lines
+        self.closed = f"{name}/closed" in kind.entries
+        self.record = f"{name}/count" not in kind.entries
+        begin = f"{name}."
+        self.columns = [
+            (key.removeprefix(begin), entry)
+            for key, entry in kind.entries.items()
+            if key.startswith(begin) and key not in lines
+        ]
+
+    def length(self, value: Mapping[str, Any]) -> int:
+        """Of the columns that are there."""
+        given = (value.get(field) for field, _ in self.columns)
+        return max((len(one) for one in given if one is not None), default=0)
+
+
+def _groups(kind: Kind, layout: Layout) -> dict[str, _Group]:
+    lines = [f"signals.{signal}.{field or 'line'}" for signal, field in layout.lines]
+    found = {}
+    for name in kind.entries:
+        if name.endswith("/present"):
+            group = name.removesuffix("/present")
+            found[group] = _Group(group, kind, [line for line in lines if line.startswith(f"{group}.")])
+    return found
+
+
 #: Stands for a field that is left out: its default counts then, where it has one.
 _LEFT_OUT = object()
 #: A fault that the sender has found: its name, signal, field, and the sample or element, None for none.
@@ -55,6 +93,10 @@ class Client:
         self.session = time.monotonic_ns()
         self._sequence = 0
         self._cycle, self._line, self._tick = (layout.kinds[name] for name in ("cycle", "line", "tick"))
+        self._groups = _groups(self._cycle, layout)
+        self._events = [
+            name.removesuffix("/event") for name in self._cycle.entries if name.endswith("/event")
+        ]
         self._sent: list[tuple[int, int]] = [(0, 0)] * len(
             layout.lines
         )  # the line's number, the version that it has there
@@ -65,8 +107,8 @@ class Client:
         self.beat: Message | None = None
 
     def send(
-        self, number: int | None, t: float | None, driving: Mapping[str, Any] | None, emergency: Mapping[str, Any] | None,
-        signals: Mapping[str, Any], found: Sequence[Found] = (), came: bool = True,
+        self, number: int | None, t: float | None, driving: Mapping[str, Any] | Block | None,
+        emergency: Mapping[str, Any] | Block | None, signals: Mapping[str, Any], found: Sequence[Found] = (), came: bool = True,
     ) -> int:  # fmt: skip
         """Send a cycle, all in SI; the sequence of its message, 0 where it could not be sent.
 
@@ -87,10 +129,10 @@ class Client:
         kind.put(message, "t", 0.0 if t is None else t)
         for group, value in given.items():
             if came and value is not None:
-                self._group(message, group, value, versions)
-        for event in self._events():
-            flag = signals.get(event)
-            kind.put(message, f"signals.{event}/event", -1 if flag is None else int(bool(flag)))
+                self._fill(message, group, value, versions)
+        for event in self._events:
+            flag = signals.get(event.removeprefix("signals."))
+            kind.put(message, f"{event}/event", -1 if flag is None else int(bool(flag)))
         self._found(message, found)
         return self._post(kind, "cycle", message)
 
@@ -138,52 +180,42 @@ class Client:
         self.layout.seal(message, kind, self.session, self._sequence, self._clock())
         return self._sequence if self.channel.send(box, message) else 0
 
-    def _events(self) -> Iterable[str]:
-        ending = "/event"
-        return [name[len("signals.") : -len(ending)] for name in self._cycle.entries if name.endswith(ending)]
-
-    def _group(self, message: bytearray, group: str, value: Any, versions: Mapping[str, int]) -> None:
-        kind = self._cycle
-        entries = kind.entries
-        if f"{group}/present" not in entries:
-            if f"{group}/event" in entries:
+    def _fill(self, message: bytearray, group: str, value: Any, versions: Mapping[str, int]) -> None:
+        """Put a signal or candidate into a message."""
+        known = self._groups.get(group)
+        if known is None:
+            if group in self._events:
                 return
             raise LinkError(f"the program reads no `{group}`")
+        kind = self._cycle
         kind.put(message, f"{group}/present", 1)
-        if f"{group}/closed" in entries:
-            kind.put(
-                message,
-                f"{group}/closed",
-                int(bool(value["closed"]) if isinstance(value, Mapping) and "closed" in value else False),
-            )
-        if any(name.startswith(f"{group}.") for name in versions):
-            for name, version in versions.items():
-                if name.startswith(f"{group}."):
-                    kind.put(message, name, version)
+        if known.closed:
+            closed = value.get("closed", False) if isinstance(value, Mapping) else False
+            kind.put(message, f"{group}/closed", int(bool(closed)))
+        if known.lines:
+            for name in known.lines:
+                kind.put(message, name, versions[name])
             return
-        fields = [name for name in entries if name.startswith(f"{group}.")]
-        record = f"{group}/count" not in entries
-        columns = [value.get(name[len(group) + 1 :], _LEFT_OUT) for name in fields]
-        count = (
-            1
-            if record
-            else max((len(one) for one in columns if one is not None and one is not _LEFT_OUT), default=0)
-        )
-        absent = 0
-        for place, (name, column) in enumerate(zip(fields, columns)):
-            default = entries[name].default
-            if column is _LEFT_OUT and default is not None:
-                column = int(default) if entries[name].type == "i8" else default
-                column = column if record else [column] * count
+        if isinstance(value, Block):
+            kind.put(message, f"{group}/count", value.write(message, known.columns))
+            return
+        absent, count = 0, 1 if known.record else 0
+        for place, (field, entry) in enumerate(known.columns):
+            column = value.get(field, _LEFT_OUT)
+            if column is _LEFT_OUT and entry.default is not None:
+                default = int(entry.default) if entry.type == "i8" else entry.default
+                column = default if known.record else [default] * known.length(value)
             if column is None or column is _LEFT_OUT:
                 absent |= 1 << place
-                if record:
-                    kind.put(message, name, -1 if entries[name].type == "i8" else float("nan"))
+                if known.record:
+                    kind.set(message, entry, -1 if entry.type == "i8" else float("nan"))
                 continue
-            if not record and len(column) != count:
-                raise LinkError(f"the columns of `{group}` have different lengths")
-            kind.put(message, name, column)
-        if not record:
+            if not known.record:
+                if count and len(column) != count:
+                    raise LinkError(f"the columns of `{group}` have different lengths")
+                count = len(column)
+            kind.set(message, entry, column)
+        if not known.record:
             kind.put(message, f"{group}/count", count)
             kind.put(message, f"{group}/absent", absent)
 

@@ -9,6 +9,7 @@ import zlib
 from array import array
 from collections.abc import Mapping
 from functools import cached_property
+from operator import lt
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -76,7 +77,10 @@ class Kind:
 
     def put(self, into: bytearray, name: str, value: Any) -> None:
         """Set an entry: a number, or of an array its first values; an array of C's doubles or bytes is copied as it stands."""
-        entry = self.entries[name]
+        self.set(into, self.entries[name], value)
+
+    def set(self, into: bytearray, entry: Entry, value: Any) -> None:
+        """As `put`, of an entry at hand."""
         if not entry.array:
             struct.pack_into("<" + entry.format, into, entry.offset, value)
             return
@@ -242,4 +246,6 @@ class Message:
         if not 2 <= count <= entry.room:
             return False
         due = self[f"{group}/due"][:count].tolist()
-        return all(a < b and b - a < 1e9 for a, b in zip(due, due[1:]))
+        if not all(map(lt, due, due[1:])):
+            return False
+        return bool(due[-1] - due[0] < 1e9) or all(b - a < 1e9 for a, b in zip(due, due[1:]))

@@ -17,8 +17,8 @@ from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.step import Reason, Said
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.process.client import Client, Found
-from trackmarshal.process.messages import LinkError, Message
+from trackmarshal.process.client import Block, Client, Found
+from trackmarshal.process.messages import Entry, LinkError, Message
 from trackmarshal.runtime.contract import RECORD
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
 from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Settings
@@ -176,14 +176,37 @@ class _Points:
         self.points: Any = np.ascontiguousarray(line.points, dtype=np.float64).reshape(-1)
 
 
-def _columns(columns: Columns | None, record: bool) -> dict[str, Any] | None:
-    """Columns by field; of a record its numbers."""
+def _columns(columns: Columns | None, record: bool) -> dict[str, Any] | _Matrix | None:
+    """Columns as a client takes them; of a record its numbers."""
     if columns is None:
         return None
-    found: dict[str, Any] = {name: columns.values[row] for row, name in enumerate(columns.names.numbers)}
+    if not record:
+        return _Matrix(columns)
+    found: dict[str, Any] = dict(zip(columns.names.numbers, columns.values[:, 0].tolist()))
     if columns.flags is not None:
-        found |= {name: columns.flags[row] for row, name in enumerate(columns.names.flags)}
-    return {name: column[0] for name, column in found.items()} if record else found
+        found |= dict(zip(columns.names.flags, columns.flags[:, 0].tolist()))
+    return found
+
+
+class _Matrix(Block):
+    """Columns that stand one below the other, as their entries do."""
+
+    def __init__(self, columns: Columns) -> None:
+        self._columns = columns
+
+    def write(self, message: bytearray, columns: Sequence[tuple[str, Entry]]) -> int:
+        given = self._columns
+        for kind, values in (("f64", given.values), ("i8", given.flags)):
+            entries = [entry for _, entry in columns if entry.type == kind]
+            if values is None or not entries:
+                continue
+            room, first = entries[0].room, entries[0]
+            assert [entry.offset for entry in entries] == [
+                first.offset + k * room * values.itemsize for k in range(len(entries))
+            ]
+            whole = np.ndarray((len(entries), room), values.dtype, message, first.offset)
+            whole[:, : given.count] = values[:, :room]
+        return given.count
 
 
 def _text(names: Sequence[str], place: int) -> str | None:
