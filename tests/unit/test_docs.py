@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -48,6 +49,24 @@ def test_programs_run(
     assert "previous_emergency" in said
     assert "safe_gap violated" in said
     assert "emergency of" in said
+
+
+def test_the_page_about_the_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The program of docs/process.md. A recording is held to no pace, so the limits are those of `replay`."""
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    (program,) = re.findall(
+        r"```python\n(.*?)```", (ROOT / "docs" / "process.md").read_text("utf-8"), re.DOTALL
+    )
+    (tmp_path / "specs").symlink_to(ROOT / "specs")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(program, "docs/process.md", "exec"), {})
+    said = capsys.readouterr().out
+    assert "previous_emergency" in said
+    assert "safe_gap violated" in said
+    assert said.splitlines()[-1] == "fallback silent"
 
 
 def test_the_page_about_python(

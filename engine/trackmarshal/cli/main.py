@@ -18,6 +18,7 @@ VERBS = {
     "replay": "run the Supervisor's rules over a recording",
     "check-planner": "what does not fit the contract in a planner's cycles, with a mapping",
     "compile": "generated C99 with its header and a report",
+    "serve": "run a Supervisor as a process of its own",
     "explain": "what an error code means; why a rule said what it said",
     "trace": "traceability matrix and coverage",
     "assess": "all of it: check, test, replay, evidence, matrix, report",

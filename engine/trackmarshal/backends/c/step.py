@@ -7,12 +7,12 @@ import math
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.c.binding import SAID, words
+from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.header import CAPACITIES, capacities
 from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
@@ -91,6 +91,27 @@ class _Reason(ctypes.Structure):
         ("candidate", ctypes.c_int),
         ("result", _Result),
     ]
+
+
+class Stepping(Protocol):
+    """What takes steps, here or in another process; see `Stepper`."""
+
+    words: Words
+    margins: Floats
+    verdicts: NDArray[np.int8]
+
+    def step(
+        self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
+        closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
+        arena: Arena | None = None,
+    ) -> Said: ...  # fmt: skip
+
+    def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said: ...
+
+    def reasons(self, said: Said) -> list[Reason]: ...
+
+    @staticmethod
+    def lost(said: Said) -> str: ...
 
 
 class Stepper:
