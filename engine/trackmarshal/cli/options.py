@@ -32,6 +32,13 @@ def configure_with(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def choose_backend(parser: argparse.ArgumentParser, default: str | None, what: str) -> None:
+    """Let an evaluator be named."""
+    from trackmarshal.evaluation import BACKENDS
+
+    parser.add_argument("--backend", choices=BACKENDS, default=default, help=what)
+
+
 def choose_limits(parser: argparse.ArgumentParser) -> None:
     """`--limit`: what the Supervisor holds cycles and itself to."""
     parser.add_argument(

@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.interface import FAULT_NAMES
@@ -21,7 +20,7 @@ from trackmarshal.process.client import Block, Client, Found
 from trackmarshal.process.messages import Entry, LinkError, Message
 from trackmarshal.runtime.contract import RECORD
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
-from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Arena, Columns, Settings
 from trackmarshal.runtime.lines import Line
 from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 
@@ -79,7 +78,7 @@ class RemoteStepper:
 
     def step(
         self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
-        closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[Found] = (), arena: NDArray[np.float64] | None = None,
+        closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[Found] = (), arena: Arena | None = None,
     ) -> Said:  # fmt: skip
         """As a Stepper's; the process reads the clock itself. Raises NoAnswer."""
         order = self.words

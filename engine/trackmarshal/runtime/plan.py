@@ -21,7 +21,6 @@ class Plan:
 
     def __init__(self, candidate: str, number: int, t: float, columns: Columns) -> None:
         self.candidate, self.number, self.t, self.columns = candidate, number, t, columns
-        columns.values.flags.writeable = False
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -16,7 +16,8 @@ from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.stacks import Stacks
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
-from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Names, Settings
+from trackmarshal.runtime.frame import NO_ORDERS, NO_SETTINGS, Columns, Frame, Names, Settings
+from trackmarshal.runtime.lines import Line
 
 #: Columns that are still to come.
 LATER = Columns(Names(()), np.zeros((0, 0)))
@@ -29,8 +30,11 @@ class LinesReader:
         self.signal = signal
         self._readers = {field.name: LineReader() for field in signal.lines}
         self._known = signal.declared | {field.name for field in signal.lines} | {"closed"}
+        self._places = [(line, (signal.name, line), reader) for line, reader in self._readers.items()]
 
     def read(self, raw: Any, frame: Frame, faults: list[Fault]) -> None:
+        if type(raw) is dict and raw.keys() <= self._known and self._unchanged(raw, frame):
+            return
         name = self.signal.name
         before = len(faults)
         for line in self._readers:
@@ -56,6 +60,19 @@ class LinesReader:
         except Exception:  # what was handed in has a say in how it is read
             del faults[before:]
             faults.append(fault("wrong_type", name, "", None, "it cannot be read"))
+
+    def _unchanged(self, raw: dict[Any, Any], frame: Frame) -> bool:
+        """Read a corridor whose borders are the very lines that were read last; false for any other."""
+        closed = raw.get("closed", False)
+        if closed is not True and closed is not False:
+            return False
+        for name, place, reader in self._places:
+            given = raw.get(name)
+            if type(given) is not Line or given is not reader.same:
+                return False
+            frame.lines[place] = given
+        frame.closed[self.signal.name] = closed
+        return True
 
     def _line(self, line: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
         place = self.signal.name, line
@@ -139,24 +156,27 @@ class CycleReader:
     def read(self, cycle: Cycle) -> tuple[Frame, list[Fault]]:
         """The frame of a cycle, and what is wrong with the structure of it: types, what is missing, lengths that differ, misspelt
         names. Number and stamp are not in it."""
-        frame = Frame(settings=self.settings)
         faults: list[Fault] = []
         if type(cycle.signals) is dict and cycle.signals.keys() <= self._known:
             signals: dict[Any, Any] = cycle.signals
-            raws = [cycle.driving, cycle.emergency, *map(signals.get, self.shared.columns)]
-            read = self._at_once.read(raws)
+            read = self._at_once.read(
+                [cycle.driving, cycle.emergency, *map(signals.get, self.shared.columns)]
+            )
             if read is not None:
-                columns, frame.arena = read
-                frame.candidates = {DRIVING: columns[0], EMERGENCY: columns[1]}
-                frame.columns = dict(zip(self.shared.columns, columns[2:]))
+                columns, arena = read
+                frame = Frame(
+                    None, self.settings, dict(zip(self.shared.columns, columns[2:])), {}, {}, {},
+                    {DRIVING: columns[0], EMERGENCY: columns[1]}, [], NO_ORDERS, arena,
+                )  # fmt: skip
                 self.shared.read_others(signals, frame, faults)
                 return frame, self._but_known(cycle, faults)
-        return self._closely(cycle, frame, faults)
+        return self._closely(cycle, Frame(settings=self.settings), faults)
 
     def _closely(self, cycle: Cycle, frame: Frame, faults: list[Fault]) -> tuple[Frame, list[Fault]]:
         given: dict[str, Columns] = frame.candidates
         for (name, reader), raw in zip(self.candidates, (cycle.driving, cycle.emergency)):
             given[name] = reader.read(raw, faults)
+            given[name].values.setflags(write=False)  # what is driven is what was judged, for good
         try:
             signals = values.mapping(cycle.signals)
         except Exception:
