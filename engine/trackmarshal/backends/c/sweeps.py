@@ -16,7 +16,9 @@ def along_timeline(node: ir.Formula, axis: ir.Axis, outside: frozenset[ir.Axis])
         return ()
     start, end = (*node.start, *node.bend[:1]), (*node.end, *node.bend[1:])
     numbers = (*start, *end)
-    fields = tuple(number.field for number in numbers if isinstance(number, ir.Column) and number.axis is axis)
+    fields = tuple(
+        number.field for number in numbers if isinstance(number, ir.Column) and number.axis is axis
+    )
     offsets = [number.offset for number in numbers if isinstance(number, ir.Column)]
     each = len(start)
     if len(fields) != 2 * each or fields[:each] != fields[each:] or offsets != [-1] * each + [0] * each:
