@@ -53,7 +53,7 @@ rule apart "Away from what is seen"
 
 rule on_track "On the track"
   for all p in plan
-  require swept_footprint(p, 2 m, 1 m) inside track
+  require swept_hull(p, 2 m, 1 m) inside track
 
 rule near "Near the border"
   for all p in plan

@@ -193,6 +193,13 @@ class Reference:
     def _pose(self, pose: ir.Pose, env: Env) -> tuple[float, float, float]:
         return self.number(pose.x, env), self.number(pose.y, env), self.number(pose.heading, env)
 
+    def curve(self, node: ir.SweptInside | ir.SweptClear, env: Env) -> geometry.Curve | None:
+        """The way along which something is swept; None where it is straight, or where there is none."""
+        start, end = self._pose(node.start, env), self._pose(node.end, env)
+        return geometry.curve_between(
+            start, end, self._bend(node, env), self.number(node.length, env), self.number(node.width, env)
+        )
+
     def _bend(self, node: ir.SweptInside | ir.SweptClear, env: Env) -> tuple[float, ...]:
         return tuple(self.number(kappa, env) for kappa in node.bend)
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from trackmarshal.backends.reference.geometry.points import Pose
+from trackmarshal.backends.reference.geometry.points import Pose, sized, usable
 
 #: A way is cut into so many pieces at most.
 MOST = 8
@@ -42,6 +42,15 @@ class Curve(NamedTuple):
 
     poses: tuple[Placed, ...]
     more: float
+
+
+def curve_between(
+    pose0: Pose, pose1: Pose, bend: Sequence[float], length: float, width: float
+) -> Curve | None:
+    """The same between poses, for messages; None without curvatures, or where a number is none."""
+    if not bend or not usable(*pose0, *pose1, *bend) or not sized(length, width):
+        return None
+    return curve(placed(pose0), placed(pose1), bend, length, width)
 
 
 def curve(first: Placed, second: Placed, bend: Sequence[float], length: float, width: float) -> Curve:
