@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from shapely import Polygon, box
 from shapely.affinity import rotate, translate
-from support.shared import shared
 
+from support.shared import shared
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.scenarios.field import mapping
 from trackmarshal.scenarios.field.build import Drive, build
