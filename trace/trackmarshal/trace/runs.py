@@ -82,6 +82,11 @@ def _changed(scenario: Scenario, run: RunSummary, hashes: Hashes) -> str:
     return ""
 
 
+def _again(scenario: Scenario) -> str:
+    """How a run that is kept is made."""
+    return f"run `trackmarshal import log --map {scenario.path} --keep {scenario.kept}`"
+
+
 def _kept(scenario: Scenario, run: RunSummary, hashes: Hashes) -> str:
     """What is said beside a kept run."""
     if not scenario.kept:
@@ -168,7 +173,7 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 "T241",
                 f"`{path}` has not been run, which counts as not covered",
                 place,
-                "run `trackmarshal assess`",
+                _again(scenario) if scenario.kept else "run `trackmarshal assess`",
                 path,
             )
             continue
@@ -190,9 +195,7 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 "T242",
                 f"the run of `{path}` is stale: {stale}",
                 place,
-                f"run `trackmarshal import log --map {path} --keep {scenario.kept}`"
-                if scenario.kept
-                else "run `trackmarshal assess` again",
+                _again(scenario) if scenario.kept else "run `trackmarshal assess` again",
                 path,
             )
         elif scenario.expect == "ground_truth":
