@@ -203,6 +203,28 @@ def _freeze(raw: dict[str, Any], number: int) -> None:
         raw["candidates"] = json.loads(json.dumps(recorded()[0][9]["candidates"]))
 
 
+def test_no_other_vehicle_is_lost_silently(spec: Spec) -> None:
+    """Where no cycle had one, their fields are not known: an adapter that left them out would be blind."""
+    raws = broken(lambda raw, n: raw.update(objects=[]))
+    report = tm.check_planner(raws, spec, header=recorded()[1])
+    assert "`objects` is empty in all cycles" in str(report)
+    scope: dict[str, Any] = {}
+    exec(compile(report.adapter, "adapter.py", "exec"), scope)
+    assert scope["cycle_of"](0, raws[0]).signals["objects"] == []
+    with pytest.raises(NotImplementedError):
+        scope["cycle_of"](0, recorded()[0][0])
+    none = tm.check_planner(broken(lambda raw, n: raw.pop("objects")), spec, header=recorded()[1])
+    assert not none.convertible
+    assert '"objects": None,  # TODO' in none.adapter
+
+
+def test_obstacles_by_their_names(spec: Spec) -> None:
+    cone = {"id": "c", "x": 1.0, "y": 2.0, "heading": 0.5, "length": 0.3, "width": 0.3}
+    report = tm.check_planner(broken(lambda raw, n: raw.update(obstacles=[cone])), spec, header=recorded()[1])
+    assert report.cycles[0].signals["obstacles"] == [cone]
+    assert "obstacles.heading" in {f.about for f in report.findings}
+
+
 BROKEN: dict[str, tuple[Callable[[dict[str, Any], int], None], str]] = {
     "no emergency": (lambda raw, n: raw["candidates"].pop("emergency"), "no trajectory is called so, or ends at rest"),
     "no pose": (lambda raw, n: raw.pop("ego"), "no record has x and y near the beginning"),

@@ -13,6 +13,7 @@ import pytest
 import trackmarshal as tm
 from support.cycles import cycle, plan
 from support.supervised import ROOT, shipped
+from trackmarshal.cli.main import main
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import UNITS
 
@@ -68,6 +69,14 @@ def test_what_is_no_limit_is_refused(tmp_path: Path, text: str, message: str) ->
         tm.Limits.of(declared(tmp_path, text))
     assert (caught.value.code, caught.value.line) == ("E485", 2)
     assert caught.value.help
+
+
+def test_check_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    declared(tmp_path, "param sample : 1 = 200")
+    assert main(["check", str(tmp_path / "limits.spec")]) == 2
+    said = capsys.readouterr().err
+    assert "error[E485]: `sample` is no limit of a Supervisor" in said
+    assert "did you mean `samples`?" in said
 
 
 def test_a_misspelt_change_is_refused() -> None:

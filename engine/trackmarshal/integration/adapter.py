@@ -30,6 +30,16 @@ def adapter(made: Mapped, raws: list[Any]) -> str:
             "",
             "",
         ]
+    if made.objects is None and made.no_objects is not None:
+        lines += [
+            "def others(found):",
+            '    """No cycle that was looked at had another vehicle: its fields have to be written down first."""',
+            "    if found:",
+            '        raise NotImplementedError("say here what the fields of another vehicle are")',
+            "    return []",
+            "",
+            "",
+        ]
     lines += [
         "def cycle_of(number, cycle, track=None):",
         '    """A cycle of the Supervisor; `track`: both borders, made once with tm.line."""',
@@ -53,9 +63,16 @@ def adapter(made: Mapped, raws: list[Any]) -> str:
         lines.append(
             f'        "objects": [{_record(made.object_fields, "one")} for one in {_get("cycle", made.objects)}],'
         )
+    elif made.no_objects is not None:
+        lines.append(f'        "objects": others({_get("cycle", made.no_objects)}),')
     else:
-        lines.append('        "objects": [],')
-    lines.append('        "obstacles": [],')
+        lines.append('        "objects": None,  # TODO: other vehicles, also where there are none')
+    if made.obstacles is not None:
+        lines.append(
+            f'        "obstacles": [{_record(made.obstacle_fields, "one")} for one in {_get("cycle", made.obstacles)}],'
+        )
+    else:
+        lines.append('        "obstacles": [],  # TODO: what stands on the road')
     if made.left is not None and made.right is not None and not in_header:
         left, right = (_get("cycle", path) for path in (made.left, made.right))
         lines.append(f'        "track": track or {{"left": tm.line({left}), "right": tm.line({right})}},')

@@ -98,7 +98,12 @@ def of_structure(made: Mapped) -> Iterator[Finding]:
             "no column fits by name or numbers; it follows from others",
             f"tm.{HELPERS[field]}, or tm.complete for all",
         )
-    for where, fields in (("plan", made.plan), ("ego", made.ego_fields), ("objects", made.object_fields)):
+    for where, fields in (
+        ("plan", made.plan),
+        ("ego", made.ego_fields),
+        ("objects", made.object_fields),
+        ("obstacles", made.obstacle_fields),
+    ):
         for field, column in fields.items():
             yield from _of_column(f"{where}.{field}", column)
     if made.ego is None:
@@ -116,12 +121,12 @@ def of_structure(made: Mapped) -> Iterator[Finding]:
                     f"ego.{field}",
                     f"`{made.ego or 'the cycle'}` has no number that is called like it",
                 )
-    if made.objects is None:
+    if made.objects is None and made.no_objects is not None:
+        words = f"`{made.no_objects}` is empty in all cycles, so its fields are not known: the adapter raises where it is not"
+        yield Finding("note", "objects", words, "take cycles among other vehicles")
+    elif made.objects is None:
         yield Finding(
-            "note",
-            "objects",
-            "no set of other vehicles was found; an empty one is taken",
-            "send a list, also where it is empty",
+            "broken", "objects", "no set of other vehicles was found", "send a list, also where it is empty"
         )
     else:
         for field in ("id", "heading", "length", "width"):
@@ -129,6 +134,11 @@ def of_structure(made: Mapped) -> Iterator[Finding]:
                 yield Finding(
                     "broken", f"objects.{field}", f"`{made.objects}` has nothing that is called like it"
                 )
+    if made.obstacles is None:
+        words = "no set of what stands on the road was found; an empty one is taken"
+        yield Finding(
+            "note", "obstacles", words, "send what perception knows of: cones, barriers, parked vehicles"
+        )
     if made.left is None or made.right is None:
         yield Finding(
             "broken",

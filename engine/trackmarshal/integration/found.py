@@ -29,6 +29,8 @@ class Found:
     sets: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
     lines: dict[str, Array] = field(default_factory=dict)
     uneven: list[tuple[str, str, int, int]] = field(default_factory=list)
+    #: Paths of lists without an entry.
+    empty: dict[str, None] = field(default_factory=dict)
 
 
 def look(cycle: Mapping[str, Any]) -> Found:
@@ -45,8 +47,11 @@ def _look(value: Any, path: str, found: Found, depth: int) -> None:
         _mapping(value, path, found, depth)
     elif hasattr(value, "tolist") and not isinstance(value, float | int):
         _look(value.tolist(), path, found, depth)
-    elif isinstance(value, list | tuple) and value:
-        _list(list(value), path, found)
+    elif isinstance(value, list | tuple):
+        if value:
+            _list(list(value), path, found)
+        else:
+            found.empty[path] = None
 
 
 def _mapping(value: Mapping[Any, Any], path: str, found: Found, depth: int) -> None:

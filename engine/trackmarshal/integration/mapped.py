@@ -42,6 +42,10 @@ class Mapped:
     ego_fields: dict[str, Column] = field(default_factory=dict)
     objects: str | None = None
     object_fields: dict[str, Column] = field(default_factory=dict)
+    #: Where other vehicles would be: a list that was empty in all cycles.
+    no_objects: str | None = None
+    obstacles: str | None = None
+    obstacle_fields: dict[str, Column] = field(default_factory=dict)
     left: str | None = None
     right: str | None = None
     #: Where borders come once, before the cycles.
@@ -80,17 +84,21 @@ class Mapped:
             return None
         return self.founds[place].lines.get(path, self.header.lines.get(path))
 
+    @staticmethod
+    def elements(found: Found, path: str | None, fields: dict[str, Column]) -> list[dict[str, Any]]:
+        return [_element(item, fields) for item in found.sets.get(path, ())] if path is not None else []
+
     def cycle(self, place: int, t: float) -> Cycle:
         """One cycle as the Supervisor takes it; what is not there is None or left out."""
         found = self.founds[place]
-        signals: dict[str, Any] = {"obstacles": []}
+        signals: dict[str, Any] = {"obstacles": self.elements(found, self.obstacles, self.obstacle_fields)}
         record = found.records.get(self.ego) if self.ego is not None else None
         if record is not None:
             signals["ego"] = {
                 n: c.convert(record.get(c.column, math.nan)) for n, c in self.ego_fields.items()
             }
-        elements = found.sets.get(self.objects, []) if self.objects is not None else []
-        signals["objects"] = [_element(item, self.object_fields) for item in elements]
+        if self.objects is not None or self.no_objects is not None:
+            signals["objects"] = self.elements(found, self.objects, self.object_fields)
         left, right = self.border(place, self.left), self.border(place, self.right)
         if left is not None and right is not None:
             signals["track"] = {"left": left, "right": right}
@@ -138,6 +146,14 @@ def read(
     found = records.objects(made.founds, made.times())
     if found is not None:
         made.objects, made.object_fields = found
+    else:
+        empty = [
+            (likeness(path.rpartition(".")[2], "objects"), path) for path, _ in paths(made.founds, "empty")
+        ]
+        made.no_objects = max((one for one in empty if one[0] >= 0.8), default=(0.0, None))[1]
+    standing = records.obstacles(made.founds, made.objects)
+    if standing is not None:
+        made.obstacles, made.obstacle_fields = standing
     made.left, made.right = _borders(made)
     return made
 

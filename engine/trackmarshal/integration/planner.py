@@ -52,12 +52,13 @@ class PlannerReport:
         made = self.mapped
         return {
             "stamp": None if made.stamp is None else _plain(made.stamp),
-            "driving": made.driving, "emergency": made.emergency, "ego": made.ego, "objects": made.objects,
+            "driving": made.driving, "emergency": made.emergency, "ego": made.ego, "objects": made.objects, "obstacles": made.obstacles,
             "left": made.left, "right": made.right,
             "plan": {name: _plain(column) for name, column in made.plan.items()},
             "computed": made.computed,
             "ego_fields": {name: _plain(column) for name, column in made.ego_fields.items()},
             "object_fields": {name: _plain(column) for name, column in made.object_fields.items()},
+            "obstacle_fields": {name: _plain(column) for name, column in made.obstacle_fields.items()},
         }  # fmt: skip
 
     def as_json(self) -> dict[str, Any]:
@@ -83,14 +84,19 @@ class PlannerReport:
         steps = np.diff(made.times())
         pace = f", {np.median(steps):.3g} s apart" if len(steps) and made.stamp is not None else ""
         lines = [f"{self.name}: {len(self.cycles)} cycles{pace}", "", "what is taken for what"]
-        for name in ("driving", "emergency", "ego", "objects", "left", "right"):
-            path = getattr(made, name)
+        for name in ("driving", "emergency", "ego", "objects", "obstacles", "left", "right"):
+            path = made.no_objects if name == "objects" and made.objects is None else getattr(made, name)
             lines.append(
                 f"  {name:<16} {'-' if path is None else '`' + path + '`' if path else 'the cycle itself'}"
             )
         if made.stamp is not None:
             lines.append(f"  {'stamp':<16} `{made.stamp.column}`, {made.stamp.words}")
-        for where, fields in (("plan", made.plan), ("ego", made.ego_fields), ("objects", made.object_fields)):
+        for where, fields in (
+            ("plan", made.plan),
+            ("ego", made.ego_fields),
+            ("objects", made.object_fields),
+            ("obstacles", made.obstacle_fields),
+        ):
             for name, column in fields.items():
                 lines.append(f"  {where + '.' + name:<16} `{column.column}`, {column.words}: {column.said}")
         if made.others:

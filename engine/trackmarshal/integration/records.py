@@ -116,6 +116,22 @@ def objects(cycles: list[Found], times: list[float]) -> tuple[str, dict[str, Col
     return path, fields
 
 
+def obstacles(cycles: list[Found], taken: str | None) -> tuple[str, dict[str, Column]] | None:
+    """The set of what stands still, by its name and those of its fields."""
+    for path in {path for one in cycles for path in one.sets} - {taken}:
+        if likeness(path.rpartition(".")[2], "obstacles") < 0.8:
+            continue
+        items = [item for one in cycles for item in one.sets.get(path, ())]
+        named = by_names([str(n) for n in items[0]], ("id", "x", "y", "heading", "length", "width"))
+        if "x" in named and "y" in named:
+            units = {"heading": "rad", "id": ""}
+            fields = {f: Column(f, name, units.get(f, "m"), said="called so") for f, name in named.items()}
+            if "heading" in named:  # nothing of what stands shows its convention
+                fields["heading"] = heading_column(named["heading"], None, "")
+            return path, fields
+    return None
+
+
 def _moved(cycles: list[Found], times: list[float], path: str, named: dict[str, str]) -> dict[str, Array]:
     """Of objects that moved more than 0.5 m from one cycle to the next: direction and speed of that, and what they say of it."""
     found: dict[str, list[float]] = {"direction": [], "speed": [], "heading": [], "v": []}

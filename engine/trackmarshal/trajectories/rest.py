@@ -12,8 +12,8 @@ from typing import NamedTuple
 from trackmarshal.trajectories.along import REST_SPEED, REST_STEP, arc_length, wrap
 from trackmarshal.trajectories.columns import Lists
 
-#: At or below this speed, in m/s, a planner's trajectory that stays below it is on its tail: see `cut`.
-TAIL_SPEED = 1.0
+#: At or below this speed, in m/s, a trajectory is on its tail: see `cut`. A step of 2.5 m from here to rest takes two seconds.
+TAIL_SPEED = 2.5
 #: A way to rest that is no longer than this, in m, gets no sample of its own: the direction between two samples so near is that of their rounding.
 SHORTEST = 0.01
 
