@@ -8,7 +8,9 @@ COMPILE := $(BIN)/python -m compileall -q engine trace
 # A file's tests stay together: they share what they prepare.
 PARALLEL := -n auto --dist loadfile
 
-.PHONY: assess test acceptance embedded field bench lint format clean
+LOOP := build/closed-loop
+
+.PHONY: assess test acceptance closed-loop embedded field bench lint format clean
 
 assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/index.html
 	$(BIN)/trackmarshal assess --out out/assess
@@ -16,13 +18,23 @@ assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/in
 test: $(STAMP) lint  ## everything that CI runs
 	$(BIN)/python -m pytest $(PARALLEL)
 
-acceptance: $(STAMP) lint  ## every "Done when" point that can be a command; takes longer than CI
+acceptance: $(STAMP) $(LOOP)/.ready lint  ## every "Done when" point that can be a command; takes longer than CI
 	sh tests/embedded/tools.sh
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt pyarrow  # reads our records independently
-	TRACKMARSHAL_FUZZ_CYCLES=1000000 TRACKMARSHAL_KILLS=200 TRACKMARSHAL_GENERATED=10000 TRACKMARSHAL_FUZZ=1000000 TRACKMARSHAL_CYCLES=100000 \
+	TRACKMARSHAL_FUZZ_CYCLES=1000000 TRACKMARSHAL_KILLS=200 TRACKMARSHAL_GENERATED=10000 TRACKMARSHAL_FUZZ=1000000 TRACKMARSHAL_CYCLES=100000 TRACKMARSHAL_COMPILED=2500 \
 	TRACKMARSHAL_RUNS=10000 \
 		$(BIN)/python -m pytest $(PARALLEL) -m ""
 	-TRACKMARSHAL_STEPS=1000000 $(BIN)/trackmarshal bench  # shown, not asserted: how busy the machine is counts too
+
+# The planner runs in an environment of its own: it needs packages of another time.
+$(LOOP)/.ready: tests/closed_loop/planner/requirements.txt
+	$(PYTHON) -m venv $(LOOP)/venv
+	$(LOOP)/venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps -r $<
+	touch $@
+
+closed-loop: $(STAMP) $(LOOP)/.ready  ## every fault in the closed loop, about an hour, resumable; JOBS=2 for two at once; see docs/closed-loop.md
+	PYTHONPATH=tests $(BIN)/python -m closed_loop.campaign --jobs $(or $(JOBS),1) --keep
+	PYTHONPATH=tests $(BIN)/python -m closed_loop.report
 
 embedded: $(STAMP)  ## the emitted Supervisor on an emulated Cortex-M7 decides as here, bit for bit; figures in out/embedded
 	sh tests/embedded/tools.sh

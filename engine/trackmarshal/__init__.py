@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from trackmarshal.batches import Batch
     from trackmarshal.errors import TrackmarshalError
     from trackmarshal.evaluation import Evaluator, load, loads
+    from trackmarshal.integration.planner import check_planner
     from trackmarshal.runtime.cycle import Cycle, Limits
     from trackmarshal.runtime.decision import Decision
     from trackmarshal.runtime.door.lines import line
@@ -32,14 +33,29 @@ if TYPE_CHECKING:
     from trackmarshal.scenarios.replay import replay
     from trackmarshal.scenarios.supervised import cycles
     from trackmarshal.supervision import supervisor
+    from trackmarshal.trajectories.public import (
+        acceleration_along,
+        arc_length,
+        complete,
+        curvature_along,
+        cut_at_rest,
+        direction_along,
+        heading_from,
+        resample,
+        time_along,
+    )
 
 __path__ = pkgutil.extend_path(__path__, __name__)
 __version__ = "0.1.0"
 __all__ = [
-    "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "cycles", "line", "load", "load_recording", "loads", "replay",
-    "supervisor",
+    "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "acceleration_along", "arc_length", "check_planner", "complete",
+    "curvature_along", "cut_at_rest", "cycles", "direction_along", "heading_from", "line", "load", "load_recording", "loads", "replay", "resample", "supervisor",
+    "time_along",
 ]  # fmt: skip
 
+_OF_TRAJECTORIES = (
+    "acceleration_along", "arc_length", "complete", "curvature_along", "cut_at_rest", "direction_along", "heading_from", "resample", "time_along",
+)  # fmt: skip
 _HOMES = {
     "Batch": ("batches", "Batch"),
     "Cycle": ("runtime.cycle", "Cycle"),
@@ -47,6 +63,7 @@ _HOMES = {
     "Evaluator": ("evaluation", "Evaluator"),
     "Limits": ("runtime.cycle", "Limits"),
     "TrackmarshalError": ("errors", "TrackmarshalError"),
+    "check_planner": ("integration.planner", "check_planner"),
     "cycles": ("scenarios.supervised", "cycles"),
     "line": ("runtime.door.lines", "line"),
     "load": ("evaluation", "load"),
@@ -54,6 +71,7 @@ _HOMES = {
     "loads": ("evaluation", "loads"),
     "replay": ("scenarios.replay", "replay"),
     "supervisor": ("supervision", "supervisor"),
+    **{name: ("trajectories.public", name) for name in _OF_TRAJECTORIES},
 }
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
+from trackmarshal.runtime.contract.tracks import places_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import Judged, Program, Rated
 from trackmarshal.runtime.verdict import CaseResult
@@ -96,7 +97,7 @@ class Evaluator:
         self.asked = backend
         self.declared = cache(declared)
         reads = {pair for rule in self.rules for pair in rule.reads}
-        self.reader = CasesReader(spec, reads, self.declared, self._broken)
+        self.reader = CasesReader(spec, reads, self.declared, self._broken, places_of(spec, self.rules))
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError."""
@@ -398,7 +399,7 @@ def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | Tab
         elif isinstance(info, PlaceInfo):
             if info.kind != old.kind:
                 problem = f"`{short}` is a {info.kind}, the spec declares a {old.kind}"
-            new = PlaceInfo(match, info.kind, info.points, info.span)
+            new = PlaceInfo(match, info.kind, info.points, info.span, info.track)
         else:
             raise AssertionError(f"unknown setting {type(info).__name__}")
         if problem:

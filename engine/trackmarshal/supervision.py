@@ -61,7 +61,7 @@ def supervisor(
     spec: Spec,
     rules: Sequence[str] | None = None,
     backend: str = "numpy",
-    limits: Limits | None = None,
+    limits: Limits | Mapping[str, Any] | None = None,
     clock: Callable[[], float] = time.monotonic,
     record: str | Path | None = None,
     params: Mapping[str, float] | None = None,
@@ -69,12 +69,14 @@ def supervisor(
 ) -> Supervisor | CSupervisor:
     """A Supervisor for a spec, or for some of its rules.
 
-    params and tables override the spec's, in declared units; clock gives s on the clock of the cycles' stamps; record is a new file that
-    keeps the run. Raises TrackmarshalError D203, D204, E401, E403, E404, E405, E481, E482 or E483; E470 to E473 for what generated C
+    limits: those of the spec (`Limits.of`) with these changed, by name; or `Limits`, which stand for all of them. params and tables
+    override the spec's, in declared units; clock gives s on the clock of the cycles' stamps; record is a new file that
+    keeps the run. Raises TrackmarshalError D203, D204, E401, E403, E404, E405, E481, E482, E483 or E485; E470 to E473 for what generated C
     cannot do, where it is asked for.
     """
     box = rulebox(Evaluator(spec, rules, backend), params, tables)
-    made = box.running(limits or Limits(), clock)
+    held = limits if isinstance(limits, Limits) else Limits.of(spec, **(limits or {}))
+    made = box.running(held, clock)
     if record is not None:
         made.recorder = Record(record, made.contract, made.limits, box.identity)
     return made

@@ -449,7 +449,7 @@ def test_cases_that_cannot_be_called_safe(backend: str) -> None:
 def test_what_looks_odd_and_is_fine(backend: str) -> None:
     standing = put("objects", 0, "v", to=0)
     nobody = put("objects", to=[])
-    bare = edited(lambda s: (s.update(objects=[], obstacles=[]), s["plan"].pop("t")))
+    bare = edited(lambda s: (s.update(objects=[], obstacles=[]), s["ego"].pop("age", None)))
     turned = put("ego", "heading", to=2 * math.pi)
     status, lines = evaluate(standing, nobody, bare, turned, good_case(), backend=backend)
     assert status == 0

@@ -85,7 +85,9 @@ def test_evidence_goes_stale_and_turns_red(project: Path) -> None:
     before = path.read_text("utf-8")
     results = project / "out" / "results"
     kept = {file: file.read_bytes() for file in results.iterdir()}
-    rule = "require   mass * sqrt(p.a^2 + (p.v^2 * p.kappa)^2) <= mu * p.grip * mass * g"
+    rule = (
+        "require   mass * sqrt((p.a + drag * p.v^2 / mass)^2 + (p.v^2 * p.kappa)^2) <= mu * p.grip * mass * g"
+    )
     assert rule in before
     path.write_text(before.replace(rule, rule.replace("<= mu", "<= 100 * mu")), encoding="utf-8")
     status, out, _ = command(project, "trace", "--gate", "--as-is")

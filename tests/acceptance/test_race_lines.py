@@ -19,8 +19,12 @@ ENOUGH, TOO_LITTLE = 13.51, 13.49
 
 
 def case(identity: int, plan: race_line.Columns, grip: float) -> dict[str, Any]:
-    """A trajectory on a road with mu * g = grip, exactly."""
-    return {"id": identity, "params": {"mu": 1.0, "g": grip, "mass": MASS}, "signals": {"plan": plan}}
+    """A trajectory on a road with mu * g = grip, exactly; without drag, which eq. (2) does not know."""
+    return {
+        "id": identity,
+        "params": {"mu": 1.0, "g": grip, "mass": MASS, "drag": 0.0},
+        "signals": {"plan": plan},
+    }
 
 
 def asked(lap: race_line.Columns) -> list[float]:

@@ -57,7 +57,11 @@ def test_inside_the_ground_truth(path: Path) -> None:
         ("after_spin.tmrec.jsonl.gz", ("turn_radius",), (1.0, 1.5)),
         ("after_spin.tmrec.jsonl.gz", ("static_collision",), (4.2, 4.7)),
         ("bad_reception.tmrec.jsonl.gz", ("A-PERCEPTION",), (3.2, 4.3)),
-        ("bad_reception.tmrec.jsonl.gz", ("pose_match", "pose_on_path", "heading_match"), (6.5, 8.1)),
+        (
+            "bad_reception.tmrec.jsonl.gz",
+            ("pose_match", "pose_on_path", "place_match", "heading_match"),
+            (6.5, 8.1),
+        ),
     ],
 )
 def test_without_the_rules_it_is_outside(name: str, without: tuple[str, ...], times: tuple[float, float]) -> None:  # fmt: skip

@@ -19,7 +19,8 @@ int kernel(const kernel_limits *l, size_t n, const double *x, const double *y, c
   size_t at = 0;
   for (size_t i = 0; i < n; ++i) {
     const double lateral = v[i] * v[i] * kappa[i];
-    const double m0 = l->mu * grip[i] * l->mass * l->g - l->mass * sqrt(a[i] * a[i] + lateral * lateral);
+    const double force = a[i] + l->drag * (v[i] * v[i]) / l->mass; /* along the road, at the wheels, by mass */
+    const double m0 = l->mu * grip[i] * l->mass * l->g - l->mass * sqrt(force * force + lateral * lateral);
     const double m1 = tightest - fabs(kappa[i]);
     const double dx = x[i] - ego_x, dy = y[i] - ego_y;
     const double m5 = l->d_loc - sqrt(dx * dx + dy * dy);
@@ -33,7 +34,7 @@ int kernel(const kernel_limits *l, size_t n, const double *x, const double *y, c
       while (at + 2 < l->knots && l->knot[at + 1] <= v[i]) { ++at; }
       ax = l->value[at] + (l->value[at + 1] - l->value[at]) / (l->knot[at + 1] - l->knot[at]) * (v[i] - l->knot[at]);
     }
-    const double m2 = l->drive_factor * ax - (a[i] + l->drag * (v[i] * v[i]) / l->mass);
+    const double m2 = l->drive_factor * ax - force;
     const double m3 = a[i] - -l->b_max;
     const double m4 = l->v_max - v[i];
     bad += (m0 + m1 + m2 + m3 + m4 + m5) * 0.0; /* NaN as soon as one is */

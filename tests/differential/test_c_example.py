@@ -200,15 +200,15 @@ def test_more_than_there_is_room_for_is_a_fault(folder: Path, tmp_path: Path) ->
     lines = (folder / "debris.cycles").read_text(encoding="utf-8").splitlines()
     start = next(number for number, line in enumerate(lines) if line.startswith("driving "))
     count = int(lines[start].split()[1], 16)
-    longer = [f"driving {3 * count:x}"]
+    longer = [f"driving {5 * count:x}"]
     for line in lines[start + 1 : start + 10]:
         name, *values = line.split()
-        longer.append(" ".join([f" {name}", *values * 3]))
+        longer.append(" ".join([f" {name}", *values * 5]))
     text = "\n".join([*lines[:start], *longer, *lines[start + 10 :], ""])
     path = tmp_path / "long.cycles"
     path.write_text(text, encoding="utf-8")
     said = embedded.run(folder / "example", path).lines
-    assert "fault over_capacity driving - 40" in said
+    assert "fault over_capacity driving - 80" in said
     assert sum(line.startswith("decision drive safe") for line in said) > 60
 
 

@@ -1,6 +1,6 @@
 """Generated C against the reference evaluator, bit for bit: made-up specs with made-up inputs.
 
-TRACKMARSHAL_GENERATED=N compares N of them. One in ten is optimised as a user's program is, the others are not, which
+TRACKMARSHAL_COMPILED=N compares N of them. One in ten is optimised as a user's program is, the others are not, which
 compiles in half the time. Both matter: a compiler's optimiser has been at fault before.
 """
 
@@ -25,7 +25,7 @@ from trackmarshal.errors import TrackmarshalError
 pytestmark = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
 
 #: A spec is compiled in a tenth of a second: the default is the share for every day.
-GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "60"))
+GENERATED = int(os.environ.get("TRACKMARSHAL_COMPILED", "30"))
 #: Found wrong once: a series overwritten before it was read; a series that an optimiser took for the one before; a bound
 #: of a loop used ahead of it.
 FOUND = (30, 1237, 6040, 31366, 31507, 31894, 40888)

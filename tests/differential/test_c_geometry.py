@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 TEXT = """module geo
 
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, kappa: 1/m }
 signal ego : state { x: m, y: m, heading: rad }
 signal objects : set of object { x: m, y: m, heading: rad, length: m, width: m }
 signal track : corridor { left: polyline, right: polyline }
@@ -38,8 +38,12 @@ RULES = {
     "inside": "for all p in plan|swept_footprint(p, length, width) inside track",
     "inside_one": "exists p in plan|swept_footprint(p, length, width) inside track",
     "inside_zone": "exists p in plan|swept_footprint(p, length, width) inside z",
+    "hull_inside": "for all p in plan|swept_hull(p, length, width) inside track",
+    "hull_inside_one": "exists p in plan|swept_hull(p, length, width) inside track",
+    "hull_inside_zone": "exists p in plan|swept_hull(p, length, width) inside z",
     "point_in_zone": "for all p in plan|p in zone z",
     "clear": "for all o in objects|for all p in plan: (swept_footprint(p, length, width) clear_of footprint(o))",
+    "hull_clear": "for all o in objects|for all p in plan: (swept_hull(p, length, width) clear_of footprint(o))",
     "stations": "for all p in plan|station(p, track) <= 100 m",
     "offsets": "for all p in plan|offset(p, track) <= 1 m",
     "directions": "for all p in plan|direction(p, track) <= 1",
@@ -47,6 +51,7 @@ RULES = {
     "distances": "for all p in plan|distance_to(p, track) <= 1 m",
     "paths": "for all o in objects|station(o, plan) + 1000 * offset(o, plan) <= distance_to(o, plan)",
     "path_directions": "for all o in objects|direction(o, plan) <= 1",
+    "path_distances": "for all o in objects|distance_to(o, plan) <= 3 m",
     "ways": "for all p in plan|offset(p, way) + station(p, way) <= distance_to(p, way)",
     "places": "for all p in plan|offset(p, l) + station(p, l) <= distance_to(p, l)",
     "borders": "for all p in plan|distance_to(p, track.left) <= distance_to(p, track.right)",
@@ -142,6 +147,26 @@ def eight(r: random.Random) -> tuple[Points, Points, bool]:
     return left, right, True
 
 
+def bend(
+    r: random.Random, x: float, y: float, h: float, count: int
+) -> tuple[list[Any], list[float], list[float], list[float]]:
+    """Samples of an arc, forwards or backwards; sometimes with headings or curvatures that are a little off."""
+    kappa, step = (
+        r.choice([0.0, 1e-9, 0.01, -0.06, 0.09, r.uniform(-0.4, 0.4)]),
+        r.choice([0.05, 1.0, 2.5, 5.0]),
+    )
+    back, noise = r.choice([0.0, 0.0, math.pi]), r.choice([0.0, 0.0, 0.01, 0.3])
+    columns: tuple[list[Any], list[float], list[float], list[float]] = ([], [], [], [])
+    for _ in range(count):
+        values = (x, y, h + back + noise * r.uniform(-1, 1), kappa * (1 + noise * r.uniform(-1, 1)))
+        for column, value in zip(columns, values):
+            column.append(value)
+        turned = h + kappa * step
+        chord = step if kappa == 0.0 else 2 * math.sin(kappa * step / 2) / kappa
+        x, y, h = x + chord * math.cos((h + turned) / 2), y + chord * math.sin((h + turned) / 2), turned
+    return columns
+
+
 def case(r: random.Random, left: Points, right: Points, closed: bool) -> dict[str, Any]:
     count, i = r.randint(2, 5), r.randrange(min(len(left), len(right)))
     cx, cy = (left[i][0] + right[i][0]) / 2, (left[i][1] + right[i][1]) / 2
@@ -152,6 +177,11 @@ def case(r: random.Random, left: Points, right: Points, closed: bool) -> dict[st
     x: list[Any] = [cx + j * math.cos(h) * step for j, (step, _) in enumerate(steps)]
     y = [cy + j * math.sin(h) * step for j, (step, _) in enumerate(steps)]
     heading = [h + turn for _, turn in steps]
+    kappa = [r.choice([0.0, 0.0, 0.02, -0.1, 3.0]) for _ in range(count)]
+    if r.random() < 0.5:
+        x, y, heading, kappa = bend(r, cx, cy, h, count)
+    if r.random() < 0.05:
+        kappa[r.randrange(count)] = r.choice([math.nan, 1e9, 1e10, math.inf])
     if r.random() < 0.3:
         x, y = [float(round(v)) for v in x], [float(round(v)) for v in y]
     if r.random() < 0.05:
@@ -164,7 +194,7 @@ def case(r: random.Random, left: Points, right: Points, closed: bool) -> dict[st
         for _ in range(r.randint(0, 2))
     ]  # fmt: skip
     signals = {
-        "plan": {"t": [0.1 * j for j in range(count)], "x": x, "y": y, "heading": heading}, "ego": {"x": cx, "y": cy, "heading": h},
+        "plan": {"t": [0.1 * j for j in range(count)], "x": x, "y": y, "heading": heading, "kappa": kappa}, "ego": {"x": cx, "y": cy, "heading": h},
         "objects": objects, "track": {"left": left, "right": right, "closed": closed}, "way": r.choice([left, right, [[0, 0], [1, 1], [1, 1], [0, 5]]]),
     }  # fmt: skip
     data: dict[str, Any] = {"signals": signals}

@@ -18,7 +18,7 @@ from support.generated.places import Road
 NEAR = 1e-9
 SPEC = """
 module driven
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, kappa: 1/m }
 signal objects : set of object { x: m, y: m, heading: rad, length: m, width: m }
 signal ego : state { x: m, y: m, heading: rad }
 signal track : corridor { left: polyline, right: polyline }
@@ -34,6 +34,9 @@ rule clear "of all"
   for all o in objects
   for all p in plan
   require swept_footprint(p, 4.7 m, 2 m) clear_of footprint(o)
+rule straight_on_track "the straight hull"
+  for all p in plan
+  require swept_hull(p, 4.7 m, 2 m) inside track
 rule still "standing"
   require footprint(ego, 4.7 m, 2 m) inside track
 rule along_track "coordinates"
@@ -62,9 +65,9 @@ def driven(kind: str, choices: RandomChoices) -> dict[str, list[float]]:
         heading = choices.pick((math.pi / 2, math.pi, 0.3, -2.0))
     step = {"standing": 0.0, "backwards": -0.7}.get(kind, choices.pick((0.5, 1.3, 4.7)))
     bend = choices.pick((0.1, -0.05, 1e-9)) if kind == "bend" else 0.0
-    columns: dict[str, list[float]] = {"t": [], "x": [], "y": [], "heading": []}
+    columns: dict[str, list[float]] = {"t": [], "x": [], "y": [], "heading": [], "kappa": []}
     for k in range(10):
-        for column, value in zip(columns.values(), (0.1 * k, x, y, heading), strict=True):
+        for column, value in zip(columns.values(), (0.1 * k, x, y, heading, bend), strict=True):
             column.append(value)
         x, y, heading = x + step * math.cos(heading), y + step * math.sin(heading), heading + bend * step
         if kind == "lane change":

@@ -82,7 +82,7 @@ KINDS = {
     "geometry": Kind(geometry=True, one_libm=not same_trigonometry()),
     "everything": Kind("any", geometry=True, one_libm=True),
 }
-GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "600"))
+GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "300"))
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -22,12 +22,15 @@ from trackmarshal.evaluation import Evaluator
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 RULES = {
-    "clear": "for all o in objects|for all p in plan: (swept_footprint(p, length, width) clear_of footprint(o))",
-    "touching": "for all o in objects|for all p in plan: (not (swept_footprint(p, length, width) clear_of footprint(o)))",
-    "inside_zone": "for all p in plan|swept_footprint(p, length, width) inside z",
-    "inside_rhombus": "for all p in plan|swept_footprint(p, length, width) inside d",
-    "inside_notched": "exists p in plan|swept_footprint(p, length, width) inside n",
-    "inside_track": "for all p in plan|swept_footprint(p, length, width) inside track",
+    "clear": "for all o in objects|for all p in plan: (swept_hull(p, length, width) clear_of footprint(o))",
+    "touching": "for all o in objects|for all p in plan: (not (swept_hull(p, length, width) clear_of footprint(o)))",
+    "inside_zone": "for all p in plan|swept_hull(p, length, width) inside z",
+    "inside_rhombus": "for all p in plan|swept_hull(p, length, width) inside d",
+    "inside_notched": "exists p in plan|swept_hull(p, length, width) inside n",
+    "inside_track": "for all p in plan|swept_hull(p, length, width) inside track",
+    "curve_clear": "for all o in objects|for all p in plan: (swept_footprint(p, length, width) clear_of footprint(o))",
+    "curve_inside": "exists p in plan|swept_footprint(p, length, width) inside n",
+    "curve_inside_track": "for all p in plan|swept_footprint(p, length, width) inside track",
     "in_zone": "for all p in plan|p in zone z",
     "not_in_zone": "exists p in plan|not (p in zone d)",
     "distance": "for all p in plan|distance_to(p, l) >= 2 m",
@@ -45,7 +48,7 @@ RULES = {
     "edge": "along plan as p|eventually rising(p.x == p.y)",
 }
 TEXT = """module lattice
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, kappa: 1/m default 0 }
 signal objects : set of object { x: m, y: m, heading: rad, length: m, width: m }
 signal track : corridor { left: polyline, right: polyline }
 param length : m = 4 m in [0, 100]
@@ -148,7 +151,9 @@ def check(count: int, seed: int) -> None:
     else:
         with one_libm():
             seen = compare(count, seed)
-    assert all(seen[f"{rule} satisfied"] + seen[f"{rule} violated"] > count / 200 for rule in RULES), seen
+    for rule in RULES:  # of curves there are few that fit the lattice and touch
+        least = count / 1000 if rule.startswith("curve") else count / 200
+        assert seen[f"{rule} satisfied"] + seen[f"{rule} violated"] > least, seen
 
 
 def test_a_lattice() -> None:

@@ -26,7 +26,7 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 TEXT = """module history
 
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, kappa: 1/m, v: m/s }
 signal ego : state { x: m, y: m, heading: rad, v: m/s }
 signal objects : set of object { x: m, y: m, heading: rad, v: m/s }
 signal track : corridor { left: polyline, right: polyline }
@@ -40,6 +40,10 @@ define ahead(o: pose) -> m = station_gap(track, station(ego, track), station(o, 
 rule inside "made up"
   for all   p in plan
   require   swept_footprint(p, length, width) inside track
+
+rule hull_inside "made up"
+  for all   p in plan
+  require   swept_hull(p, length, width) inside track
 
 rule inside_zone "made up"
   for all   p in plan
@@ -112,6 +116,11 @@ class Course:
         (ax, ay), (bx, by) = self._centre(s - 1e-5), self._centre(s + 1e-5)
         return math.atan2(by - ay, bx - ax)
 
+    def kappa(self, s: float) -> float:
+        (ax, ay), (bx, by) = self._centre(s - 1e-4), self._centre(s + 1e-4)
+        turn = math.remainder(self.heading(s + 1e-4) - self.heading(s - 1e-4), 2 * math.pi)
+        return turn / math.hypot(bx - ax, by - ay)
+
     def point(self, s: float, offset: float) -> list[float]:
         x, y = self._centre(s)
         h = self.heading(s)
@@ -138,12 +147,15 @@ def signals(r: random.Random, course: Course, before: dict[str, Any] | None) -> 
         points[r.randrange(count)][0] = r.choice([math.nan, 1e9, -1e9, 1e10])
     elif kind < 0.3:
         headings[r.randrange(count)] = r.choice([1e9, -700.0, math.nan])
+    kappas = [course.kappa(start + i * step) + r.choice([0.0, 0.0, 0.0, 0.02, -0.3]) for i in range(count)]
+    if kind > 0.97:
+        kappas[r.randrange(count)] = r.choice([math.nan, 1e9, 1e10])
     there = [course.point(start + r.uniform(-0.2, 0.2), r.uniform(-3, 3)) for _ in range(r.randint(0, 12))]
     x, y = course.point(start, aside)
     return {
         "start": start,
         "plan": {"t": [0.1 * i for i in range(count)], "x": [p[0] for p in points], "y": [p[1] for p in points],
-                 "heading": headings, "v": [r.choice([5.0, 15.0])] * count},
+                 "heading": headings, "kappa": kappas, "v": [r.choice([5.0, 15.0])] * count},
         "ego": {"x": x, "y": y, "heading": course.heading(start), "v": 10.0},
         "objects": [{"x": p[0], "y": p[1], "heading": 0.0, "v": 10.0} for p in there],
         "track": {"left": course.left, "right": course.right, "closed": course.closed},
@@ -196,7 +208,7 @@ def test_what_was_asked_before_changes_nothing(folder: Path) -> None:
     seen: Counter[str] = Counter()
     found = [text for seed in range(40) for text in compare(seed, folder, seen)]
     assert not found
-    for rule in ("inside", "gap", "side", "offsets"):
+    for rule in ("inside", "hull_inside", "gap", "side", "offsets"):
         assert min(seen[f"{rule} {verdict}"] for verdict in ("satisfied", "violated")) >= 10, seen
 
 

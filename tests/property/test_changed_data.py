@@ -27,7 +27,7 @@ SPEC = """
 module changed
 signal track : corridor { left: polyline, right: polyline }
 signal line : polyline
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, kappa: 1/m default 0 }
 zone pit = polygon (0 m, -1 m) (9 m, -1 m) (9 m, 1 m) (0 m, 1 m)
 rule on_track "on the track"
   for all p in plan

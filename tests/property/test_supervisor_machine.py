@@ -9,6 +9,7 @@ import math
 import random
 from typing import Any
 
+import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
@@ -44,7 +45,7 @@ class Driving(RuleBasedStateMachine):
         self.stored: tuple[int, float] | None = None
         self.seen = -math.inf
         self.ever = False
-        self.position = 0.0
+        self.position, self.speed = 0.0, SPEED
         self.history: list[tuple[Any, list[Any]]] = []
 
     def _step(self, given_cycle: Cycle | None, ticks: list[float] | None = None) -> Decision:
@@ -69,7 +70,12 @@ class Driving(RuleBasedStateMachine):
         if good and pose is not None:
             planned = x + SPEED * since - BRAKING * since**2 / 2
             # Between samples the model is exact and the Supervisor straight: a centimetre apart at most.
-            good = math.hypot(pose[0] - planned, pose[1]) <= self.limits.apart
+            first = max(x, planned - self.limits.apart)
+            last = min(x + SPEED * STOP / 2, planned + self.limits.apart)
+            nearest = min(max(pose[0], first), last)
+            good = math.hypot(pose[0] - nearest, pose[1]) <= self.limits.beside
+            fast = math.sqrt(max(0.0, SPEED**2 - 2 * BRAKING * (nearest - x)))
+            good = good and self.speed <= fast + self.limits.overspeed
             self.seen = now
         good = good and now - self.seen <= self.limits.blind
         if not good:
@@ -81,13 +87,14 @@ class Driving(RuleBasedStateMachine):
         """The car drives what was decided until the next cycle."""
         if self.decision is not None and self.decision.driven is not None:
             plan = self.decision.driven
-            pose = plan.pose(min(self.number * PERIOD, plan.end))
-            assert pose is not None
-            self.position = pose[0]
+            now = min(self.number * PERIOD, plan.end)
+            self.position, self.speed = (
+                float(np.interp(now, plan.due, plan.columns.column(name))) for name in ("x", "v")
+            )
         self.position += lapse
 
     def _next(self) -> Cycle:
-        return cycle(self.number, at=self.position)
+        return cycle(self.number, at=self.position, v=self.speed)
 
     @rule()
     def safe_cycle(self) -> None:
@@ -111,7 +118,16 @@ class Driving(RuleBasedStateMachine):
         decision = self._step(None)
         assert decision.state == self._model(False, None)
 
-    @rule(lapse=st.sampled_from([-50.0, -3.0, 3.0, 50.0]))
+    @rule(more=st.sampled_from([-3.0, 3.0, 8.0]))
+    def car_is_faster(self, more: float) -> None:
+        """The car is where it should be, at another speed, and the cycle unsafe."""
+        self._follow()
+        self.speed += more
+        self.oracle.unsafe = {("driving", "friction")}
+        decision = self._step(self._next())
+        assert decision.state == self._model(False, (self.position, 0.0))
+
+    @rule(lapse=st.sampled_from([-50.0, -7.0, -3.0, 3.0, 7.0, 50.0]))
     def car_leaves(self, lapse: float) -> None:
         """The car is elsewhere, and the cycle unsafe."""
         self._follow(lapse)

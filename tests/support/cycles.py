@@ -45,13 +45,15 @@ _TRACK = {
 }
 
 
-def cycle(number: int, objects: int = 2, obstacles: int = 1, at: float | None = None) -> Cycle:
-    """A flawless, safe cycle, stamped number * PERIOD; `at`: where the car is, m."""
+def cycle(
+    number: int, objects: int = 2, obstacles: int = 1, at: float | None = None, v: float = SPEED
+) -> Cycle:
+    """A flawless, safe cycle, stamped number * PERIOD; `at`: where the car is, m; `v`: how fast it is, m/s."""
     start = SPEED * number * PERIOD if at is None else at
     others = np.arange(objects) * 60.0 + start + 150.0
     things = np.arange(obstacles) * 10.0 + start + 300.0
     signals = {
-        "ego": {"x": start, "y": 0.0, "heading": 0.0, "v": SPEED, "age": 0.0},
+        "ego": {"x": start, "y": 0.0, "heading": 0.0, "v": v, "age": 0.0},
         "objects": {
             "id": [f"o{i}" for i in range(objects)], "x": others, "y": np.full(objects, 3.0), "heading": np.zeros(objects),
             "v": np.full(objects, 25.0), "length": np.full(objects, 4.5), "width": np.full(objects, 2.0),
@@ -238,7 +240,7 @@ def too_short(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
 def over_capacity(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
     """One more than the capacities of default limits."""
     where, _ = _table(rng)
-    n = 65 if where in ("driving", "emergency") else 33
+    n = 129 if where in ("driving", "emergency") else 33
     if where in ("driving", "emergency"):
         grown: Any = plan(float(given.driving["x"][0]), BRAKING if where == "emergency" else 0.0, n)
     else:
@@ -386,7 +388,15 @@ def misspelt(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
     return _with(given, where, {**own, wrong: own[name]}), Expected(("unknown",), where, (wrong,))
 
 
+def wrong_track(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
+    """Borders of a track that the places of the shipped rules are not on."""
+    name = rng.choice(("Modena", "monteblanco", ""))
+    track = {**given.signals["track"], "name": name}
+    return _with(given, "track", track), Expected(("wrong_track",), "track", ("name",))
+
+
 MUTATIONS: tuple[Mutation, ...] = (
     misspelt, drop_column, drop_signal, junk_signal, junk_column, not_finite, junk_value, out_of_range, reversed_time, wrong_length,
     too_short, over_capacity, duplicate, junk_id, ego, border, numbering, stamp, starts_elsewhere, not_at_rest, no_record,
+    wrong_track,
 )  # fmt: skip

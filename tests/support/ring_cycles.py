@@ -113,7 +113,7 @@ def mutate(r: random.Random, given: Cycle) -> None:
 
 
 def breaches(
-    spec: Spec, given: Cycle, last: Cycle | None, samples: int = 64, elements: int = 32
+    spec: Spec, given: Cycle, last: Cycle | None, samples: int = 128, elements: int = 32
 ) -> set[Breach]:
     """Everything that breaks the contract in a cycle, the first index of each kind in each field; slow and plain."""
     found: set[Breach] = set()

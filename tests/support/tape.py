@@ -47,7 +47,7 @@ class Taped(Stepper):
         return said
 
     def _write(self, found: Any, said: Said) -> None:
-        self.tape += self._in.raw
+        self.tape += self._in
         self.tape += struct.pack("=d", said.finished)
         for name, signal, field, index in found:
             texts = [text.encode() + b"\0" for text in (signal, field)]

@@ -53,7 +53,7 @@ rule apart "Away from what is seen"
 
 rule on_track "On the track"
   for all p in plan
-  require swept_footprint(p, 2 m, 1 m) inside track
+  require swept_hull(p, 2 m, 1 m) inside track
 
 rule near "Near the border"
   for all p in plan
@@ -70,7 +70,7 @@ _PLAIN = {
 FLAGS = ("ready", "seen", "on")
 VARIANTS = ("lists", "arrays")
 LIMITS = Limits(
-    samples=8, elements=4, border=8, longest_gap=1e9, oldest=1e9, clock_tolerance=1e9, budget=1e9, apart=1e9, turned=1e9, blind=1e9
+    samples=8, elements=4, border=8, longest_gap=1e9, oldest=1e9, clock_tolerance=1e9, budget=1e9, apart=1e9, beside=1e9, turned=1e9, overspeed=1e9, blind=1e9
 )  # fmt: skip
 
 

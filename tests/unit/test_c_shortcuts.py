@@ -12,7 +12,7 @@ from trackmarshal.evaluation import load
 
 HEAD = """module short
 
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, kappa: 1/m, v: m/s }
 signal boxes : set of object { x: m, y: m, length: m }
 signal track : corridor { left: polyline, right: polyline }
 
@@ -20,7 +20,7 @@ param length : m = 4.7 m in [0.1, 1000]
 zone z = polygon (0 m, 0 m) (30 m, 0 m) (30 m, 30 m)
 
 """
-ONE, SINGLE = "tm_timeline_inside(", "tm_swept_inside("
+ONE, SINGLE = "tm_timeline_inside(", "tm_curved_inside("
 
 
 def known(folder: Path, *rules: str) -> str:
@@ -51,6 +51,14 @@ def test_all_sweeps_of_a_timeline_at_once(tmp_path: Path, rule: str, call: str) 
     text = known(tmp_path, rule)
     assert call in text
     assert {ONE: SINGLE, SINGLE: ONE}[call] not in text
+
+
+def test_straight_sweeps_of_a_timeline_at_once(tmp_path: Path) -> None:
+    text = known(tmp_path, "  for all p in plan\n  require swept_hull(p, length, 2 m) inside track")
+    assert re.search(r"tm_timeline_inside\([^;]*heading, NULL, ", text)
+    assert "tm_swept_inside(" in known(
+        tmp_path, "  for all p in plan where p.v > 1 m/s\n  require swept_hull(p, length, 2 m) inside track"
+    )
 
 
 def test_sign_where_the_sign_counts(tmp_path: Path) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import shutil
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +13,7 @@ from typing import Any
 import pytest
 
 import trackmarshal as tm
+from trackmarshal.cli.main import main
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.scenarios import load
 from trackmarshal.scenarios.supervised import cycles
@@ -48,6 +51,24 @@ def test_programs_run(
     assert "previous_emergency" in said
     assert "safe_gap violated" in said
     assert "emergency of" in said
+
+
+def test_the_page_about_the_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The program of docs/process.md. A recording is held to no pace, so the limits are those of `replay`."""
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    (program,) = re.findall(
+        r"```python\n(.*?)```", (ROOT / "docs" / "process.md").read_text("utf-8"), re.DOTALL
+    )
+    (tmp_path / "specs").symlink_to(ROOT / "specs")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(program, "docs/process.md", "exec"), {})
+    said = capsys.readouterr().out
+    assert "previous_emergency" in said
+    assert "safe_gap violated" in said
+    assert said.splitlines()[-1] == "fallback silent"
 
 
 def test_the_page_about_python(
@@ -88,8 +109,8 @@ def test_the_readme_supervises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     first = next(cycles(recording))
     (tmp_path / "specs").symlink_to(ROOT / "specs")
     monkeypatch.chdir(tmp_path)
-    limits = Limits(oldest=60.0, budget=60.0)  # the machine that tests run on is no car
-    monkeypatch.setattr("trackmarshal.supervision.Limits", lambda: limits)
+    limits = Limits(oldest=600.0, budget=60.0)  # the machine that tests run on is no car
+    monkeypatch.setattr(Limits, "of", lambda spec: limits)
     scope = {"cycle": replace(first, t=time.monotonic())}
     exec(compile(program, "README.md", "exec"), scope)
     decision: Any = scope["decision"]
@@ -114,3 +135,34 @@ def test_every_declaration_and_clause_is_documented() -> None:
 
     page = (ROOT / "docs" / "language.md").read_text("utf-8")
     assert [word for word in DECLARATIONS if f"`{word}" not in page] == []
+
+
+def test_the_page_about_integration(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/integration.md word for word: its programs and commands in their order, in one folder; what it says they print, they print."""
+    page = (ROOT / "docs" / "integration.md").read_text("utf-8")
+    for name in ("specs", "requirements"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "adapter", raising=False)
+    scope: dict[str, Any] = {}
+    said, statuses = [], []
+    for language, text in re.findall(r"```(python|sh)\n(.*?)```", page, re.DOTALL):
+        if language == "python":
+            exec(compile(text, "docs/integration.md", "exec"), scope)
+        else:
+            (command,) = text.strip().splitlines()
+            assert command.startswith("trackmarshal ")
+            statuses.append(main(command.split()[1:]))
+        said.append(capsys.readouterr().out)
+    assert statuses == [1, 0]
+    everything = "".join(said)
+    for line in re.findall(r"```text\n(.*?)```", page, re.DOTALL)[0].splitlines():
+        assert line in everything
+    for line in re.findall(r"It prints `(.*?)`", page):
+        assert f"{line}\n" in everything
+    assert "the adapter is all that it takes" in everything
+    assert re.search(r"driving friction by \d+ N at sample \d+, s = \d+ m", everything)
+    sys.modules.pop("adapter", None)

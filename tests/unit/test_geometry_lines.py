@@ -9,6 +9,7 @@ import pytest
 
 from support.bodies import BOTH, Geometry
 from support.tracks import loop, oval
+from trackmarshal.backends.reference import geometry as reference
 from trackmarshal.runtime.geometry import Corridor, Polyline, distance_to_paths
 
 BEND = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)]
@@ -190,3 +191,31 @@ def test_distances_from_the_paths_of_many_cases() -> None:
     assert distances == pytest.approx(
         np.array([[3.0, 5.0], [2.0, 2.0], [np.nan] * 2, [np.nan] * 2]), nan_ok=True
     )
+
+
+STANDING = {
+    "in one place": ([3.0, 3.0, 3.0], [4.0, 4.0, 4.0], 5.0),
+    "in one place, up to rounding": ([3.0, 3.0 + 5e-10, 3.0], [4.0, 4.0, 4.0 - 5e-10], 5.0),
+    "on the way, and then in one place": ([3.0, 9.0, 9.0, 9.0], [4.0, 4.0, 4.0, 4.0], 5.0),
+    "a single sample": ([3.0], [4.0], math.nan),
+    "a place that is lost": ([3.0, math.nan, 3.0], [4.0, 4.0, 4.0], math.nan),
+    "lost at once": ([math.nan, 3.0], [4.0, 4.0], math.nan),
+    "nowhere": ([], [], math.nan),
+    "too far away to be a place": ([2e9, 2e9], [4.0, 4.0], math.nan),
+}
+
+
+@pytest.mark.parametrize(("x", "y", "wanted"), STANDING.values(), ids=STANDING)
+def test_the_path_of_a_car_that_stands_is_its_place(x: list[float], y: list[float], wanted: float) -> None:
+    found = reference.distance_to_path(0.0, 0.0, list(zip(x, y)))
+    assert found == pytest.approx(wanted, abs=1e-8, nan_ok=True)
+    # Padding, and other cases that move, change nothing.
+    paths = [(x, y), ([0.0, 0.0, 1.0, 1.0, 2.0], [1.0] * 5)]
+    path_x, path_y = np.full((2, 5), 7.0), np.full((2, 5), 7.0)
+    for row, (xs, ys) in enumerate(paths):
+        path_x[row, : len(xs)], path_y[row, : len(ys)] = xs, ys
+    zero = np.zeros((2, 1))
+    many = distance_to_paths(zero, zero, path_x, path_y, np.array([len(x), 5]))
+    assert many[:, 0] == pytest.approx(np.array([wanted, 1.0]), abs=1e-8, nan_ok=True)
+    alone = distance_to_paths(zero[:1], zero[:1], path_x[:1, : len(x)], path_y[:1, : len(x)], [len(x)])
+    assert alone[0, 0] == pytest.approx(wanted, abs=1e-8, nan_ok=True)

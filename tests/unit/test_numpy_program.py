@@ -18,7 +18,7 @@ from trackmarshal.runtime.verdict import VERDICTS
 
 SPEC = """
 module made
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, kappa: 1/m default 0, v: m/s }
 signal objects : set of object { x: m, y: m, heading: rad, length: m, width: m }
 signal track : corridor { left: polyline, right: polyline }
 signal ego : state { x: m, y: m }
@@ -148,16 +148,17 @@ def test_verdicts_of_a_run_are_those_of_its_results(spec: Spec) -> None:
         np.testing.assert_array_equal(margins[place], [one.margin for one in expected])
 
 
-def test_all_margins_of_footprints_are_there_for_who_asks() -> None:
+@pytest.mark.parametrize("swept", ["swept_footprint", "swept_hull"])
+def test_all_margins_of_footprints_are_there_for_who_asks(swept: str) -> None:
     """A batch works out only the least margin along each trajectory; whoever asks for others gets the true ones."""
     spec = compiled(
-        """
+        f"""
 module made
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
-signal track : corridor { left: polyline, right: polyline }
+signal plan : trajectory {{ t: s increasing, x: m, y: m, heading: rad, kappa: 1/m default 0 }}
+signal track : corridor {{ left: polyline, right: polyline }}
 rule inside "on the track"
   for all p in plan
-  require swept_footprint(p, 4 m, 2 m) inside track
+  require {swept}(p, 4 m, 2 m) inside track
 """
     )
     track = {"left": [[-9, 6], [99, 4]], "right": [[-9, -6], [99, -6]]}
@@ -189,7 +190,7 @@ def test_footprints_that_touch_are_settled_where_only_the_least_margin_is_worked
     spec = compiled(
         """
 module made
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, kappa: 1/m default 0 }
 zone z = polygon (-4 m, -4 m) (40 m, -4 m) (40 m, 4 m) (-4 m, 4 m)
 rule inside "in the zone"
   for all p in plan

@@ -28,6 +28,7 @@ DERIVED = {
     "S-1-A-4": ["AV-RO"],
     "S-1-A-5": ["AV"],
     "S-1-A-6": ["AV-TI", "AV-DI"],
+    "S-1-A-7": ["AV"],  # not the paper's: found with a planner in the loop
 }
 STAGES = ["S-1-A", "S-1-B", "S-2-A", "S-2-B", "S-2-C", "S-3-A", "S-3-B", "S-4-A", "S-4-B"]
 

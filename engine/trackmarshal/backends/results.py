@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from trackmarshal.backends.undefined import of_reads, why
 from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 
 class CaseValues(Values, Protocol):
     """What a result needs to know of one case from an evaluator."""
+
+    @property
+    def spec(self) -> Spec: ...
 
     def along(self, node: ir.Formula, axis: ir.Axis, env: dict[int, int]) -> Sequence[Truth]: ...
 
@@ -119,11 +123,23 @@ def rule_result(
     along = _series(rule, values, series)
     if verdict == "inactive":
         return RuleResult(rule.name, verdict, margin, rule.unit, None, "nothing in its range", along)
-    witness = Descent(values).find(formula)
+    descent = Descent(values)
+    witness = descent.find(formula)
     unit = rule.unit if rule.unit != "mixed" else witness.unit if witness is not None else "1"
-    reason = (values.geometry_fault(formula) or "") if verdict == "undefined" else ""
+    reason = _why(rule, frame, values, descent) if verdict == "undefined" else ""
     shown = shown_unit(witness, unit)
     return RuleResult(rule.name, verdict, margin, unit, witness, reason, along, shown)
+
+
+def _why(rule: RuleInfo, frame: Frame, values: CaseValues, descent: Descent) -> str:
+    """Why a rule that could be computed is undefined: an area that is none, an input without a value, or an operation on some that have one."""
+    assert rule.formula is not None
+    unusable = values.geometry_fault(rule.formula)
+    if unusable:
+        return unusable
+    if descent.decisive is None:
+        return of_reads(rule.reads, frame)
+    return why(*descent.decisive, values.spec, frame)
 
 
 def shown_unit(witness: Witness | None, unit: str) -> str:

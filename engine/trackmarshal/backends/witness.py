@@ -137,7 +137,8 @@ class Descent:
                     binders[name] = self._values.name(axis, env[level] + offset)
         unit = node.unit if isinstance(node, ir.Compare) else "1" if isinstance(node, ir.Flag) else "m"
         shown = node.shown if isinstance(node, ir.Compare) else ""
-        return Witness(binders, self._values.truth(node, env).margin, unit, node.span, shown)
+        margin = self._values.truth(node, env).margin
+        return Witness(binders, margin, unit, node.span, shown, _places(node, env))
 
     def _pick(
         self,
@@ -239,6 +240,22 @@ class Descent:
             return now
         before = {**env, level: env[level] - 1}
         return self._pick(node, env, min, ((node.operand, before, -sign), (node.operand, env, sign))) or now
+
+
+def _places(node: ir.Formula, env: Env) -> tuple[tuple[str, int], ...]:
+    """The samples and elements that a comparison reads, by signal and number (-1: the last), in order."""
+    found: set[tuple[str, int]] = set()
+    for part in ir.below(node):
+        match part:
+            case ir.Column() if part.axis.level in env:
+                found.add((part.axis.signal, max(0, env[part.axis.level] + part.offset)))
+            case ir.Flag() if part.axis is not None and part.axis.level in env:
+                found.add((part.signal, max(0, env[part.axis.level] + part.offset)))
+            case ir.Sample():
+                found.add((part.signal, part.index))
+            case _:
+                continue
+    return tuple(sorted(found))
 
 
 _NEGATED = {"satisfied": "violated", "violated": "satisfied", "undefined": "undefined"}

@@ -63,8 +63,20 @@ def examine(compiled: Compiled, project: Path | None) -> list[Diagnostic | Track
         known, unreadable = demanded(project)
         if not unreadable:  # else it is not known what is demanded
             found += unknown_requirements(compiled, project, known)
+    unreadable += unlimited(compiled)
     in_order = sorted(found, key=lambda d: (d.span.file.path, d.span.start, d.code))
     return [*compiled.failures, *unreadable, *in_order]
+
+
+def unlimited(compiled: Compiled) -> list[TrackmarshalError]:
+    """What is wrong with the limits that the specs declare for a Supervisor."""
+    from trackmarshal.runtime.cycle import Limits
+
+    try:
+        Limits.of(compiled.spec)
+    except TrackmarshalError as error:
+        return [error]
+    return []
 
 
 def unconstrained(compiled: Compiled) -> list[Diagnostic]:

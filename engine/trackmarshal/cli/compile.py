@@ -2,7 +2,8 @@
 
 trackmarshal compile specs/supervisor --target c --out build/supervisor
 
-With --cycles, a recording or the record of a run is written as a file that the example runs from.
+With --cycles, a recording or the record of a run is written as a file that the example runs from. With --process, the Supervisor is also
+written as a process of its own, with clients for it in C and in Python (docs/process.md).
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.cli.options import choose_rules
+from trackmarshal.cli.options import choose_limits, choose_rules, limits_of
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
@@ -37,6 +38,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--cycles", action="append", default=[], metavar="RECORDING",
         help="write the cycles of a recording, or of a run's record, for the example; its vehicle and track are compiled in",
     )  # fmt: skip
+    parser.add_argument(
+        "--process", action="store_true", help="also as a process of its own, with clients; --limit is for it"
+    )
+    choose_limits(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -47,11 +52,11 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.backends.c.source import generate
     from trackmarshal.evaluation import Evaluator, broken_constraints, load
 
-    if not plain(args.name) or args.name in ("main", "cycles", "glue"):
+    if not plain(args.name) or args.name in _TAKEN:
         raise TrackmarshalError(
             "E474",
             f"`{args.name}` is no name for a C file",
-            help="letters, digits and _, no digit first; not `main` or `cycles`",
+            help="letters, digits and _, no digit first; not `main` or `cycles`, nor another file that is written",
         )
     project = optional_project(args)
     given = [_read(path) for path in args.cycles]
@@ -68,8 +73,17 @@ def run(args: argparse.Namespace) -> int:
         raise TrackmarshalError(
             "E475", "no Supervisor can be made of this spec, so it takes no cycles", help="leave out --cycles"
         )
+    process: dict[str, str] = {}
+    capacities = None
+    if args.process:
+        process, capacities = _process(source, args, evaluator)
+    elif args.limit:
+        raise TrackmarshalError(
+            "E481", "limits are compiled in with --process only", help="call tm_configure, or add --process"
+        )
     texts = {
-        f"{args.name}.h": source.header, f"{args.name}.c": source.source, **example(source), "report.md": report(source),
+        f"{args.name}.h": source.header, f"{args.name}.c": source.source, **example(source, capacities), "report.md": report(source),
+        **process,
     }  # fmt: skip
     texts |= {
         f"{name}.cycles": "".join(f"{line}\n" for line in _cycles(one, source, evaluator))
@@ -79,6 +93,7 @@ def run(args: argparse.Namespace) -> int:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():
+            (folder / name).parent.mkdir(exist_ok=True)
             (folder / name).write_text(text, encoding="utf-8")
     except OSError as error:
         raise TrackmarshalError(
@@ -89,6 +104,40 @@ def run(args: argparse.Namespace) -> int:
             f"{len(source.rules)} rules, {len(source.source.splitlines())} lines of C in {folder}: {', '.join(texts)}"
         )
     return 0
+
+
+#: Names of other files that are written.
+_TAKEN = (
+    "main",
+    "cycles",
+    "glue",
+    "messages",
+    "mailbox",
+    "desk",
+    "process",
+    "client",
+    "client_example",
+    "executing",
+)
+
+
+def _process(
+    source: Source, args: argparse.Namespace, evaluator: Evaluator
+) -> tuple[dict[str, str], dict[str, int]]:
+    """The files of the Supervisor as a process, Python's among them, and its capacities by macro."""
+    from dataclasses import asdict
+
+    from trackmarshal.backends.c.process.emit import Emitted
+    from trackmarshal.process.copies import link
+
+    if source.supervised is None:
+        raise TrackmarshalError(
+            "E477",
+            "no Supervisor can be made of this spec, so it cannot be a process",
+            help="leave out --process",
+        )
+    made = Emitted(source, asdict(limits_of(args)))
+    return made.files | link(), made.sizes
 
 
 def _read(path: str) -> tuple[str, Recording | Run]:

@@ -16,7 +16,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.cli.options import choose_rules
+from trackmarshal.cli.options import choose_backend, choose_rules
 from trackmarshal.cli.output import dump, rule_json, say, table
 from trackmarshal.cli.project import optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
@@ -52,7 +52,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--data", required=True, metavar="FILE", help="JSON Lines, one case a line; - for standard input"
     )
     choose_rules(parser, "evaluate")
-    parser.add_argument("--backend", choices=("numpy", "reference", "c"), default="numpy")
+    choose_backend(parser, "numpy", "default: numpy")
     parser.add_argument(
         "--series", action="store_true", help="for rules along a timeline: the value at every sample"
     )

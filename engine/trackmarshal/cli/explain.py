@@ -144,6 +144,8 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
     if isinstance(node, ir.Compare):
         for name, side in (("left side", node.left), ("right side", node.right)):
             rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
+    if isinstance(node, ir.SweptInside | ir.SweptClear):
+        rows.append(("swept", _way(node, env, values)))
     leaves: dict[str, float] = {}
     for part in ir.below(node):
         if isinstance(part, ir.Column):
@@ -165,6 +167,17 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
             inside = ", ".join(_figure(values.number(end, env)) for end in ends)
             leaves[f"{part.spoken} along {part.line.name} of ({inside})"] = values.number(part, env)
     return rows + [(name, _figure(value)) for name, value in sorted(leaves.items())]
+
+
+def _way(node: ir.SweptInside | ir.SweptClear, env: dict[int, int], values: Reference) -> str:
+    """What is taken for swept: straight, or along a curve, and what is added to that."""
+    if not node.bend:
+        return "the footprint" if node.start == node.end else "the straight hull of two footprints"
+    curve = values.curve(node, env)
+    if curve is None:
+        return "along a curve of which a number is missing"
+    pieces = len(curve.poses) - 1
+    return f"along a curve, in {pieces} piece{'s' * (pieces > 1)}, and {_figure(curve.more)} m around {'them' if pieces > 1 else 'it'}"
 
 
 def _figure(value: float) -> str:

@@ -16,7 +16,9 @@ VERBS = {
     "test": "run the tests written in specs, with rule coverage",
     "eval": "evaluate rules on given data",
     "replay": "run the Supervisor's rules over a recording",
+    "check-planner": "what does not fit the contract in a planner's cycles, with a mapping",
     "compile": "generated C99 with its header and a report",
+    "serve": "run a Supervisor as a process of its own",
     "explain": "what an error code means; why a rule said what it said",
     "trace": "traceability matrix and coverage",
     "assess": "all of it: check, test, replay, evidence, matrix, report",
@@ -144,7 +146,13 @@ def _at_the_verb(arguments: list[str]) -> tuple[list[str], str | None, list[str]
 
 
 def _module(verb: str) -> str:
-    return {"eval": "evaluate", "test": "run_tests", "import": "import_log"}.get(verb, verb)
+    named = {
+        "eval": "evaluate",
+        "test": "run_tests",
+        "import": "import_log",
+        "check-planner": "check_planner",
+    }
+    return named.get(verb, verb)
 
 
 def _overview(verb: str | None, arguments: list[str]) -> int:
@@ -154,7 +162,7 @@ def _overview(verb: str | None, arguments: list[str]) -> int:
         print(f"trackmarshal {__version__}")
         return OK
     lines = ["usage: trackmarshal VERB ...", ""]
-    lines += [f"  {name:<10} {text}" for name, text in VERBS.items()]
+    lines += [f"  {name:<13} {text}" for name, text in VERBS.items()]
     lines += ["", "`trackmarshal VERB --help` says more."]
     if verb is None:
         print("\n".join(lines))

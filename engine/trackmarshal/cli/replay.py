@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.cli.options import choose_rules
+from trackmarshal.cli.options import choose_backend, choose_rules
 from trackmarshal.cli.output import dump, number, plain, progress, rule_json, say, table
 from trackmarshal.cli.project import find_project, optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
@@ -50,9 +50,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="recordings: .tmrec.jsonl or .saa")
     parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
     choose_rules(parser, "evaluate")
-    parser.add_argument(
-        "--backend", choices=("numpy", "reference", "c"), help="default: numpy; for a record, its own"
-    )
+    choose_backend(parser, None, "default: numpy; for a record, its own")
     parser.add_argument("--mcap", metavar="FILE", help="export a record of a run for Foxglove")
     parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")
     parser.add_argument("--format", choices=("text", "jsonl"), default="text")
@@ -233,8 +231,12 @@ def _claim(recording: Recording, written: set[str]) -> None:
 
 def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
     """Replay with a progress bar."""
+    from trackmarshal.scenarios.fields import unnamed_track
     from trackmarshal.scenarios.replay import replay
 
+    unnamed = unnamed_track(recording, evaluator)
+    if unnamed and not quiet:
+        say(f"note: {recording.name}: {unnamed}", file=sys.stderr)
     outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet))
     for name in outcome.ignored:
         if not quiet:

@@ -224,18 +224,22 @@ class Compare(IR):
 
 
 class SweptInside(IR):
-    """What a box of a length and a width sweeps from one pose to another lies in an area."""
+    """What a box of a length and a width sweeps from one pose to another lies in an area.
+
+    bend: the curvatures at both poses [1/m], where it follows a curve; empty where it goes straight.
+    """
 
     start: Pose
     end: Pose
     length: Num
     width: Num
+    bend: tuple[Num, ...]
     area: Area
     span: Span
 
 
 class SweptClear(IR):
-    """What a box of a length and a width sweeps from one pose to another keeps clear of another box, which stands."""
+    """What a box of a length and a width sweeps from one pose to another keeps clear of another box, which stands; `bend` as above."""
 
     start: Pose
     end: Pose
@@ -244,6 +248,7 @@ class SweptClear(IR):
     box: Pose
     box_length: Num
     box_width: Num
+    bend: tuple[Num, ...]
     span: Span
 
 

@@ -61,12 +61,19 @@ class TableInfo(Node):
 
 
 class PlaceInfo(Node):
-    """A zone (polygon) or a line, in metres."""
+    """A zone (polygon) or a line, in metres, on a track; "" where it belongs to none by name."""
 
     name: str
     kind: str
     points: tuple[tuple[float, float], ...]
     span: Span
+    track: str = ""
+
+
+def track_of(module: str) -> str:
+    """The track that a module's places are on: `tracks.NAME` has those of NAME; empty for another module, whose places hold anywhere."""
+    first, _, rest = module.partition(".")
+    return rest.rpartition(".")[2] if first == "tracks" else ""
 
 
 class ConstraintInfo(Node):

@@ -180,13 +180,12 @@ class Layout:
         self._shapes: dict[tuple[Any, ...], _Shape] = {}
 
     def batch(self, values: Sequence[Any]) -> bytes:
-        """One row: int, float, str, float arrays (n,) or lists of str, one value a column."""
+        """One row: int, float, str, float arrays (n,), also as bytes, or lists of str, one value a column."""
         given: list[Any] = [0]
         lengths: list[Any] = []
         for kind, value in zip(self._kinds[1:], values, strict=True):
             if kind == FLOATS:
-                plain = type(value) is np.ndarray and value.dtype == _DOUBLE
-                data = (value if plain else np.array(value, dtype=_DOUBLE)).tobytes()
+                data = value if type(value) is bytes else np.asarray(value, dtype=_DOUBLE).tobytes()
                 given.append(data)
                 lengths.append(len(data))
             elif kind == TEXT:

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.ir.spec import Spec
 
 #: The candidates, in the order in which they are judged.
 DRIVING, EMERGENCY = "driving", "emergency"
@@ -29,12 +33,21 @@ class Cycle:
     also: frozenset[str] = frozenset()
 
 
+#: The module in which a project declares limits, as parameters.
+LIMITS_MODULE = "supervisor.limits"
+#: The limits that are capacities, and what a capacity is of.
+CAPACITIES = {"samples": "samples", "elements": "elements", "border": "points"}
+
+
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Capacities, times in s, distances in m, angles in rad, speeds in m/s. Raises E481 for what cannot be a limit."""
+    """Capacities, times in s, distances in m, angles in rad, speeds in m/s. Raises E481 for what cannot be a limit.
+
+    What is left out has the default here; `Limits.of` takes those of a project.
+    """
 
     #: The most samples of a timeline, elements of a set, and points of a border.
-    samples: int = 64
+    samples: int = 128
     elements: int = 32
     border: int = 2048
     #: Shortest (more than this) and longest time from one stamp to the next; oldest stamp at arrival; how far a stamp may
@@ -51,15 +64,18 @@ class Limits:
     start_speed: float = 0.5
     #: Speed at the end of an emergency trajectory.
     rest_speed: float = 0.01
-    #: How far the car may be from the stored emergency trajectory, and how long its pose may stay unknown.
-    apart: float = 2.0
+    #: Of the car and the stored emergency trajectory: how far along its path the car may be from where it is due, how far beside the
+    #: path, how much turned and how much faster than it is there; and how long the car's pose may stay unknown.
+    apart: float = 4.0
+    beside: float = 1.5
     turned: float = 0.35
+    overspeed: float = 5.0
     blind: float = 0.5
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            whole = field.name in ("samples", "elements", "border")
+            whole = field.name in CAPACITIES
             if type(value) not in ((int,) if whole else (int, float)) or not value >= (2 if whole else 0):
                 wanted = "a whole number, at least 2" if whole else "a number, at least 0"
                 raise TrackmarshalError(
@@ -69,9 +85,64 @@ class Limits:
                 )
 
     @classmethod
+    def of(cls, spec: Spec, **changes: Any) -> Limits:
+        """The limits that a spec declares, with some changed; raises E481, and E485 where one that is declared is none.
+
+        They are the parameters of its module `supervisor.limits`, by name.
+        """
+        declared: dict[str, Any] = {}
+        for name, info in spec.params.items():
+            module, _, short = name.rpartition(".")
+            if module == LIMITS_MODULE:
+                problem = _no_limit(short, info.value, info.unit)
+                if problem:
+                    raise TrackmarshalError(
+                        "E485", problem[0], file=info.span.file.path, line=info.span.line, help=problem[1]
+                    )
+                declared[short] = int(info.value) if short in CAPACITIES else info.value
+        for name in changes:
+            if name not in UNITS:
+                help_ = close_matches(name, UNITS) or f"there are {', '.join(UNITS)}"
+                raise TrackmarshalError("E481", f"there is no limit `{name}`", help=help_)
+        return cls(**{**declared, **changes})
+
+    @classmethod
     def open_loop(cls) -> Limits:
         """For recordings of a car that did not follow the decisions: its pace and its pose say nothing about them."""
         free = dict.fromkeys(
-            ("longest_gap", "oldest", "clock_tolerance", "budget", "apart", "turned", "blind"), math.inf
+            (
+                "longest_gap",
+                "oldest",
+                "clock_tolerance",
+                "budget",
+                "apart",
+                "beside",
+                "turned",
+                "overspeed",
+                "blind",
+            ),
+            math.inf,
         )
         return cls(samples=10_000, elements=1_000, border=1_000_000, shortest_gap=0.0, **free)
+
+
+#: Every limit, and the SI unit that it is in.
+UNITS = {
+    "samples": "1", "elements": "1", "border": "1", "shortest_gap": "s", "longest_gap": "s", "oldest": "s", "clock_tolerance": "s",
+    "budget": "s", "start_distance": "m", "start_turn": "rad", "start_speed": "m/s", "rest_speed": "m/s", "apart": "m", "turned": "rad",
+    "blind": "s",
+}  # fmt: skip
+
+
+def _no_limit(name: str, value: float, unit: str) -> tuple[str, str] | None:
+    """Why a parameter is no limit, and what to do; None where it is one."""
+    from trackmarshal.units import parse_unit
+
+    if name not in UNITS:
+        help_ = close_matches(name, UNITS) or f"there are {', '.join(UNITS)}"
+        return f"`{name}` is no limit of a Supervisor", help_
+    if parse_unit(unit)[2] != parse_unit(UNITS[name])[2]:
+        return f"the limit `{name}` is in {unit}, not in {UNITS[name]}", f"declare it in {UNITS[name]}"
+    if name in CAPACITIES and not (value >= 2 and value == int(value)):
+        return f"the limit `{name}` is {value:g}", "it is a whole number, at least 2"
+    return None

@@ -34,11 +34,13 @@ class Violation(NamedTuple):
 
     @property
     def reason(self) -> str:
-        """Why a rule is undefined although it could be computed."""
+        """Why a rule is undefined: which input, where, or which operation; looked for when it is asked for. Empty where it is violated."""
         return self.explain().reason
 
     def __str__(self) -> str:
         asked = f" ({', '.join(self.requirements)})" if self.requirements else ""
+        if self.verdict == "undefined" and (reason := self.reason):
+            return f"{self.candidate}: {self.rule} undefined: {reason}{asked}"
         return f"{self.candidate}: {self.rule} {self.verdict}, margin {self.margin:.6g} {self.unit}{asked}"
 
 
@@ -82,3 +84,13 @@ class Decision(NamedTuple):
         found = [f"{name_of(f)} {f}" for f in self.faults] + [str(v) for v in self.violations]
         found += ["and more"] if self.more else []
         return (*found, *([f"stored emergency trajectory: {self.lost}"] if self.lost else []))
+
+    @property
+    def feedback(self) -> list[dict[str, Any]]:
+        """The same for a planner, as data that JSON can say: which candidate, which rule, where, by how much (`runtime.feedback`).
+
+        Worked out when it is asked for, which takes longer than a cycle has: ask in another thread, or where there is time.
+        """
+        from trackmarshal.runtime.feedback import feedback
+
+        return feedback(self)

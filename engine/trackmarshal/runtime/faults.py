@@ -29,6 +29,7 @@ FAULTS = {
     "unknown": "D220",
     "starts_elsewhere": "D228",
     "not_at_rest": "D229",
+    "wrong_track": "D230",
     "judge_failed": "D231",
     "incomplete": "D232",
     "overrun": "D233",
@@ -39,6 +40,7 @@ FAULTS = {
     "expired": "D242",
     "apart": "D243",
     "unconfirmed": "D244",
+    "too_fast": "D245",
 }
 NAMES = {code: name for name, code in FAULTS.items()}
 

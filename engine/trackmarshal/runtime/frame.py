@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
+from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.cycle import EMERGENCY
 from trackmarshal.runtime.faults import UNUSABLE, Fault, name_of
 from trackmarshal.runtime.lines import Line
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     Flags = NDArray[np.int8]
 
 NAN = math.nan
+_LITTLE = sys.byteorder == "little"
+_NONE: frozenset[str] = frozenset()
 
 
 class Names:
@@ -39,20 +42,47 @@ class Columns:
     the elements of a set are called. absent: columns that are not there, and need not be. `stack`: what many frames' values were put into, and the place of these, or None.
     """
 
-    __slots__ = ("_listed", "absent", "count", "flags", "ids", "names", "stack", "values")
+    __slots__ = ("_listed", "_place", "_values", "absent", "count", "flags", "ids", "names", "stack")
 
     def __init__(
         self, names: Names, values: Floats, flags: Flags | None = None, ids: tuple[str, ...] = ()
     ) -> None:
         self.names = names
-        self.values = values
+        self._values: Floats | None = values
+        self._place: tuple[Floats, int] | None = None
         self.flags = flags
         self.count: int = values.shape[1] if flags is None or names.numbers else flags.shape[1]
         self.ids = ids
-        self.absent: frozenset[str] = frozenset()
+        self.absent = _NONE
         self.stack: tuple[Floats, int] | None = None
         #: Made when first asked for: of many frames, most are never asked.
         self._listed: dict[str, list[Any]] | None = None
+
+    @classmethod
+    def within(cls, names: Names, arena: Floats, start: int, count: int, ids: tuple[str, ...]) -> Columns:
+        """Numbers that stand in an arena from a place on, one column after the other; of most cycles, nobody looks at them there."""
+        made = cls.__new__(cls)
+        made.names, made.count, made.ids = names, count, ids
+        made._values, made._place = None, (arena, start)
+        made.flags = made.stack = made._listed = None
+        made.absent = _NONE
+        return made
+
+    @property
+    def values(self) -> Floats:
+        if self._values is None:
+            assert self._place is not None
+            arena, start = self._place
+            width = len(self.names.numbers)
+            self._values = arena[start : start + width * self.count].reshape(width, self.count)
+        return self._values
+
+    def packed(self) -> bytes:
+        """The numbers, one column after the other, as little-endian float64."""
+        if self._values is None and self._place is not None and _LITTLE:
+            arena, start = self._place
+            return arena[start : start + len(self.names.numbers) * self.count].tobytes()
+        return self.values.astype("<f8").tobytes()
 
     def column(self, name: str) -> NDArray[Any]:
         """(count,) of a field; the array is the frame's own. Raises KeyError where there is none."""
@@ -83,6 +113,16 @@ class Columns:
         return self.ids[index] if self.ids else index
 
 
+class Arena(NamedTuple):
+    """The numbers of candidates and columns, one signal after the other in the contract's order; nobody can write to them.
+
+    words: where each signal's numbers are, 0 and how many entries there are, as three 64-bit words each; none where nobody asked.
+    """
+
+    numbers: Floats
+    words: bytes
+
+
 @dataclass(frozen=True, slots=True)
 class Settings:
     """What stands in for values of the spec: parameters in SI, tables as knots and values in SI, points of places in m."""
@@ -95,6 +135,7 @@ class Settings:
 
 
 NO_SETTINGS = Settings()
+NO_ORDERS: frozenset[tuple[str, str]] = frozenset()
 #: Faults for which nothing of a signal can be used, whichever field they name.
 _WHOLE = {"not_increasing", "wrong_length", "too_short"}
 
@@ -115,21 +156,20 @@ class Frame:
     candidates: dict[str, Columns] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
     #: Columns (signal, field) that order the samples of their signal.
-    orders: frozenset[tuple[str, str]] = frozenset()
-    #: The array that the numbers of candidates and columns are views of, one after the other in the contract's order; or None.
-    arena: Floats | None = None
+    orders: frozenset[tuple[str, str]] = NO_ORDERS
+    arena: Arena | None = None
 
     def of(self, candidate: str) -> Frame:
         """The frame as rules see it that rate a candidate: with its `plan`, its own faults and those of what all share."""
-        others = self.candidates.keys() - {candidate}
+        unseen = self.candidates.keys() - {candidate, FOLLOWED}
+        columns = {**self.columns, PLAN: self.candidates[candidate], FOLLOWED: self.candidates[FOLLOWED]}
+        faults = [f for f in self.faults if f.signal not in unseen]
+        faults += [
+            Fault(f.code, PLAN, f.field, f.index, f.message) for f in self.faults if f.signal == candidate
+        ]
         return Frame(
-            candidate, self.settings, {**self.columns, PLAN: self.candidates[candidate]},
-            {**self.events, IS_EMERGENCY: int(candidate == EMERGENCY)}, self.lines, self.closed, {},
-            [
-                Fault(f.code, PLAN, f.field, f.index, f.message) if f.signal == candidate else f
-                for f in self.faults if f.signal not in others
-            ],
-            self.orders,
+            candidate, self.settings, columns, {**self.events, IS_EMERGENCY: int(candidate == EMERGENCY)}, self.lines, self.closed, {},
+            faults, self.orders,
         )  # fmt: skip
 
     def seen(self) -> list[tuple[str, Frame]]:

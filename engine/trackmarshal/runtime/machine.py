@@ -69,14 +69,16 @@ def examine(
     stored: Plan, confirmed: float, now: float, pose: Pose | None, limits: Limits
 ) -> tuple[float, str]:
     """Whether a stored trajectory may be driven now: when the car was last seen on it, and why not ("" where it may)."""
-    planned = None if pose is None else stored.pose(pose.t)
-    dx = dy = turn = 0.0
-    if planned is not None and pose is not None:
-        dx, dy, turn = pose.x - planned[0], pose.y - planned[1], pose.heading - planned[2]
-    posed = int(planned is not None)
-    given = {"now": now, "end": stored.end, "posed": posed, "dx": dx, "dy": dy, "turn": turn}
+    due = None if pose is None else stored.station(pose.t)
+    spot = None
+    if pose is not None and due is not None:
+        spot = stored.nearest(pose.x, pose.y, due - limits.apart, due + limits.apart)
+    given = {"now": now, "end": stored.end, "posed": 0, "paced": 0, "away": 0.0, "turn": 0.0, "gain": 0.0}
     before = confirmed
-    if planned is not None and pose is not None:
+    if pose is not None and spot is not None:
+        given |= {"posed": 1, "away": spot.away, "turn": pose.heading - spot.heading}
+        if pose.v is not None:
+            given |= {"paced": 1, "gain": pose.v - spot.v}
         confirmed = max(confirmed, pose.t)
     given["confirmed"] = confirmed
     for demand in STORED:

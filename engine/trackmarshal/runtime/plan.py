@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from trackmarshal.runtime.frame import Columns
 
@@ -13,15 +13,22 @@ if TYPE_CHECKING:
     from trackmarshal.runtime.frame import Floats
 
 
+class Spot(NamedTuple):
+    """A place of a trajectory's path: how far away it is, m, and heading and speed there, rad and m/s."""
+
+    away: float
+    heading: float
+    v: float
+
+
 class Plan:
     """One candidate of one cycle, for good: nobody else has its memory.
 
-    number, t: the cycle's. columns: the fields, in SI.
+    number, t: the cycle's; times of samples count from the stamp t. columns: the fields, in SI.
     """
 
     def __init__(self, candidate: str, number: int, t: float, columns: Columns) -> None:
         self.candidate, self.number, self.t, self.columns = candidate, number, t, columns
-        columns.values.flags.writeable = False
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -36,8 +43,7 @@ class Plan:
     @cached_property
     def due(self) -> list[float]:
         """When each sample is due on the Supervisor's clock, in s."""
-        times = self.columns.column("t")
-        due: list[float] = (times - (times[0] - self.t)).tolist()
+        due: list[float] = (self.columns.column("t") + self.t).tolist()
         return due
 
     @property
@@ -54,16 +60,40 @@ class Plan:
         rest = self.matrix[:, self.first(now) :]
         return dict(zip(self.names, rest))
 
-    def pose(self, t: float) -> tuple[float, float, float] | None:
-        """x, y and heading at a time, straight between samples; None where the trajectory does not cover it."""
-        if not self.due[0] <= t <= self.due[-1]:
+    def station(self, t: float) -> float | None:
+        """How far along its path, straight between samples, the trajectory is at a time, in m; None where it does not cover the time."""
+        due, x, y = self.due, self.columns.listed("x"), self.columns.listed("y")
+        if not due[0] <= t <= due[-1]:
             return None
-        i = min(self.first(t), len(self.due) - 2)
-        step = self.due[i + 1] - self.due[i]
-        share = (t - self.due[i]) / step if step > 0.0 else 1.0
-        x, y, heading = (self.columns.column(name)[i : i + 2].tolist() for name in _POSE)
-        turn = math.remainder(heading[1] - heading[0], math.tau)
-        return x[0] + share * (x[1] - x[0]), y[0] + share * (y[1] - y[0]), heading[0] + share * turn
+        i = min(self.first(t), len(due) - 2)
+        along = 0.0
+        for k in range(i):
+            along += _length(x[k + 1] - x[k], y[k + 1] - y[k])
+        step = due[i + 1] - due[i]
+        share = (t - due[i]) / step if step > 0.0 else 1.0
+        return along + share * _length(x[i + 1] - x[i], y[i + 1] - y[i])
+
+    def nearest(self, x: float, y: float, least: float, most: float) -> Spot:
+        """The place of the path that is nearest to a point, of those from one station to another; the first of equally near ones."""
+        px, py, heading, v = (self.columns.listed(name) for name in ("x", "y", "heading", "v"))
+        best, begin = Spot(math.inf, math.nan, math.nan), 0.0
+        for i in range(len(px) - 1):
+            dx, dy = px[i + 1] - px[i], py[i + 1] - py[i]
+            square = dx * dx + dy * dy
+            length = math.sqrt(square)
+            end = begin + length
+            if end >= least and begin <= most:
+                share = 0.0
+                if square > 0.0:
+                    share = ((x - px[i]) * dx + (y - py[i]) * dy) / square
+                    share = min(max(share, (least - begin) / length, 0.0), (most - begin) / length, 1.0)
+                away = _length(x - (px[i] + share * dx), y - (py[i] + share * dy))
+                if away < best.away:
+                    turn = math.remainder(heading[i + 1] - heading[i], math.tau)
+                    best = Spot(away, heading[i] + share * turn, v[i] + share * (v[i + 1] - v[i]))
+            begin = end
+        return best
 
 
-_POSE = ("x", "y", "heading")
+def _length(dx: float, dy: float) -> float:
+    return math.sqrt(dx * dx + dy * dy)

@@ -16,7 +16,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -37,7 +37,8 @@ from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
 VERSION = 2
-_LETTERS = b"svuio"
+#: A letter for each verdict code, and for no other.
+_SPELLED = b"svuio".ljust(256, b"\xff")
 _TIMES: tuple[Column, ...] = (
     ("number", INT),
     ("t", FLOAT),
@@ -151,27 +152,29 @@ class Record:
         if self._sync:
             os.fsync(self._file)
 
-    def _passed(self, frame: Frame) -> Iterator[Any]:
+    def _passed(self, frame: Frame) -> list[Any]:
         """The columns of what passed the door."""
+        passed: list[Any] = []
         for part, signal, field in self._parts:
-            if part == "plan":
-                yield from frame.candidates[signal].values
-            elif part == "column":
-                yield from frame.columns[signal].values
+            if part in ("plan", "column"):
+                columns = (frame.candidates if part == "plan" else frame.columns)[signal]
+                data, width = columns.packed(), 8 * columns.count
+                passed += [data[i * width : (i + 1) * width] for i in range(len(columns.names.numbers))]
             elif part == "number":
-                yield from frame.columns[signal].values[:, 0].tolist()
+                passed += frame.columns[signal].values[:, 0].tolist()
             elif part == "ids":
-                yield frame.columns[signal].ids
+                passed.append(frame.columns[signal].ids)
             elif part in ("x", "y"):
                 line = frame.line(signal, field)
                 same = line is self._kept.get((signal, field))
-                yield _NOTHING if same else line.points[:, 0 if part == "x" else 1]
+                passed.append(b"" if same else line.points[:, 0 if part == "x" else 1])
             elif part == "closed":
-                yield int(frame.closed.get(signal, False))
+                passed.append(int(frame.closed.get(signal, False)))
             elif part == "event":
-                yield frame.events[signal]
+                passed.append(frame.events[signal])
             else:
                 raise AssertionError(f"unknown part {part}")
+        return passed
 
 
 _NOTHING = np.zeros(0)
@@ -194,8 +197,12 @@ def decided(decision: Decision) -> list[Any]:
     margins = [one.margins for one in rated] or [(), ()]
     return [
         decision.state, int(decision.safe), "" if driven is None else driven.candidate, -1 if driven is None else driven.number,
-        math.nan if driven is None else driven.t, decision.lost, json.dumps(faults), json.dumps(violations), *verdicts, *margins,
+        math.nan if driven is None else driven.t, decision.lost, _dumped(faults), _dumped(violations), *verdicts, *margins,
     ]  # fmt: skip
+
+
+def _dumped(reasons: list[Any]) -> str:
+    return json.dumps(reasons) if reasons else "[]"
 
 
 def decided_by_name(decision: Decision) -> dict[str, Any]:
@@ -204,7 +211,7 @@ def decided_by_name(decision: Decision) -> dict[str, Any]:
 
 
 def _letters(codes: bytes) -> str:
-    return bytes(_LETTERS[code] for code in codes).decode()
+    return codes.translate(_SPELLED).decode("ascii")
 
 
 # Reading ----------------------------------------------------------------------------------------------------------

@@ -97,7 +97,7 @@ class Supervisor:
         clock: Callable[[], float] = time.monotonic,
         settings: Settings = NO_SETTINGS,
     ) -> None:
-        self.limits = Limits() if limits is None else limits
+        self.limits = Limits.of(spec) if limits is None else limits
         self.program = program
         self.held = Held()
         self.memory: Memory = NOTHING

@@ -58,6 +58,8 @@ class Witness:
     span: Span | None
     #: The unit in which the limit is written; "" for `unit`.
     shown: str = ""
+    #: The samples and elements that it reads: signal and number (-1: the last of a timeline).
+    places: tuple[tuple[str, int], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +71,7 @@ class RuleResult:
     margin: float
     unit: str
     witness: Witness | None = None
-    #: Why a rule is undefined although it could be computed: its inputs break the contract.
+    #: Why a rule is undefined: the fault of an input, the input that has no value and where, or the operation that has no result.
     reason: str = ""
     series: tuple[list[str], list[float]] | None = None
     #: The unit in which the limit that decided is written; "" for `unit`.

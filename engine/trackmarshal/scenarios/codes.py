@@ -91,6 +91,11 @@ CODES: dict[str, tuple[str, str]] = {
         "format's own. Any other may be a misspelt one, whose default would silently stand in for it; the header's `extra` declares what a "
         "recording has beside.",
     ),
+    "D146": (
+        "a recording of another track",
+        "The recording names its track (`\"track\": {\"name\": ..}` in the first line), and rules read places (zones, lines) of another one, which say "
+        "nothing there. The module `tracks.NAME` has those of the track NAME: name it in the recording's `use`, or with --with.",
+    ),
     "D150": (
         "a declaration that cannot be read",
         "Declarations are plain YAML of at most 100 kB: maps, lists, numbers, texts. Anchors, aliases and tags are "

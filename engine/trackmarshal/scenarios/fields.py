@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.contract.tracks import elsewhere, places_of
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.scenarios.recording import COLUMNS, Recording
 
@@ -86,6 +87,24 @@ def check_fields(recording: Recording, spec: Spec, others: Callable[[], Iterable
                 file=recording.source,
                 help=f"{help_} {declare}".strip(),
             )
+
+
+def check_track(recording: Recording, evaluator: Evaluator) -> None:
+    """Raise D146 where rules read places of another track than the one that the recording names."""
+    name = recording.track.get("name")
+    problem = elsewhere(places_of(evaluator.spec, evaluator.rules), name) if isinstance(name, str) else ""
+    if problem:
+        help_ = f"name a module `tracks.{name}` with them: in the recording's `use`, or with --with"
+        raise TrackmarshalError("D146", problem, file=recording.source, help=help_)
+
+
+def unnamed_track(recording: Recording, evaluator: Evaluator) -> str:
+    """What nobody can check, in words: places of a named track on a recording that does not name its own; empty where there are none."""
+    places = places_of(evaluator.spec, evaluator.rules)
+    if not places or isinstance(recording.track.get("name"), str):
+        return ""
+    tracks = " and ".join(f"`{track}`" for track in dict.fromkeys(track for _, track in places))
+    return f"it names no track; taken is that it is on {tracks}, where the places are that rules read"
 
 
 def _declare(known: dict[str, set[str]], spec: Spec) -> None:

@@ -178,7 +178,7 @@ def _pair(value: Any, where: str) -> list[float]:
 
 def _track(value: Any) -> Track:
     track = _mapping(value, "track")
-    _keys(track, "track", needed=("left", "right"), known=("left", "right", "closed"))
+    _keys(track, "track", needed=("left", "right"), known=("left", "right", "closed", "name"))
     closed = track.get("closed", False)
     if not isinstance(closed, bool):
         raise Wrong(f"track.closed: {kind(closed)} is not true or false")
@@ -189,4 +189,5 @@ def _track(value: Any) -> Track:
         sides[side] = [_pair(point, f"{where}[{i}]") for i, point in enumerate(points)]
         if len(sides[side]) < 2:
             raise Wrong(f"{where}: needs two or more points")
-    return {**sides, "closed": closed}
+    named = {"name": _text(track["name"], "track.name")} if "name" in track else {}
+    return {**sides, "closed": closed, **named}

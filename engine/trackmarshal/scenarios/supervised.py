@@ -18,7 +18,7 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
-from trackmarshal.scenarios.fields import further_names, own_names
+from trackmarshal.scenarios.fields import check_track, further_names, own_names
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.supervision import rulebox
@@ -64,6 +64,7 @@ def supervised(
     What the door refuses is judged all the same, as far as it can be, to be shown. The car of a recording did not follow the
     decisions, so where it is says nothing about them (`Limits.open_loop`). `watch` wraps the chunks of work.
     """
+    check_track(recording, evaluator)
     box = rulebox(evaluator, recording.params, tables)
     clock = _Clock()
     supervisor = box.supervisor(Limits.open_loop(), clock.read)
@@ -78,6 +79,7 @@ def supervised(
 
 def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int) -> Frame:
     """One cycle, by its place in the recording, as rules see it in `supervised`; a candidate's part is `of` its name."""
+    check_track(recording, evaluator)
     door = rulebox(evaluator, recording.params, tables).supervisor(Limits.open_loop()).door
     for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1):
         frame = door.admit(-1, cycle, cycle.t).frame  # what came before counts

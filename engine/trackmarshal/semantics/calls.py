@@ -37,7 +37,7 @@ from trackmarshal.semantics.values import (
 )  # fmt: skip
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import LENGTH, NUMBER, SPEED, Dimension, name, parse_unit, power, quantity, show
+from trackmarshal.units import LENGTH, NUMBER, SPEED, Dimension, name, over, parse_unit, power, quantity, show
 
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions import Context, Expressions
@@ -47,6 +47,7 @@ _SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
     "rising": ((1,), "1 argument (a formula)"), "falling": ((1,), "1 argument (a formula)"),
     "footprint": ((1, 3), "1 argument (a body) or 3 (a pose, length, width)"),
     "swept_footprint": ((3,), "3 arguments (a sample of a trajectory, length, width)"),
+    "swept_hull": ((3,), "3 arguments (a sample of a trajectory, length, width)"),
     "swept": ((4,), "4 arguments (two poses, length, width)"), "inside": ((2,), "2 arguments (a footprint, an area)"),
     "clear_of": ((2,), "2 arguments (two footprints)"), "station": ((2,), "2 arguments (a point, a line)"),
     "offset": ((2,), "2 arguments (a point, a line)"), "direction": ((2,), "2 arguments (a point, a line)"),
@@ -57,6 +58,8 @@ _SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
 MOST_EXPANSIONS = 20_000
 #: How many definitions may be inside each other.
 DEEPEST = 50
+#: What a sample needs for what is swept along a curve.
+_CURVED: dict[str, Dimension | None] = {**SHAPES["pose"], "kappa": over(NUMBER, LENGTH)}
 #: Numbers that are read off a line at a point.
 _ON_LINE: dict[str, tuple[Callable[[ir.Line, ir.Num, ir.Num], ir.Num], Dimension]] = {
     "station": (ir.Station, LENGTH),
@@ -311,32 +314,34 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     spans: list[Span] = [arg.__dict__["span"] for arg in args]
     if function == "footprint":
         return _footprint(self, values, spans, span, ctx)
-    if function == "swept_footprint":
+    if function in ("swept_footprint", "swept_hull"):
         sample = values[0]
         if not isinstance(sample, RecordValue) or sample.previous is None:
             self.fail(WrongKind(spans[0], "a sample of a trajectory", sample.spoken))
         before = RecordValue(sample.what, sample.signal, sample.shape, sample.previous, None, sample.span)
         start, end = _pose(self, before, spans[0], ctx), _pose(self, sample, spans[0], ctx)
-        return RegionValue(start, end, _length(self, values[1]), _length(self, values[2]), span)
+        curved = function == "swept_footprint"
+        bend = tuple(_curvature(self, at, spans[0], ctx) for at in (before, sample)) if curved else ()
+        return RegionValue(start, end, _length(self, values[1]), _length(self, values[2]), bend, span)
     if function == "swept":
         start, end = _pose(self, values[0], spans[0], ctx), _pose(self, values[1], spans[1], ctx)
-        return RegionValue(start, end, _length(self, values[2]), _length(self, values[3]), span)
+        return RegionValue(start, end, _length(self, values[2]), _length(self, values[3]), (), span)
     if function == "inside":
         hull = _region(self, values[0], spans[0])
         inside = self.make(
             ir.SweptInside,
-            start=hull.start, end=hull.end, length=hull.length, width=hull.width,
+            start=hull.start, end=hull.end, length=hull.length, width=hull.width, bend=hull.bend,
             area=_area(self, values[1], spans[1]), span=ctx.site or span,
         )  # fmt: skip
         return FormulaValue(inside, span)
     if function == "clear_of":
         hull, box = _region(self, values[0], spans[0]), _region(self, values[1], spans[1])
-        if box.start != box.end:
+        if box.start != box.end or box.bend:
             self.fail(WrongKind(spans[1], "a footprint at rest", "a swept footprint", "swap the two sides"))
         clear = self.make(
             ir.SweptClear,
             start=hull.start, end=hull.end, length=hull.length, width=hull.width,
-            box=box.start, box_length=box.length, box_width=box.width, span=ctx.site or span,
+            box=box.start, box_length=box.length, box_width=box.width, bend=hull.bend, span=ctx.site or span,
         )  # fmt: skip
         return FormulaValue(clear, span)
     if function in _ON_LINE:
@@ -427,13 +432,24 @@ def _footprint(
 ) -> RegionValue:
     if len(values) == 1:
         x, y, heading, length, width = fields(self, values[0], "body", spans[0], ctx)
-        return RegionValue(ir.Pose(x, y, heading), ir.Pose(x, y, heading), length, width, span)
+        return RegionValue(ir.Pose(x, y, heading), ir.Pose(x, y, heading), length, width, (), span)
     pose = _pose(self, values[0], spans[0], ctx)
-    return RegionValue(pose, pose, _length(self, values[1]), _length(self, values[2]), span)
+    return RegionValue(pose, pose, _length(self, values[1]), _length(self, values[2]), (), span)
 
 
 def _pose(self: Expressions, value: Value, span: Span, ctx: Context) -> ir.Pose:
     return ir.Pose(*fields(self, value, "pose", span, ctx))
+
+
+def _curvature(self: Expressions, value: RecordValue, span: Span, ctx: Context) -> ir.Num:
+    """The curvature of a sample: without it, nothing says how the way goes from one to the next."""
+    node = value.read("kappa", ctx.site or span) if value.shape.get("kappa") == _CURVED["kappa"] else None
+    if not isinstance(node, ir.Num):
+        hint = (
+            f"{_lacking(value, _CURVED)}, or write swept_hull(...), which goes straight from sample to sample"
+        )
+        self.fail(WrongKind(span, f"something with {', '.join(_CURVED)}", value.spoken, hint))
+    return node
 
 
 def _length(self: Expressions, value: Value) -> ir.Num:

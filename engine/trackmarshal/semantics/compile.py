@@ -22,6 +22,7 @@ from trackmarshal.ir.spec import (
     SignalType,
     Spec,
     TableInfo,
+    track_of,
 )
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
@@ -413,7 +414,9 @@ class _Compiler:
             problem = f"a {item.kind} has at least {least} different points, not {len(set(points))}"
             self.x.fail(BadValue(item.span.head, problem))
         qualified = f"{module}.{item.name}"
-        self.places.setdefault(qualified, PlaceInfo(qualified, item.kind, points, item.span))
+        self.places.setdefault(
+            qualified, PlaceInfo(qualified, item.kind, points, item.span, track_of(module))
+        )
 
     def _definitions(self, module: str) -> None:
         # A definition may use the rule's timeline, and a state's conditions range over the run: check them with one at hand.

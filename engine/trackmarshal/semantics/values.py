@@ -151,12 +151,13 @@ class Broken(Value):
 
 
 class RegionValue(Value):
-    """A footprint: the hull of a box at two poses."""
+    """A footprint: what a box covers between two poses, straight or, where `bend` has curvatures, along a curve."""
 
     start: ir.Pose
     end: ir.Pose
     length: ir.Num
     width: ir.Num
+    bend: tuple[ir.Num, ...]
     span: Span
 
     @property

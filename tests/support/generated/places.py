@@ -87,7 +87,9 @@ class PlaceWriter(FormulaWriter):
         """A footprint, mostly a swept one."""
         moving = [name for name in scope.samples if SHAPES["pose"].keys() <= dict(scope.records)[name].keys()]
         if moving and self.choices.chance(70):
-            return f"swept_footprint({self._one(moving)}, {self._sides(depth, scope)})"
+            one = self._one(moving)
+            curved = "kappa" in dict(scope.records)[one] and self.choices.chance(60)
+            return f"{'swept_footprint' if curved else 'swept_hull'}({one}, {self._sides(depth, scope)})"
         if self.choices.chance(50):
             poses = self.known("pose", scope)
             return f"swept({self._one(poses)}, {self._one(poses)}, {self._sides(depth, scope)})"

@@ -34,10 +34,11 @@ class Words:
     events: tuple[str, ...]
 
     @property
-    def format(self) -> str:
-        """For `struct`."""
+    def formats(self) -> tuple[str, str, str]:
+        """For `struct`: of the head, the columns, and the rest."""
         head = "".join(kind for _, kind in HEAD)
-        return f"={head}{3 * (len(self.columns) + len(self.lines))}Q{len(self.closed) + len(self.events)}q"
+        rest = f"={3 * len(self.lines)}Q{len(self.closed) + len(self.events)}q"
+        return f"={head}", f"={3 * len(self.columns)}Q", rest
 
 
 def words(given: Supervised) -> Words:

@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -58,21 +58,38 @@ def small_library(path: Path) -> Path:
     return _library({path.name: path.read_text(encoding="utf-8")}, path.name, ["-std=c99", "-O2", *SHARED])
 
 
+def program(
+    source: Source, files: Mapping[str, str], units: Sequence[str], capacities: Mapping[str, int]
+) -> Path:
+    """A program around a Supervisor, of further files of which `units` are compiled, built if it is not there; raises TrackmarshalError
+    E471 or E472. The Supervisor's own code is compiled once for all programs that it is in."""
+    flags = [*EXACT, *FAST, *(f"-D{name}={value}u" for name, value in sorted(capacities.items()))]
+    header = {f"{source.name}.h": source.header}
+    own = f"{source.name}.c"
+    compiled = _built({**header, own: source.source}, [own], [*flags, "-c"], "o")
+    return _built({**header, **files}, [*units, str(compiled), "-lm"], flags, "run")
+
+
 def _library(files: Mapping[str, str], unit: str, flags: list[str]) -> Path:
+    return _built(files, [unit, "-lm"], flags, "so")
+
+
+def _built(files: Mapping[str, str], units: Sequence[str], flags: list[str], ending: str) -> Path:
+    """What a compiler makes of files, kept under a name that ends so."""
     digest = hashlib.sha256()
-    for part in (*files.values(), *flags, os.environ.get("CC", ""), platform.machine(), sys.platform):
+    for part in (*files.values(), *units, *flags, os.environ.get("CC", ""), platform.machine(), sys.platform):
         digest.update(part.encode())
         digest.update(b"\0")
     folder = cache_folder()
     root = Path(tempfile.mkdtemp(prefix="trackmarshal-")) if folder is None else folder / "c"
     root.mkdir(parents=True, exist_ok=True)
     name = digest.hexdigest()[:32]
-    return _kept(root, name) or _compile(files, unit, flags, root, name)
+    return _kept(root, name, ending) or _compile(files, units, flags, root, name, ending)
 
 
-def _kept(root: Path, name: str) -> Path | None:
-    """The library of a program, if it is there and is what was once built: its file's name ends in the hash of its content."""
-    for path in root.glob(f"{name}-*.so"):
+def _kept(root: Path, name: str, ending: str) -> Path | None:
+    """What was built of a program, if it is there and is what was once built: its file's name ends in the hash of its content."""
+    for path in root.glob(f"{name}-*.{ending}"):
         if path.stem.rpartition("-")[2] == _hash(path):
             return path
     return None
@@ -82,7 +99,9 @@ def _hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()[:32]
 
 
-def _compile(files: Mapping[str, str], unit: str, flags: list[str], root: Path, name: str) -> Path:
+def _compile(
+    files: Mapping[str, str], units: Sequence[str], flags: list[str], root: Path, name: str, ending: str
+) -> Path:
     command = compiler()
     if command is None:
         raise TrackmarshalError(
@@ -96,7 +115,7 @@ def _compile(files: Mapping[str, str], unit: str, flags: list[str], root: Path, 
         for file, text in files.items():
             (place / file).write_text(text, encoding="utf-8")
         done = subprocess.run(
-            [*command, *flags, "-o", "made.so", unit, "-lm"],
+            [*command, *flags, "-o", "made", *units],
             cwd=place,
             capture_output=True,
             text=True,
@@ -104,6 +123,6 @@ def _compile(files: Mapping[str, str], unit: str, flags: list[str], root: Path, 
         )
         if done.returncode != 0:
             raise TrackmarshalError("E472", f"`{' '.join(command)}` says: {done.stderr.strip()[:2000]}")
-        target = root / f"{name}-{_hash(place / 'made.so')}.so"
-        os.replace(place / "made.so", target)
+        target = root / f"{name}-{_hash(place / 'made')}.{ending}"
+        os.replace(place / "made", target)
     return target

@@ -29,4 +29,16 @@ CODES = {
         "`compile --cycles` writes recordings as files for the example that comes with a Supervisor in C. Vehicle and track are compiled in,"
         " so all of them have to name the same; each needs a name of its own; and the spec has to be one that can supervise.",
     ),
+    "E476": (
+        "messages cannot tell so much apart",
+        "A Supervisor that is a process of its own takes messages of fixed length, in which a mask of 64 bits says which columns of a"
+        " signal, and which lines, are there or wanted. A spec with more of them runs inside another program (`compile` without"
+        " --process), or without the rules that read them.",
+    ),
+    "E477": (
+        "the Supervisor's process cannot serve so",
+        "`serve` starts a generated Supervisor as a process of its own. It does not start where another one serves the same shared memory or"
+        " port, where the shared memory cannot be made, where a message is too long for a datagram, or for a spec that cannot"
+        " supervise. The message has the process's own words.",
+    ),
 }  # fmt: skip

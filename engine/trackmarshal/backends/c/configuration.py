@@ -13,6 +13,7 @@ from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.places import initial as places
 from trackmarshal.backends.c.statements import prune, render
 from trackmarshal.ir.spec import ConstraintInfo, RuleInfo
+from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.machine import NO_EMERGENCY_YET
 
 
@@ -145,8 +146,9 @@ def _as_rule(constraint: ConstraintInfo) -> RuleInfo:
 def _defaults(plan: Layout) -> Iterator[str]:
     yield "void tm_defaults(tm_configuration *configuration)"
     yield "{"
-    for name, default in LIMITS.items():
-        yield f"  configuration->limits.{name} = {literal(default)};"
+    held = Limits.of(plan.spec)
+    for name in LIMITS:
+        yield f"  configuration->limits.{name} = {literal(getattr(held, name))};"
     for name, c_name in plan.params.items():
         info = plan.spec.params[name]
         yield f"  configuration->params.{c_name} = {literal(info.value)}; /* {comment(name)} {comment(str(info.span))} */"

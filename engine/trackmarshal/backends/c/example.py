@@ -30,17 +30,18 @@ if TYPE_CHECKING:
 SAMPLES = 8
 
 
-def example(source: Source) -> dict[str, str]:
-    """The files of the example by name, with the build file."""
+def example(source: Source, capacities: Mapping[str, int] | None = None) -> dict[str, str]:
+    """The files of the example by name, with the build file. capacities: by macro, of a process, which is built too."""
     if source.supervised is None:
         files = {"main.c": _render("check.c.j2", _constant(source))}
     else:
         context = _supervisor(source, source.supervised)
         files = {name: _render(f"{name}.j2", context) for name in ("main.c", "cycles.c", "cycles.h")}
-    programs = [name for name in files if name.endswith(".c")]
-    return files | {
-        "CMakeLists.txt": _render("CMakeLists.txt.j2", {"name": source.name, "sources": programs})
-    }
+    made = {
+        "name": source.name, "sources": [name for name in files if name.endswith(".c")], "process": capacities is not None,
+        "capacities": list((capacities or {}).items()),
+    }  # fmt: skip
+    return files | {"CMakeLists.txt": _render("CMakeLists.txt.j2", made)}
 
 
 def _render(template: str, context: Mapping[str, Any]) -> str:

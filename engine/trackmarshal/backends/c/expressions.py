@@ -388,10 +388,12 @@ class Writer:
         match node:
             case ir.SweptClear():
                 self.libm |= {"sin", "cos", "sqrt"}
-                text = f"tm_swept_clear({args})"
+                bound = self.bounds.get(node, "TM_INF")
+                text = f"tm_curved_clear({args}, {bound})" if node.bend else f"tm_swept_clear({args})"
             case ir.SweptInside():
                 bound = self.bounds.get(node, "TM_INF")
-                text = f"tm_swept_inside({self._area(node.area)}, {args}, {bound})"
+                called = "tm_curved_inside" if node.bend else "tm_swept_inside"
+                text = f"{called}({self._area(node.area)}, {args}, {bound})"
                 if node in self.timelines:
                     whole, columns = self.timelines[node]
                     size = f"{self.number(node.length, whole)}, {self.number(node.width, whole)}"
@@ -494,6 +496,8 @@ class Writer:
                 if guard is None and fields:
                     start = f"in->{self.plan.input(axis.signal).c_name}"
                     columns = [f"{start}.{self.plan.field_name(axis.signal, name)}" for name in fields]
+                    if len(columns) == 3:
+                        columns.append("NULL")  # straight
                     self.timelines[node.body] = at, f"{', '.join(columns)}, {total}"
             body = self.formula(node.body, loop)
             sign, pick = extreme(node.extreme)

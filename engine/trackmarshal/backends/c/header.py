@@ -10,12 +10,13 @@ from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.online import TYPES, Monitor
 from trackmarshal.backends.c.rules import RuleCode
-from trackmarshal.ir.spec import FieldType
+from trackmarshal.ir.spec import FieldType, Spec
+from trackmarshal.runtime.cycle import Limits
 from trackmarshal.units import parse_unit, show
 
-#: Capacities: macro -> (default, what it bounds).
+#: Capacities: macro -> (default, what it bounds). A spec may declare others: see `default`.
 CAPACITIES = {
-    "TM_MAX_SAMPLES": (64, "samples of a timeline"),
+    "TM_MAX_SAMPLES": (128, "samples of a timeline"),
     "TM_MAX_ELEMENTS": (32, "elements of a set"),
     "TM_MAX_BORDER": (2048, "points of a border, or of a line that is a signal"),
     "TM_MAX_PLACE": (64, "points of a zone or line of the spec"),
@@ -33,6 +34,15 @@ def header(
 ) -> str:
     """The text of the header file."""
     return "\n".join(_lines(plan, codes, series, name, monitors, supervised))
+
+
+#: Capacities that are limits of a Supervisor, by their names there.
+_LIMITS = {"TM_MAX_SAMPLES": "samples", "TM_MAX_ELEMENTS": "elements", "TM_MAX_BORDER": "border"}
+
+
+def default(macro: str, spec: Spec) -> int:
+    """A capacity as the spec declares it, or as it is by default."""
+    return getattr(Limits.of(spec), _LIMITS[macro]) if macro in _LIMITS else CAPACITIES[macro][0]
 
 
 def capacities(plan: Layout, supervised: Supervised | None = None) -> list[str]:
@@ -76,7 +86,7 @@ def _lines(
         yield "#include <stdint.h>"
     yield ""
     for macro in capacities(plan, supervised):
-        value, what = CAPACITIES[macro]
+        value, what = default(macro, plan.spec), CAPACITIES[macro][1]
         if macro == "TM_MAX_KNOTS":
             value = max(value, *(len(plan.spec.tables[t].knots) for t in plan.tables))
         if macro == "TM_MAX_PLACE":

@@ -29,8 +29,10 @@ _MEANING = {
     "start_turn": "rad, the same of their headings",
     "start_speed": "m/s, the same of their speeds",
     "rest_speed": "m/s, the most speed at the end of an emergency trajectory",
-    "apart": "m, how far the car may be from the stored trajectory",
+    "apart": "m, how far along the stored trajectory's path the car may be from where it is due",
+    "beside": "m, how far beside that path",
     "turned": "rad, how far it may be turned against it",
+    "overspeed": "m/s, how much faster than it is there",
     "blind": "s, how long no pose may confirm it",
 }
 #: Names of faults by their number in C.

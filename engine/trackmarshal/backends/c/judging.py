@@ -10,7 +10,7 @@ from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.rules import GroupCode, RuleCode
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
-from trackmarshal.runtime.contract import IS_EMERGENCY, PLAN
+from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
 
 
 def of_candidate(rule: RuleInfo) -> bool:
@@ -59,6 +59,7 @@ def judge(
     yield "  const tm_input *in = &given;"
     yield "  tm_output *out = &look->out->driving;"
     yield f"  given.{given.plan.c_name} = *cycle->driving;"
+    yield from _followed(plan, given)
     for signal in given.inputs:
         yield f"  given.{given.signals[signal.name]} = *cycle->signals.{given.signals[signal.name]};"
     for signal in given.events:
@@ -78,3 +79,14 @@ def judge(
     yield "  c->marks.judge = c->serial;"
     yield "}"
     yield ""
+
+
+def _followed(plan: Layout, given: Supervised) -> Iterator[str]:
+    """The driving trajectory, where rules read it beside their candidate: the same memory, of which they have a struct of their own."""
+    followed = plan.inputs.get(FOLLOWED)
+    if followed is None:
+        return
+    names = {info.name: c_name for info, c_name in given.plan.fields}
+    yield f"  given.{followed.c_name}.count = cycle->driving->count;"
+    for info, c_name in followed.fields:
+        yield f"  given.{followed.c_name}.{c_name} = cycle->driving->{names[info.name]};"

@@ -17,8 +17,18 @@ _EVENTS = (SAFE, HOLDS, LOST, NONE)
 def types(given: Supervised, parts: int) -> Iterator[str]:
     """Types and constants that the parts of a step have in common."""
     columns = {info.name: c_name for info, c_name in given.plan.fields}
-    yield "/* Where a trajectory, or the car, is at a time. */"
-    yield "typedef struct {\n  int posed; /* whether it is known */\n  double x;\n  double y;\n  double heading;\n} tm_pose;"
+    yield "/* Where the car is. */"
+    yield "typedef struct {"
+    yield "  int posed; /* whether it is known */"
+    yield "  double x;"
+    yield "  double y;"
+    yield "  double heading;"
+    yield "  int paced; /* whether its speed is known too */"
+    yield "  double v;"
+    yield "} tm_pose;"
+    yield ""
+    yield "/* A place of a path: how far from the point that was asked for, and the path's heading and speed there. */"
+    yield "typedef struct {\n  double away;\n  double heading;\n  double v;\n} tm_spot;"
     yield ""
     yield "/* What the parts of a step tell each other. */"
     yield "typedef struct {"
@@ -73,7 +83,7 @@ def _store(given: Supervised) -> Iterator[str]:
     yield "  to->t = cycle->t;"
     yield "  to->count = in->count;"
     yield "  for (size_t i = 0u; i < in->count; ++i) {"
-    yield f"    to->{DUE}[i] = in->{t}[i] - (in->{t}[0] - cycle->t);"
+    yield f"    to->{DUE}[i] = in->{t}[i] + cycle->t;"
     for _, c_name in given.plan.fields:
         yield f"    to->plan.{c_name}[i] = in->{c_name}[i];"
     yield "  }"
@@ -92,17 +102,20 @@ def _examine(given: Supervised) -> Iterator[str]:
     yield "  const tm_stored *s = &c->stored;"
     yield "  const double now = look->out->now;"
     yield f"  const double end = s->{DUE}[s->count - 1u];"
-    yield "  tm_pose at = {0, TM_NAN, TM_NAN, TM_NAN};"
-    yield "  if (look->car.posed != 0) {"
-    yield "    at.posed = 1;"
-    yield f"    tm_pose_at(s->{DUE}, {columns['x']}, {columns['y']}, {columns['heading']}, s->count, look->car_t, &at);"
+    yield "  tm_spot at = {0.0, TM_NAN, TM_NAN};"
+    yield "  double station = 0.0;"
+    x, y, heading, v = (columns[name] for name in ("x", "y", "heading", "v"))
+    yield f"  const int posed = ((look->car.posed != 0) && tm_station_at(s->{DUE}, {x}, {y}, s->count, look->car_t, &station)) ? 1 : 0;"
+    yield "  const int paced = ((posed != 0) && (look->car.paced != 0)) ? 1 : 0;"
+    yield "  if (posed != 0) {"
+    yield f"    at = tm_spot_near({x}, {y}, {heading}, {v}, s->count, look->car.x, look->car.y, station - c->limits.apart,"
+    yield "                    station + c->limits.apart);"
     yield "  }"
-    yield "  const int posed = at.posed;"
-    yield "  const double dx = look->car.x - at.x;"
-    yield "  const double dy = look->car.y - at.y;"
+    yield "  const double away = at.away;"
     yield "  const double turn = look->car.heading - at.heading;"
+    yield "  const double gain = look->car.v - at.v;"
     yield "  const double seen = ((posed != 0) && (look->car_t > s->confirmed)) ? look->car_t : s->confirmed;"
-    names = {name: name for name in ("now", "end", "posed", "dx", "dy", "turn")} | {
+    names = {name: name for name in ("now", "end", "posed", "paced", "away", "turn", "gain")} | {
         "confirmed": "seen", **{name: f"c->limits.{name}" for name in LIMITS}
     }  # fmt: skip
     for place, demand in enumerate(STORED):
@@ -151,4 +164,7 @@ def ego_of(given: Supervised) -> Iterator[str]:
     yield f"    look->car_t = cycle->t{age};"
     for name in ("x", "y", "heading"):
         yield f"    look->car.{name} = ego->{fields[name]};"
+    if "v" in fields:
+        yield "    look->car.paced = 1;"
+        yield f"    look->car.v = ego->{fields['v']};"
     yield "  }"

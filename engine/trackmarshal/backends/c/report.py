@@ -15,7 +15,7 @@ from trackmarshal.backends.c import calls
 from trackmarshal.backends.c.build import EXACT, library
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.expressions import called
-from trackmarshal.backends.c.header import CAPACITIES, capacities
+from trackmarshal.backends.c.header import CAPACITIES, capacities, default
 from trackmarshal.backends.c.online import CAPACITY
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
@@ -132,7 +132,7 @@ def _step(given: Supervised, limits: Mapping[str, int]) -> Iterator[str]:
 
 def _lines(source: Source) -> Iterator[str]:
     plan = source.plan
-    limits = {name: CAPACITIES[name][0] for name in capacities(plan, source.supervised)}
+    limits = {name: default(name, plan.spec) for name in capacities(plan, source.supervised)}
     yield f"# Report on `{source.name}.c`"
     yield ""
     yield f"Generated from a spec with fingerprint `{plan.spec.fingerprint[:16]}`; {len(source.rules)} rules. C99, no allocation, no recursion, no global"
@@ -177,8 +177,9 @@ def _lines(source: Source) -> Iterator[str]:
         yield from _step(source.supervised, limits)
     yield "A rule is computed once, taking everything for known; only where something is not known, a second time with worst and best"
     yield "cases (about twice the values). Geometry adds passes over the segments of a line or border: at most one for each point on a"
-    yield "line, two for each point in an area, and 21 for each sweep, of which 18 are of those that leave the area. Boxes over the segments,"
-    yield "and what was near in the last cycle, leave a few segments of each pass in practice."
+    yield "line, two for each point in an area, and 21 for each sweep, of which 18 are of those that leave the area; a sweep along a curve counts"
+    yield "as often as it has pieces, 8 times at most. Boxes over the segments, and what was near in the last cycle, leave a few segments of"
+    yield "each pass in practice."
     yield ""
     yield "| function | cyclomatic complexity |" + (" stack, bytes |" if usage else "")
     yield "|---|---:|" + ("---:|" if usage else "")

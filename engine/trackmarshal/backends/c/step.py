@@ -7,18 +7,18 @@ import math
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.c.binding import HEAD, SAID, words
+from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.header import CAPACITIES, capacities
 from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.runtime.frame import Columns
+from trackmarshal.runtime.frame import Arena, Columns
 from trackmarshal.runtime.lines import Line
 
 Floats = NDArray[np.float64]
@@ -93,6 +93,27 @@ class _Reason(ctypes.Structure):
     ]
 
 
+class Stepping(Protocol):
+    """What takes steps, here or in another process; see `Stepper`."""
+
+    words: Words
+    margins: Floats
+    verdicts: NDArray[np.int8]
+
+    def step(
+        self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
+        closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
+        arena: Arena | None = None,
+    ) -> Said: ...  # fmt: skip
+
+    def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said: ...
+
+    def reasons(self, said: Said) -> list[Reason]: ...
+
+    @staticmethod
+    def lost(said: Said) -> str: ...
+
+
 class Stepper:
     """One context. limits: by name, the capacities `samples`, `elements` and `border` among them; parameters and tables by their
     qualified names, in SI, in place of the spec's. clock: s, called when the rules are done; NaN is put in where it raises.
@@ -128,8 +149,11 @@ class Stepper:
         self._decision = ctypes.create_string_buffer(dll.tmg_decision_size() + 64)
         decision = (ctypes.addressof(self._decision) + 63) & ~63
         self._reasons = decision + dll.tmg_reasons()
-        self._format = struct.Struct(self.words.format)
-        self._in = ctypes.create_string_buffer(self._format.size)
+        self._head, self._middle, self._tail = map(struct.Struct, self.words.formats)
+        #: All words of a cycle; every step writes all of them.
+        self._in = bytearray(self.width)
+        #: Lines, closed and events, and the words for them.
+        self._rest: tuple[Any, bytes] = (None, b"")
         self._said = struct.Struct("=" + "".join(kind for _, kind in SAID))
         self._out = ctypes.create_string_buffer(self._said.size)
         count = len(source.rules)
@@ -154,7 +178,7 @@ class Stepper:
 
         self._clock = _CLOCK(reading)
         addresses = (
-            self.context, ctypes.addressof(self._in), ctypes.cast(self._clock, pointer).value or 0, decision,
+            self.context, ctypes.addressof(ctypes.c_char.from_buffer(self._in)), ctypes.cast(self._clock, pointer).value or 0, decision,
             ctypes.addressof(self._out), self.margins.ctypes.data, self.verdicts.ctypes.data,
         )  # fmt: skip
         #: All that a call needs, in one place.
@@ -222,7 +246,7 @@ class Stepper:
     @property
     def width(self) -> int:
         """Bytes of a cycle's words."""
-        return self._format.size
+        return self._head.size + self._middle.size + self._tail.size
 
     @property
     def judged(self) -> int:
@@ -238,32 +262,38 @@ class Stepper:
         events: Sequence[int] = (),
     ) -> None:  # fmt: skip
         """The words of a cycle that came, number and stamp 0, whose columns are read where they are."""
-        given: list[Any] = [1, 1, 1, 0, 0.0, 0.0, 0, 0]
+        own: list[Any] = []
         for entry in columns:
             flags = 0 if entry.flags is None else entry.flags.ctypes.data
-            given += (entry.values.ctypes.data, flags, entry.count)
-        self._bordered(lines, given)
-        self._format.pack_into(cast(Any, words), 0, *given, *closed, *events)
+            own += (entry.values.ctypes.data, flags, entry.count)
+        borders: list[Any] = []
+        self._bordered(lines, borders)
+        head, tail = self._head.pack(1, 1, 1, 0, 0.0, 0.0, 0, 0), self._tail.pack(*borders, *closed, *events)
+        words[: self.width] = np.frombuffer(head + self._middle.pack(*own) + tail, dtype=np.uint8)
 
     # A cycle ---------------------------------------------------------------------------------------------------
 
     def step(
         self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
         closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
-        arena: Floats | None = None,
+        arena: Arena | None = None,
     ) -> Said:  # fmt: skip
         """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`, None for one that is
         missing; what is wrong with it already, as (name, signal, field, index)."""
         given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
         self._kept = self._found(found, given) if found else None
-        if arena is None:
-            self._columns(columns, given)
+        if arena is not None and arena.words:
+            middle = arena.words
         else:
-            self._in_arena(columns, arena, given)
-        self._bordered(lines, given)
-        given += closed
-        given += events
-        self._format.pack_into(self._in, 0, *given)
+            own: list[Any] = []
+            self._columns(columns, own)
+            middle = self._middle.pack(*own)
+        rest = (*lines, *closed, *events)
+        if rest != self._rest[0]:
+            own = []
+            self._bordered(lines, own)
+            self._rest = rest, self._tail.pack(*own, *closed, *events)
+        self._in[:] = self._head.pack(*given) + middle + self._rest[1]
         self._run(self._bound)
         return Said._make(self._said.unpack_from(self._out))
 
@@ -271,8 +301,7 @@ class Stepper:
         """A cycle was due and did not come, or what came is none, for what was `found`."""
         given: list[Any] = [0, 0, 0, 0, 0.0, now, 0, 0]
         self._kept = self._found(found, given) if found else None
-        width = len(self._format.unpack(bytes(self._format.size))) - len(HEAD)
-        self._format.pack_into(self._in, 0, *given, *[0] * width)
+        self._in[:] = self._head.pack(*given).ljust(self.width, b"\0")
         self._run(self._bound)
         return Said._make(self._said.unpack_from(self._out))
 
@@ -302,16 +331,6 @@ class Stepper:
             memoryview(self._memory), np.float64, self.sizes["TM_MAX_SAMPLES"], offset
         )
         return seen
-
-    def _in_arena(self, columns: Sequence[Columns | None], arena: Floats, given: list[Any]) -> None:
-        """The columns where they are: one after the other in memory that their frame keeps, numbers and nothing else."""
-        place: int = arena.__array_interface__["data"][0]
-        mark = self._bases[1]
-        for entry in columns:
-            assert entry is not None
-            count = entry.count
-            given += (place, mark, count)
-            place += 8 * count * len(entry.names.numbers)
 
     def _columns(self, columns: Sequence[Columns | None], given: list[Any]) -> None:
         """Copy the columns one after the other into memory whose address is known; of one that is too long, C needs the count alone."""

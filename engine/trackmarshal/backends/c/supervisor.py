@@ -10,8 +10,8 @@ from functools import partial
 from typing import Any
 
 from trackmarshal.backends.c.gather import fastest
-from trackmarshal.backends.c.source import generate
-from trackmarshal.backends.c.step import Reason, Said, Stepper
+from trackmarshal.backends.c.source import Source, generate
+from trackmarshal.backends.c.step import Reason, Said, Stepper, Stepping
 from trackmarshal.backends.c.words import Wording
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
@@ -44,18 +44,23 @@ class CSupervisor:
 
     def __init__(
         self, spec: Spec, rules: list[RuleInfo], limits: Limits | None = None, clock: Callable[[], float] = time.monotonic,
-        settings: Settings = NO_SETTINGS,
+        settings: Settings = NO_SETTINGS, stepping: Callable[[Source], Stepping] | None = None,
     ) -> None:  # fmt: skip
+        """stepping: makes what takes the steps, for those that are taken elsewhere; by default they are taken here."""
         if settings.places:
             raise TrackmarshalError(
                 "E473", "a generated Supervisor has the places of its spec", help="put them into the spec"
             )
-        self.limits = Limits() if limits is None else limits
+        self.limits = Limits.of(spec) if limits is None else limits
         self.spec = spec
         self.contract = of_cycles(spec, rules)
         source = generate(spec, rules, doored=True)
         self.rules = source.plan.rules
-        self.stepper = Stepper(source, asdict(self.limits), clock, settings.params, settings.tables)
+        self.stepper: Stepping = (
+            Stepper(source, asdict(self.limits), clock, settings.params, settings.tables)
+            if stepping is None
+            else stepping(source)
+        )
         #: Keeps the run, where there is one.
         self.recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.

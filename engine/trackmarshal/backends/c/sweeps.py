@@ -6,7 +6,7 @@ from trackmarshal.ir import nodes as ir
 
 
 def along_timeline(node: ir.Formula, axis: ir.Axis, outside: frozenset[ir.Axis]) -> tuple[str, ...]:
-    """The fields x, y and heading of an axis, where a predicate is about what is swept from each of its samples to the next.
+    """The fields x, y, heading and, for a curve, kappa of an axis, where a predicate is about what is swept from each of its samples to the next.
 
     outside: the axes that the vehicle's length and width depend on. Empty for any other predicate.
     """
@@ -14,9 +14,13 @@ def along_timeline(node: ir.Formula, axis: ir.Axis, outside: frozenset[ir.Axis])
         return ()
     if axis.kind != "samples" or axis.width != 1 or axis in outside:
         return ()
-    poses = (*node.start, *node.end)
-    fields = tuple(pose.field for pose in poses if isinstance(pose, ir.Column) and pose.axis is axis)
-    offsets = [pose.offset for pose in poses if isinstance(pose, ir.Column)]
-    if len(fields) != 6 or fields[:3] != fields[3:] or offsets != [-1, -1, -1, 0, 0, 0]:
+    start, end = (*node.start, *node.bend[:1]), (*node.end, *node.bend[1:])
+    numbers = (*start, *end)
+    fields = tuple(
+        number.field for number in numbers if isinstance(number, ir.Column) and number.axis is axis
+    )
+    offsets = [number.offset for number in numbers if isinstance(number, ir.Column)]
+    each = len(start)
+    if len(fields) != 2 * each or fields[:each] != fields[each:] or offsets != [-1] * each + [0] * each:
         return ()
-    return fields[:3]
+    return fields[:each]

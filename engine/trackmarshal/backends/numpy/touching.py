@@ -6,12 +6,14 @@ in the last bits: of no account, but for the sign of a margin that is zero or ne
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from trackmarshal.backends.reference import geometry
+from trackmarshal.backends.reference.geometry.curve import curve, placed
 from trackmarshal.backends.reference.geometry.region import Region, hull_margin
 from trackmarshal.runtime.geometry.border import Border
 
@@ -42,24 +44,28 @@ def settled(
 
 
 def clear(row: Sequence[float]) -> float:
-    """The signed distance of what a box (two poses, length, width) sweeps from another (a pose, length, width)."""
-    x0, y0, heading0, x1, y1, heading1, length, width, x, y, heading, box_length, box_width = row
+    """The signed distance of what a box (two poses, length, width) sweeps from another (a pose, length, width); curvatures come last."""
+    x0, y0, heading0, x1, y1, heading1, length, width, x, y, heading, box_length, box_width, *bend = row
     return geometry.clear_margin(
-        (x0, y0, heading0), (x1, y1, heading1), length, width, (x, y, heading), box_length, box_width
+        (x0, y0, heading0), (x1, y1, heading1), length, width, (x, y, heading), box_length, box_width, bend
     )
 
 
 def inside(border: Border, row: Sequence[float]) -> float:
     """The signed margin of what a box sweeps inside a region, whose border it touches."""
-    x0, y0, heading0, x1, y1, heading1, length, width = row
+    x0, y0, heading0, x1, y1, heading1, length, width, *bend = row
+    first, second = (x0, y0, heading0), (x1, y1, heading1)
     reach = length + width + APART
+    if bend:  # a way along a curve is nearer to its chord than that is long
+        more = curve(placed(first), placed(second), bend, length, width).more
+        reach += math.hypot(x1 - x0, y1 - y0) + more
     left, right = min(x0, x1) - reach, max(x0, x1) + reach
     low, high = min(y0, y1) - reach, max(y0, y1) + reach
     ahead = ((border.ay >= low) | (border.by >= low)) & ((border.ay <= high) | (border.by <= high))
     ahead &= (border.ax >= left) | (border.bx >= left)  # what a ray along +x from the hull may cross
     near = ahead & ((border.ax <= right) | (border.bx <= right))
     region = Region(_segments(border, near), (_segments(border, ahead),))
-    return hull_margin(region, (x0, y0, heading0), (x1, y1, heading1), length, width)
+    return hull_margin(region, first, second, length, width, bend)
 
 
 def _segments(border: Border, which: Any) -> tuple[tuple[tuple[float, float], tuple[float, float]], ...]:

@@ -9,6 +9,7 @@ from trackmarshal.backends.numpy import places
 from trackmarshal.backends.numpy.logic import Value
 from trackmarshal.backends.witness import Sides
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.verdict import Bound, Truth
 
 if TYPE_CHECKING:
@@ -22,6 +23,10 @@ class CaseView:
         self._run = run
         self._index = index
         self._case = run.batch.cases[index]
+
+    @property
+    def spec(self) -> Spec:
+        return self._run.program.spec
 
     def truth(self, node: ir.Formula, env: dict[int, int]) -> Truth:
         if not env:

@@ -72,9 +72,11 @@ class Reference:
             case ir.Direction():
                 return self._projected(node, env)[2]
             case ir.Distance():
-                return geometry.distance_to_line(
-                    self.number(node.x, env), self.number(node.y, env), *self.line(node.line)
-                )
+                x, y = self.number(node.x, env), self.number(node.y, env)
+                points, closed = self.line(node.line)
+                if node.line.kind == "path":
+                    return geometry.distance_to_path(x, y, points)
+                return geometry.distance_to_line(x, y, points, closed)
             case ir.StationGap():
                 points, closed = self.line(node.line)
                 return geometry.station_gap(
@@ -177,18 +179,29 @@ class Reference:
                     self._pose(node.start, env), self._pose(node.end, env),
                     self.number(node.length, env), self.number(node.width, env),
                     self._pose(node.box, env), self.number(node.box_length, env), self.number(node.box_width, env),
+                    self._bend(node, env),
                 )  # fmt: skip
             case ir.SweptInside():
                 start, end = self._pose(node.start, env), self._pose(node.end, env)
-                length, width = self.number(node.length, env), self.number(node.width, env)
+                body = self.number(node.length, env), self.number(node.width, env), self._bend(node, env)
                 if node.area.kind == "zone":
-                    return geometry.hull_in_polygon_margin(self.zone(node.area), start, end, length, width)
-                return geometry.hull_inside_margin(*self.corridor(node.area.name), start, end, length, width)
+                    return geometry.hull_in_polygon_margin(self.zone(node.area), start, end, *body)
+                return geometry.hull_inside_margin(*self.corridor(node.area.name), start, end, *body)
             case _:
                 assert_never(node)
 
     def _pose(self, pose: ir.Pose, env: Env) -> tuple[float, float, float]:
         return self.number(pose.x, env), self.number(pose.y, env), self.number(pose.heading, env)
+
+    def curve(self, node: ir.SweptInside | ir.SweptClear, env: Env) -> geometry.Curve | None:
+        """The way along which something is swept; None where it is straight, or where there is none."""
+        start, end = self._pose(node.start, env), self._pose(node.end, env)
+        return geometry.curve_between(
+            start, end, self._bend(node, env), self.number(node.length, env), self.number(node.width, env)
+        )
+
+    def _bend(self, node: ir.SweptInside | ir.SweptClear, env: Env) -> tuple[float, ...]:
+        return tuple(self.number(kappa, env) for kappa in node.bend)
 
     def zone(self, area: ir.Area) -> Sequence[Point]:
         return self.frame.settings.places.get(area.name, self.spec.places[area.name].points)

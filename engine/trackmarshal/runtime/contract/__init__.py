@@ -5,6 +5,7 @@ from trackmarshal.runtime.contract.conditions import Condition
 from trackmarshal.runtime.contract.signals import (
     EGO,
     EVENT,
+    FOLLOWED,
     IS_EMERGENCY,
     LINES,
     PLAN,
@@ -20,6 +21,6 @@ from trackmarshal.runtime.contract.signals import (
 )
 
 __all__ = [
-    "EGO", "EVENT", "IS_EMERGENCY", "KINDS", "LINES", "PLAN", "RECORD", "SET", "TIMELINE", "Check", "Condition", "Contract", "Field",
+    "EGO", "EVENT", "FOLLOWED", "IS_EMERGENCY", "KINDS", "LINES", "PLAN", "RECORD", "SET", "TIMELINE", "Check", "Condition", "Contract", "Field",
     "Kind", "Signal", "of_cases", "of_cycles", "supervised",
 ]  # fmt: skip

@@ -56,13 +56,16 @@ START = (
 )
 #: Of the speed at the end of the emergency trajectory, `last` [m/s].
 END = (_demand("not_at_rest", "v", "fabs(last) <= rest_speed"),)
-#: Of a stored trajectory that may be driven now: `end`, when its last sample is due; where the car was seen (`posed` 1), how far
-#: away (`dx`, `dy` [m]) and turned (`turn` [rad]) it was; `confirmed`, when it was last seen on the trajectory. A chain.
+#: Of a stored trajectory that may be driven now: `end`, when its last sample is due; where the car was seen (`posed` 1), how far from
+#: its path (`away` [m]), how much turned (`turn` [rad]) and, where its speed is known (`paced` 1), how much faster (`gain` [m/s]) it was;
+#: `confirmed`, when it was last seen on the trajectory. A chain.
 STORED = (
     _demand("expired", "", "(now <= end) | (now != now)"),
     _demand(
-        "apart", "",
-        f"(posed == 0) | ((sqrt((dx * dx) + (dy * dy)) <= apart) & (fabs(remainder(turn, {6.283185307179586!r})) <= turned))",
+        "apart",
+        "",
+        f"(posed == 0) | ((away <= beside) & (fabs(remainder(turn, {6.283185307179586!r})) <= turned))",
     ),
+    _demand("too_fast", "", "(posed == 0) | (paced == 0) | (gain <= overspeed)"),
     _demand("unconfirmed", "", "(now - confirmed) <= blind"),
-)  # fmt: skip
+)

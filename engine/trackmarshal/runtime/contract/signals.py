@@ -8,13 +8,17 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 from trackmarshal.node import Node
 from trackmarshal.runtime.contract.checks import Check, checks_of
+from trackmarshal.runtime.contract.tracks import Places, corridors_of, places_of
 from trackmarshal.source import SourceFile, Span
 
 #: The signal that a candidate stands for, the car's own state, and the event that tells the candidates apart.
 PLAN, EGO, IS_EMERGENCY = "plan", "ego", "emergency"
+#: The driving trajectory, for rules of both candidates: what the car follows until the next decision.
+FOLLOWED = "driving"
 #: What the Supervisor itself reads, in SI units.
 _PLAN_FIELDS = {"t": "s", "x": "m", "y": "m", "heading": "rad", "v": "m/s"}
 _EGO_FIELDS = {"x": "m", "y": "m", "heading": "rad"}
+_EGO_OPTIONAL = {"age": "s", "v": "m/s"}
 
 TIMELINE, SET, RECORD, LINES, EVENT = "timeline", "set", "record", "lines", "event"
 
@@ -67,26 +71,31 @@ class Contract(Node):
     """What cycles, or cases, have to keep.
 
     plan: what each candidate has to be; None for cases, whose `plan` is a signal as any other. signals: all others, in the order
-    of the spec. tells: whether rules ask which of the candidates they are about. known: the names of all signals and events.
+    of the spec. tells: whether rules ask which of the candidates they are about; follows: whether they read the driving trajectory
+    beside their candidate. Both come with the candidates. known: the names of all signals and events.
     """
 
     plan: Signal | None
     signals: tuple[Signal, ...]
     tells: bool
+    follows: bool
     known: frozenset[str]
+    #: The places of named tracks that rules read, and the signals that name the track.
+    places: Places = ()
+    corridors: tuple[str, ...] = ()
 
     def signal(self, name: str) -> Signal | None:
         return next((signal for signal in self.signals if signal.name == name), None)
 
 
-def of_cases(spec: Spec, reads: Iterable[tuple[str, str]]) -> Contract:
+def of_cases(spec: Spec, reads: Iterable[tuple[str, str]], places: Places = ()) -> Contract:
     """The contract of cases for rules that read these (signal, field) pairs: these fields, and the order of samples."""
     wanted: dict[str, set[str]] = {}
     for name, field in reads:
         wanted.setdefault(name, set()).add(field)
     signals = [_signal(info, wanted[name]) for name, info in spec.signals.items() if name in wanted]
     events = [_event(name) for name in spec.events if name in wanted]
-    return Contract(None, (*signals, *events), False, _names(spec))
+    return Contract(None, (*signals, *events), False, False, _names(spec), places, corridors_of(spec))
 
 
 def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
@@ -96,20 +105,31 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
     """
     spec = supervised(spec)
     read = {signal for rule in rules for signal, _ in rule.reads} | {EGO}
-    signals = [_signal(info, None) for name, info in spec.signals.items() if name in read and name != PLAN]
+    own = {PLAN, FOLLOWED}
+    signals = [_signal(info, None) for name, info in spec.signals.items() if name in read - own]
     events = [_event(name) for name in spec.events if name in read and name != IS_EMERGENCY]
     plan = _signal(spec.signals[PLAN], None)
+    tells = IS_EMERGENCY in read and IS_EMERGENCY in spec.events
     return Contract(
-        plan, (*signals, *events), IS_EMERGENCY in read and IS_EMERGENCY in spec.events, _names(spec)
+        plan,
+        (*signals, *events),
+        tells,
+        FOLLOWED in read,
+        _names(spec),
+        places_of(spec, rules),
+        corridors_of(spec),
     )
 
 
 def supervised(spec: Spec) -> Spec:
     """The spec with all that the Supervisor itself reads declared; raises E482 where it is declared differently."""
     plan, ego = _part(spec, PLAN, "trajectory", _PLAN_FIELDS), _part(spec, EGO, "state", _EGO_FIELDS)
-    age = ego.field("age")
-    if age is not None and (age.kind != "number" or age.unit != "s"):
-        raise _unfit(f"`ego.age` is declared in {age.unit or age.kind}, not in s")
+    for name, unit in _EGO_OPTIONAL.items():
+        field = ego.field(name)
+        if field is not None and (field.kind != "number" or field.unit != unit):
+            raise _unfit(f"`ego.{name}` is declared in {field.unit or field.kind}, not in {unit}")
+    if FOLLOWED in spec.signals:
+        _fits(_part(spec, FOLLOWED, "trajectory", {}), plan)
     signals = spec.signals | {PLAN: plan, EGO: ego}
     return Spec(
         signals, spec.events, spec.params, spec.tables, spec.places, spec.constraints, spec.rules, spec.rulebooks, spec.fingerprint,
@@ -167,6 +187,14 @@ def _part(spec: Spec, name: str, kind: str, needed: dict[str, str]) -> SignalTyp
             info = FieldType(field, info.kind, unit, True, info.lower, info.upper, info.default, info.span)
         fields[field] = info
     return SignalType(name, kind, False, tuple(fields.values()), signal.span)
+
+
+def _fits(followed: SignalType, plan: SignalType) -> None:
+    """Raise E482 unless the driving trajectory has what a candidate has."""
+    for field in followed.fields_:
+        own = plan.field(field.name)
+        if own is None or (own.kind, own.unit) != (field.kind, field.unit):
+            raise _unfit(f"`{FOLLOWED}.{field.name}` is not declared as `{PLAN}.{field.name}` is")
 
 
 def _unfit(message: str) -> TrackmarshalError:

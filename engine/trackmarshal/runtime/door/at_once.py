@@ -12,8 +12,7 @@ import numpy as np
 
 from trackmarshal.runtime.contract import RECORD, TIMELINE
 from trackmarshal.runtime.door.columns import ColumnsReader
-from trackmarshal.runtime.door.values import Floats
-from trackmarshal.runtime.frame import Columns
+from trackmarshal.runtime.frame import Arena, Columns
 
 _ARRAYS = {np.ndarray}
 _FLOATS = {float, np.float64}
@@ -27,8 +26,8 @@ class AtOnce:
         #: Whether there are numbers in SI and nothing else, as it has to be.
         self._fits = all(reader.plain for reader in readers)
 
-    def read(self, raws: Sequence[Any]) -> tuple[list[Columns], Floats] | None:
-        """The columns of each signal, and the array that they are views of; None for what takes a closer look."""
+    def read(self, raws: list[Any]) -> tuple[list[Columns], Arena] | None:
+        """The columns of each signal, and the arena in which they stand; None for what takes a closer look."""
         if not self._fits:
             return None
         try:
@@ -36,7 +35,7 @@ class AtOnce:
         except Exception:  # whatever it is, a closer look says what is wrong with it
             return None
 
-    def _read(self, raws: Sequence[Any]) -> tuple[list[Columns], Floats] | None:
+    def _read(self, raws: list[Any]) -> tuple[list[Columns], Arena] | None:
         arrays: list[Any] = []
         shapes: list[tuple[ColumnsReader, int, tuple[str, ...]]] = []
         for reader, raw in zip(self._readers, raws, strict=True):
@@ -63,10 +62,9 @@ class AtOnce:
         arena = np.concatenate(arrays, casting="no", dtype=np.float64)
         if arena.ndim != 1:
             return None
+        arena.setflags(write=False)
         made, at = [], 0
         for reader, count, ids in shapes:
-            width = len(reader.names.numbers)
-            end = at + width * count
-            made.append(Columns(reader.names, arena[at:end].reshape(width, count), None, ids))
-            at = end
-        return made, arena
+            made.append(Columns.within(reader.names, arena, at, count, ids))
+            at += len(reader.names.numbers) * count
+        return made, Arena(arena, b"")

@@ -8,6 +8,7 @@ from typing import Any
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cases
+from trackmarshal.runtime.contract.tracks import Places
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.checking import FrameChecker
 from trackmarshal.runtime.door.columns import suggested
@@ -29,14 +30,14 @@ class CasesReader:
     """Reads cases for one spec; `reads` are the (signal, field) pairs that the chosen rules need.
 
     declared: names (`objects`, `ego.kappa`) that data may have besides those of the spec, asked for only when one turns up. broken: which constraints of
-    the spec do not hold with settings.
+    the spec do not hold with settings. places: those of named tracks that the rules read.
     """
 
     def __init__(
         self, spec: Spec, reads: Iterable[tuple[str, str]], declared: Callable[[], frozenset[str]] = frozenset,
-        broken: Callable[[Settings], tuple[str, ...]] = lambda _: (),
+        broken: Callable[[Settings], tuple[str, ...]] = lambda _: (), places: Places = (),
     ) -> None:  # fmt: skip
-        self.contract = of_cases(spec, reads)
+        self.contract = of_cases(spec, reads, places)
         self._settings = SettingsReader(spec)
         self.reader = SignalsReader(self.contract, spelt=True)
         self._stacks = {name: Stacks(reader) for name, reader in self.reader.columns.items()}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.runtime.contract import EVENT, LINES, Check, Contract, Field, Kind, Signal
-from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
+from trackmarshal.runtime.cycle import CAPACITIES, DRIVING, EMERGENCY, Limits
 from trackmarshal.runtime.door.wording import worded
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import Columns, Frame
@@ -89,7 +89,7 @@ class ColumnsChecker:
         for check in self._counts:
             if not check(columns.count):
                 capacity = int(check.constants["most"]) if check.capacity else None
-                message = f"{columns.count} entries"
+                message = _too_many(columns.count, check, "entries")
                 faults.append(fault(check.fault, self.label, "", capacity, message))
                 return
         record = self.signal.form == "record"
@@ -129,7 +129,8 @@ class LineChecker:
             if check.of == "count":
                 if not check(len(line)):
                     index = int(check.constants["most"]) if check.capacity else None
-                    faults.append(fault(check.fault, *self._place, index, f"{len(line)} points"))
+                    message = _too_many(len(line), check, "points")
+                    faults.append(fault(check.fault, *self._place, index, message))
                     return
             elif check.of == "point":
                 fine = check(line.points)
@@ -191,6 +192,13 @@ def _together(fields: tuple[Field, ...]) -> list[_Together]:
     return [_Together(kind, rows, len(fields)) for kind, rows in kinds.values()]
 
 
+def _too_many(count: int, check: _Ready, things: str) -> str:
+    """A count that a check does not pass, and for a capacity which limit to raise to what."""
+    if not check.capacity:
+        return f"{count} {things}"
+    room = int(check.constants["most"])
+    return f"{count} {CAPACITIES[check.capacity]}, room for {room}: raise the limit `{check.capacity}` to {count}"
+
+
 def _capacities(limits: Limits | None) -> dict[str, float]:
-    names = ("samples", "elements", "border")
-    return {name: float("inf") if limits is None else getattr(limits, name) for name in names}
+    return {name: float("inf") if limits is None else getattr(limits, name) for name in CAPACITIES}

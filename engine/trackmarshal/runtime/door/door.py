@@ -25,12 +25,13 @@ _LARGEST = 2**63 - 1
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where the car was, and when on the Supervisor's clock; s, m, rad."""
+    """Where the car was, and when on the Supervisor's clock; s, m, rad. v: how fast it was, m/s; None where the spec has no speed."""
 
     t: float
     x: float
     y: float
     heading: float
+    v: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,9 +141,10 @@ class Door:
 
 
 def _pose(frame: Frame, t: float) -> Pose:
-    age = frame.value(EGO, "age") if "age" in frame.columns[EGO].names.rows else 0.0
+    known = frame.columns[EGO].names.rows
+    age = frame.value(EGO, "age") if "age" in known else 0.0
     x, y, heading = (frame.value(EGO, name) for name in ("x", "y", "heading"))
-    return Pose(t - age, x, y, heading)
+    return Pose(t - age, x, y, heading, frame.value(EGO, "v") if "v" in known else None)
 
 
 class _Demands:

@@ -44,6 +44,8 @@ class LineReader:
     """Reads the lines of one place. Equal data gives the same line, so that evaluators prepare it once."""
 
     def __init__(self) -> None:
+        #: The line that was handed in as one last; None where that was something else.
+        self.same: Line | None = None
         self._last: Line = NOWHERE
         #: The object that the last line was read from, where nothing in it can have changed since, and how that was seen.
         self._frozen: object = None
@@ -76,6 +78,7 @@ class LineReader:
 
     def _remember(self, given: Line, frozen: Any, content: bytes | None) -> Line:
         self._last, self._frozen, self._content = given, frozen, content
+        self.same = given if given is frozen else None
         self._view = None if frozen is None else _view(frozen)
         return given
 

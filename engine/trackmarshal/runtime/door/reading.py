@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from trackmarshal.runtime.contract import EVENT, LINES, PLAN, Contract, Signal
+from trackmarshal.runtime.contract import EVENT, FOLLOWED, LINES, PLAN, Contract, Signal
+from trackmarshal.runtime.contract.tracks import elsewhere
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.at_once import AtOnce
@@ -16,7 +17,8 @@ from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.stacks import Stacks
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
-from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Names, Settings
+from trackmarshal.runtime.frame import NO_ORDERS, NO_SETTINGS, Columns, Frame, Names, Settings
+from trackmarshal.runtime.lines import Line
 
 #: Columns that are still to come.
 LATER = Columns(Names(()), np.zeros((0, 0)))
@@ -28,9 +30,12 @@ class LinesReader:
     def __init__(self, signal: Signal) -> None:
         self.signal = signal
         self._readers = {field.name: LineReader() for field in signal.lines}
-        self._known = signal.declared | {field.name for field in signal.lines} | {"closed"}
+        self._known = signal.declared | {field.name for field in signal.lines} | {"closed", "name"}
+        self._places = [(line, (signal.name, line), reader) for line, reader in self._readers.items()]
 
     def read(self, raw: Any, frame: Frame, faults: list[Fault]) -> None:
+        if type(raw) is dict and raw.keys() <= self._known and self._unchanged(raw, frame):
+            return
         name = self.signal.name
         before = len(faults)
         for line in self._readers:
@@ -57,6 +62,19 @@ class LinesReader:
             del faults[before:]
             faults.append(fault("wrong_type", name, "", None, "it cannot be read"))
 
+    def _unchanged(self, raw: dict[Any, Any], frame: Frame) -> bool:
+        """Read a corridor whose borders are the very lines that were read last; false for any other."""
+        closed = raw.get("closed", False)
+        if closed is not True and closed is not False:
+            return False
+        for name, place, reader in self._places:
+            given = raw.get(name)
+            if type(given) is not Line or given is not reader.same:
+                return False
+            frame.lines[place] = given
+        frame.closed[self.signal.name] = closed
+        return True
+
     def _line(self, line: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
         place = self.signal.name, line
         if raw is None:
@@ -77,6 +95,8 @@ class SignalsReader:
         self.lines = {s.name: LinesReader(s) for s in contract.signals if s.form == LINES}
         self.events = [s.name for s in contract.signals if s.form == EVENT]
         self.known = contract.known
+        self._places = contract.places
+        self._corridors = contract.corridors if contract.places else ()
 
     def read(self, raw: dict[Any, Any], frame: Frame, faults: list[Fault]) -> None:
         """Put the signals into a frame. What the spec declares and no rule reads is left out."""
@@ -100,6 +120,25 @@ class SignalsReader:
             lines.read(raw.get(name), frame, faults)
         for name in self.events:
             frame.events[name] = self.event(name, raw.get(name), faults)
+        for name in self._corridors:
+            self._same_track(name, raw.get(name), frame, faults)
+
+    def _same_track(self, signal: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
+        """A fault where the data names a track that the places which rules read are not on."""
+        try:
+            name = None if raw is None else values.mapping(raw).get("name")
+        except (
+            Exception
+        ):  # what was handed in has a say in how it is read; whoever reads it says what is wrong
+            return
+        if name is None:
+            return
+        if not isinstance(name, str):
+            faults.append(fault("wrong_type", signal, "name", None, "the name of a track is a text"))
+            return
+        problem = elsewhere(self._places, str(name), frame.settings.places.keys())
+        if problem:
+            faults.append(fault("wrong_track", signal, "name", None, problem))
 
     def refuse_unknown(self, raw: dict[Any, Any], faults: list[Fault], known: frozenset[str]) -> None:
         """Faults of signals that nothing declares."""
@@ -134,29 +173,32 @@ class CycleReader:
             [reader for _, reader in self.candidates] + list(self.shared.columns.values())
         )
         #: Signals that a cycle may bring; the candidates come by themselves.
-        self._known = contract.known - {PLAN}
+        self._known = contract.known - {PLAN, FOLLOWED}
 
     def read(self, cycle: Cycle) -> tuple[Frame, list[Fault]]:
         """The frame of a cycle, and what is wrong with the structure of it: types, what is missing, lengths that differ, misspelt
         names. Number and stamp are not in it."""
-        frame = Frame(settings=self.settings)
         faults: list[Fault] = []
         if type(cycle.signals) is dict and cycle.signals.keys() <= self._known:
             signals: dict[Any, Any] = cycle.signals
-            raws = [cycle.driving, cycle.emergency, *map(signals.get, self.shared.columns)]
-            read = self._at_once.read(raws)
+            read = self._at_once.read(
+                [cycle.driving, cycle.emergency, *map(signals.get, self.shared.columns)]
+            )
             if read is not None:
-                columns, frame.arena = read
-                frame.candidates = {DRIVING: columns[0], EMERGENCY: columns[1]}
-                frame.columns = dict(zip(self.shared.columns, columns[2:]))
+                columns, arena = read
+                frame = Frame(
+                    None, self.settings, dict(zip(self.shared.columns, columns[2:])), {}, {}, {},
+                    {DRIVING: columns[0], EMERGENCY: columns[1]}, [], NO_ORDERS, arena,
+                )  # fmt: skip
                 self.shared.read_others(signals, frame, faults)
                 return frame, self._but_known(cycle, faults)
-        return self._closely(cycle, frame, faults)
+        return self._closely(cycle, Frame(settings=self.settings), faults)
 
     def _closely(self, cycle: Cycle, frame: Frame, faults: list[Fault]) -> tuple[Frame, list[Fault]]:
         given: dict[str, Columns] = frame.candidates
         for (name, reader), raw in zip(self.candidates, (cycle.driving, cycle.emergency)):
             given[name] = reader.read(raw, faults)
+            given[name].values.setflags(write=False)  # what is driven is what was judged, for good
         try:
             signals = values.mapping(cycle.signals)
         except Exception:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from trackmarshal.runtime.geometry.arrays import Floats, Ints
+from trackmarshal.runtime.geometry.curve import Curves
 from trackmarshal.runtime.geometry.sweep import Boxes, Sweeps
 
 #: Pairs of bodies that are worked on at once, so that all intermediate arrays stay in the processor's cache.
@@ -27,13 +28,15 @@ def boxes_clear(
     box_heading: ArrayLike,
     box_length: ArrayLike,
     box_width: ArrayLike,
+    *bend: ArrayLike,
 ) -> Floats:
     """The signed distance of what a vehicle sweeps between two poses from a box [m]; all arguments broadcast.
 
     Apart: the Euclidean distance. Overlapping: minus the shortest move that frees one of the other. NaN for a pose or size
-    that is none.
+    that is none. `bend`: the curvatures at both poses [1/m], for a vehicle that follows a curve; nothing for one that goes straight.
     """
-    body = _table((x0, y0, heading0, x1, y1, heading1, length, width))
+    assert len(bend) in (0, 2), bend
+    body = _table((x0, y0, heading0, x1, y1, heading1, length, width, *bend))
     box = _table((box_x, box_y, box_heading, box_length, box_width))
     return _clearance(body, box)
 
@@ -80,19 +83,40 @@ def _clearance(body: Floats, other: Floats) -> Floats:
     i = np.broadcast_to(np.arange(body[0].size).reshape(body.shape[1:]), shape).ravel()
     j = np.broadcast_to(np.arange(other[0].size).reshape(other.shape[1:]), shape).ravel()
     first, second = (table.reshape(len(table), -1) for table in (body, other))
-    bodies = Sweeps(first[:6], first[6], first[7])
     others = (
         Sweeps(second[:6], second[6], second[7])
         if len(second) == 8
         else Boxes(second[:3], second[3], second[4])
     )
+    if len(first) == 10:
+        margin = _of_curves(Curves(first[:6], first[8:], first[6], first[7]), others, i, j)
+        return margin.reshape(shape)
+    margin = _in_chunks(Sweeps(first[:6], first[6], first[7]), others, i, j)
+    return margin.reshape(shape)
+
+
+def _of_curves(curves: Curves, others: Sweeps | Boxes, i: Ints, j: Ints) -> Floats:
+    """The signed distances of what is swept along curves i from hulls j of others."""
+    pieces = curves.pieces(slice(None))
+    counts = curves.count.take(i)
+    starts = counts.cumsum() - counts
+    pair = np.arange(i.size).repeat(counts)
+    piece = pieces.starts.take(i.take(pair)) + (np.arange(pair.size) - starts.take(pair))
+    margin: Floats = np.minimum.reduceat(_in_chunks(pieces.sweeps, others, piece, j.take(pair)), starts)
+    margin -= curves.more.take(i)
+    if curves.usable is not None:
+        margin[~curves.usable[i]] = np.nan
+    return margin
+
+
+def _in_chunks(bodies: Sweeps, others: Sweeps | Boxes, i: Ints, j: Ints) -> Floats:
     chunks = (slice(begin, begin + AT_ONCE) for begin in range(0, i.size, AT_ONCE))
     parts = [_pairs(bodies, others, i[chunk], j[chunk]) for chunk in chunks]
     margin = np.concatenate(parts)
     for hulls, rows in ((bodies, i), (others, j)):
         if hulls.usable is not None:
             margin[~hulls.usable[rows]] = np.nan
-    return margin.reshape(shape)
+    return margin
 
 
 def _pairs(bodies: Sweeps, others: Sweeps | Boxes, i: Ints, j: Ints) -> Floats:

@@ -21,6 +21,7 @@ from trackmarshal.runtime.geometry.arrays import (
 )
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.crossings import meeting_fault, turns
+from trackmarshal.runtime.geometry.curve import Curves
 from trackmarshal.runtime.geometry.least import least_inside
 from trackmarshal.runtime.geometry.polyline import Polyline, centre_line
 from trackmarshal.runtime.geometry.quads import union_of_quads
@@ -47,24 +48,28 @@ class Area:
         heading1: ArrayLike,
         length: ArrayLike,
         width: ArrayLike,
+        *bend: ArrayLike,
     ) -> Floats:
         """By how much what a vehicle sweeps between two poses lies inside [m]: (N,), NaN where there is no answer.
 
         Poses: numbers or (N,), in m and rad, of the centre of the vehicle's length x width rectangle. At least 0 where
-        the swept area lies in the (closed) region.
+        the swept area lies in the (closed) region. `bend`: the curvatures at both poses [1/m], for a vehicle that follows a
+        curve; nothing for one that goes straight.
         """
-        poses, long, wide = _bodies((x0, y0, heading0, x1, y1, heading1), length, width)
+        poses, long, wide, bends = _bodies((x0, y0, heading0, x1, y1, heading1), length, width, bend)
         if self._region is None:
             return np.full(poses.shape[1], np.nan)
-        return self._region.margin_inside(poses, long, wide)
+        if bends is None or not poses.size:
+            return self._region.margin_inside(poses, long, wide)
+        return self._region.margin_along(Curves(poses, bends, long, wide))
 
     def least_inside(self, body: Sequence[ArrayLike], size: int, counted: Bools) -> tuple[Floats, Bools]:
         """The same of a body (the arguments above), and which margins are exact, cheaper: of each group of `size` in a row,
         only the least margin of those that are `counted` is sure to be, and the others are no less."""
-        poses, long, wide = _bodies(body[:6], *body[6:])
+        poses, long, wide, bends = _bodies(body[:6], body[6], body[7], body[8:])
         if self._region is None:
             return np.full(poses.shape[1], np.nan), np.ones(poses.shape[1], dtype=np.bool_)
-        return least_inside(self._region, poses, long, wide, size, counted)
+        return least_inside(self._region, poses, long, wide, bends, size, counted)
 
     @property
     def border(self) -> Border | None:
@@ -167,18 +172,20 @@ def inside_ring(point: Floats, ring: Floats) -> bool:
 
 
 def _bodies(
-    columns: Sequence[ArrayLike], length: ArrayLike, width: ArrayLike
-) -> tuple[Floats, float | Floats, float | Floats]:
-    """A table of poses, (6, N), and sizes, numbers or (N,)."""
+    columns: Sequence[ArrayLike], length: ArrayLike, width: ArrayLike, bend: Sequence[ArrayLike]
+) -> tuple[Floats, float | Floats, float | Floats, Floats | None]:
+    """A table of poses, (6, N), sizes, numbers or (N,), and curvatures, (2, N), where there are any."""
+    assert len(bend) in (0, 2), bend
+    columns = (*columns, *bend)
     arrays = [np.asarray(column, dtype=np.float64) for column in columns]
     sizes = [np.asarray(size, dtype=np.float64) for size in (length, width)]
     shapes = {array.shape for array in (*arrays, *sizes)} - {()}
     (count,) = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes((1,), *shapes)
-    poses = np.empty((6, count))
-    for row, array in zip(poses, arrays):
+    table = np.empty((len(columns), count))
+    for row, array in zip(table, arrays):
         row[...] = array
     long, wide = (float(size) if size.ndim == 0 else _filled(size, count) for size in sizes)
-    return poses, long, wide
+    return table[:6], long, wide, table[6:] if bend else None
 
 
 def _filled(size: Floats, count: int) -> Floats:

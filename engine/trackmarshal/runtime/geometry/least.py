@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from trackmarshal.runtime.geometry.arrays import Bools, Floats, Ints, counts_of, starts_of
+from trackmarshal.runtime.geometry.curve import Curves
 from trackmarshal.runtime.geometry.region import AT_ONCE, Region, Singles
 from trackmarshal.runtime.geometry.sweep import Sweeps
 
@@ -17,9 +18,15 @@ KEPT = 16 * AT_ONCE
 
 
 def least_inside(
-    region: Region, poses: Floats, length: float | Floats, width: float | Floats, size: int, counted: Bools
+    region: Region,
+    poses: Floats,
+    length: float | Floats,
+    width: float | Floats,
+    bends: Floats | None,
+    size: int,
+    counted: Bools,
 ) -> tuple[Floats, Bools]:
-    """The margins of hulls inside a region, (N,), and which of them are exact.
+    """The margins of hulls, or of ways along curves (with `bends`), inside a region, (N,), and which of them are exact.
 
     As `Region.margin_inside`, but of each group of `size` hulls in a row, only the least margin of those `counted` is sure to be
     exact: the others of them are no less than that, and those that are not exact are greater. Those that do not count are
@@ -31,7 +38,10 @@ def least_inside(
     for first in range(0, count, step):
         part = slice(first, first + step)
         long, wide = (side if isinstance(side, float) else side[part] for side in (length, width))
-        _Search(region, poses[:, part], long, wide, size, counted[part], margin[part], exact[part]).run()
+        bent = None if bends is None else bends[:, part]
+        _Search(
+            region, poses[:, part], long, wide, bent, size, counted[part], margin[part], exact[part]
+        ).run()
     return margin, exact
 
 
@@ -49,10 +59,12 @@ class _Search:
     """The search in some groups; writes margins, and which are exact."""
 
     def __init__(
-        self, region: Region, poses: Floats, length: float | Floats, width: float | Floats, size: int, counted: Bools,
-        margin: Floats, exact: Bools,
+        self, region: Region, poses: Floats, length: float | Floats, width: float | Floats, bends: Floats | None, size: int,
+        counted: Bools, margin: Floats, exact: Bools,
     ) -> None:  # fmt: skip
-        self.region, self.poses, self.sizes = region, poses, (length, width)
+        self.region, self.poses, self.sizes, self.bends = region, poses, (length, width), bends
+        #: How far what is swept may be beyond the hulls of the footprints at both ends [m].
+        self.beyond = np.zeros(margin.size)
         self.margin, self.exact, self.counted = margin, exact, counted
         #: Views of the same, a group a row.
         self.margins, self.exacts = margin.reshape(-1, size), exact.reshape(-1, size)
@@ -84,8 +96,13 @@ class _Search:
     def _looked_at(self, wanted: Bools) -> Floats:
         """Work hulls out. Below what margin, or bound, the rest of each group has to be looked at too, hull by hull."""
         chosen = wanted.nonzero()[0]
-        sizes = (side if isinstance(side, float) else side[chosen] for side in self.sizes)
-        self.margin[chosen] = self.region.margin_inside(self.poses[:, chosen], *sizes)
+        long, wide = (side if isinstance(side, float) else side[chosen] for side in self.sizes)
+        poses = self.poses[:, chosen]
+        self.margin[chosen] = (
+            self.region.margin_inside(poses, long, wide)
+            if self.bends is None
+            else self.region.margin_along(Curves(poses, self.bends[:, chosen], long, wide))
+        )
         self.exact[chosen] = True
         least = np.fmin.reduce(self.margins, axis=1, where=self.exacts, initial=np.inf)
         # Where the border meets a hull, or is all but there, nothing follows for the hulls before and after it.
@@ -106,22 +123,31 @@ class _Search:
     def _near(self, first: int) -> _Part:
         """Hulls with the segments near them; how near the boxes around the hulls are to those becomes their bound."""
         part = slice(first, first + AT_ONCE)
-        sizes = (side if isinstance(side, float) else side[part] for side in self.sizes)
-        sweeps = Sweeps(self.poses[:, part], *sizes)
+        long, wide = (side if isinstance(side, float) else side[part] for side in self.sizes)
+        usable: Bools | None
+        if self.bends is None:
+            sweeps = Sweeps(self.poses[:, part], long, wide)
+            usable = sweeps.usable
+        else:
+            curves = Curves(self.poses[:, part], self.bends[:, part], long, wide)
+            sweeps, usable = curves.straight(), curves.usable
+            self.beyond[part] = curves.reach
         low, high, _ = boxes = sweeps.boxes()
         rows, k, squared = self.region.candidates(sweeps, boxes)
         frame = np.concatenate(
             [sweeps.frame[:3].reshape(12, -1), sweeps.position, sweeps.midway, low[1:], high[1:]]
         )
         nearest = np.minimum.reduceat(squared, starts_of(rows))
-        self.margin[part] = np.sqrt(nearest, dtype=np.float64) - self.region.slack
-        if sweeps.usable is not None:
-            self.margin[part][~sweeps.usable] = np.nan
+        self.margin[part] = np.sqrt(nearest, dtype=np.float64) - self.region.slack - self.beyond[part]
+        if usable is not None:
+            self.margin[part][~usable] = np.nan
         return _Part(first, frame, rows, k, squared)
 
     def _closer(self, least: Floats) -> None:
         """Better bounds, for hulls whose bound is not above the least that is known."""
-        limit = np.where(self.exact | ~np.isfinite(least), -1.0, (least + self.region.slack) ** 2)
+        limit = np.where(
+            self.exact | ~np.isfinite(least), -1.0, (least + self.region.slack + self.beyond) ** 2
+        )
         for first, frame, rows, k, squared in self.parts:
             near = (squared <= limit[first : first + AT_ONCE].take(rows)).nonzero()[0]
             if not near.size:
@@ -130,7 +156,8 @@ class _Search:
             starts = starts_of(rows)
             beside = _beside(self.region, frame, rows, starts, k.take(near))
             # All other segments are farther than the least that is known.
-            self.margin[first + rows.take(starts)] = np.minimum.reduceat(beside, starts)
+            hulls = first + rows.take(starts)
+            self.margin[hulls] = np.minimum.reduceat(beside, starts) - self.beyond.take(hulls)
 
 
 def _beside(region: Region, frame: Floats, rows: Ints, starts: Ints, k: Ints) -> Floats:

@@ -13,8 +13,8 @@ def distance_to_paths(
 ) -> Floats:
     """Distances [m], (cases, points), of points (cases, points) from paths (cases, samples).
 
-    `lengths` says how many samples of each path count; the rest is padding. A path with fewer than two distinct points, or
-    with an unusable one, has no distance: NaN.
+    `lengths` says how many samples of each path count; the rest is padding. From a path that stays in one place the distance is
+    that from the place. A path with fewer than two samples, or with an unusable one, has no distance: NaN.
     """
     points = _pair(x, y)
     path = _pair(path_x, path_y)
@@ -48,7 +48,9 @@ def distance_to_paths(
         nearest: Floats = distance.min(axis=2, initial=np.inf)
         return nearest
     nearest = np.where(real, distance, np.inf).min(axis=2, initial=np.inf)
-    known = real.any(axis=2)
+    begin = ends[..., :1].min(axis=2, initial=np.inf)
+    nearest = np.where(real.any(axis=2), nearest, np.sqrt(begin))
+    known = there[:, None, 1:].any(axis=2)
     return np.where(known if usable is None else usable & known, nearest, np.nan)
 
 

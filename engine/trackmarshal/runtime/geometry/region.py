@@ -12,6 +12,7 @@ from trackmarshal.runtime.geometry.approach import Approach
 from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, counts_of, points_of, starts_of
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.cells import REACH, SHIFT, WIDTH, Cells
+from trackmarshal.runtime.geometry.curve import Curves, least_of
 from trackmarshal.runtime.geometry.sweep import Sweeps
 from trackmarshal.runtime.geometry.violation import violation
 
@@ -19,6 +20,8 @@ Singles = NDArray[np.float32]
 
 #: Hulls that are worked on at once, so that all intermediate arrays stay in the processor's cache.
 AT_ONCE = 1536
+#: Ways along curves that are worked on at once: they are mostly of a few pieces each.
+WAYS_AT_ONCE = 512
 #: Pairs of a hull and a segment that are worked on at once, for the same reason.
 PAIRS_AT_ONCE = 5000
 #: Points that are worked on at once, for the same reason.
@@ -101,9 +104,18 @@ class Region:
         parts = []
         for first in range(0, count, AT_ONCE):
             chunk = slice(first, first + AT_ONCE)
-            sizes = (size if isinstance(size, float) else size[chunk] for size in (length, width))
-            parts.append(self._margin(Sweeps(poses[:, chunk], *sizes)))
+            long, wide = (size if isinstance(size, float) else size[chunk] for size in (length, width))
+            parts.append(self._margin(Sweeps(poses[:, chunk], long, wide)))
         return np.concatenate(parts)
+
+    def margin_along(self, curves: Curves) -> Floats:
+        """The same of ways along curves."""
+        parts = []
+        for first in range(0, curves.size, WAYS_AT_ONCE):
+            chunk = slice(first, first + WAYS_AT_ONCE)
+            pieces = curves.pieces(chunk)
+            parts.append(least_of(self._margin(pieces.sweeps), pieces, curves, chunk))
+        return np.concatenate(parts) if parts else np.empty(0)
 
     def _margin(self, sweeps: Sweeps) -> Floats:
         rows, k, squared = self.candidates(sweeps, sweeps.boxes())

@@ -25,10 +25,18 @@ class Sweeps:
         "_sides", "_turn", "excess", "frame", "inner", "middle", "midway", "position", "radius", "size", "usable"
     )  # fmt: skip
 
-    def __init__(self, poses: Floats, length: float | Floats, width: float | Floats) -> None:
-        """`poses`: (6, N) with rows x0, y0, heading0, x1, y1, heading1; `length`, `width`: numbers or (N,)."""
+    def __init__(
+        self, poses: Floats, length: float | Floats, width: float | Floats, units: Floats | None = None
+    ) -> None:
+        """`poses`: (6, N) with rows x0, y0, heading0, x1, y1, heading1; `length`, `width`: numbers or (N,).
+
+        units: (2, 2, N), the cosines and the sines of both headings, where they are known; headings are then not looked at, and
+        poses and sizes are taken as they are.
+        """
         self.size = poses.shape[1]
-        poses, length, width, self.usable = _usable(poses, length, width)
+        self.usable: Bools | None = None
+        if units is None:
+            poses, length, width, self.usable = usable_bodies(poses, length, width)
         front, side = 0.5 * length, 0.5 * width
         self.position = poses[0:2]
         # Axes 1 and 2: coordinate, footprint. Rows: centre, centre to front, centre to left, unit vector.
@@ -36,8 +44,11 @@ class Sweeps:
         centre, ahead, left, unit = frame
         move = np.subtract(poses[3:5], poses[0:2], out=centre[:, 1])
         centre[:, 0] = 0.0
-        np.cos(poses[2::3], out=unit[0])
-        np.sin(poses[2::3], out=unit[1])
+        if units is None:
+            np.cos(poses[2::3], out=unit[0])
+            np.sin(poses[2::3], out=unit[1])
+        else:
+            unit[...] = units
         np.multiply(unit, front, out=ahead)
         np.multiply(unit[0], side, out=left[1])
         np.multiply(unit[1], -side, out=left[0])
@@ -137,7 +148,7 @@ class Boxes:
     def __init__(self, poses: Floats, length: float | Floats, width: float | Floats) -> None:
         """`poses`: (3, N) with rows x, y, heading; `length`, `width`: numbers or (N,)."""
         self.size = poses.shape[1]
-        poses, length, width, self.usable = _usable(poses, length, width)
+        poses, length, width, self.usable = usable_bodies(poses, length, width)
         self.position = poses[0:2]
         unit = np.stack([np.cos(poses[2]), np.sin(poses[2])])
         ahead = unit * (0.5 * length)
@@ -154,7 +165,7 @@ def _complex(real: Floats, imaginary: Floats) -> Complexes:
     return made
 
 
-def _usable(
+def usable_bodies(
     poses: Floats, length: float | Floats, width: float | Floats
 ) -> tuple[Floats, float | Floats, float | Floats, Bools | None]:
     """Poses and sizes with unusable ones replaced, and a mask of the usable ones, None where all are."""

@@ -72,8 +72,10 @@ class Road:
         closed: bool,
         spacing: float,
         widenings: tuple[Widening, ...] = (),
+        name: str = "",
     ) -> None:
         self.pieces = pieces
+        self.name = name
         self.width = width
         self.closed = closed
         self.spacing = spacing
@@ -123,7 +125,7 @@ class Road:
             right, left = self.edges(s)
             for side, d in (("left", left), ("right", right)):
                 sides[side].append([round(x - d * math.sin(heading), 6), round(y + d * math.cos(heading), 6)])
-        return {**sides, "closed": self.closed}
+        return {**sides, "closed": self.closed, **({"name": self.name} if self.name else {})}
 
 
 class Backwards:
@@ -163,7 +165,7 @@ def load(path: Path, shown: str, widenings: tuple[Widening, ...] = ()) -> Road:
             turn = wrap(end[2] - start[2])
             message = f"the line ends {apart:.6g} m and {turn:.6g} rad from its start"
             raise fields["pieces"].wrong(message, "two equal halves of half a turn each always meet", "D152")
-    return Road(pieces, width, closed, spacing, widenings)
+    return Road(pieces, width, closed, spacing, widenings, fields["name"].text())
 
 
 def expect(fields: dict[str, Item], format_: str) -> None:

@@ -16,8 +16,7 @@ from trackmarshal.runtime.contract import RECORD, SET, TIMELINE
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.door.at_once import AtOnce
 from trackmarshal.runtime.door.columns import ColumnsReader
-from trackmarshal.runtime.door.values import Floats
-from trackmarshal.runtime.frame import Columns
+from trackmarshal.runtime.frame import Arena, Columns
 
 
 class _Wanted(ctypes.Structure):
@@ -33,7 +32,8 @@ class Gathered(AtOnce):
         super().__init__(readers)
         self._run = ctypes.PyDLL(str(small_library(Path(__file__).with_name("gather.c")))).gather
         pointer = ctypes.c_void_p
-        self._run.argtypes = [ctypes.py_object, *[pointer] * 1, ctypes.c_int64, *[pointer] * 6]
+        given = ctypes.py_object
+        self._run.argtypes = [given, pointer, ctypes.c_int64, *[pointer] * 4, given, pointer]
         self._run.restype = ctypes.c_int64
         widths = [len(reader.names.numbers) for reader in readers]
         most = [
@@ -56,29 +56,32 @@ class Gathered(AtOnce):
         self._types = np.array(
             [id(one) for one in (dict, np.ndarray, float, np.float64, self._id)], dtype=np.uint64
         )
-        self._counts = np.zeros(len(readers), dtype=np.int64)
+        self._each = [
+            (reader, reader.names, width, reader.signal.form == SET) for reader, width in zip(readers, widths)
+        ]
+        #: Three words a signal, of which the last is how many entries it has.
+        self._words = bytearray(24 * len(readers))
+        self._counts = memoryview(self._words).cast("q")[2::3]
         self._room = sum(width * entries for width, entries in zip(widths, most))
         self._before = (
             ctypes.addressof(self._wanted), len(readers), self._names.ctypes.data, self._defaults.ctypes.data,
             self._optional.ctypes.data, self._types.ctypes.data,
         )  # fmt: skip
-        self._after = self._counts.ctypes.data
+        self._after = ctypes.addressof(ctypes.c_char.from_buffer(self._words))
 
-    def _read(self, raws: Sequence[Any]) -> tuple[list[Columns], Floats] | None:
-        arena = np.empty(self._room)
-        place = arena.__array_interface__["data"][0]
-        if self._run(raws, *self._before, place, self._after) < 0:
+    def _read(self, raws: list[Any]) -> tuple[list[Columns], Arena] | None:
+        numbers = np.empty(self._room)
+        if self._run(raws, *self._before, numbers, self._after) < 0:
             return None
+        numbers.setflags(write=False)
         made, at = [], 0
-        for reader, raw, count in zip(self._readers, raws, self._counts.tolist()):
-            ids = reader.ids_of(raw, count)
+        for (reader, names, width, is_set), raw, count in zip(self._each, raws, self._counts):
+            ids = reader.ids_of(raw, count) if is_set else ()
             if ids is None:
                 return None
-            width = len(reader.names.numbers)
-            end = at + width * count
-            made.append(Columns(reader.names, arena[at:end].reshape(width, count), None, ids))
-            at = end
-        return made, arena
+            made.append(Columns.within(names, numbers, at, count, ids))
+            at += width * count
+        return made, Arena(numbers, bytes(self._words))
 
 
 def fastest(readers: Sequence[ColumnsReader], limits: Limits) -> AtOnce:

@@ -33,7 +33,10 @@ PyObject *PyErr_Occurred(void);
 void PyErr_Clear(void);
 void Py_DecRef(PyObject *object);
 
-enum { STRIDED_WITH_FORMAT = 0x0004 | 0x0010 | 0x0008 }; /* PyBUF_FORMAT, PyBUF_STRIDES (with PyBUF_ND) */
+enum {
+  STRIDED_WITH_FORMAT = 0x0004 | 0x0010 | 0x0008, /* PyBUF_FORMAT, PyBUF_STRIDES (with PyBUF_ND) */
+  WRITABLE = 0x0001 /* PyBUF_WRITABLE, of bytes in order */
+};
 
 /* What is wanted of one signal: how many fields, whether it is a record of floats, the most entries, the fewest. */
 typedef struct {
@@ -73,15 +76,17 @@ static Py_ssize_t column(PyObject *array, PyObject *type, double *out, Py_ssize_
   return count;
 }
 
-/* The numbers of all signals, each as (fields, entries), one after the other; `counts` gets the entries. How many numbers, or -1.
+/* The numbers of all signals, each as (fields, entries), one after the other; `words` get of each where they are, 0, and the entries.
+   How many numbers, or -1.
 
    names and defaults: of all fields, one signal after the other; a field that is `optional` may be left out. */
-int64_t gather(PyObject *raws, const wanted *signals, int64_t signal_count, PyObject *const *names, const double *defaults,
-               const unsigned char *optional, PyObject *const *types, double *out, int64_t *counts) {
+static int64_t numbers(PyObject *raws, const wanted *signals, int64_t signal_count, PyObject *const *names, const double *defaults,
+                       const unsigned char *optional, PyObject *const *types, double *out, uint64_t *words) {
   double *at = out;
   int64_t field = 0;
   for (int64_t s = 0; s < signal_count; ++s) {
     const wanted *one = &signals[s];
+    const double *begin = at;
     PyObject *given = PyList_GetItem(raws, (Py_ssize_t)s);
     Py_ssize_t count = one->record ? 1 : -1;
     Py_ssize_t seen = 0;
@@ -117,7 +122,23 @@ int64_t gather(PyObject *raws, const wanted *signals, int64_t signal_count, PyOb
     }
     /* A key that is no field is for Python to name. */
     if ((seen != PyDict_Size(given)) || (count < (Py_ssize_t)one->least)) { return -1; }
-    counts[s] = (int64_t)count;
+    words[3 * s] = (uint64_t)(uintptr_t)begin;
+    words[(3 * s) + 1] = 0u;
+    words[(3 * s) + 2] = (uint64_t)count;
   }
   return (int64_t)(at - out);
+}
+
+/* The same, into an array of Python's that has room for the most. */
+int64_t gather(PyObject *raws, const wanted *signals, int64_t signal_count, PyObject *const *names, const double *defaults,
+               const unsigned char *optional, PyObject *const *types, PyObject *array, uint64_t *words) {
+  Py_buffer view;
+  int64_t count;
+  if (PyObject_GetBuffer(array, &view, WRITABLE) != 0) {
+    PyErr_Clear();
+    return -1;
+  }
+  count = numbers(raws, signals, signal_count, names, defaults, optional, types, (double *)view.buf, words);
+  PyBuffer_Release(&view);
+  return count;
 }

@@ -8,7 +8,18 @@ from functools import cache
 from pathlib import Path
 
 #: The files, in the order in which their functions may call each other.
-FILES = ("numbers", "verdicts", "temporal", "online", "exact", "geometry", "prepare", "door", "machine")
+FILES = (
+    "numbers",
+    "verdicts",
+    "temporal",
+    "online",
+    "exact",
+    "curve",
+    "geometry",
+    "prepare",
+    "door",
+    "machine",
+)
 #: Begins with letters, not with a word boundary: that is found ten times as fast.
 _NAME = re.compile(r"tm_[a-z0-9_]+")
 #: Comments say what a spec says, which may be anything.

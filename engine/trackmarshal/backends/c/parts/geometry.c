@@ -606,17 +606,14 @@ static void tm_bound_points(const double *x, const double *y, tm_frame *frame) {
   }
 }
 
-/** What is swept between two poses: its corners seen from the first one, and the boxes around it. */
-static void tm_sweep_between(tm_shape *shape, double x0, double y0, double heading0, double x1, double y1, double heading1,
-                             double length, double width, double bound, tm_sweep *sweep) {
-  double ahead0;
-  double aside0;
-  if (shape->known && (heading0 == shape->heading)) { /* the last pose of one sweep is the first one of the next */
-    ahead0 = shape->ahead;
-    aside0 = shape->aside;
+/** The cosines and sines of two headings: the last pose of one sweep is the first one of the next. */
+static void tm_units(tm_shape *shape, double heading0, double heading1, double *ahead, double *aside) {
+  if (shape->known && (heading0 == shape->heading)) {
+    ahead[0] = shape->ahead;
+    aside[0] = shape->aside;
   } else {
-    ahead0 = cos(heading0);
-    aside0 = sin(heading0);
+    ahead[0] = cos(heading0);
+    aside[0] = sin(heading0);
   }
   if (!shape->known || !(heading1 == shape->heading)) {
     shape->ahead = cos(heading1);
@@ -624,16 +621,37 @@ static void tm_sweep_between(tm_shape *shape, double x0, double y0, double headi
   }
   shape->heading = heading1;
   shape->known = true;
-  sweep->ox = x0;
-  sweep->oy = y0;
-  sweep->frame.ahead = shape->ahead;
-  sweep->frame.aside = shape->aside;
-  tm_footprint(x0, y0, ahead0, aside0, length, width, x0, y0, &sweep->x[0], &sweep->y[0]);
-  tm_footprint(x1, y1, shape->ahead, shape->aside, length, width, x0, y0, &sweep->x[4], &sweep->y[4]);
+  ahead[1] = shape->ahead;
+  aside[1] = shape->aside;
+}
+
+/** What is swept between the poses `j` and `j + 1` of a curve: its corners seen from the first one, and the boxes around it. */
+static void tm_sweep_piece(const tm_curve *curve, size_t j, double length, double width, double bound, tm_sweep *sweep) {
+  const size_t next = j + 1u;
+  sweep->ox = curve->x[j];
+  sweep->oy = curve->y[j];
+  sweep->frame.ahead = curve->ahead[next];
+  sweep->frame.aside = curve->aside[next];
+  tm_footprint(sweep->ox, sweep->oy, curve->ahead[j], curve->aside[j], length, width, sweep->ox, sweep->oy, &sweep->x[0],
+               &sweep->y[0]);
+  tm_footprint(curve->x[next], curve->y[next], curve->ahead[next], curve->aside[next], length, width, sweep->ox, sweep->oy,
+               &sweep->x[4], &sweep->y[4]);
   tm_bound_points(sweep->x, sweep->y, &sweep->frame);
   sweep->best = (bound > 0.0) ? bound : 0.0;
   sweep->built = false;
   sweep->entered = false;
+}
+
+/** The straight way between two poses, as a curve of one piece. */
+static void tm_straight(tm_shape *shape, double x0, double y0, double heading0, double x1, double y1, double heading1,
+                        tm_curve *curve) {
+  curve->x[0] = x0;
+  curve->y[0] = y0;
+  curve->x[1] = x1;
+  curve->y[1] = y1;
+  tm_units(shape, heading0, heading1, curve->ahead, curve->aside);
+  curve->count = 1u;
+  curve->more = 0.0;
 }
 
 /** Look at a border segment; whether it is nearer to the sweep than all that were looked at. */
@@ -672,19 +690,19 @@ static double tm_sweep_margin(tm_context *c, tm_shape *shape, tm_sweep *sweep, b
   return sweep->best;
 }
 
-/** The signed margin [m] of what a vehicle sweeps between two poses inside a region; NaN for what is none.
+/** The signed margin [m] of a piece of a curve inside a region.
    Margins above `bound` need not be exact: the caller takes the least of many, and has found `bound` already. */
-static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double y0, double heading0, double x1, double y1,
-                              double heading1, double length, double width, double bound) {
+static double tm_piece_inside(tm_context *c, tm_shape *shape, const tm_curve *curve, size_t j, double length, double width,
+                              double bound) {
   tm_sweep sweep;
-  if (!shape->usable || !tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) ||
-      !tm_usable(heading1) || !tm_sized(length, width)) {
-    return TM_NAN;
-  }
+  const double x0 = curve->x[j];
+  const double y0 = curve->y[j];
+  const double x1 = curve->x[j + 1u];
+  const double y1 = curve->y[j + 1u];
   const bool from_inside = shape->inside && (x0 == shape->x) && (y0 == shape->y);
   shape->x = x1;
   shape->y = y1;
-  tm_sweep_between(shape, x0, y0, heading0, x1, y1, heading1, length, width, bound, &sweep);
+  tm_sweep_piece(curve, j, length, width, bound, &sweep);
   const size_t end = shape->first + shape->count;
   const size_t likely = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
   /* What was nearest last time is near this time, and leaves little to look at. */
@@ -707,6 +725,40 @@ static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double 
     }
   }
   return tm_sweep_margin(c, shape, &sweep, from_inside, (x0 + x1) / 2.0, (y0 + y1) / 2.0);
+}
+
+/** The same of all pieces of a curve. */
+static double tm_curve_inside(tm_context *c, tm_shape *shape, const tm_curve *curve, double length, double width, double bound) {
+  double least = tm_curve_limit(curve, bound);
+  for (size_t j = 0u; j < curve->count; ++j) {
+    least = tm_least(least, tm_piece_inside(c, shape, curve, j, length, width, least));
+  }
+  return least - curve->more;
+}
+
+/** The signed margin [m] of what a vehicle sweeps straight between two poses inside a region; NaN for what is none. `bound`: as above. */
+static double tm_swept_inside(tm_context *c, tm_shape *shape, double x0, double y0, double heading0, double x1, double y1,
+                              double heading1, double length, double width, double bound) {
+  tm_curve curve;
+  if (!shape->usable || !tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) ||
+      !tm_usable(heading1) || !tm_sized(length, width)) {
+    return TM_NAN;
+  }
+  tm_straight(shape, x0, y0, heading0, x1, y1, heading1, &curve);
+  return tm_piece_inside(c, shape, &curve, 0u, length, width, bound);
+}
+
+/** The same along a curve, of these curvatures at both poses [1/m]. */
+static double tm_curved_inside(tm_context *c, tm_shape *shape, double x0, double y0, double heading0, double x1, double y1,
+                               double heading1, double length, double width, double kappa0, double kappa1, double bound) {
+  tm_curve curve;
+  if (!shape->usable || !tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) ||
+      !tm_usable(heading1) || !tm_usable(kappa0) || !tm_usable(kappa1) || !tm_sized(length, width)) {
+    return TM_NAN;
+  }
+  tm_straight(shape, x0, y0, heading0, x1, y1, heading1, &curve);
+  tm_curve_of(kappa0, kappa1, length, width, &curve);
+  return tm_curve_inside(c, shape, &curve, length, width, bound);
 }
 
 /** Where a stretch ends that begins with the sweep `first` from the pose `from`: not far away, and not turned by much. */
@@ -752,6 +804,34 @@ static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y,
     all->u1 = tm_greatest(all->u1, pose->u + pose->along);
     all->v0 = tm_least(all->v0, pose->v - pose->across);
     all->v1 = tm_greatest(all->v1, pose->v + pose->across);
+  }
+}
+
+/** How far what is swept along the ways of a stretch may be beyond the straight ones, and the most of these; `kappa`: the curvatures at its
+   poses. */
+static void tm_stretch_reaches(tm_stretch *stretch, const double *kappa, size_t count, double length, double width) {
+  const double corner = 0.5 * sqrt((length * length) + (width * width));
+  double cosine[TM_STRETCH + 1u];
+  double sine[TM_STRETCH + 1u];
+  stretch->widest = 0.0;
+  stretch->reach[0] = 0.0;
+  for (size_t i = 0u; i < count; ++i) {
+    const double turn = stretch->pose[i].turn;
+    const double square = turn * turn;
+    cosine[i] = 1.0 - (square * (0.5 - (square * (1.0 / 24.0))));
+    sine[i] = turn * (1.0 - ((square * (1.0 / 6.0)) * (1.0 - (square * 0.05))));
+  }
+  for (size_t i = 1u; i < count; ++i) {
+    const tm_posed *p = &stretch->pose[i - 1u];
+    const tm_posed *q = &stretch->pose[i];
+    const double du = q->u - p->u;
+    const double dv = q->v - p->v;
+    double reach = tm_curve_reach(du, dv, cosine[i - 1u], sine[i - 1u], cosine[i], sine[i], kappa[i - 1u], kappa[i], corner);
+    if (!(reach < TM_INF)) {
+      reach = tm_stand_reach(du, dv, q->turn - p->turn, corner);
+    }
+    stretch->reach[i] = ((fabs(p->turn) <= 0.4) && (fabs(q->turn) <= 0.4)) ? reach : TM_INF;
+    stretch->widest = tm_greatest(stretch->widest, stretch->reach[i]);
   }
 }
 
@@ -883,13 +963,24 @@ static void tm_sweep_listed(const tm_context *c, tm_shape *shape, const tm_stret
   }
 }
 
+/** The way from a sample of a timeline to the one after it: a curve, or straight where `kappa` is NULL. */
+static void tm_way(tm_shape *shape, const double *x, const double *y, const double *heading, const double *kappa, size_t from,
+                   size_t to, double length, double width, tm_curve *curve) {
+  tm_straight(shape, x[from], y[from], heading[from], x[to], y[to], heading[to], curve);
+  if (kappa != NULL) {
+    tm_curve_of(kappa[from], kappa[to], length, width, curve);
+  }
+}
+
 /** The gap between a border segment and the sweep that passes nearest to it, to begin with: none of a timeline's margins that
    is greater matters. */
 static double tm_first_gap(tm_context *c, tm_shape *shape, size_t which, const double *x, const double *y, const double *heading,
-                           size_t n, double length, double width) {
+                           const double *kappa, size_t n, double length, double width) {
   const tm_ends *s = &c->ends[shape->first + which];
-  tm_sweep sweep;
+  tm_curve curve;
+  double best = TM_INF;
   double nearest = TM_INF;
+  bool entered = false;
   size_t at = 0u;
   for (size_t i = 0u; i < n; ++i) {
     const double dx = x[i] - s->ax;
@@ -900,27 +991,48 @@ static double tm_first_gap(tm_context *c, tm_shape *shape, size_t which, const d
       at = i;
     }
   }
-  const size_t before = tm_before(at, 1u);
-  tm_sweep_between(shape, x[before], y[before], heading[before], x[at], y[at], heading[at], length, width, TM_INF, &sweep);
-  (void)tm_sweep_nearer(c, shape->first + which, &sweep);
-  if (!sweep.entered && (sweep.best <= (2.0 * length))) {
-    return sweep.best;
+  tm_way(shape, x, y, heading, kappa, tm_before(at, 1u), at, length, width, &curve);
+  for (size_t j = 0u; (j < curve.count) && !entered; ++j) {
+    tm_sweep sweep;
+    tm_sweep_piece(&curve, j, length, width, best, &sweep);
+    (void)tm_sweep_nearer(c, shape->first + which, &sweep);
+    best = sweep.best;
+    entered = sweep.entered;
+  }
+  if (!entered && (best <= (2.0 * length))) {
+    return best - curve.more;
   }
   shape->hint = which;
-  return tm_swept_inside(c, shape, x[before], y[before], heading[before], x[at], y[at], heading[at], length, width, TM_INF);
+  return tm_curve_inside(c, shape, &curve, length, width, TM_INF);
+}
+
+/** The margin [m] of a way in a stretch, of which these listed segments are near; one that is not below `bound` need not be exact. */
+static double tm_way_listed(tm_context *c, tm_shape *shape, const tm_stretch *stretch, unsigned long near, const tm_curve *curve,
+                            double length, double width, double bound, bool inside) {
+  double least = tm_curve_limit(curve, bound);
+  shape->inside = inside;
+  for (size_t j = 0u; j < curve->count; ++j) {
+    tm_sweep sweep;
+    tm_sweep_piece(curve, j, length, width, least, &sweep);
+    tm_sweep_listed(c, shape, stretch, near, &sweep);
+    least = tm_least(least, tm_sweep_margin(c, shape, &sweep, shape->inside, (curve->x[j] + curve->x[j + 1u]) / 2.0,
+                                            (curve->y[j] + curve->y[j + 1u]) / 2.0));
+  }
+  return least - curve->more;
 }
 
 /** The least signed margin [m] of what a vehicle sweeps from sample to sample of a timeline inside a region; NaN where one has none.
+   `kappa`: the curvatures there [1/m]; NULL where it goes straight.
    Sweeps are looked at eight at a time: what stays farther from the border than the least gap so far is inside if its first pose is. */
-static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x, const double *y, const double *heading, size_t n,
-                                 double length, double width) {
+static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x, const double *y, const double *heading,
+                                 const double *kappa, size_t n, double length, double width) {
   double best;
   bool inside = false;
   if (!shape->usable || !tm_sized(length, width) || (n < 1u)) {
     return TM_NAN;
   }
   for (size_t i = 0u; i < n; ++i) {
-    if (!tm_usable(x[i]) || !tm_usable(y[i]) || !tm_usable(heading[i])) {
+    if (!tm_usable(x[i]) || !tm_usable(y[i]) || !tm_usable(heading[i]) || ((kappa != NULL) && !tm_usable(kappa[i]))) {
       return TM_NAN;
     }
   }
@@ -928,14 +1040,21 @@ static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x
   shape->turn_near = (shape->turn_near == 0u) ? 1u : 0u;
   size_t *hint = &shape->near[shape->turn_near];
   *hint = (*hint < shape->count) ? *hint : 0u;
-  best = tm_first_gap(c, shape, *hint, x, y, heading, n, length, width);
+  best = tm_first_gap(c, shape, *hint, x, y, heading, kappa, n, length, width);
   size_t stop = 0u;
   for (size_t first = 0u; first < n; first = stop) {
     const size_t from = tm_before(first, 1u);
     stop = tm_stretch_end(x, y, heading, n, from, first, length);
     tm_stretch stretch;
     tm_stretch_of(&stretch, &x[from], &y[from], &heading[from], stop - from, length, width);
-    tm_stretch_list(c, shape, &stretch, tm_greatest(best, 1e-3));
+    stretch.widest = 0.0;
+    if (kappa != NULL) {
+      tm_stretch_reaches(&stretch, &kappa[from], stop - from, length, width);
+    }
+    stretch.count = TM_STRETCH_LIST + 1u;
+    if (stretch.widest < TM_INF) {
+      tm_stretch_list(c, shape, &stretch, tm_greatest(best, 1e-3) + stretch.widest);
+    }
     if ((stretch.count == 0u) && (inside || tm_holds(c, shape, x[from], y[from]))) {
       inside = true;
       continue;
@@ -943,13 +1062,15 @@ static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x
     for (size_t i = first; i < stop; ++i) {
       const size_t k = tm_before(i, 1u);
       const bool listed = stretch.count <= TM_STRETCH_LIST;
+      unsigned long near = 0u;
+      tm_curve curve;
       double margin;
       shape->hint = *hint;
       if (listed) {
         const tm_posed *p = &stretch.pose[k - from];
         const tm_posed *q = &stretch.pose[i - from];
-        const double reach = tm_greatest(best, 1e-3);
-        unsigned long near = tm_stretch_near(&stretch, p, q, reach);
+        const double reach = tm_greatest(best, 1e-3) + ((kappa != NULL) ? stretch.reach[i - from] : 0.0);
+        near = tm_stretch_near(&stretch, p, q, reach);
         if (near != 0u) {
           near = tm_stretch_nearer(&stretch, p, q, length, width, reach, near);
         }
@@ -957,15 +1078,15 @@ static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x
           inside = true;
           continue;
         }
-        tm_sweep sweep;
-        tm_sweep_between(shape, x[k], y[k], heading[k], x[i], y[i], heading[i], length, width, best, &sweep);
-        tm_sweep_listed(c, shape, &stretch, near, &sweep);
-        margin = tm_sweep_margin(c, shape, &sweep, inside, (x[k] + x[i]) / 2.0, (y[k] + y[i]) / 2.0);
+      }
+      tm_way(shape, x, y, heading, kappa, k, i, length, width, &curve);
+      if (listed) {
+        margin = tm_way_listed(c, shape, &stretch, near, &curve, length, width, best, inside);
       } else {
         shape->inside = inside;
         shape->x = x[k];
         shape->y = y[k];
-        margin = tm_swept_inside(c, shape, x[k], y[k], heading[k], x[i], y[i], heading[i], length, width, best);
+        margin = tm_curve_inside(c, shape, &curve, length, width, best);
       }
       inside = shape->inside;
       if (margin < best) {
@@ -992,25 +1113,36 @@ static double tm_overlap(const tm_hull *a, const tm_hull *b) {
   return shortest;
 }
 
-/** The signed distance [m] of what a vehicle sweeps between two poses from a box at rest; NaN for what is none. */
-static double tm_swept_clear(double x0, double y0, double heading0, double x1, double y1, double heading1, double length,
-                             double width, double box_x, double box_y, double box_heading, double box_length,
-                             double box_width) {
+/** The straight way between two poses, as a curve of one piece. */
+static void tm_straight_anew(double x0, double y0, double heading0, double x1, double y1, double heading1, tm_curve *curve) {
+  curve->x[0] = x0;
+  curve->y[0] = y0;
+  curve->ahead[0] = cos(heading0);
+  curve->aside[0] = sin(heading0);
+  curve->x[1] = x1;
+  curve->y[1] = y1;
+  curve->ahead[1] = cos(heading1);
+  curve->aside[1] = sin(heading1);
+  curve->count = 1u;
+  curve->more = 0.0;
+}
+
+/** The signed distance [m] of a piece of a curve from a box along (ahead, aside). */
+static double tm_piece_clear(const tm_curve *curve, size_t j, double length, double width, double box_x, double box_y, double ahead,
+                             double aside, double box_length, double box_width) {
+  const size_t next = j + 1u;
+  const double ox = curve->x[j];
+  const double oy = curve->y[j];
   double x[8];
   double y[8];
   tm_hull a;
   tm_hull b;
   double ways;
   double best = TM_INF;
-  if (!tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) || !tm_usable(heading1) ||
-      !tm_usable(box_x) || !tm_usable(box_y) || !tm_usable(box_heading) || !tm_sized(length, width) ||
-      !tm_sized(box_length, box_width)) {
-    return TM_NAN;
-  }
-  tm_footprint(x0, y0, cos(heading0), sin(heading0), length, width, x0, y0, &x[0], &y[0]);
-  tm_footprint(x1, y1, cos(heading1), sin(heading1), length, width, x0, y0, &x[4], &y[4]);
+  tm_footprint(ox, oy, curve->ahead[j], curve->aside[j], length, width, ox, oy, &x[0], &y[0]);
+  tm_footprint(curve->x[next], curve->y[next], curve->ahead[next], curve->aside[next], length, width, ox, oy, &x[4], &y[4]);
   tm_convex_hull(x, y, &a);
-  tm_footprint(box_x, box_y, cos(box_heading), sin(box_heading), box_length, box_width, x0, y0, &x[0], &y[0]);
+  tm_footprint(box_x, box_y, ahead, aside, box_length, box_width, ox, oy, &x[0], &y[0]);
   for (size_t i = 0u; i < 4u; ++i) {
     x[4u + i] = x[i];
     y[4u + i] = y[i];
@@ -1027,6 +1159,48 @@ static double tm_swept_clear(double x0, double y0, double heading0, double x1, d
     best = tm_least(best, tm_hull_distance(&a, b.x[i], b.y[i]));
   }
   return best;
+}
+
+/** The signed distance [m] of what a vehicle sweeps straight between two poses from a box at rest; NaN for what is none. */
+static double tm_swept_clear(double x0, double y0, double heading0, double x1, double y1, double heading1, double length,
+                             double width, double box_x, double box_y, double box_heading, double box_length,
+                             double box_width) {
+  tm_curve curve;
+  if (!tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) || !tm_usable(heading1) ||
+      !tm_usable(box_x) || !tm_usable(box_y) || !tm_usable(box_heading) || !tm_sized(length, width) ||
+      !tm_sized(box_length, box_width)) {
+    return TM_NAN;
+  }
+  tm_straight_anew(x0, y0, heading0, x1, y1, heading1, &curve);
+  return tm_piece_clear(&curve, 0u, length, width, box_x, box_y, cos(box_heading), sin(box_heading), box_length, box_width);
+}
+
+/** The same along a curve, of these curvatures at both poses [1/m]. Distances above `bound` need not be exact: the caller takes the least
+   of many, and has found `bound` already. */
+static double tm_curved_clear(double x0, double y0, double heading0, double x1, double y1, double heading1, double length,
+                              double width, double box_x, double box_y, double box_heading, double box_length, double box_width,
+                              double kappa0, double kappa1, double bound) {
+  tm_curve curve;
+  double ahead;
+  double aside;
+  double best = TM_INF;
+  if (!tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) || !tm_usable(heading1) ||
+      !tm_usable(box_x) || !tm_usable(box_y) || !tm_usable(box_heading) || !tm_usable(kappa0) || !tm_usable(kappa1) ||
+      !tm_sized(length, width) || !tm_sized(box_length, box_width)) {
+    return TM_NAN;
+  }
+  const double far = tm_curve_far(x1 - x0, y1 - y0, box_x - x0, box_y - y0, length + width, box_length + box_width, kappa0, kappa1);
+  if (far > tm_greatest(bound, 0.0)) {
+    return far;
+  }
+  tm_straight_anew(x0, y0, heading0, x1, y1, heading1, &curve);
+  tm_curve_of(kappa0, kappa1, length, width, &curve);
+  ahead = cos(box_heading);
+  aside = sin(box_heading);
+  for (size_t j = 0u; j < curve.count; ++j) {
+    best = tm_least(best, tm_piece_clear(&curve, j, length, width, box_x, box_y, ahead, aside, box_length, box_width));
+  }
+  return best - curve.more;
 }
 
 /** Station, offset and direction of a point beside one segment; whether the line goes on before and after it. */
@@ -1146,14 +1320,19 @@ static size_t tm_path_next(const double *px, const double *py, size_t n, size_t 
   return j;
 }
 
-/** Whether the points of a path are usable, and at least two are different. */
-static bool tm_path_usable(const double *px, const double *py, size_t n) {
+/** Whether a path has two or more points, all of them usable. */
+static bool tm_path_there(const double *px, const double *py, size_t n) {
   for (size_t i = 0u; i < n; ++i) {
     if (!tm_usable(px[i]) || !tm_usable(py[i])) {
       return false;
     }
   }
-  return (n > 0u) && (tm_path_next(px, py, n, 0u) < n);
+  return n >= 2u;
+}
+
+/** Whether the points of a path are usable, and at least two are different. */
+static bool tm_path_usable(const double *px, const double *py, size_t n) {
+  return tm_path_there(px, py, n) && (tm_path_next(px, py, n, 0u) < n);
 }
 
 /** Station, offset and direction of a point along the path of a trajectory. */
@@ -1192,14 +1371,19 @@ static tm_projection tm_path_project(const double *px, const double *py, size_t 
   return result;
 }
 
-/** The distance [m] of a point from the path of a trajectory. */
+/** The distance [m] of a point from the path of a trajectory; of one that stays in one place, from that place. */
 static double tm_path_distance(const double *px, const double *py, size_t n, double x, double y) {
   double best = TM_INF;
-  if (!tm_usable(x) || !tm_usable(y) || !tm_path_usable(px, py, n)) {
+  if (!tm_usable(x) || !tm_usable(y) || !tm_path_there(px, py, n)) {
     return TM_NAN;
   }
   size_t i = 0u;
   size_t j = tm_path_next(px, py, n, 0u);
+  if (j >= n) {
+    const double dx = x - px[0];
+    const double dy = y - py[0];
+    best = sqrt((dx * dx) + (dy * dy));
+  }
   while (j < n) {
     const tm_segment s = tm_between(px[i], py[i], px[j], py[j]);
     best = tm_least(best, tm_segment_distance(&s, 0.0, 0.0, x, y));

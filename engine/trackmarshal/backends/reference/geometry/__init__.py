@@ -7,9 +7,11 @@ from trackmarshal.backends.reference.geometry.corridor import (
     in_zone_margin,
     zone_fault,
 )
+from trackmarshal.backends.reference.geometry.curve import Curve, curve_between
 from trackmarshal.backends.reference.geometry.curvilinear import (
     centre_line,
     distance_to_line,
+    distance_to_path,
     line_fault,
     project,
     station_gap,
@@ -23,7 +25,7 @@ from trackmarshal.backends.reference.geometry.footprint import (
 )
 
 __all__ = [
-    "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "distance_to_line", "footprint",
-    "hull_in_polygon_margin", "hull_inside_margin", "in_zone_margin", "line_fault", "project", "station_gap", "swept",
+    "Curve", "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "curve_between", "distance_to_line", "distance_to_path",
+    "footprint", "hull_in_polygon_margin", "hull_inside_margin", "in_zone_margin", "line_fault", "project", "station_gap", "swept",
     "swept_clearance", "zone_fault",
 ]  # fmt: skip

@@ -29,17 +29,26 @@ LEFT, RIGHT, CAP, POLYGON = "left border", "right border", "end of the corridor"
 
 
 def hull_inside_margin(
-    left: Points, right: Points, closed: bool, pose0: Pose, pose1: Pose, length: float, width: float
+    left: Points,
+    right: Points,
+    closed: bool,
+    pose0: Pose,
+    pose1: Pose,
+    length: float,
+    width: float,
+    bend: Sequence[float] = (),
 ) -> float:
     """The signed margin [m] of what a vehicle sweeps between two poses inside a corridor; NaN for an unusable one."""
     region = corridor_region(_frozen(left), _frozen(right), closed)
-    return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width)
+    return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width, bend)
 
 
-def hull_in_polygon_margin(points: Points, pose0: Pose, pose1: Pose, length: float, width: float) -> float:
+def hull_in_polygon_margin(
+    points: Points, pose0: Pose, pose1: Pose, length: float, width: float, bend: Sequence[float] = ()
+) -> float:
     """The signed margin [m] of what a vehicle sweeps between two poses inside a simple polygon."""
     region = polygon_region(_frozen(points))
-    return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width)
+    return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width, bend)
 
 
 def in_zone_margin(x: float, y: float, points: Points) -> float:

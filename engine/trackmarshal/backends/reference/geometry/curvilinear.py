@@ -82,6 +82,13 @@ def distance_to_line(x: float, y: float, points: Points, closed: bool = False) -
     return min(distance(x, y, s) for s in chain(distinct(points, closed), closed))
 
 
+def distance_to_path(x: float, y: float, points: Points) -> float:
+    """The distance [m] of a point from the path of a trajectory; of one that stays in one place, from that place."""
+    if len(points) >= 2 and len(distinct(points, False)) == 1 and usable(x, y, *points[0]):
+        return between(x, y, *points[0])
+    return distance_to_line(x, y, points)
+
+
 def centre_line(left: Points, right: Points, closed: bool = False) -> list[Point]:
     """The line midway between two borders: midpoints of paired points, or else from each left point to the right border."""
     lefts, rights = [(p[0], p[1]) for p in left], [(p[0], p[1]) for p in right]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
+from trackmarshal.backends.reference.geometry.curve import Placed, curve, placed
 from trackmarshal.backends.reference.geometry.points import (
     Point,
     Pose,
@@ -19,9 +21,14 @@ from trackmarshal.backends.reference.geometry.points import (
 
 def footprint(pose: Pose, length: float, width: float, origin: Point = (0.0, 0.0)) -> list[Point]:
     """The corners of the rectangle centred at a pose, counter-clockwise from the front left, seen from an origin."""
-    x, y = pose[0] - origin[0], pose[1] - origin[1]
-    fx, fy = 0.5 * length * math.cos(pose[2]), 0.5 * length * math.sin(pose[2])
-    lx, ly = -(0.5 * width * math.sin(pose[2])), 0.5 * width * math.cos(pose[2])
+    return box(placed(pose), length, width, origin)
+
+
+def box(at: Placed, length: float, width: float, origin: Point) -> list[Point]:
+    """The same of a pose in place."""
+    x, y = at.x - origin[0], at.y - origin[1]
+    fx, fy = 0.5 * length * at.ahead, 0.5 * length * at.aside
+    lx, ly = -(0.5 * width * at.aside), 0.5 * width * at.ahead
     return [
         (x + (fx + lx), y + (fy + ly)),
         (x - (fx - lx), y - (fy - ly)),
@@ -45,17 +52,18 @@ def convex_hull(points: Sequence[Point]) -> list[Point]:
     return half(ordered) + half(ordered[::-1])
 
 
-def swept_corners(pose0: Pose, pose1: Pose, length: float, width: float) -> list[Point]:
+def swept_corners(first: Placed, second: Placed, length: float, width: float) -> list[Point]:
     """The eight corners of both footprints, seen from the first pose."""
-    origin = (pose0[0], pose0[1])
-    return footprint(pose0, length, width, origin) + footprint(pose1, length, width, origin)
+    origin = (first.x, first.y)
+    return box(first, length, width, origin) + box(second, length, width, origin)
 
 
 def swept(pose0: Pose, pose1: Pose, length: float, width: float) -> list[Point]:
     """The convex hull of the footprints of two poses, counter-clockwise."""
     if not usable(*pose0, *pose1) or not sized(length, width):
         raise ValueError("a swept footprint needs finite poses and positive sizes")
-    return [(x + pose0[0], y + pose0[1]) for x, y in convex_hull(swept_corners(pose0, pose1, length, width))]
+    corners = swept_corners(placed(pose0), placed(pose1), length, width)
+    return [(x + pose0[0], y + pose0[1]) for x, y in convex_hull(corners)]
 
 
 def depth(x: float, y: float, hull: Sequence[Segment]) -> float:
@@ -80,10 +88,34 @@ def convex_clearance(first: Sequence[Point], second: Sequence[Point]) -> float:
 
 
 def clear_margin(
-    pose0: Pose, pose1: Pose, length: float, width: float, box: Pose, box_length: float, box_width: float
+    pose0: Pose,
+    pose1: Pose,
+    length: float,
+    width: float,
+    box: Pose,
+    box_length: float,
+    box_width: float,
+    bend: Sequence[float] = (),
 ) -> float:
-    """The signed distance [m] of what a vehicle sweeps between two poses from a box (pose, length, width)."""
-    return swept_clearance(pose0, pose1, length, width, box, box, box_length, box_width)
+    """The signed distance [m] of what a vehicle sweeps between two poses from a box (pose, length, width).
+
+    bend: the curvatures [1/m] at both poses, where the vehicle follows a curve; empty where it goes straight.
+    """
+    if not bend:
+        return swept_clearance(pose0, pose1, length, width, box, box, box_length, box_width)
+    if (
+        not usable(*pose0, *pose1, *box, *bend)
+        or not sized(length, width)
+        or not sized(box_length, box_width)
+    ):
+        return math.nan
+    way = curve(placed(pose0), placed(pose1), bend, length, width)
+    stands = placed(box)
+    pieces = (
+        _clearance((first, second), (length, width), (stands, stands), (box_length, box_width))
+        for first, second in pairwise(way.poses)
+    )
+    return min(pieces) - way.more
 
 
 def swept_clearance(
@@ -96,14 +128,21 @@ def swept_clearance(
     other_length: float,
     other_width: float,
 ) -> float:
-    """The signed distance [m] of what two bodies sweep, each between two poses of its own."""
+    """The signed distance [m] of what two bodies sweep, each straight between two poses of its own."""
     if not usable(*pose0, *pose1, *other0, *other1):
         return math.nan
     if not sized(length, width) or not sized(other_length, other_width):
         return math.nan
-    origin = (pose0[0], pose0[1])
-    body = convex_hull(swept_corners(pose0, pose1, length, width))
-    corners = footprint(other0, other_length, other_width, origin) + footprint(
-        other1, other_length, other_width, origin
-    )
-    return convex_clearance(body, convex_hull(corners))
+    body, other = (placed(pose0), placed(pose1)), (placed(other0), placed(other1))
+    return _clearance(body, (length, width), other, (other_length, other_width))
+
+
+def _clearance(
+    body: tuple[Placed, Placed],
+    size: tuple[float, float],
+    other: tuple[Placed, Placed],
+    other_size: tuple[float, float],
+) -> float:
+    origin = (body[0].x, body[0].y)
+    corners = [corner for at in other for corner in box(at, *other_size, origin)]
+    return convex_clearance(convex_hull(swept_corners(*body, *size)), convex_hull(corners))

@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
+from trackmarshal.backends.reference.geometry.curve import Placed, curve, placed
 from trackmarshal.backends.reference.geometry.footprint import convex_hull, depth, swept_corners
 from trackmarshal.backends.reference.geometry.points import (
     Point,
@@ -56,22 +58,36 @@ def point_margin(region: Region, x: float, y: float) -> float:
     return reach if reach == 0.0 or region.holds(x, y) else -reach
 
 
-def hull_margin(region: Region, pose0: Pose, pose1: Pose, length: float, width: float) -> float:
-    """The signed margin [m] of `what a vehicle sweeps between two poses lies inside a region`.
+def hull_margin(
+    region: Region, pose0: Pose, pose1: Pose, length: float, width: float, bend: Sequence[float] = ()
+) -> float:
+    """The signed margin [m] of `what a vehicle sweeps between two poses lies inside a region`; NaN for a pose or a size that is none.
+
+    bend: the curvatures [1/m] at both poses, where the vehicle follows a curve; empty where it goes straight.
+    """
+    if not usable(*pose0, *pose1, *bend) or not sized(length, width):
+        return math.nan
+    first, second = placed(pose0), placed(pose1)
+    if not bend:
+        return piece_margin(region, first, second, length, width)
+    way = curve(first, second, bend, length, width)
+    return min(piece_margin(region, *ends, length, width) for ends in pairwise(way.poses)) - way.more
+
+
+def piece_margin(region: Region, first: Placed, second: Placed, length: float, width: float) -> float:
+    """The signed margin [m] of the convex hull of two footprints inside a region.
 
     Inside: its distance from the border. Otherwise minus the largest of: the distance from the border of each corner of
     the two footprints outside the region, and the depth inside the hull of each border vertex strictly inside it.
     Where neither exists (the border passes through between corners), minus the depth of the middle of the longest
-    stretch of a border segment inside the hull. NaN for a pose or a size that is none.
+    stretch of a border segment inside the hull.
     """
-    if not usable(*pose0, *pose1) or not sized(length, width):
-        return math.nan
-    x0, y0 = pose0[0], pose0[1]
-    corners = swept_corners(pose0, pose1, length, width)
+    x0, y0 = first.x, first.y
+    corners = swept_corners(first, second, length, width)
     hull = chain(convex_hull(corners), True)
     border = [segment(a, b, (x0, y0)) for a, b in region.border]
     entering = [s for s in border if enters(s, hull)]
-    if not entering and region.holds((x0 + pose1[0]) / 2, (y0 + pose1[1]) / 2):
+    if not entering and region.holds((x0 + second.x) / 2, (y0 + second.y) / 2):
         return gap(corners, hull, border)
     worst = 0.0
     for x, y in corners:

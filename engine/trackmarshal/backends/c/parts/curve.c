@@ -1,0 +1,124 @@
+/** How far beyond the hull of both footprints a vehicle reaches that passes anywhere in the circle around the chord, and points anywhere
+   between both headings [m]. */
+static double tm_at_random(const tm_curve *curve, double way, double corner) {
+  const double gx = curve->ahead[1] - curve->ahead[0];
+  const double gy = curve->aside[1] - curve->aside[0];
+  const double sx = curve->ahead[1] + curve->ahead[0];
+  const double sy = curve->aside[1] + curve->aside[0];
+  const double turned = (gx * gx) + (gy * gy);
+  const double swing = corner * (turned / (4.0 + (2.0 * sqrt((sx * sx) + (sy * sy)))));
+  return swing + (tm_least(way, corner * sqrt(turned)) + (0.5 * way));
+}
+
+/** Cut the way between the first two poses of a curve into pieces; `kappa0`, `kappa1`: the curvatures at both [1/m]. */
+static void tm_curve_of(double kappa0, double kappa1, double length, double width, tm_curve *curve) {
+  const double x0 = curve->x[0];
+  const double y0 = curve->y[0];
+  const double dx = curve->x[1] - x0;
+  const double dy = curve->y[1] - y0;
+  const double square = (dx * dx) + (dy * dy);
+  const double along0 = (dx * curve->ahead[0]) + (dy * curve->aside[0]);
+  const double aside0 = (dx * curve->aside[0]) - (dy * curve->ahead[0]);
+  const double along1 = (dx * curve->ahead[1]) + (dy * curve->aside[1]);
+  const double aside1 = (dx * curve->aside[1]) - (dy * curve->ahead[1]);
+  const double way = sqrt(square);
+  const double corner = sqrt(((0.5 * length) * (0.5 * length)) + ((0.5 * width) * (0.5 * width)));
+  curve->count = 1u;
+  if ((square > 1e-12) && ((along0 * along1) > 0.0) && (fabs(aside0) <= fabs(along0)) && (fabs(aside1) <= fabs(along1))) {
+    const double slope0 = aside0 / along0;
+    const double slope1 = aside1 / along1;
+    const double grow0 = 1.0 + (slope0 * slope0);
+    const double grow1 = 1.0 + (slope1 * slope1);
+    const double bent0 = (kappa0 * way) * (grow0 * sqrt(grow0));
+    const double bent1 = (kappa1 * way) * (grow1 * sqrt(grow1));
+    const double turn = slope1 - slope0;
+    const double lean = 0.5 * (bent0 - bent1);
+    const double off = fabs((0.5 * (bent0 + bent1)) - turn);
+    const double sway = -3.0 * (slope0 + slope1);
+    const double slip = fabs(lean - sway);
+    const double steep = fabs(turn) + fabs(lean);
+    while ((curve->count < TM_PIECES) && ((0.06 * (double)curve->count) < (corner * steep))) {
+      ++curve->count;
+    }
+    const double count = (double)curve->count;
+    const double bulge = (way * (fabs(turn) + (fabs(sway) * (1.0 - (0.74 / count))))) +
+                         (corner * ((2.0 * fabs(lean)) + (steep * steep)));
+    curve->more = (bulge / ((8.0 * count) * count)) + (((0.0625 * (off + slip)) * way) + ((0.5 * corner) * off));
+    curve->x[curve->count] = curve->x[1];
+    curve->y[curve->count] = curve->y[1];
+    curve->ahead[curve->count] = curve->ahead[1];
+    curve->aside[curve->count] = curve->aside[1];
+    for (size_t j = 1u; j < curve->count; ++j) {
+      const double t = (double)j / count;
+      const double rest = 1.0 - t;
+      const double bump = t * (1.0 - t);
+      const double slope = ((slope0 * rest) + (slope1 * t)) + (lean * bump);
+      const double left = bump * ((slope0 * rest) - (slope1 * t));
+      const double ex = dx - (slope * dy);
+      const double ey = dy + (slope * dx);
+      const double root = sqrt((ex * ex) + (ey * ey));
+      const double size = (along0 < 0.0) ? -root : root;
+      curve->x[j] = x0 + ((t * dx) - (left * dy));
+      curve->y[j] = y0 + ((t * dy) + (left * dx));
+      curve->ahead[j] = ex / size;
+      curve->aside[j] = ey / size;
+    }
+  } else {
+    curve->more = tm_at_random(curve, way, corner);
+  }
+  curve->more = (curve->more > 1e-9) ? curve->more : 0.0;
+}
+
+/** Below which margin of a piece that of the whole curve may be below `bound`, and a little more. */
+static double tm_curve_limit(const tm_curve *curve, double bound) {
+  return (bound + curve->more) + (1e-14 * (fabs(bound) + curve->more));
+}
+
+/** How far what is swept along a curve may be beyond the hull of both footprints, or more [m]; infinite where that is not known at once.
+   (du, dv): the chord; both headings by their cosines and sines, which may be wrong by 1e-5. As in tm_curve_of, for slopes up to 0.25,
+   where a tangent is at most 0.6 times the cube above its sine, and the power of 1.5 at most 1.7 times the square above 1. */
+static inline double tm_curve_reach(double du, double dv, double cosine0, double sine0, double cosine1, double sine1, double kappa0,
+                                    double kappa1, double corner) {
+  const double way = sqrt((du * du) + (dv * dv));
+  const double per = 1.0 / tm_greatest(way, 1e-9);
+  const double along0 = (du * cosine0) + (dv * sine0);
+  const double along1 = (du * cosine1) + (dv * sine1);
+  const double a0 = per * ((du * sine0) - (dv * cosine0));
+  const double a1 = per * ((du * sine1) - (dv * cosine1));
+  const double q0 = a0 * a0;
+  const double q1 = a1 * a1;
+  const double b0 = kappa0 * way;
+  const double b1 = kappa1 * way;
+  const double cubes = 0.6 * ((q0 * fabs(a0)) + (q1 * fabs(a1)));
+  const double bent = 0.85 * ((q0 * fabs(b0)) + (q1 * fabs(b1)));
+  const double turn = fabs(a1 - a0) + cubes;
+  const double lean = (0.5 * fabs(b0 - b1)) + bent;
+  const double off = fabs((0.5 * (b0 + b1)) - (a1 - a0)) + (cubes + bent);
+  const double sway = 3.0 * (fabs(a0 + a1) + cubes);
+  const double steep = turn + lean;
+  const double bulge = (way * (turn + (0.26 * sway))) + (corner * ((2.0 * lean) + (steep * steep)));
+  /* Half of the bulge is that of the way; the other half is more than that of its pieces. */
+  const double more = (((0.0625 * (off + (lean + sway))) * way) + ((0.5 * corner) * off)) + (0.25 * bulge);
+  const int small = (q0 <= 0.0625) & (q1 <= 0.0625) & (along0 > 2e-6) & (along1 > 2e-6);
+  return (small != 0) ? ((1.001 * more) + (1e-4 * (corner + way))) : TM_INF;
+}
+
+/** The same for a vehicle that stands, as good as: it goes no farther than this in any direction, and turns by `turned` [rad]. */
+static double tm_stand_reach(double du, double dv, double turned, double corner) {
+  const double way = sqrt((du * du) + (dv * dv));
+  return (way < 0.5e-6) ? ((1e-5 + (1.5 * way)) + ((0.25 * corner) * (turned * turned))) : TM_INF;
+}
+
+/** No more than the distance [m] of a box from what is swept along a curve, whatever the headings. (dx, dy): the chord; (bx, by): the box, seen
+   from the first pose; `size`, `box_size`: length and width together, no less than twice the way to a corner. */
+static double tm_curve_far(double dx, double dy, double bx, double by, double size, double box_size, double kappa0, double kappa1) {
+  const double way = sqrt((dx * dx) + (dy * dy));
+  const double mx = bx - (0.5 * dx);
+  const double my = by - (0.5 * dy);
+  const double corner = 0.5 * size;
+  const double bent = (3.0 * way) * tm_greatest(fabs(kappa0), fabs(kappa1)); /* slopes are 1 at most */
+  const double steep = 2.0 + bent;
+  const double bulge = (8.0 * way) + (corner * ((2.0 * bent) + (steep * steep)));
+  const double more = (0.125 * bulge) + (((0.0625 * (8.0 + (2.0 * bent))) * way) + ((0.5 * corner) * (2.0 + bent)));
+  return ((sqrt((mx * mx) + (my * my)) - (0.75 * way)) - (corner + (0.5 * box_size))) - (1.001 * more);
+}

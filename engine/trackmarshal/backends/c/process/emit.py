@@ -1,0 +1,157 @@
+"""The C of a Supervisor as a process, as files: messages, mailboxes, the process, clients, the executing layer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trackmarshal.backends.c.binding import SAID
+from trackmarshal.backends.c.cycles import FOUND, label
+from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
+from trackmarshal.backends.c.names import comment, literal
+from trackmarshal.backends.c.process.description import PERIOD, SILENCE, describe, text_of
+from trackmarshal.backends.c.process.regions import BELL, LINE, regions
+from trackmarshal.backends.c.process.regions import MAGIC as REGION_MAGIC
+from trackmarshal.backends.c.process.regions import VERSION as REGION_VERSION
+from trackmarshal.backends.c.process.table import CAUSES, HEAD, MAGIC, VERSION, Table, sizes_of, table
+from trackmarshal.backends.c.source import Source
+from trackmarshal.runtime.contract import LINES, RECORD, TIMELINE, Signal
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.runtime.decision import MOST_REASONS
+from trackmarshal.runtime.frame import NO_SETTINGS, Settings
+from trackmarshal.runtime.machine import STATES
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+#: Why an executing layer does what it does, in the order in which C counts.
+WHYS = {
+    "unheard": "nothing was ever decided",
+    "decided": "the newest decision says so",
+    "restarted": "this Supervisor has nothing stored; the one before it had",
+    "silent": "no sign of life of the Supervisor",
+    "outdated": "no decision in time, or one from the future",
+    "left": "what was decided has been left before, and is not taken up again",
+    "ended": "the driving trajectory has been driven to its end",
+}
+#: The sources of the process, beside that of the Supervisor itself.
+UNITS = ("messages.c", "desk.c", "mailbox.c", "process.c")
+_GENERATED = (
+    "messages.h", "messages.c", "desk.c", "mailbox.h", "mailbox.c", "client.c", "client_example.c", "executing.h", "executing.c",
+)  # fmt: skip
+_PLAIN = ("desk.h", "process.c", "client.h")
+FILES = (*_GENERATED, *_PLAIN, "messages.json")
+_FOLDER = Path(__file__).parent / "templates"
+
+
+class Emitted:
+    """Files of a process by name, and the description of its messages. limits by name, capacities among them; settings as those of the
+    Supervisor in Python. Raises TrackmarshalError E476 for what messages cannot tell apart."""
+
+    def __init__(self, source: Source, limits: Mapping[str, float], settings: Settings = NO_SETTINGS) -> None:
+        #: Capacities by macro, for the compiler.
+        made = table(source, sizes_of(source, limits))
+        self.sizes = dict(made.capacities)
+        self.description = describe(source, made, limits, settings.params, settings.tables)
+        context = _context(source, made, self.description, limits, settings)
+        self.files = {name: _render(f"{name}.j2", context) for name in _GENERATED}
+        self.files |= {name: (_FOLDER / name).read_text(encoding="utf-8") for name in _PLAIN}
+        self.files["messages.json"] = text_of(self.description)
+
+
+def _render(template: str, context: Mapping[str, Any]) -> str:
+    return _environment().get_template(template).render(context)
+
+
+@cache
+def _environment() -> Environment:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    made = Environment(
+        loader=FileSystemLoader(_FOLDER), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
+        autoescape=False,
+    )  # fmt: skip
+    made.filters["as_comment"] = comment
+    return made
+
+
+def _context(
+    source: Source, made: Table, said: Mapping[str, Any], limits: Mapping[str, float], settings: Settings
+) -> dict[str, Any]:
+    given, spec = source.supervised, source.plan.spec
+    assert given is not None
+    assert given.contract.plan is not None
+    groups = [
+        *(
+            _group(given.contract.plan, given.plan.fields, given.plan.c_name, name)
+            for name in (DRIVING, EMERGENCY)
+        )
+    ]
+    for signal in given.inputs:
+        c_name = given.signals[signal.name]
+        groups.append(_group(signal, source.plan.input(signal.name).fields, c_name, ""))
+    for signal in given.borders:
+        groups.append(_bordered(signal, given.signals[signal.name], made))
+    numbers = [field for field in groups[0]["fields"] if not field["flag"]]
+    heading = [field["name"] for field in numbers].index("heading")
+    plan_t = next(field["c"] for field in numbers if field["name"] == "t")
+    tables = []
+    for name, c_name in source.plan.tables.items():
+        knots, values = settings.tables.get(name, (spec.tables[name].knots, spec.tables[name].values))
+        tables.append({"c": c_name, "knots": [*map(literal, knots)], "values": [*map(literal, values)]})
+    return {
+        "name": source.name, "messages": made.messages, "head": HEAD, "head_size": said["head"], "magic": MAGIC, "version": VERSION,
+        "layout": said["layout"], "period": PERIOD, "silence": SILENCE, "causes": CAUSES, "found": FOUND, "reasons": MOST_REASONS,
+        "capacities": list(made.capacities.items()), "lines": made.lines, "datagrams": said["datagrams"],
+        "longest": max(message.length for message in made.messages),
+        "signals": [*map(_word, made.signals)], "fields": ["", *map(_word, made.fields[1:])], "faults": list(FAULT_NAMES),
+        "rules": [_word(code.rule.name) for code in source.rules], "states": list(STATES),
+        "plan": [_word(field["name"]) for field in numbers], "plan_fields": groups[0]["fields"], "numbers": numbers,
+        "heading": heading, "plan_t": plan_t, "given": groups, "said": SAID, "whys": WHYS,
+        "events": [{"c": given.signals[s.name], "group": f"in_{given.signals[s.name]}"} for s in given.events],
+        "every_line": [{"slot": slot, "signal": c, "c": member} for slot, (_, _, c, member) in enumerate(made.lines)],
+        "limits": [(name, _c(limits[name])) for name in LIMITS],
+        "params": [
+            (c_name, literal(settings.params.get(name, spec.params[name].value))) for name, c_name in source.plan.params.items()
+        ],
+        "tables": tables,
+        "regions": regions(made), "region_magic": REGION_MAGIC, "region_version": REGION_VERSION, "bell": BELL, "line": LINE,
+    }  # fmt: skip
+
+
+def _word(name: str) -> str:
+    return label(name)
+
+
+def _c(x: float) -> str:
+    return "(double)INFINITY" if x == float("inf") else literal(float(x))
+
+
+def _group(signal: Signal, infos: Sequence[tuple[Any, str]], c_name: str, candidate: str) -> dict[str, Any]:
+    """Columns, or a record. A field's place is its bit in `absent`."""
+    names = {info.name: c for info, c in infos}
+    fields = [
+        {"name": field.name, "c": names[field.name], "place": place, "flag": field.kind == "bool"}
+        for place, field in enumerate((*signal.numbers, *signal.flags))
+    ]
+    record = signal.form == RECORD
+    return {
+        "kind": "record" if record else "columns", "record": record, "c": candidate or f"in_{c_name}", "type": f"tm_in_{c_name}",
+        "member": candidate or f"signals.{c_name}", "fields": fields, "closed": False, "lines": [],
+        "capacity": "TM_MAX_SAMPLES" if signal.form == TIMELINE else "TM_MAX_ELEMENTS",
+    }  # fmt: skip
+
+
+def _bordered(signal: Signal, c_name: str, made: Table) -> dict[str, Any]:
+    assert signal.form == LINES
+    lines = [
+        {"c": member, "slot": slot}
+        for slot, (name, _, _, member) in enumerate(made.lines)
+        if name == signal.name
+    ]
+    return {
+        "kind": "lines", "record": False, "c": f"in_{c_name}", "type": f"tm_in_{c_name}", "member": f"signals.{c_name}", "fields": [],
+        "closed": any(field.name for field in signal.lines), "lines": lines, "capacity": "",
+    }  # fmt: skip

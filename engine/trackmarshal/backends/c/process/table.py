@@ -1,0 +1,382 @@
+"""The messages to and from a Supervisor that is a process of its own: one table, from which header, packers and description are made.
+
+Every message has a fixed length; every entry of it has a fixed place, with room for as much as was declared. docs/process.md says what
+the messages are for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from trackmarshal.backends.c.binding import SAID
+from trackmarshal.backends.c.contract import Supervised
+from trackmarshal.backends.c.cycles import FOUND
+from trackmarshal.backends.c.header import CAPACITIES, capacities, unit
+from trackmarshal.backends.c.layout import Input
+from trackmarshal.backends.c.source import Source
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.contract import RECORD, TIMELINE, Signal
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.runtime.decision import MOST_REASONS
+
+#: "TMSV" as it stands in memory, and the version of what is common to the messages of all specs.
+MAGIC, VERSION = 0x5653_4D54, 1
+#: Bytes of an entry by its type.
+SIZES = {"u64": 8, "i64": 8, "f64": 8, "u32": 4, "u16": 2, "i8": 1, "u8": 1}
+C_TYPES = {
+    "u64": "uint64_t", "i64": "int64_t", "f64": "double", "u32": "uint32_t", "u16": "uint16_t", "i8": "int8_t", "u8": "uint8_t",
+}  # fmt: skip
+#: What a message can be refused for, in the order in which it is looked at; C counts them so.
+CAUSES = {
+    "none": "it is taken",
+    "size": "fewer bytes than a head has, or not as many as it says",
+    "magic": "it begins differently",
+    "version": "another version of what is common to all specs",
+    "layout": "made for another spec, other rules, capacities or limits",
+    "kind": "no such kind, or not one that goes this way",
+    "length": "not the length that its kind has",
+    "crc": "its bytes were changed",
+    "session": "its sender has been replaced by one that started later",
+    "sequence": "not newer than one that was taken",
+    "content": "an entry that cannot be what it is said to be",
+    "torn": "in shared memory: written again and again while it was read",
+}  # fmt: skip
+#: The most lines, and fields of a signal, that a mask of 64 bits tells apart.
+_MOST = 64
+
+
+@dataclass(frozen=True)
+class Item:
+    """An entry of a message: `count` values of a type at a place in bytes.
+
+    group: what it belongs to (`driving`, `signals.ego`), empty for the message itself. own: whether it is ours and not a field of the
+    spec. c_group, c_name: its C names. scalar: one value, no array. default: in SI, what a client puts in for a field that is left out.
+    """
+
+    group: str
+    name: str
+    type: str
+    count: int
+    about: str
+    own: bool
+    c_group: str
+    c_name: str
+    scalar: bool
+    offset: int = 0
+    default: float | None = None
+
+    @property
+    def key(self) -> str:
+        """The name in Python and in the description: `driving.x` is a field of the spec, `driving/count` an entry of ours."""
+        return f"{self.group}{'/' if self.own else '.'}{self.name}" if self.group else self.name
+
+    @property
+    def size(self) -> int:
+        return SIZES[self.type] * self.count
+
+    @property
+    def member(self) -> str:
+        return f"{self.c_group}.{self.c_name}" if self.c_group else self.c_name
+
+    @property
+    def c_type(self) -> str:
+        return C_TYPES[self.type]
+
+
+@dataclass(frozen=True)
+class Message:
+    """A kind of message. up: from the planner's side to the Supervisor, or else back."""
+
+    name: str
+    kind: int
+    up: bool
+    about: str
+    items: tuple[Item, ...]
+    length: int
+
+    def groups(self) -> list[tuple[str, list[Item]]]:
+        """Entries that stand together in C, in order."""
+        found: list[tuple[str, list[Item]]] = []
+        for item in self.items:
+            if not found or found[-1][0] != item.c_group or not item.c_group:
+                found.append((item.c_group, []))
+            found[-1][1].append(item)
+        return found
+
+
+@dataclass(frozen=True)
+class Table:
+    """All messages of one program.
+
+    lines: (signal, field, C signal, C member) of borders and lines; a line's slot is its place here. names: what faults speak of: signals
+    and fields; an index beyond them is something that the spec does not know.
+    """
+
+    messages: tuple[Message, ...]
+    lines: tuple[tuple[str, str, str, str], ...]
+    signals: tuple[str, ...]
+    fields: tuple[str, ...]
+    capacities: Mapping[str, int]
+
+    def message(self, name: str) -> Message:
+        return next(message for message in self.messages if message.name == name)
+
+
+def own(
+    name: str, type_: str, about: str, count: int | None = None, group: str = "", c_group: str = ""
+) -> Item:
+    """An entry that is ours. In C, what stands beside names of a spec has a prefix that they cannot have."""
+    c_name = f"tm_{name}" if c_group else name
+    return Item(group, name, type_, count or 1, about, True, c_group, c_name, count is None)
+
+
+#: What every message begins with. The CRC is of everything after it.
+HEAD = (
+    own("magic", "u32", "TMSV"),
+    own("crc", "u32", "CRC-32 (IEEE 802.3, as in zlib) of all bytes from the next entry to the end"),
+    own("version", "u16", "of what is common to the messages of all specs"),
+    own("kind", "u16", "of message"),
+    own("length", "u32", "bytes, this head among them"),
+    own("layout", "u64", "fingerprint of the layout: the first eight bytes of a SHA-256 of its description"),
+    own("session", "u64", "when the sender started, ns on its clock: a later one replaces an earlier one"),
+    own("sequence", "u64", "counts what the sender sends, from 1 on"),
+    own("sent", "f64", "s, the sender's clock at sending"),
+)
+
+
+def table(source: Source, sizes: Mapping[str, int]) -> Table:
+    """The messages of a program with these capacities; raises TrackmarshalError E476 where it has too many lines or fields."""
+    given = source.supervised
+    assert given is not None
+    lines = tuple(
+        (signal.name, field.name, given.signals[signal.name], given.lines[signal.name, field.name])
+        for signal in given.borders
+        for field in signal.lines
+    )
+    signals, fields = _names(given)
+    _bounded(lines, "lines")
+    messages = (
+        _message("cycle", 1, True, "one cycle: what `tm_cycle` has", _cycle(source, given, lines, sizes)),
+        _message(
+            "line",
+            2,
+            True,
+            "the points of a border or line, sent when they change",
+            _line(sizes) if lines else (),
+        ),
+        _message(
+            "tick", 3, True, "time has passed: for a Supervisor whose clock is that of its messages", ()
+        ),
+        _message("decision", 4, False, "what is driven, and why", _decision(source, given, sizes)),
+        _message("beat", 5, False, "the Supervisor is there", _beat()),
+    )
+    return Table(
+        messages, lines, signals, fields, {name: sizes[name] for name in capacities(source.plan, given)}
+    )
+
+
+def sizes_of(source: Source, limits: Mapping[str, float]) -> dict[str, int]:
+    """Capacities by macro: those of limits, and as many points of places and rows of tables as the spec has."""
+    spec = source.plan.spec
+    return {
+        "TM_MAX_SAMPLES": int(limits["samples"]),
+        "TM_MAX_ELEMENTS": int(limits["elements"]),
+        "TM_MAX_BORDER": int(limits["border"]),
+        "TM_MAX_PLACE": max(CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0),
+        "TM_MAX_KNOTS": max(CAPACITIES["TM_MAX_KNOTS"][0], *(len(t.knots) for t in spec.tables.values()), 0),
+    }
+
+
+def _names(given: Supervised) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    contract = given.contract
+    assert contract.plan is not None
+    every = (contract.plan, *contract.signals)
+    signals = [
+        DRIVING,
+        EMERGENCY,
+        "cycle",
+        "clock",
+        "supervisor",
+        *(signal.name for signal in contract.signals),
+    ]
+    # Parts of the Supervisor stand where a field does.
+    parts = [
+        "door",
+        "judge",
+        "rating",
+        "watchdog",
+        "sound",
+        "store",
+        "machine",
+        "supervisor",
+        "number",
+        "t",
+        "step",
+    ]
+    fields = ["", *(field.name for signal in every for field in signal.fields_), "id", "closed", *parts]
+    return tuple(dict.fromkeys(signals)), tuple(dict.fromkeys(fields))
+
+
+def _bounded(things: Sequence[object], what: str) -> None:
+    if len(things) > _MOST:
+        raise TrackmarshalError(
+            "E476",
+            f"{len(things)} {what}, where messages tell {_MOST} apart",
+            help="leave rules out that read them",
+        )
+
+
+def _message(name: str, kind: int, up: bool, about: str, items: Iterable[Item]) -> Message:
+    placed = tuple(_placed([*HEAD, *items]))
+    return Message(name, kind, up, about, placed, placed[-1].offset + placed[-1].size)
+
+
+def _placed(items: Sequence[Item]) -> Iterator[Item]:
+    """Entries at their places, those of a group together, each where C puts it; what is between them is filled."""
+    place, fillers = 0, 0
+    for number, item in enumerate(items):
+        yield replace(item, offset=place)
+        place += item.size
+        after = items[number + 1] if number + 1 < len(items) else None
+        ends = after is None or after.c_group != item.c_group
+        wanted = 8 if ends else SIZES[after.type] if after is not None else 8
+        gap = -place % wanted
+        if gap:
+            fillers += 1
+            filler = own(f"filler_{fillers}", "u8", "zero", gap, item.group, item.c_group)
+            yield replace(filler, offset=place)
+            place += gap
+
+
+def _cycle(
+    source: Source, given: Supervised, lines: Sequence[tuple[str, str, str, str]], sizes: Mapping[str, int]
+) -> Iterator[Item]:
+    contract = given.contract
+    assert contract.plan is not None
+    yield own("came", "u64", "1: a cycle; 0: one was due and did not come, or it is none for what was found")
+    yield own("numbered", "u64", "1: `number` is one")
+    yield own("stamped", "u64", "1: `t` is a stamp")
+    yield own("number", "i64", "one more than in the cycle before")
+    yield own("t", "f64", "s, the stamp, on the Supervisor's clock")
+    yield own("found_count", "u64", f"faults that the sender has found, to {FOUND}")
+    yield own("found_index", "i64", "sample or element of each; -1: none", FOUND)
+    yield own("found_name", "u16", "the fault, by its place in `faults` of the description", FOUND)
+    yield own("found_signal", "u16", "its signal, by its place in `signals`", FOUND)
+    yield own(
+        "found_field",
+        "u16",
+        "its field, by its place in `fields`; beyond them: one that no spec knows",
+        FOUND,
+    )
+    for name in (DRIVING, EMERGENCY):
+        yield from _columns(contract.plan, given.plan, name, name, sizes, True)
+    for signal in given.inputs:
+        c_name = f"in_{given.signals[signal.name]}"
+        yield from _columns(
+            signal, source.plan.input(signal.name), f"signals.{signal.name}", c_name, sizes, True
+        )
+    for signal in given.borders:
+        group, c_group = f"signals.{signal.name}", f"in_{given.signals[signal.name]}"
+        yield own("present", "u64", "1: the signal is there", None, group, c_group)
+        if any(field.name for field in signal.lines):
+            yield own("closed", "u64", "1: the last point is followed by the first", None, group, c_group)
+        for name, field, _, member in lines:
+            if name == signal.name:
+                yield Item(
+                    group, field or "line", "u64", 1, "version of the line that counts; 0: there is none", False, c_group, member, True
+                )  # fmt: skip
+    for signal in given.events:
+        yield Item(
+            f"signals.{signal.name}", "event", "i64", 1, "1, 0; anything else: missing", True, f"in_{given.signals[signal.name]}",
+            "tm_event", True,
+        )  # fmt: skip
+
+
+def _columns(
+    signal: Signal, item: Input, group: str, c_group: str, sizes: Mapping[str, int], asked: bool
+) -> Iterator[Item]:
+    """A timeline, set or record: whether it is there, how many entries it has, its columns. asked: as a cycle has it."""
+    names = {info.name: (c_name, info) for info, c_name in item.fields}
+    record = signal.form == RECORD
+    capacity = 1 if record else sizes["TM_MAX_SAMPLES" if signal.form == TIMELINE else "TM_MAX_ELEMENTS"]
+    _bounded(signal.fields_, f"fields of `{signal.name}`")
+    if asked:
+        yield own("present", "u64", "1: the signal is there", None, group, c_group)
+        if not record:
+            yield own("absent", "u64", "bit k: column k of this list is not there", None, group, c_group)
+    if not record:
+        yield own(
+            "count",
+            "u64",
+            f"entries; of more than {capacity}, the first {capacity} stand here",
+            None,
+            group,
+            c_group,
+        )
+    for kind, fields in (("f64", signal.numbers), ("i8", signal.flags)):
+        for field in fields:
+            c_name, info = names[field.name]
+            about = "1, 0, -1 for missing" if kind == "i8" else f"{unit(info)}; NaN: missing"
+            yield Item(
+                group, field.name, kind, capacity, about, False, c_group, c_name, record, 0, field.default
+            )
+
+
+def _line(sizes: Mapping[str, int]) -> Iterator[Item]:
+    most = sizes["TM_MAX_BORDER"]
+    yield own("slot", "u64", "which line: its place in `lines` of the description")
+    yield own(
+        "line_version", "u64", "counts the lines of a session, from 1 on; a cycle names the one that counts"
+    )
+    yield own("count", "u64", f"points; of more than {most}, the first {most} stand here")
+    yield own("points", "f64", "m, x and y by turns", 2 * most)
+
+
+def _decision(source: Source, given: Supervised, sizes: Mapping[str, int]) -> Iterator[Item]:
+    contract, rules = given.contract, len(source.rules)
+    assert contract.plan is not None
+    yield own("about_session", "u64", "of the cycle that is decided about")
+    yield own(
+        "about_sequence",
+        "u64",
+        "of the cycle's message; 0: none came in time, and this is what follows from that",
+    )
+    yield own("simulated", "u64", "1: the Supervisor's clock is that of its messages")
+    yield own(
+        "wanted", "u64", "bit k: line k was not known in the version that the cycle named; send it again"
+    )
+    yield own("number", "i64", "of the cycle; 0 where it has none")
+    yield own("t", "f64", "s, the cycle's stamp; NaN where it has none")
+    for name, kind in SAID:
+        yield own(name, "f64" if kind == "d" else "i64", f"`tm_decision.{name}`")
+    for name in (DRIVING, EMERGENCY):
+        yield own(f"{name}_margin", "f64", "by rule, in SI", max(1, rules))
+    yield own("reason_index", "i64", "sample or element of each reason; -1: none", MOST_REASONS)
+    yield own(
+        "reason_name", "u16", "fault, or why nothing stored is driven, by its place in `faults`", MOST_REASONS
+    )
+    yield own("reason_signal", "u16", "by its place in `signals`", MOST_REASONS)
+    yield own("reason_field", "u16", "by its place in `fields`", MOST_REASONS)
+    yield own("reason_rule", "u16", "by its place in `rules`", MOST_REASONS)
+    yield own("reason_kind", "u8", "0 a fault, 1 a rule, 2 why nothing stored is driven", MOST_REASONS)
+    yield own("reason_candidate", "u8", "of a rule: 0 driving, 1 emergency", MOST_REASONS)
+    for name in (DRIVING, EMERGENCY):
+        yield own(f"{name}_verdict", "u8", "by rule: its place in `verdicts`", max(1, rules))
+    for group, about in (
+        (DRIVING, "this cycle's, where it is driven"),
+        ("fallback", "the stored emergency trajectory"),
+    ):
+        most = sizes["TM_MAX_SAMPLES"]
+        yield own("due", "f64", f"s, when each sample is due; {about}", most, group, group)
+        yield from _columns(contract.plan, given.plan, group, group, sizes, False)
+
+
+def _beat() -> Iterator[Item]:
+    yield own("simulated", "u64", "1: the Supervisor's clock is that of its messages")
+    yield own("decided", "u64", "sequence of the last decision; 0: none yet")
+    yield own("state", "i64", "after it, by its place in `states`")
+    yield own("client", "u64", "session of the newest client; 0: none yet")
+    yield own("heard", "u64", "sequence of its newest cycle or tick; 0: none yet")
+    yield own("taken", "u64", "messages that were taken")
+    yield own("refused", "u64", "messages that were not, by their place in `causes`", len(CAUSES))

@@ -1,0 +1,138 @@
+"""The suggested mapping as Python: a function that makes a cycle of the Supervisor from a cycle of the planner."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from trackmarshal.integration.mapped import HELPERS, Mapped
+from trackmarshal.integration.mapping import Column
+
+
+def adapter(made: Mapped, raws: list[Any]) -> str:
+    """The text of a module with `cycle_of(number, cycle)`, and `borders(header)` where borders come before the cycles."""
+    lines = [
+        '"""Made by `trackmarshal check-planner`: look it over, it is yours now."""',
+        "",
+        "import trackmarshal as tm",
+        "",
+        "",
+    ]
+    lines += _trajectory(made, raws)
+    in_header = made.left is not None and made.left in made.header.lines
+    if made.left is not None and made.right is not None and in_header:
+        lines += [
+            "def borders(header):",
+            '    """The track, once: its lines are read and checked only when they change."""',
+        ]
+        lines += [
+            f'    return {{"left": tm.line({_get("header", made.left)}), "right": tm.line({_get("header", made.right)})}}',
+            "",
+            "",
+        ]
+    if made.objects is None and made.no_objects is not None:
+        lines += [
+            "def others(found):",
+            '    """No cycle that was looked at had another vehicle: its fields have to be written down first."""',
+            "    if found:",
+            '        raise NotImplementedError("say here what the fields of another vehicle are")',
+            "    return []",
+            "",
+            "",
+        ]
+    lines += [
+        "def cycle_of(number, cycle, track=None):",
+        '    """A cycle of the Supervisor; `track`: both borders, made once with tm.line."""',
+    ]
+    stamp = (
+        "0.1 * number  # TODO: stamp the cycle"
+        if made.stamp is None
+        else made.stamp.code(_get("cycle", made.stamp.column))
+    )
+    lines.append(f"    stamp = {stamp}")
+    for name, path in (("driving", made.driving), ("emergency", made.emergency)):
+        value = "None  # TODO" if path is None else f"trajectory({_get('cycle', path)})"
+        lines.append(f"    {name} = {value}")
+    if made.emergency is not None:
+        lines.append("    emergency = tm.cut_at_rest(emergency)")
+    lines.append("    signals = {")
+    if made.ego is not None:
+        source = _get("cycle", made.ego) if made.ego else "cycle"
+        lines.append(f'        "ego": {_record(made.ego_fields, source)},')
+    if made.objects is not None:
+        lines.append(
+            f'        "objects": [{_record(made.object_fields, "one")} for one in {_get("cycle", made.objects)}],'
+        )
+    elif made.no_objects is not None:
+        lines.append(f'        "objects": others({_get("cycle", made.no_objects)}),')
+    else:
+        lines.append('        "objects": None,  # TODO: other vehicles, also where there are none')
+    if made.obstacles is not None:
+        lines.append(
+            f'        "obstacles": [{_record(made.obstacle_fields, "one")} for one in {_get("cycle", made.obstacles)}],'
+        )
+    else:
+        lines.append('        "obstacles": [],  # TODO: what stands on the road')
+    if made.left is not None and made.right is not None and not in_header:
+        left, right = (_get("cycle", path) for path in (made.left, made.right))
+        lines.append(f'        "track": track or {{"left": tm.line({left}), "right": tm.line({right})}},')
+    else:
+        lines.append('        "track": track,')
+    lines += ["    }", "    return tm.Cycle(number, stamp, driving, emergency, signals)"]
+    return "\n".join(lines) + "\n"
+
+
+def _trajectory(made: Mapped, raws: list[Any]) -> list[str]:
+    shape = _shape(made, raws)
+    lines = ["def trajectory(plan):", '    """Columns as the contract has them."""']
+    if shape == "records":
+        lines.append("    plan = {name: [row[name] for row in plan] for name in plan[0]}")
+    elif shape == "rows":
+        lines.append("    plan = {str(i): list(column) for i, column in enumerate(zip(*plan))}")
+    lines.append("    columns = {")
+    for name, column in made.plan.items():
+        source = f"plan[{column.column!r}]"
+        if name != "heading" and column.converted:
+            source = f"[{column.code('z')} for z in {source}]"
+            lines.append(f'        "{name}": {source},  # {column.words}')
+        else:
+            lines.append(f'        "{name}": {column.code(source)},')
+    lines.append("    }")
+    missing = [name for name in HELPERS if name in made.computed]
+    lines.append(
+        f"    return tm.complete(columns)  # {', '.join(missing)}" if missing else "    return columns"
+    )
+    return [*lines, "", ""]
+
+
+def _record(fields: Mapping[str, Column], source: str) -> str:
+    return "{" + ", ".join(f'"{n}": {c.code(f"{source}[{c.column!r}]")}' for n, c in fields.items()) + "}"
+
+
+def _shape(made: Mapped, raws: list[Any]) -> str:
+    for raw in raws:
+        value = raw
+        for key in _keys(raw, made.driving or ""):
+            value = value[key]
+        if isinstance(value, Mapping):
+            return "columns" if value else ""
+        listed = value.tolist() if hasattr(value, "tolist") else value
+        if isinstance(listed, list) and listed:
+            return "records" if isinstance(listed[0], Mapping) else "rows"
+    return "columns"
+
+
+def _keys(value: Any, path: str) -> list[str]:
+    """The keys along a path, which may have dots in them; as far as they are there."""
+    if not path or not isinstance(value, Mapping):
+        return []
+    for key in value:
+        if path == key:
+            return [key]
+        if path.startswith(f"{key}."):
+            return [key, *_keys(value[key], path[len(key) + 1 :])]
+    return []
+
+
+def _get(source: str, path: str) -> str:
+    return source + "".join(f"[{key!r}]" for key in path.split(".")) if path else source

@@ -1,0 +1,287 @@
+"""What does not fit the contract, in words, with what to do about it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from trackmarshal.integration.mapped import HELPERS, Mapped
+from trackmarshal.integration.mapping import UNSURE, Column
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.contract import of_cycles
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
+from trackmarshal.runtime.door.door import Door
+from trackmarshal.runtime.faults import name_of
+
+#: A fault at the door -> what to do.
+ADVICE = {
+    "missing": "send it",
+    "wrong_length": "every column has one entry a sample",
+    "too_short": "a trajectory has two samples at least; tm.cut_at_rest makes them of one that stands",
+    "not_increasing": "times increase from sample to sample; where the car stands, tm.cut_at_rest ends the trajectory",
+    "not_finite": "leave out what is not known where it has a default; never send NaN",
+    "out_of_range": "is it in the unit that the contract declares?",
+    "over_capacity": "declare it in the module `supervisor.limits`, give `limits` at the start, or tm.resample",
+    "starts_elsewhere": "both candidates begin where the car is at the stamp; make both from the same pose, in the same cycle",
+    "not_at_rest": "an emergency trajectory ends at rest; tm.cut_at_rest ends it there where it creeps on",
+    "late": "send a cycle in every period, or declare a larger `longest_gap`",
+    "repeated": "count every cycle, and stamp it when its data was taken",
+    "out_of_order": "send cycles in the order of their stamps",
+    "duplicate": "ids tell objects apart; each stands once",
+    "bad_border": "a border has two points at least",
+    "wrong_track": "name the places of this track with --with",
+}  # fmt: skip
+
+
+#: A car that moved further than this in a cycle, in m, has left where its plan began.
+MOVED = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that does not fit. level: `broken` (a person has to decide), `convert` (the suggested mapping mends it), `note`."""
+
+    level: str
+    about: str
+    words: str
+    help: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.about}: {self.words}" + (f"\n     -> {self.help}" if self.help else "")
+
+
+def of_structure(made: Mapped) -> Iterator[Finding]:
+    """What is not there, what is called otherwise, what has to be converted."""
+    if made.stamp is None:
+        yield Finding(
+            "broken",
+            "stamp",
+            "no number of the cycle counts its time",
+            "stamp every cycle when its data was taken, in s",
+        )
+    elif made.stamp.converted:
+        yield Finding(
+            "convert",
+            "stamp",
+            f"`{made.stamp.column}` is in {made.stamp.unit}, not in s",
+            made.stamp.code("stamp"),
+        )
+    if made.driving is None:
+        yield Finding("broken", "driving", "there is no driving trajectory")
+    if made.emergency is None:
+        yield Finding(
+            "broken", "emergency", "no trajectory is called so, or ends at rest in nine of ten cycles",
+            "the Supervisor needs one in every cycle that brakes to rest; name it with --emergency PATH",
+        )  # fmt: skip
+    for path, name, own, others in {
+        (p, n): (p, n, a, b) for one in made.founds for p, n, a, b in one.uneven
+    }.values():
+        yield Finding(
+            "broken", path, f"`{name}` has {own} entries, the other columns {others}", ADVICE["wrong_length"]
+        )
+    for field in ("x", "y", "v"):
+        if field not in made.plan:
+            yield Finding(
+                "broken",
+                f"plan.{field}",
+                "no column fits by name or numbers",
+                "without it nothing can be computed",
+            )
+    for field in made.computed:
+        yield Finding(
+            "convert",
+            f"plan.{field}",
+            "no column fits by name or numbers; it follows from others",
+            f"tm.{HELPERS[field]}, or tm.complete for all",
+        )
+    for where, fields in (
+        ("plan", made.plan),
+        ("ego", made.ego_fields),
+        ("objects", made.object_fields),
+        ("obstacles", made.obstacle_fields),
+    ):
+        for field, column in fields.items():
+            yield from _of_column(f"{where}.{field}", column)
+    if made.ego is None:
+        yield Finding(
+            "broken",
+            "ego",
+            "no record has x and y near the beginning of the plans",
+            "send the pose of the car, as of the stamp",
+        )
+    else:
+        for field in ("heading", "v"):
+            if field not in made.ego_fields:
+                yield Finding(
+                    "broken",
+                    f"ego.{field}",
+                    f"`{made.ego or 'the cycle'}` has no number that is called like it",
+                )
+    if made.objects is None and made.no_objects is not None:
+        words = f"`{made.no_objects}` is empty in all cycles, so its fields are not known: the adapter raises where it is not"
+        yield Finding("note", "objects", words, "take cycles among other vehicles")
+    elif made.objects is None:
+        yield Finding(
+            "broken", "objects", "no set of other vehicles was found", "send a list, also where it is empty"
+        )
+    else:
+        for field in ("id", "heading", "length", "width"):
+            if field not in made.object_fields:
+                yield Finding(
+                    "broken", f"objects.{field}", f"`{made.objects}` has nothing that is called like it"
+                )
+    if made.obstacles is None:
+        words = "no set of what stands on the road was found; an empty one is taken"
+        yield Finding(
+            "note", "obstacles", words, "send what perception knows of: cones, barriers, parked vehicles"
+        )
+    if made.left is None or made.right is None:
+        yield Finding(
+            "broken",
+            "track",
+            "no two lines of points [x, y] are called left and right",
+            "send the borders with the cycle, made once with tm.line",
+        )
+
+
+def _of_column(about: str, column: Column) -> Iterator[Finding]:
+    if column.problem:
+        yield Finding("broken", about, column.problem)
+    elif column.said.endswith(UNSURE):
+        yield Finding(
+            "note",
+            about,
+            f"`{column.column}` is taken to be {column.words}: {column.said}",
+            "take cycles through a bend, with braking",
+        )
+    if column.converted and not column.problem:
+        yield Finding(
+            "convert",
+            about,
+            f"`{column.column}` is {column.words} ({column.said})",
+            column.code(f"{about.partition('.')[0]}[{column.column!r}]"),
+        )
+
+
+def of_motion(made: Mapped, times: Sequence[float]) -> Iterator[Finding]:
+    """What the numbers of whole cycles show: where plans begin, how they end, whether they go on."""
+    driving = [made.timeline(i, made.driving) for i in range(len(times))]
+    emergency = [made.timeline(i, made.emergency) for i in range(len(times))]
+    yield from _begins(made, driving)
+    yield from _origin(driving, times)
+    tails = [
+        (float(p["t"][-1] - p["t"][-2]), i)
+        for i, p in enumerate(emergency)
+        if p is not None and "t" in p and "v" in p and len(p["t"]) > 1 and p["v"][-1] == 0.0
+    ]
+    if tails and max(tails)[0] > 2.0:
+        longest, place = max(tails)
+        yield Finding(
+            "convert", "emergency", f"the last step to rest takes up to {longest:.3g} s (cycle {place}); in {sum(t > 2.0 for t, _ in tails)} cycles more than 2 s",
+            "no car brakes so: tm.cut_at_rest(columns), before it is sent to the Supervisor and driven",
+        )  # fmt: skip
+    yield from _repeats(made, driving)
+
+
+def _repeats(made: Mapped, driving: list[dict[str, Any] | None]) -> Iterator[Finding]:
+    """Plans that are those of the cycle before: of a car that creeps they may be, of one that moved on they are not anew."""
+    car = _car(made)
+    same: list[tuple[int, float]] = []
+    for place in range(1, len(driving)):
+        a, b, was, here = driving[place - 1], driving[place], car[place - 1], car[place]
+        if a is None or b is None or "v" not in b or np.abs(b["v"]).max() <= 0.5:
+            continue
+        if all(np.array_equal(a[name], b[name], equal_nan=True) for name in ("x", "y", "v")):
+            same.append((place, math.nan if was is None or here is None else math.dist(was, here)))
+    moved = [(place, way) for place, way in same if way > MOVED]
+    if moved:
+        far = max(way for _, way in moved)
+        words = f"{len(moved)} cycles repeat the plan of the one before (first: cycle {moved[0][0]}), although the car moved by up to {far:.2g} m"
+        yield Finding("broken", "driving", words, "plan anew in every cycle, or send none")
+    elif same:
+        words = f"{len(same)} cycles repeat the plan of the one before (first: cycle {same[0][0]}); the car hardly moved"
+        yield Finding("note", "driving", words)
+
+
+def _car(made: Mapped) -> list[tuple[float, float] | None]:
+    """Where the car is in each cycle."""
+    found: list[tuple[float, float] | None] = []
+    for one in made.founds:
+        record = one.records.get(made.ego) if made.ego is not None else None
+        if record is None:
+            found.append(None)
+            continue
+        x, y = (made.ego_fields[n] for n in ("x", "y"))
+        found.append((x.convert(record.get(x.column, math.nan)), y.convert(record.get(y.column, math.nan))))
+    return found
+
+
+def _begins(made: Mapped, driving: list[dict[str, Any] | None]) -> Iterator[Finding]:
+    apart = [
+        (math.dist(here, (plan["x"][0], plan["y"][0])), place)
+        for place, (here, plan) in enumerate(zip(_car(made), driving))
+        if here is not None and plan is not None and "x" in plan
+    ]
+    if apart and max(apart)[0] > 0.5:
+        far, place = max(apart)
+        yield Finding(
+            "note", "plan", f"it begins {float(np.median([d for d, _ in apart])):.2g} m from the car (median), at most {far:.2g} m (cycle {place})",
+            "sample 0 is due at the stamp: the plan is where the car is then, within the tolerances of S-1-A-3",
+        )  # fmt: skip
+
+
+def _origin(driving: list[dict[str, Any] | None], times: Sequence[float]) -> Iterator[Finding]:
+    begins = [(float(p["t"][0]), t) for p, t in zip(driving, times) if p is not None and "t" in p]
+    if not begins:
+        return
+    first = np.array([b for b, _ in begins])
+    if np.all(np.abs(first) < 1e-9):
+        return
+    behind = np.array([t - b for b, t in begins])
+    if float(np.ptp(behind)) < 1.0:
+        words = (
+            f"its times are absolute: they begin {behind.min():.3g} to {behind.max():.3g} s before the stamp"
+            if np.abs(behind).max() > 1e-3
+            else "its times are absolute: they begin with the stamp"
+        )
+    else:
+        words = (
+            f"its times begin at {first.min():.3g} to {first.max():.3g} s, neither at 0 nor with the stamp"
+        )
+    yield Finding(
+        "note",
+        "plan.t",
+        words,
+        "that does not matter: what counts is the time from the first sample, which is due at the stamp",
+    )
+
+
+def at_the_door(
+    spec: Spec, rules: Sequence[RuleInfo], cycles: Sequence[Cycle], given: set[str]
+) -> Iterator[Finding]:
+    """The faults that the Supervisor's own door finds in the converted cycles; what was said of whole signals (`given`) is left out."""
+    free = replace(Limits.of(spec), oldest=math.inf, clock_tolerance=math.inf)
+    door = Door(of_cycles(spec, rules), free)
+    seen: dict[tuple[str, str, str], list[Any]] = {}
+    for cycle in cycles:
+        for one in door.admit(-1, cycle, cycle.t).faults:
+            seen.setdefault((name_of(one), one.signal, one.field), []).append((cycle.number, one))
+    for (name, signal, field), found in seen.items():
+        plan = signal in (DRIVING, EMERGENCY)
+        if signal in given or f"{signal}.{field}" in given or (plan and f"plan.{field}" in given):
+            continue
+        if (
+            plan and name == "missing" and given & {"plan.x", "plan.y", "plan.v"}
+        ):  # all else follows from them
+            continue
+        number, first = found[0]
+        many = f"in {len(found)} of {len(cycles)} cycles, first in cycle {number}"
+        place = "" if first.index is None or name == "over_capacity" else f", at {first.index}"
+        about = f"{signal}.{field}" if field else signal
+        yield Finding(
+            "broken", about, f"{name} ({first.code}) {many}{place}: {first.message}", ADVICE.get(name, "")
+        )

@@ -1,0 +1,268 @@
+"""The planner's side: cycles go to a Supervisor that is a process of its own, its decisions come back."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
+
+from .messages import Entry, Kind, Layout, LinkError, Message
+
+
+class Channel(Protocol):
+    """`SharedMemory` or `Datagrams`."""
+
+    def send(self, box: str, message: bytearray) -> bool: ...
+
+    def receive(self, seconds: float) -> bytes | None: ...
+
+    def close(self) -> None: ...
+
+
+class Block:
+    """Columns that know how to put themselves into a message; for callers who have them in one piece."""
+
+    def write(self, message: bytearray, columns: Sequence[tuple[str, Entry]]) -> int:
+        """Put all columns at their entries; how many values each has."""
+        raise NotImplementedError
+
+
+class Border:
+    """Points of a border or line, x and y by turns in m, that do not change: it is sent once, until another one takes its place."""
+
+    __slots__ = ("count", "number", "points")
+    _numbers = itertools.count(1)
+
+    def __init__(self, points: Any) -> None:
+        try:
+            flat = [float(x) for point in points for x in point]
+        except TypeError as error:
+            raise LinkError("points are pairs [x, y]") from error
+        if len(flat) % 2:
+            raise LinkError("points are pairs [x, y]")
+        from array import array
+
+        self.points = array("d", flat)
+        self.count = len(flat) // 2
+        self.number = next(self._numbers)
+
+
+class _Group:
+    """A signal or candidate as a cycle's message has it: its columns, or the entries of its lines."""
+
+    def __init__(self, name: str, kind: Kind, lines: list[str]) -> None:
+        self.lines = lines
+        self.closed = f"{name}/closed" in kind.entries
+        self.record = f"{name}/count" not in kind.entries
+        begin = f"{name}."
+        self.columns = [
+            (key.removeprefix(begin), entry)
+            for key, entry in kind.entries.items()
+            if key.startswith(begin) and key not in lines
+        ]
+
+    def length(self, value: Mapping[str, Any]) -> int:
+        """Of the columns that are there."""
+        given = (value.get(field) for field, _ in self.columns)
+        return max((len(one) for one in given if one is not None), default=0)
+
+
+def _groups(kind: Kind, layout: Layout) -> dict[str, _Group]:
+    lines = [f"signals.{signal}.{field or 'line'}" for signal, field in layout.lines]
+    found = {}
+    for name in kind.entries:
+        if name.endswith("/present"):
+            group = name.removesuffix("/present")
+            found[group] = _Group(group, kind, [line for line in lines if line.startswith(f"{group}.")])
+    return found
+
+
+#: Stands for a field that is left out: its default counts then, where it has one.
+_LEFT_OUT = object()
+#: A fault that the sender has found: its name, signal, field, and the sample or element, None for none.
+Found = tuple[str, str, str, int | None]
+
+
+class Client:
+    """One planner. clock: s, the Supervisor's: time.monotonic of this machine, or simulated time for one that was started so."""
+
+    def __init__(self, layout: Layout, channel: Channel, clock: Callable[[], float] = time.monotonic) -> None:
+        self.layout, self.channel, self._clock = layout, channel, clock
+        #: A client that starts later replaces this one.
+        self.session = time.monotonic_ns()
+        self._sequence = 0
+        self._cycle, self._line, self._tick = (layout.kinds[name] for name in ("cycle", "line", "tick"))
+        self._groups = _groups(self._cycle, layout)
+        self._events = [
+            name.removesuffix("/event") for name in self._cycle.entries if name.endswith("/event")
+        ]
+        self._sent: list[tuple[int, int]] = [(0, 0)] * len(
+            layout.lines
+        )  # the line's number, the version that it has there
+        self._versions = [0] * len(layout.lines)
+        #: Messages that came and were not taken, by cause.
+        self.refused: dict[str, int] = {}
+        #: The newest sign of life.
+        self.beat: Message | None = None
+
+    def send(
+        self, number: int | None, t: float | None, driving: Mapping[str, Any] | Block | None,
+        emergency: Mapping[str, Any] | Block | None, signals: Mapping[str, Any], found: Sequence[Found] = (), came: bool = True,
+    ) -> int:  # fmt: skip
+        """Send a cycle, all in SI; the sequence of its message, 0 where it could not be sent.
+
+        driving, emergency: columns by field. signals: columns, or values of a record, by field; of borders `Border`s, and `closed`; of an
+        event True, False or None. What is left out, and has no default, is missing, as is None. found: faults that the caller has found. came: False says that a cycle was due.
+        """
+        kind, message = self._cycle, bytearray(self._cycle.length)
+        given = {
+            "driving": driving,
+            "emergency": emergency,
+            **{f"signals.{name}": one for name, one in signals.items()},
+        }
+        versions = self._lines(signals) if came else {}
+        kind.put(message, "came", int(came))
+        kind.put(message, "numbered", int(number is not None))
+        kind.put(message, "stamped", int(t is not None))
+        kind.put(message, "number", number or 0)
+        kind.put(message, "t", 0.0 if t is None else t)
+        for group, value in given.items():
+            if came and value is not None:
+                self._fill(message, group, value, versions)
+        for event in self._events:
+            flag = signals.get(event.removeprefix("signals."))
+            kind.put(message, f"{event}/event", -1 if flag is None else int(bool(flag)))
+        self._found(message, found)
+        return self._post(kind, "cycle", message)
+
+    def tick(self) -> int:
+        """Say that time has passed, to a Supervisor whose clock is that of its messages; as `send`."""
+        return self._post(self._tick, "tick", bytearray(self._tick.length))
+
+    def answer(self, sequence: int, seconds: float) -> Message | None:
+        """The decision about the message of this sequence and no other one; None where it does not come in time."""
+        until = time.monotonic() + seconds
+        while True:
+            message = self.hear(max(0.0, until - time.monotonic()))
+            if message is None:
+                return None
+            if message.kind.name == "decision" and (message["about_session"], message["about_sequence"]) == (
+                self.session,
+                sequence,
+            ):
+                return message
+
+    def hear(self, seconds: float) -> Message | None:
+        """Whatever comes next: a decision, whomever it is about, or a sign of life; None where nothing comes."""
+        until = time.monotonic() + seconds
+        while True:
+            data = self.channel.receive(max(0.0, until - time.monotonic()))
+            if data is None:
+                return None
+            cause, message = self.layout.look(data, up=False)
+            if message is None:
+                self.refused[cause] = self.refused.get(cause, 0) + 1
+                continue
+            if message.kind.name == "beat":
+                self.beat = message
+            elif message["about_session"] == self.session and message["wanted"]:
+                self._forget(message["wanted"])
+            return message
+
+    def close(self) -> None:
+        self.channel.close()
+
+    # Parts ------------------------------------------------------------------------------------------------------
+
+    def _post(self, kind: Kind, box: str, message: bytearray) -> int:
+        self._sequence += 1
+        self.layout.seal(message, kind, self.session, self._sequence, self._clock())
+        return self._sequence if self.channel.send(box, message) else 0
+
+    def _fill(self, message: bytearray, group: str, value: Any, versions: Mapping[str, int]) -> None:
+        """Put a signal or candidate into a message."""
+        known = self._groups.get(group)
+        if known is None:
+            if group in self._events:
+                return
+            raise LinkError(f"the program reads no `{group}`")
+        kind = self._cycle
+        kind.put(message, f"{group}/present", 1)
+        if known.closed:
+            closed = value.get("closed", False) if isinstance(value, Mapping) else False
+            kind.put(message, f"{group}/closed", int(bool(closed)))
+        if known.lines:
+            for name in known.lines:
+                kind.put(message, name, versions[name])
+            return
+        if isinstance(value, Block):
+            kind.put(message, f"{group}/count", value.write(message, known.columns))
+            return
+        absent, count = 0, 1 if known.record else 0
+        for place, (field, entry) in enumerate(known.columns):
+            column = value.get(field, _LEFT_OUT)
+            if column is _LEFT_OUT and entry.default is not None:
+                default = int(entry.default) if entry.type == "i8" else entry.default
+                column = default if known.record else [default] * known.length(value)
+            if column is None or column is _LEFT_OUT:
+                absent |= 1 << place
+                if known.record:
+                    kind.set(message, entry, -1 if entry.type == "i8" else float("nan"))
+                continue
+            if not known.record:
+                if count and len(column) != count:
+                    raise LinkError(f"the columns of `{group}` have different lengths")
+                count = len(column)
+            kind.set(message, entry, column)
+        if not known.record:
+            kind.put(message, f"{group}/count", count)
+            kind.put(message, f"{group}/absent", absent)
+
+    def _lines(self, signals: Mapping[str, Any]) -> dict[str, int]:
+        """The versions of all lines by their entries; those that are new are sent."""
+        found = {}
+        for slot, (signal, field) in enumerate(self.layout.lines):
+            given = signals.get(signal)
+            border = given.get(field) if isinstance(given, Mapping) else given
+            found[f"signals.{signal}.{field or 'line'}"] = (
+                0 if border is None else self._version(slot, border)
+            )
+        return found
+
+    def _version(self, slot: int, border: Any) -> int:
+        number, version = self._sent[slot]
+        if version and number == border.number:
+            return version
+        kind, message = self._line, bytearray(self._line.length)
+        self._versions[slot] += 1
+        kind.put(message, "slot", slot)
+        kind.put(message, "line_version", self._versions[slot])
+        kind.put(message, "count", border.count)
+        kind.put(message, "points", border.points)
+        if not self._post(kind, f"line_{slot}", message):
+            return 0
+        self._sent[slot] = (border.number, self._versions[slot])
+        return self._versions[slot]
+
+    def _forget(self, wanted: int) -> None:
+        for slot in range(len(self._sent)):
+            if wanted >> slot & 1:
+                self._sent[slot] = (0, 0)
+
+    def _found(self, message: bytearray, found: Sequence[Found]) -> None:
+        if not found:
+            return
+        kind, layout = self._cycle, self.layout
+        most = kind.entries["found_name"].room
+        given = list(found)[:most]
+        kind.put(message, "found_count", len(given))
+        kind.put(message, "found_name", [layout.faults.index(name) for name, _, _, _ in given])
+        kind.put(message, "found_signal", [_place(signal, layout.signals) for _, signal, _, _ in given])
+        kind.put(message, "found_field", [_place(field, layout.fields) for _, _, field, _ in given])
+        kind.put(message, "found_index", [-1 if index is None else index for _, _, _, index in given])
+
+
+def _place(text: str, names: Sequence[str]) -> int:
+    """A name's place, or the one after all."""
+    return names.index(text) if text in names else len(names)

@@ -1,0 +1,251 @@
+"""Messages to and from a Supervisor that is a process of its own, packed and unpacked as their description (messages.json) says."""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+import zlib
+from array import array
+from collections.abc import Mapping
+from functools import cached_property
+from operator import lt
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+_FORMATS = {"u64": "Q", "i64": "q", "f64": "d", "u32": "I", "u16": "H", "i8": "b", "u8": "B"}
+_HEAD = struct.Struct("<IIHHIQQQd")
+#: The CRC is of all that follows it.
+_CRC_FROM = 8
+
+
+class LinkError(Exception):
+    """What cannot be: a description that is none, no Supervisor where one is looked for, values that a message has no room for."""
+
+
+class Entry(NamedTuple):
+    """An entry of a message: its place in bytes, its type, `room` for so many values; array: whether it is one.
+
+    default: what is put in for a field that is left out; None: nothing is.
+    """
+
+    name: str
+    offset: int
+    type: str
+    room: int
+    array: bool
+    default: float | None
+
+    @property
+    def format(self) -> str:
+        return _FORMATS[self.type]
+
+    @property
+    def end(self) -> int:
+        return self.offset + struct.calcsize("=" + self.format) * self.room
+
+
+class Head(NamedTuple):
+    """What every message begins with."""
+
+    magic: int
+    crc: int
+    version: int
+    kind: int
+    length: int
+    layout: int
+    session: int
+    sequence: int
+    sent: float
+
+
+class Kind:
+    """A kind of message, with its entries by name."""
+
+    def __init__(self, said: Mapping[str, Any]) -> None:
+        self.name: str = said["name"]
+        self.number: int = said["kind"]
+        self.up: bool = said["from"] == "planner"
+        self.length: int = said["length"]
+        entries = (
+            Entry(e["name"], e["offset"], e["type"], e["count"], e["array"], _default(e.get("default")))
+            for e in said["entries"]
+        )
+        self.entries = {entry.name: entry for entry in entries}
+        if any(entry.end > self.length for entry in self.entries.values()):
+            raise LinkError(f"the description of `{self.name}` has an entry beyond its end")
+
+    def put(self, into: bytearray, name: str, value: Any) -> None:
+        """Set an entry: a number, or of an array its first values; an array of C's doubles or bytes is copied as it stands."""
+        self.set(into, self.entries[name], value)
+
+    def set(self, into: bytearray, entry: Entry, value: Any) -> None:
+        """As `put`, of an entry at hand."""
+        if not entry.array:
+            struct.pack_into("<" + entry.format, into, entry.offset, value)
+            return
+        try:
+            data = memoryview(value)
+            same = data.format == entry.format and data.contiguous and data.ndim == 1
+        except TypeError:
+            same = False
+        if not same:
+            data = memoryview(array(entry.format, value))
+        if len(data) > entry.room:
+            data = data[: entry.room]
+        into[entry.offset : entry.offset + data.nbytes] = data.cast("B")
+
+    def get(self, data: bytes | bytearray, name: str) -> Any:
+        """An entry: a number, or a view of an array."""
+        entry = self.entries[name]
+        if not entry.array:
+            return struct.unpack_from("<" + entry.format, data, entry.offset)[0]
+        return memoryview(data)[entry.offset : entry.end].cast(cast(Any, entry.format))
+
+
+def _default(said: float | str | None) -> float | None:
+    return None if said is None else float(said)
+
+
+class Layout:
+    """The messages of one program. Raises LinkError for a description that is none."""
+
+    def __init__(self, said: Mapping[str, Any]) -> None:
+        if said.get("format") != "trackmarshal-messages" or said.get("version") != 1:
+            raise LinkError("this is no description of messages, or one of another version")
+        if struct.pack("=H", 1) != struct.pack("<H", 1):
+            raise LinkError("messages are little-endian, and this machine is not")
+        self.said = said
+        self.fingerprint = int(said["layout"], 16)
+        self.kinds = {kind.name: kind for kind in map(Kind, said["messages"])}
+        self._by_number = {kind.number: kind for kind in self.kinds.values()}
+        self.causes: list[str] = said["causes"]
+        self.signals: list[str] = said["signals"]
+        self.fields: list[str] = said["fields"]
+        self.faults: list[str] = said["faults"]
+        self.states: list[str] = said["states"]
+        self.rules: list[str] = [rule["name"] for rule in said["rules"]]
+        self.plan: list[str] = said["plan"]
+        self.lines: list[tuple[str, str]] = [(line["signal"], line["field"]) for line in said["lines"]]
+        self.period: float = said["period"]
+        self.silence: float = said["silence"]
+        self.datagrams: bool = said["datagrams"]
+
+    @classmethod
+    def read(cls, path: str | Path) -> Layout:
+        """The description in a file."""
+        try:
+            said = json.loads(Path(path).read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise LinkError(f"{path} is no JSON: {error}") from error
+        if not isinstance(said, dict):
+            raise LinkError(f"{path} is no description of messages")
+        return cls(said)
+
+    @cached_property
+    def longest(self) -> int:
+        """Bytes of the longest message."""
+        return max(kind.length for kind in self.kinds.values())
+
+    def seal(self, message: bytearray, kind: Kind, session: int, sequence: int, sent: float) -> None:
+        """Put the head before entries that are set, with the CRC last."""
+        _HEAD.pack_into(
+            message, 0, self.said["magic"], 0, self.said["version"], kind.number, kind.length, self.fingerprint, session, sequence, sent
+        )  # fmt: skip
+        struct.pack_into("<I", message, 4, zlib.crc32(memoryview(message)[_CRC_FROM:]))
+
+    def look(self, data: bytes, up: bool) -> tuple[str, Message | None]:
+        """Bytes that came: why they are not taken, or "none" and the message. up: whether it goes to the Supervisor."""
+        if len(data) < _HEAD.size:
+            return "size", None
+        head = Head._make(_HEAD.unpack_from(data))
+        kind = self._by_number.get(head.kind)
+        for cause, wrong in (
+            ("magic", head.magic != self.said["magic"]),
+            ("version", head.version != self.said["version"]),
+            ("layout", head.layout != self.fingerprint),
+            ("kind", kind is None or kind.up != up),
+        ):
+            if wrong:
+                return cause, None
+        assert kind is not None
+        if head.length != kind.length:
+            return "length", None
+        if head.length != len(data):
+            return "size", None
+        if head.crc != zlib.crc32(memoryview(data)[_CRC_FROM:]):
+            return "crc", None
+        message = Message(self, kind, head, data)
+        return ("none", message) if message.sound() else ("content", None)
+
+
+class Message:
+    """A message that came: `message["state"]`, of arrays a view."""
+
+    __slots__ = ("data", "head", "kind", "layout")
+
+    def __init__(self, layout: Layout, kind: Kind, head: Head, data: bytes) -> None:
+        self.layout, self.kind, self.head, self.data = layout, kind, head, data
+
+    def __getitem__(self, name: str) -> Any:
+        return self.kind.get(self.data, name)
+
+    def column(self, group: str, name: str) -> Any:
+        """(count,) of a column of `driving` or `fallback`; `due`: s, when each sample is due."""
+        own = "/" if name in ("due", "count") else "."
+        return self[f"{group}{own}{name}"][: self[f"{group}/count"]]
+
+    def sound(self) -> bool:
+        """Whether what is in it can be; C says the same of it."""
+        head = self.head
+        if head.session < 1 or head.sequence < 1 or not math.isfinite(head.sent):
+            return False
+        if self.kind.name == "decision":
+            return self._decision()
+        if self.kind.name == "beat":
+            return bool(self["simulated"] <= 1 and 0 <= self["state"] < len(self.layout.states))
+        return True  # what goes up is for the Supervisor to look at
+
+    def _decision(self) -> bool:
+        layout = self.layout
+        state, driven, safe, stored = self["state"], self["driven"], self["safe"], self["stored"]
+        reasons, rules = self["reason_count"], len(layout.rules)
+        if not (
+            0 <= state < len(layout.states)
+            and 0 <= driven <= 2
+            and safe in (0, 1)
+            and stored in (0, 1)
+            and self["simulated"] <= 1
+            and 0 <= self["lost"] < len(layout.faults)
+            and self["serial"] >= 1
+            and 0 <= reasons <= self.kind.entries["reason_name"].room
+        ):
+            return False
+        # Only a cycle is safe; the safe one is driven, and leaves a trajectory to fall back to.
+        if (safe == 1) != (driven == 1) or (
+            driven == 1 and not (self["about_sequence"] >= 1 and stored == 1)
+        ):
+            return False
+        if driven == 2 and stored != 1:
+            return False
+        if (driven == 1 and not self._planned("driving")) or (stored == 1 and not self._planned("fallback")):
+            return False
+        listed = all(
+            self["reason_kind"][i] <= 2
+            and self["reason_candidate"][i] <= 1
+            and self["reason_name"][i] < len(layout.faults)
+            and self["reason_rule"][i] < rules
+            for i in range(reasons)
+        )
+        verdicts = (self[name][:rules] for name in ("driving_verdict", "emergency_verdict"))
+        return listed and all(max(one, default=0) <= 4 for one in verdicts)
+
+    def _planned(self, group: str) -> bool:
+        count = self[f"{group}/count"]
+        entry = self.kind.entries[f"{group}/due"]
+        if not 2 <= count <= entry.room:
+            return False
+        due = self[f"{group}/due"][:count].tolist()
+        if not all(map(lt, due, due[1:])):
+            return False
+        return bool(due[-1] - due[0] < 1e9) or all(b - a < 1e9 for a, b in zip(due, due[1:]))

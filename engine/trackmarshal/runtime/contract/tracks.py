@@ -1,0 +1,46 @@
+"""Whose places rules read: those of a track hold there and nowhere else.
+
+A module `tracks.NAME` has the places of the track NAME (`ir.spec.track_of`). Data names its track where it has the borders: `"track": {"name": NAME, "left": ..}`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Set
+from typing import Any
+
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import RuleInfo, Spec
+
+#: Pairs of a place, by its qualified name, and the track that it is on.
+Places = tuple[tuple[str, str], ...]
+
+
+def places_of(spec: Spec, rules: Iterable[RuleInfo]) -> Places:
+    """The places of named tracks that rules read."""
+    found: dict[str, str] = {}
+    for rule in rules:
+        for formula in (rule.formula, rule.active):
+            for node in ir.below(formula) if formula is not None else ():
+                place = isinstance(node, ir.Area) and node.kind == "zone"
+                if place or (isinstance(node, ir.Line) and node.kind == "place"):
+                    name = node.name  # type: ignore[union-attr]
+                    if spec.places[name].track:
+                        found[name] = spec.places[name].track
+    return tuple(sorted(found.items()))
+
+
+def corridors_of(spec: Spec) -> tuple[str, ...]:
+    """The signals that have borders, and with them the name of the track."""
+    return tuple(name for name, info in spec.signals.items() if info.kind == "corridor")
+
+
+def elsewhere(places: Places, name: str, given: Set[str] = frozenset()) -> str:
+    """Which places are not on the track of that name, in words; empty where all are. `given`: places that data brought itself."""
+    wrong: Mapping[str, Any] = {
+        place: track for place, track in places if track != name and place not in given
+    }
+    if not wrong:
+        return ""
+    called = ", ".join(f"`{place.rpartition('.')[2]}`" for place in wrong)
+    tracks = " and ".join(f"`{track}`" for track in dict.fromkeys(wrong.values()))
+    return f"the track is `{name:.40}`, but {called} {'is' if len(wrong) == 1 else 'are'} on {tracks}"

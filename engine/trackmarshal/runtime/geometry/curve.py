@@ -1,0 +1,155 @@
+"""The ways of vehicles between two samples, many at once: the pieces of `backends/reference/geometry/curve`, by the same steps."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from trackmarshal.runtime.geometry.arrays import LIMIT, Bools, Floats, Ints
+from trackmarshal.runtime.geometry.sweep import Sweeps, usable_bodies
+
+#: A way is cut into so many pieces at most.
+MOST = 8
+#: A way is cut until the hull of a piece exceeds what is swept by no more than this for turning, or into `MOST` pieces [m].
+WANTED = 0.03
+#: A square of a way's length that is one of no direction [m^2].
+NOWHERE = 1e-12
+#: What is added to a way is left out where it is less than this: that is rounding [m].
+ROUNDING = 1e-9
+#: How much less the ends of a way that bends both ways count, for pieces of the whole: of 1, all but 0.26 (docs/geometry.md).
+EVEN = 0.74
+
+
+class Pieces(NamedTuple):
+    """Ways in pieces: `sweeps` of all pieces, those of a way in a row, which begin at `starts`."""
+
+    sweeps: Sweeps
+    starts: Ints
+
+
+class Curves:
+    """N ways, from pose to pose, with the curvatures at both.
+
+    `count`: into how many pieces each is cut; `more`: how far beyond the pieces' hulls the vehicle may reach [m]; `reach`: how far
+    it, or the hull of a piece, may be beyond the hull of the two footprints at the ends, with `more` [m]. (N,) each.
+    """
+
+    __slots__ = (
+        "_ends", "_shape", "count", "length", "more", "poses", "reach", "size", "units", "usable", "width"
+    )  # fmt: skip
+
+    def __init__(self, poses: Floats, bends: Floats, length: float | Floats, width: float | Floats) -> None:
+        """`poses`: (6, N) as in `Sweeps`; `bends`: (2, N), curvatures [1/m] at both; `length`, `width`: numbers or (N,)."""
+        self.size = poses.shape[1]
+        poses, self.length, self.width, self.usable = usable_bodies(poses, length, width)
+        if not np.abs(bends).max(initial=0.0) <= LIMIT:
+            fine: Bools = np.logical_and.reduce(np.abs(bends) <= LIMIT, axis=0)
+            bends = np.where(fine, bends, 0.0)
+            self.usable = fine if self.usable is None else fine & self.usable
+        self.poses = poses
+        #: Axes: x and y, first and second pose, way.
+        self.units = np.empty((2, 2, self.size))
+        np.cos(poses[2::3], out=self.units[0])
+        np.sin(poses[2::3], out=self.units[1])
+        with np.errstate(all="ignore"):  # of ways that fit nothing, numbers are made and not used
+            self._measure(bends)
+
+    def _measure(self, bends: Floats) -> None:
+        move = self.poses[3:5] - self.poses[0:2]
+        dx, dy = move[:, None]
+        ux, uy = self.units
+        along, aside = dx * ux + dy * uy, dx * uy - dy * ux
+        square = move[0] * move[0] + move[1] * move[1]
+        way = np.sqrt(square)
+        half, side = 0.5 * self.length, 0.5 * self.width
+        corner = np.sqrt(half * half + side * side)
+        fits = (square > NOWHERE) & (along[0] * along[1] > 0.0)
+        fits &= np.logical_and.reduce(np.abs(aside) <= np.abs(along), axis=0)
+        slope = aside / along
+        grow = 1.0 + slope * slope
+        bent = bends * way * (grow * np.sqrt(grow))
+        turn = slope[1] - slope[0]
+        lean = 0.5 * (bent[0] - bent[1])
+        off = np.abs(0.5 * (bent[0] + bent[1]) - turn)
+        sway = -3.0 * (slope[0] + slope[1])
+        slip = np.abs(lean - sway)
+        turn, sway, leaning = np.abs(turn), np.abs(sway), np.abs(lean)
+        steep = turn + leaning
+        wanted = corner * steep
+        count = np.ones(self.size, dtype=np.intp)
+        for cut in range(1, MOST):
+            count += 2.0 * WANTED * cut < wanted
+        turning = corner * (2.0 * leaning + steep * steep)
+        bulge = way * (turn + sway * (1.0 - EVEN / count)) + turning
+        more = bulge / (8.0 * count * count) + (0.0625 * (off + slip) * way + 0.5 * corner * off)
+        whole = way * (turn + sway * (1.0 - EVEN)) + turning
+        if not fits.all():
+            more = np.where(fits, more, self._at_random(way, corner))
+            count[~fits] = 1
+            whole[~fits] = 0.0
+        more[~(more > ROUNDING)] = 0.0
+        self.count, self.more = count, more
+        self.reach = more + 0.125 * whole
+        #: What the poses between both ends are made of: dx, dy, slopes at both ends, lean, the sign of the way.
+        self._shape = np.stack([*move, *slope, lean, np.copysign(1.0, along[0])])
+
+    def _at_random(self, way: Floats, corner: float | Floats) -> Floats:
+        """How far beyond the hull of both footprints a vehicle reaches that passes anywhere in the circle around the chord, and
+        points anywhere between both headings [m]."""
+        apart, mean = self.units[:, 1] - self.units[:, 0], self.units[:, 1] + self.units[:, 0]
+        turned = apart[0] * apart[0] + apart[1] * apart[1]
+        swing = corner * (turned / (4.0 + 2.0 * np.sqrt(mean[0] * mean[0] + mean[1] * mean[1])))
+        found: Floats = swing + (np.minimum(way, corner * np.sqrt(turned)) + 0.5 * way)
+        return found
+
+    def straight(self) -> Sweeps:
+        """The hulls of the footprints at both ends of each way."""
+        return Sweeps(self.poses, self.length, self.width, self.units)
+
+    def pieces(self, which: slice) -> Pieces:
+        """The pieces of some ways."""
+        poses, units, count = self.poses[:, which], self.units[:, :, which], self.count[which]
+        length, width = (
+            size if isinstance(size, float) else size[which] for size in (self.length, self.width)
+        )
+        starts = count.cumsum() - count
+        if count.max(initial=1) == 1:
+            return Pieces(Sweeps(poses, length, width, units), starts)
+        rows = np.arange(count.size).repeat(count)
+        place = np.arange(rows.size) - starts.take(rows)
+        cuts = count.take(rows)
+        made = np.empty((6, rows.size))
+        directions = np.empty((2, 2, rows.size))
+        inner = (place > 0).nonzero()[0]
+        x, y, ux, uy = self._between(which, rows.take(inner), place.take(inner) / cuts.take(inner))
+        # Each piece but the first begins where the one before it ends.
+        begins, ends = starts, starts + count - 1
+        for k, (middle, outer, at) in enumerate(((x, poses, 0), (y, poses, 1))):
+            made[k, begins], made[k, inner] = outer[at], middle
+            made[3 + k, ends], made[3 + k, inner - 1] = outer[3 + at], middle
+        made[2::3] = 0.0
+        for k, middle in enumerate((ux, uy)):
+            directions[k, 0, begins], directions[k, 0, inner] = units[k, 0], middle
+            directions[k, 1, ends], directions[k, 1, inner - 1] = units[k, 1], middle
+        length, width = (size if isinstance(size, float) else size.take(rows) for size in (length, width))
+        return Pieces(Sweeps(made, length, width, directions), starts)
+
+    def _between(self, which: slice, rows: Ints, t: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Where ways are at some part of them, and which way the vehicle points there."""
+        dx, dy, slope0, slope1, lean, sign = self._shape[:, which].take(rows, axis=1)
+        x0, y0 = self.poses[0:2, which].take(rows, axis=1)
+        rest, bump = 1.0 - t, t * (1.0 - t)
+        slope = (slope0 * rest + slope1 * t) + lean * bump
+        left = bump * (slope0 * rest - slope1 * t)
+        ex, ey = dx - slope * dy, dy + slope * dx
+        size = np.sqrt(ex * ex + ey * ey) * sign
+        return x0 + (t * dx - left * dy), y0 + (t * dy + left * dx), ex / size, ey / size
+
+
+def least_of(margin: Floats, pieces: Pieces, curves: Curves, which: slice) -> Floats:
+    """The margins of ways, of the margins of their pieces."""
+    least: Floats = np.minimum.reduceat(margin, pieces.starts) - curves.more[which]
+    if curves.usable is not None:
+        least[~curves.usable[which]] = np.nan
+    return least

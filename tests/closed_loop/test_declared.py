@@ -1,0 +1,53 @@
+"""The declared runs: planner, car and Supervisor in the loop, and a fault in each."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from closed_loop import places
+from closed_loop.campaign import collect, run_all, supervise
+from closed_loop.condition import Condition, declared
+from closed_loop.link import PlannerProcess
+from closed_loop.loop import Run
+from closed_loop.origin import key, origins
+from closed_loop.result import CONTACT, OFF, result
+from closed_loop.road import Road
+
+pytestmark = pytest.mark.acceptance
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _shared() -> None:
+    if not places.race_line("modena").exists():
+        pytest.skip("race lines and the planner's configuration are shared beside the repository")
+
+
+def test_no_declared_fault_ends_badly() -> None:
+    folder = places.RUNS / key(origins())
+    run_all(declared(), folder, jobs=min(2, os.cpu_count() or 1))
+    runs = collect(declared(), folder)
+    bad = [
+        run["name"]
+        for run in runs
+        if run["outcome"] in (OFF, CONTACT) and (run["approved_clearance"] or 0.0) >= 0.0
+    ]
+    assert bad == []
+    if places.RESULTS.exists():
+        kept = json.loads(places.RESULTS.read_bytes())
+        if kept["origin"] == origins():
+            by_name = {run["name"]: run for run in kept["runs"]}
+            assert runs == [by_name[run["name"]] for run in runs]
+
+
+def test_the_control_is_undisturbed_and_a_run_comes_out_the_same_again(tmp_path: Path) -> None:
+    condition, road = Condition("none", "modena", True, "fast"), Road.of("modena")
+    with PlannerProcess("modena") as planner:
+        runs = [result(condition, Run(condition, road, planner, supervise).go(), road) for _ in range(2)]
+    assert runs[0] == runs[1]
+    assert runs[0]["outcome"] == "drives_on"
+    assert runs[0]["unsafe_before"] == 0
+    assert runs[0]["reaction"] is None

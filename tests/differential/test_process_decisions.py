@@ -1,0 +1,163 @@
+"""The Supervisor as a process decides what the same one decides in this process: every word of every decision."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import trackmarshal as tm
+from support.cycles import PERIOD, cycle, mutate
+from support.decision_lines import decision_lines
+from support.emitted import SCENARIOS, emit, name_of
+from support.processes import PATIENCE, Served, built, free_port
+from support.shared import REPOSITORY, SUPERVISOR
+from support.supervised import shipped
+from trackmarshal import scenarios
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.process.client import Client
+from trackmarshal.process.serving import build
+from trackmarshal.process.supervisor import RemoteSupervisor
+from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.scenarios.replay import known_tables
+from trackmarshal.supervision import rulebox
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+#: As `replay` holds recordings, with capacities that a process has.
+OPEN = replace(Limits.open_loop(), samples=64, elements=32, border=2048)
+
+
+@pytest.fixture(scope="module")
+def evaluator() -> Evaluator:
+    spec = tm.load([SUPERVISOR], [REPOSITORY / "specs" / "tracks" / "northfield.spec"], REPOSITORY)
+    return Evaluator(spec, None, "c")
+
+
+#: `make test` takes these; each has values of its own, and so a program of its own.
+SOME = ("cut_in", "bad_reception")
+RECORDINGS = [
+    pytest.param(path, id=name_of(path), marks=() if name_of(path) in SOME else pytest.mark.acceptance)
+    for path in SCENARIOS
+]
+
+
+@pytest.mark.parametrize("recording", RECORDINGS)
+def test_the_shipped_scenarios(recording: Path, evaluator: Evaluator) -> None:
+    """By turns over shared memory and over datagrams."""
+    found, spec = scenarios.load(recording), evaluator.spec
+    settings = rulebox(evaluator, found.params, known_tables(found, spec)[0]).settings
+    program = build(spec, evaluator.rules, OPEN, settings)
+    now = 0.0
+    with Served(program, udp=SCENARIOS.index(recording) % 3 == 1) as served:
+        client = Client(program.layout, served.channel(), lambda: now)
+        remote = RemoteSupervisor(
+            spec, evaluator.rules, client, OPEN, lambda: now, settings, patience=PATIENCE
+        )
+        local = rulebox(evaluator, found.params, known_tables(found, spec)[0]).running(OPEN, lambda: now)
+        driven = 0
+        for given in tm.cycles(found):
+            now = given.t
+            said = remote.step(given)
+            assert list(decision_lines(said)) == list(decision_lines(local.step(given)))
+            driven += said.safe
+        remote.close()
+        assert driven > 60
+        assert client.refused == {}
+
+
+@pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"])
+def test_broken_cycles(udp: bool) -> None:
+    """All faults that the door finds, with their places, and those that Python finds before it."""
+    spec, rng, now, faults = shipped(), random.Random(7), 0.0, set()
+    limits = Limits(budget=1e9)
+    rules = [rule for rule in spec.rules if rule.formula is not None]
+    program = built(limits)
+    with Served(program, udp) as served:
+        client = Client(program.layout, served.channel(), lambda: now)
+        remote = RemoteSupervisor(spec, rules, client, limits, lambda: now, patience=PATIENCE)
+        local = tm.supervisor(spec, backend="c", limits=limits, clock=lambda: now)
+        for number in range(300):
+            given: Cycle | None = cycle(number, 1 + number % 4, 1 + number % 3)
+            if number % 3 == 2 and given is not None:
+                given = mutate(rng, given)[0]
+            if number % 50 == 20:
+                given = None
+            now = number * PERIOD
+            expected = local.step(given)
+            said = remote.step(given)
+            assert list(decision_lines(said)) == list(decision_lines(expected))
+            assert said.reasons == expected.reasons
+            faults |= {fault.code for fault in said.faults}
+        remote.close()
+    assert len(faults) > 12
+
+
+@pytest.fixture(scope="module")
+def emitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What `compile --process` writes, with cycles of a run in which all sorts of them are broken, compiled as it stands."""
+    folder = tmp_path_factory.mktemp("emitted")
+    now, rng = 0.0, random.Random(5)
+    recorded = tm.supervisor(shipped(), backend="c", clock=lambda: now, record=folder / "run.arrows")
+    for number in range(200):
+        given: Cycle | None = cycle(number, 1 + number % 4, 1 + number % 3)
+        if number % 3 == 2 and given is not None:
+            given = mutate(rng, given)[0]
+        now = number * PERIOD
+        recorded.step(None if number % 50 == 20 else given)
+    recorded.close()
+    made = emit(folder / "out", "--process", recordings=[folder / "run.arrows"])
+    flags = [
+        "-std=c99",
+        "-O0",
+        "-ffp-contract=off",
+        "-pedantic",
+        "-Wall",
+        "-Wextra",
+        "-Wconversion",
+        "-Werror",
+    ]
+    subprocess.run(["cc", *flags, "-c", *[f"{path.name}" for path in made.glob("*.c")]], cwd=made, check=True)
+    for name, units in {
+        "process": ("desk", "mailbox", "messages", "process"),
+        "client": ("client", "client_example", "cycles", "mailbox", "messages"),
+        "example": ("main", "cycles"),
+    }.items():
+        objects = [f"{unit}.o" for unit in ("supervisor", *units)]
+        subprocess.run(["cc", "-o", name, *objects, "-lm"], cwd=made, check=True)
+    return made
+
+
+@pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"])
+def test_the_client_in_c(udp: bool, emitted: Path) -> None:
+    """It prints what the emitted example prints of the same cycles."""
+    cycles = emitted / "run.cycles"
+    example = subprocess.run([emitted / "example", cycles], capture_output=True, text=True, check=True)
+    where = ["--udp", str(free_port())] if udp else ["--shm", str(emitted / "memory")]
+    process = subprocess.Popen(
+        [emitted / "process", *where, "--simulated"], stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith("serves ")
+        said = subprocess.run(
+            [emitted / "client", cycles, *where], capture_output=True, text=True, check=False
+        )
+        assert (said.returncode, said.stderr) == (0, "")
+        unknown = 0
+        for one, other in zip(said.stdout.splitlines(), example.stdout.splitlines(), strict=True):
+            if "?" in one.split():  # a name that the spec does not know has no number in a message
+                unknown += 1
+                words = [b if a == "?" else a for a, b in zip(one.split(), other.split(), strict=True)]
+                assert words == other.split()
+            else:
+                assert one == other
+        assert unknown < 10
+        assert said.stdout.count("decision drive") > 60
+        assert said.stdout.count("\nfault ") > 30
+    finally:
+        process.kill()
+        process.communicate()

@@ -1,0 +1,341 @@
+"""Cycles of planners with other names, units and conventions: what they are is found, converted back, and what does not fit is said."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import math
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import trackmarshal as tm
+from support.shared import shared
+from support.supervised import ROOT
+from trackmarshal.cli.main import main
+from trackmarshal.ir.spec import Spec
+
+COLUMNS = ("t", "s", "x", "y", "heading", "kappa", "v", "a")
+
+
+@pytest.fixture(scope="module")
+def spec() -> Spec:
+    return tm.load(ROOT / "specs" / "supervisor", [ROOT / "specs" / "tracks" / "northfield.spec"])
+
+
+@cache
+def recorded() -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """60 cycles of a shipped recording, through a bend; another car drives a circle beside it. And the track."""
+    recording = tm.load_recording(ROOT / "specs" / "scenarios" / "free_lap.tmrec.jsonl")
+    cycles = []
+    for c in recording.cycles[40:100]:
+        turn = c.t * 30.0 / 200.0  # 30 m/s at 200 m
+        other = {
+            "id": "o1", "x": 200.0 * math.cos(turn), "y": 3000.0 + 200.0 * math.sin(turn), "v": 30.0, "length": 4.5, "width": 2.0,
+            "heading": math.remainder(turn + math.pi / 2, math.tau), "age": 0.0,
+        }  # fmt: skip
+        cycles.append({"t": c.t, "ego": c.ego, "objects": [other], "candidates": c.candidates})
+    return cycles, {name: recording.track[name] for name in ("left", "right")}
+
+
+def disguised(
+    columns: dict[str, Callable[[dict[str, Any], float], Any]], shape: str = "columns"
+) -> list[dict[str, Any]]:
+    """The recorded cycles as another planner would send them: `columns` makes each of its columns from ours and the stamp."""
+    made = []
+    for cycle in recorded()[0]:
+        plans = []
+        for name in ("driving", "emergency"):
+            ours = {key: np.array(value) for key, value in cycle["candidates"][name].items()}
+            table = {key: np.asarray(make(ours, cycle["t"])).tolist() for key, make in columns.items()}
+            if shape == "records":
+                plans.append([dict(zip(table, row)) for row in zip(*table.values())])
+            elif shape == "rows":
+                plans.append([list(row) for row in zip(*table.values())])
+            else:
+                plans.append(table)
+        others = [
+            {"uuid": o["id"], "east": o["x"], "north": o["y"], "course": (90 - math.degrees(o["heading"])) % 360, "kmh": 3.6 * o["v"],
+             "len": o["length"], "wid": o["width"]} for o in cycle["objects"]
+        ]  # fmt: skip
+        ego = cycle["ego"]
+        pose = {
+            "px": ego["x"],
+            "py": ego["y"],
+            "yaw": (90 - math.degrees(ego["heading"])) % 360,
+            "speed": 3.6 * ego["v"],
+        }
+        made.append(
+            {
+                "stamp_ms": 1000 * cycle["t"],
+                "trajs": {"nominal": plans[0], "fallback": plans[1]},
+                "pose": pose,
+                "others": others,
+            }
+        )
+    return made
+
+
+FOREIGN: dict[str, Callable[[dict[str, Any], float], Any]] = {
+    "time_abs": lambda p, t: 1000 * (p["t"] + t),
+    "east": lambda p, t: p["x"],
+    "north": lambda p, t: p["y"],
+    "course": lambda p, t: (90 - np.degrees(p["heading"])) % 360,
+    "curv": lambda p, t: -p["kappa"],
+    "speed_kmh": lambda p, t: 3.6 * p["v"],
+    "acc": lambda p, t: p["a"] / 9.81,
+}
+#: Rows whose columns nobody names: s, y, x, psi from +y, kappa, v, a, t.
+NAMELESS: dict[str, Callable[[dict[str, Any], float], Any]] = {
+    "0": lambda p, t: p["s"],
+    "1": lambda p, t: p["x"],
+    "2": lambda p, t: p["y"],
+    "3": lambda p, t: p["heading"] - math.pi / 2,
+    "4": lambda p, t: p["kappa"],
+    "5": lambda p, t: p["v"],
+    "6": lambda p, t: p["t"],
+}
+
+
+def same(cycle: tm.Cycle, place: int, tolerance: float = 1e-6, but: tuple[str, ...] = ()) -> None:
+    """A converted cycle against the one that was disguised."""
+    ours = recorded()[0][place]
+    for name, plan in (("driving", cycle.driving), ("emergency", cycle.emergency)):
+        for column in COLUMNS:
+            if column in but:
+                continue
+            expected = np.array(ours["candidates"][name][column])
+            got = np.asarray(plan[column])
+            if column == "t":
+                got = got - got[0]
+            if column == "heading":
+                got = expected + np.remainder(got - expected + math.pi, math.tau) - math.pi
+            np.testing.assert_allclose(got, expected, atol=tolerance, err_msg=f"{name}.{column}")
+    np.testing.assert_allclose(cycle.t, ours["t"], atol=1e-9)
+
+
+@pytest.mark.parametrize("shape", ["columns", "records", "rows"])
+def test_another_planners_conventions_are_found_and_undone(spec: Spec, shape: str) -> None:
+    report = tm.check_planner(
+        disguised(FOREIGN, shape), spec, header=recorded()[1], emergency="trajs.fallback"
+    )
+    made = report.mapped
+    assert (made.driving, made.emergency, made.ego, made.objects) == (
+        "trajs.nominal",
+        "trajs.fallback",
+        "pose",
+        "others",
+    )
+    if shape != "rows":
+        assert {name: column.column for name, column in made.plan.items()} == {
+            "t": "time_abs", "x": "east", "y": "north", "heading": "course", "kappa": "curv", "v": "speed_kmh", "a": "acc",
+        }  # fmt: skip
+    heading = made.plan["heading"]
+    assert (heading.zero, heading.clockwise, heading.degrees) == ("+y", True, True)
+    assert {name: made.plan[name].unit for name in ("t", "v", "a")} == {"t": "ms", "v": "km/h", "a": "g"}
+    assert made.plan["kappa"].sign == -1.0
+    assert made.computed == ["s"]
+    assert (made.ego_fields["v"].unit, made.object_fields["v"].unit) == ("km/h", "km/h")
+    assert made.object_fields["heading"].clockwise
+    assert [str(f) for f in report.findings if f.level == "broken"] == []
+    for place, cycle in enumerate(report.cycles):
+        same(cycle, place, but=("s",))
+        assert cycle.signals["objects"][0]["heading"] == pytest.approx(
+            math.remainder(recorded()[0][place]["objects"][0]["heading"], math.tau), abs=1e-9
+        )
+    assert "its times are absolute" in str(report)
+
+
+def test_rows_without_names(spec: Spec) -> None:
+    """What grows by the distances is s, what over it is the speed is v, what points along the path is the heading."""
+    report = tm.check_planner(disguised(NAMELESS, "rows"), spec, header=recorded()[1])
+    made = report.mapped
+    assert {name: column.column for name, column in made.plan.items()} == {
+        "s": "0", "x": "1", "y": "2", "heading": "3", "kappa": "4", "v": "5", "t": "6",
+    }  # fmt: skip
+    assert made.plan["heading"].zero == "+y"
+    for place, cycle in enumerate(report.cycles):
+        same(cycle, place, but=("a",))
+
+
+@pytest.mark.parametrize("columns", [FOREIGN, NAMELESS])
+@pytest.mark.parametrize("shape", ["columns", "records", "rows"])
+def test_the_adapter_makes_the_same_cycles(spec: Spec, columns: Any, shape: str) -> None:
+    raws = disguised(columns, shape)
+    report = tm.check_planner(raws, spec, header=recorded()[1], emergency="trajs.fallback")
+    scope: dict[str, Any] = {}
+    exec(compile(report.adapter, "adapter.py", "exec"), scope)
+    track = scope["borders"](recorded()[1])
+    supervisor = tm.supervisor(spec, limits={"budget": 1e9}, clock=lambda: raws[0]["stamp_ms"] / 1000)
+    cycle = scope["cycle_of"](0, raws[0], track)
+    same(cycle, 0, but=("s", "a", "t", "v"))
+    assert supervisor.step(cycle).faults == ()
+
+
+def test_the_planner_as_it_is_recorded(spec: Spec) -> None:
+    """In the contract's own terms nothing has to be converted, and s stands for s although t grows with it too."""
+    report = tm.check_planner(recorded()[0], spec, header=recorded()[1])
+    assert report.fits, str(report)
+    assert {name: column.column for name, column in report.mapped.plan.items()} == {
+        name: name for name in COLUMNS
+    }
+    assert str(report).endswith("it keeps the contract as it is")
+    json.dumps(report.as_json(), allow_nan=False)
+
+
+def broken(change: Callable[[dict[str, Any], int], None]) -> list[dict[str, Any]]:
+    raws = json.loads(json.dumps(recorded()[0]))
+    for number, raw in enumerate(raws):
+        change(raw, number)
+    return list(raws)
+
+
+def _drive(raw: dict[str, Any], name: str, value: Callable[[list[float]], list[float]]) -> None:
+    raw["candidates"]["driving"][name] = value(raw["candidates"]["driving"][name])
+
+
+def _freeze(raw: dict[str, Any], number: int) -> None:
+    if number in (10, 11):
+        raw["candidates"] = json.loads(json.dumps(recorded()[0][9]["candidates"]))
+
+
+def test_no_other_vehicle_is_lost_silently(spec: Spec) -> None:
+    """Where no cycle had one, their fields are not known: an adapter that left them out would be blind."""
+    raws = broken(lambda raw, n: raw.update(objects=[]))
+    report = tm.check_planner(raws, spec, header=recorded()[1])
+    assert "`objects` is empty in all cycles" in str(report)
+    scope: dict[str, Any] = {}
+    exec(compile(report.adapter, "adapter.py", "exec"), scope)
+    assert scope["cycle_of"](0, raws[0]).signals["objects"] == []
+    with pytest.raises(NotImplementedError):
+        scope["cycle_of"](0, recorded()[0][0])
+    none = tm.check_planner(broken(lambda raw, n: raw.pop("objects")), spec, header=recorded()[1])
+    assert not none.convertible
+    assert '"objects": None,  # TODO' in none.adapter
+
+
+def test_obstacles_by_their_names(spec: Spec) -> None:
+    cone = {"id": "c", "x": 1.0, "y": 2.0, "heading": 0.5, "length": 0.3, "width": 0.3}
+    report = tm.check_planner(broken(lambda raw, n: raw.update(obstacles=[cone])), spec, header=recorded()[1])
+    assert report.cycles[0].signals["obstacles"] == [cone]
+    assert "obstacles.heading" in {f.about for f in report.findings}
+
+
+BROKEN: dict[str, tuple[Callable[[dict[str, Any], int], None], str]] = {
+    "no emergency": (lambda raw, n: raw["candidates"].pop("emergency"), "no trajectory is called so, or ends at rest"),
+    "no pose": (lambda raw, n: raw.pop("ego"), "no record has x and y near the beginning"),
+    "no speed": (lambda raw, n: [p.pop("v") for p in raw["candidates"].values()], "plan.v: no column fits"),
+    "no stamp": (lambda raw, n: raw.pop("t"), "no number of the cycle counts its time"),
+    "a heading of another path": (
+        lambda raw, n: [p.update(heading=np.random.default_rng(n).uniform(-3, 3, len(p["x"])).tolist()) for p in raw["candidates"].values()],
+        "does not follow the direction of the path in any convention",
+    ),
+    "a speed of another run": (
+        lambda raw, n: [p.update(v=np.random.default_rng(n).uniform(5, 50, len(p["x"])).tolist()) for p in raw["candidates"].values()],
+        "they do not belong together",
+    ),
+    "a hole": (lambda raw, n: _drive(raw, "v", lambda v: [*v[:7], float("nan"), *v[8:]]) if n == 4 else None, "not_finite (D215) in 1 of 60 cycles, first in cycle 4, at 7"),
+    "late": (lambda raw, n: raw.update(t=raw["t"] + 0.4 * (n > 30)), "late (D225) in 1 of 60 cycles, first in cycle 31"),
+    "frozen": (_freeze, "2 cycles repeat the plan of the one before (first: cycle 10)"),
+    "an odd column": (lambda raw, n: _drive(raw, "a", lambda a: a[:-1]), "entries, the other columns"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_what_does_not_fit_is_said(spec: Spec, name: str) -> None:
+    change, words = BROKEN[name]
+    report = tm.check_planner(broken(change), spec, header=recorded()[1])
+    assert words in str(report)
+    assert not report.convertible
+
+
+def test_a_tail_that_creeps(spec: Spec) -> None:
+    def creep(raw: dict[str, Any], number: int) -> None:
+        plan = raw["candidates"]["emergency"]
+        plan["v"][-2] = 0.05
+        plan["t"][-1] = plan["t"][-2] + 60.0
+
+    report = tm.check_planner(broken(creep), spec, header=recorded()[1])
+    assert "the last step to rest takes up to 60 s" in str(report)
+    assert "emergency = tm.cut_at_rest(emergency)" in report.adapter
+
+
+def test_a_straight_road_does_not_tell_all(spec: Spec) -> None:
+    """Any convention fits there by some angle: one along an axis is suggested, and said to be unsure."""
+    recording = tm.load_recording(ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl")
+    cycles = [
+        {"t": c.t, "ego": c.ego, "objects": c.objects, "candidates": c.candidates}
+        for c in recording.cycles[60:90]
+    ]
+    cycles = json.loads(json.dumps(cycles))
+    for cycle in cycles:
+        for plan in cycle["candidates"].values():
+            plan["heading"] = [90 - math.degrees(h) for h in plan["heading"]]
+    report = tm.check_planner(cycles, spec, header=recorded()[1])
+    heading = report.mapped.plan["heading"]
+    assert (heading.zero, heading.clockwise, heading.degrees) == ("+y", True, True)
+    unsure = {f.about for f in report.findings if "be sure of" in f.words}
+    assert unsure >= {"plan.heading", "plan.kappa", "ego.heading"}
+
+
+def test_nothing_to_look_at_is_refused(spec: Spec, tmp_path: Path) -> None:
+    for given, code in (([], "D195"), ([{"a": 1.0}], "D196"), ([1], "D195")):
+        with pytest.raises(tm.TrackmarshalError) as caught:
+            tm.check_planner(given, spec)  # type: ignore[arg-type]
+        assert caught.value.code == code
+    with pytest.raises(tm.TrackmarshalError, match=r"no cycle has a trajectory `plans\.x`") as caught:
+        tm.check_planner(recorded()[0], spec, driving="plans.x")
+    path = tmp_path / "bad.jsonl"
+    path.write_text('{"t": 0}\n[1]\n', encoding="utf-8")
+    with pytest.raises(tm.TrackmarshalError) as caught:
+        tm.check_planner(path, spec)
+    assert (caught.value.code, caught.value.line) == ("D195", 2)
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, adapter = tmp_path / "cycles.jsonl", tmp_path / "adapter.py"
+    header = {"format": "ours", **recorded()[1]}
+    path.write_text(
+        "".join(json.dumps(line) + "\n" for line in [header, *disguised(FOREIGN)]), encoding="utf-8"
+    )
+    arguments = ["--project", str(ROOT), "check-planner", str(path), "--adapter", str(adapter)]
+    assert main([*arguments, "--emergency", "trajs.fallback"]) == 1
+    said = capsys.readouterr().out
+    assert "`course`, in degrees, 0 along +y, clockwise" in said
+    assert "the adapter is all that it takes" in said
+    assert "tm.heading_from" in adapter.read_text("utf-8")
+    assert (
+        main([*arguments, "--emergency", "trajs.fallback"]) == 2
+    )  # an adapter that is there is not written over
+    capsys.readouterr()
+    assert main(["--project", str(ROOT), "check-planner", str(path), "--format", "json"]) == 1
+    assert json.loads(capsys.readouterr().out)["mapping"]["plan"]["v"]["unit"] == "km/h"
+
+
+@pytest.mark.parametrize("name", ["modena", "berlin_cars"])
+def test_a_real_planner(spec: Spec, name: str) -> None:
+    """Its columns renamed and turned as its own output has them (psi from +y), and its tails found."""
+    raw = (
+        gzip.decompress(shared("data", "planner", f"{name}.tmrec.jsonl.gz").read_bytes())
+        .decode()
+        .splitlines()
+    )
+    cycles = []
+    for line in raw[101:161]:
+        cycle = json.loads(line)
+        for plan in cycle["candidates"].values():
+            plan["psi"] = [math.remainder(h - math.pi / 2, math.tau) for h in plan.pop("heading")]
+            plan["vx"], plan["ax"] = plan.pop("v"), plan.pop("a")
+        cycles.append(cycle)
+    report = tm.check_planner(cycles, spec, header=json.loads(raw[0]))
+    plan = report.mapped.plan
+    assert {n: plan[n].column for n in ("heading", "v", "a", "kappa", "s")} == {
+        "heading": "psi", "v": "vx", "a": "ax", "kappa": "kappa", "s": "s",
+    }  # fmt: skip
+    assert (plan["heading"].zero, plan["heading"].clockwise, plan["heading"].degrees) == ("+y", False, False)
+    assert (report.mapped.driving, report.mapped.emergency) == ("candidates.driving", "candidates.emergency")
+    assert [f.words for f in report.findings if f.level == "broken" and f.about.startswith("plan")] == []

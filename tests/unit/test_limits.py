@@ -1,0 +1,115 @@
+"""Limits of a Supervisor: declared by the project, changed by name, and named by the fault that asks for larger ones."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import trackmarshal as tm
+from support.cycles import cycle, plan
+from support.supervised import ROOT, shipped
+from trackmarshal.cli.main import main
+from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.cycle import UNITS
+
+DECLARED = ROOT / "specs" / "supervisor" / "limits.spec"
+
+
+def configured(tmp_path: Path, text: str) -> Spec:
+    path = tmp_path / "planner.spec"
+    path.write_text(f"module planner\n{text}\n", encoding="utf-8")
+    return tm.load(ROOT / "specs" / "supervisor", [path])
+
+
+def declared(tmp_path: Path, text: str) -> Spec:
+    path = tmp_path / "limits.spec"
+    path.write_text(f"module supervisor.limits\n{text}\n", encoding="utf-8")
+    return tm.load(path)
+
+
+def test_every_limit_has_a_unit() -> None:
+    assert UNITS.keys() == {field.name for field in dataclasses.fields(tm.Limits)}
+
+
+def test_the_projects_limits_are_the_default() -> None:
+    written = dict(re.findall(r"param (\w+) *: 1 = (\d+)", DECLARED.read_text("utf-8")))
+    held = tm.supervisor(shipped()).limits
+    assert {name: str(getattr(held, name)) for name in written} == written
+    assert held.longest_gap == tm.Limits().longest_gap
+
+
+def test_a_planner_has_its_own(tmp_path: Path) -> None:
+    spec = configured(tmp_path, "param samples : 1 = 300")
+    assert tm.supervisor(spec).limits.samples == 300
+    assert tm.supervisor(spec, limits={"samples": 7, "apart": 3.0}).limits == tm.Limits(samples=7, apart=3.0)
+    assert tm.supervisor(spec, limits=tm.Limits(apart=3.0)).limits == tm.Limits(apart=3.0)  # as it stands
+
+
+def test_other_limits_are_declared_with_their_units(tmp_path: Path) -> None:
+    spec = declared(tmp_path, "param longest_gap : ms = 250 ms\nparam turned : deg = 10 deg")
+    assert tm.Limits.of(spec) == tm.Limits(longest_gap=0.25, turned=math.radians(10.0))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("param sample : 1 = 200", "`sample` is no limit"),
+        ("param samples : 1 = 1.5", "the limit `samples` is 1.5"),
+        ("param samples : 1 = 1", "the limit `samples` is 1"),
+        ("param apart : s = 1 s", "the limit `apart` is in s, not in m"),
+    ],
+)
+def test_what_is_no_limit_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(tm.TrackmarshalError, match=message) as caught:
+        tm.Limits.of(declared(tmp_path, text))
+    assert (caught.value.code, caught.value.line) == ("E485", 2)
+    assert caught.value.help
+
+
+def test_check_says_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    declared(tmp_path, "param sample : 1 = 200")
+    assert main(["check", str(tmp_path / "limits.spec")]) == 2
+    said = capsys.readouterr().err
+    assert "error[E485]: `sample` is no limit of a Supervisor" in said
+    assert "did you mean `samples`?" in said
+
+
+def test_a_misspelt_change_is_refused() -> None:
+    with pytest.raises(tm.TrackmarshalError, match="no limit `sample`") as caught:
+        tm.supervisor(shipped(), limits={"sample": 200})
+    assert (caught.value.code, caught.value.help) == ("E481", "did you mean `samples`?")
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_the_fault_says_which_limit_to_raise_and_to_what(backend: str) -> None:
+    """And raised to that, the same cycle is taken."""
+    long = replace(cycle(0), driving=plan(0.0, 0.0, samples=135))
+
+    def faults(samples: int) -> list[str]:
+        changes = {"samples": samples, "budget": math.inf}
+        made = tm.supervisor(shipped(), ["speed_limit"], backend, changes, lambda: 0.0)
+        return [fault.message for fault in made.step(long).faults]
+
+    (message,) = faults(100)
+    assert message == "135 samples, room for 100: raise the limit `samples` to 135"
+    assert faults(int(message.rpartition(" ")[2])) == []
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_a_real_plan_of_115_samples_passes_by_default(backend: str) -> None:
+    made = tm.supervisor(shipped(), ["speed_limit"], backend, {"budget": math.inf}, lambda: 0.0)
+    assert made.step(replace(cycle(0), driving=plan(0.0, 0.0, samples=115))).faults == ()
+
+
+def test_generated_c_has_the_projects_limits(tmp_path: Path) -> None:
+    from trackmarshal.backends.c.source import generate
+
+    spec = configured(tmp_path, "param samples : 1 = 300")
+    header = generate(spec, tm.Evaluator(spec).rules, doored=True).header
+    assert "#define TM_MAX_SAMPLES 300u" in header
+    assert "#define TM_MAX_BORDER 2048u" in header

@@ -1,0 +1,545 @@
+"""What becomes of a car when a process dies or a message is lost, cut, changed, out of order or of another version (docs/process.md).
+
+In simulated time: a cycle each tenth of a second, decisions valid for 0.15 s, a Supervisor that is silent for 0.05 s is taken for dead.
+Two things hold everywhere: what was decided before is never taken for fresh, and nothing is safe without a cycle.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import struct
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from support.cycles import cycle
+from support.processes import PATIENCE, Rig, Served, built
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.process.executing import DRIVE, FALLBACK, NOTHING, Executing
+from trackmarshal.process.messages import LinkError, Message
+from trackmarshal.process.serving import shared_path
+from trackmarshal.process.shared_memory import SharedMemory
+from trackmarshal.runtime.cycle import Limits
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+BOTH = pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"], indirect=True)
+
+
+class Mangled:
+    """A channel of which single messages are changed, dropped or kept back: `next_one` says what becomes of the next cycle."""
+
+    def __init__(self, channel: Any) -> None:
+        self._channel = channel
+        self.next_one: Callable[[bytearray], list[bytes | bytearray]] | None = None
+
+    def send(self, box: str, message: bytearray) -> bool:
+        mangle = self.next_one if box == "cycle" else None
+        if mangle is None:
+            return bool(self._channel.send(box, message))
+        self.next_one = None
+        for one in mangle(message):
+            self._channel.send(box, one)
+        return True
+
+    def receive(self, seconds: float) -> bytes | None:
+        found: bytes | None = self._channel.receive(seconds)
+        return found
+
+    def close(self) -> None:
+        self._channel.close()
+
+
+@pytest.fixture
+def udp(request: pytest.FixtureRequest) -> bool:
+    return bool(getattr(request, "param", False))
+
+
+@pytest.fixture
+def rig(udp: bool) -> Iterator[Rig]:
+    """Over what `udp` says; three cycles have been driven."""
+    with Served(built(), udp) as served:
+        made = Rig(served, Mangled)
+        for number in range(3):
+            assert made.step(number)["safe"] == 1 or (udp and number == 0)
+        assert made.at(made.now).action == DRIVE
+        yield made
+        made.close()
+
+
+def faults(message: Message) -> list[str]:
+    names = message.layout.faults
+    kinds = zip(message["reason_kind"], message["reason_name"])
+    return [names[name] for kind, name in list(kinds)[: message["reason_count"]] if kind == 0]
+
+
+def channel(rig: Rig) -> Mangled:
+    found: Mangled = rig.client.channel  # type: ignore[assignment]
+    return found
+
+
+def lose(message: bytearray) -> list[bytes | bytearray]:
+    return []
+
+
+def unanswered(rig: Rig, number: int) -> None:
+    """A cycle is sent, and nothing is decided about it; what was decided before is driven meanwhile."""
+    rig.now = number / 10
+    sequence = rig.send(number)
+    assert rig.client.answer(sequence, 0.05) is None
+    rig.listen()
+
+
+# A process dies -------------------------------------------------------------------------------------------------------
+
+
+@BOTH
+def test_the_planner_dies(rig: Rig) -> None:
+    """Nobody sends cycles: the Supervisor says that one is missing, and the stored emergency trajectory is driven."""
+    assert rig.later(0.34) is None  # 0.14 s after the last one
+    assert (rig.at(0.34).action, rig.at(0.34).why) == (DRIVE, "decided")
+    # Whoever executes does not even need to hear of it.
+    assert (rig.at(0.36).action, rig.at(0.36).why) == (FALLBACK, "outdated")
+    said = rig.later(0.36)
+    assert said is not None
+    assert (said["about_sequence"], said["safe"], faults(said)) == (0, 0, ["missing_cycle"])
+    assert said.layout.states[said["state"]] == "previous_emergency"
+    found = rig.at(0.36)
+    assert (found.action, found.why, found.number) == (FALLBACK, "decided", 2)
+    assert found.sample is not None
+    assert found.sample["v"] < 20.0
+    for now in (0.5, 0.6, 0.69):
+        rig.later(now)
+        assert rig.at(now).action == FALLBACK
+    # Poses come with cycles: `blind` after the last one, the Supervisor gives the trajectory up.
+    said = rig.later(0.9)
+    assert said is not None
+    assert said.layout.faults[said["lost"]] == "unconfirmed"
+    assert (rig.at(0.9).action, rig.at(0.9).why) == (NOTHING, "decided")
+    # A planner that is there again is driven by as soon as a cycle is safe.
+    assert rig.step(10)["safe"] == 0  # it is late
+    assert rig.step(11)["safe"] == 1
+
+
+@BOTH
+def test_the_supervisor_dies(rig: Rig) -> None:
+    """No sign of life for 0.05 s: the emergency trajectory that was stored last is driven to its end."""
+    alive = rig.now
+    rig.served.kill()
+    sequence = rig.send(3)
+    assert rig.client.answer(sequence, 0.05) is None
+    rig.listen()
+    assert rig.at(alive + 0.049).action == DRIVE
+    found = rig.at(alive + 0.051)
+    assert (found.action, found.why, found.number) == (FALLBACK, "silent", 2)
+    assert rig.at(alive + 2.4).action == FALLBACK
+    assert rig.at(alive + 2.6).action == NOTHING
+    rig.served.start()  # for whoever ends it
+
+
+@BOTH
+def test_the_supervisor_starts_anew(rig: Rig) -> None:
+    """What it had stored is driven until its first decision; that is safe once it knows the borders, which datagrams have to bring again."""
+    rig.served.kill()
+    rig.served.start()
+    rig.later(0.25)  # it is there, and has decided nothing
+    found = rig.at(0.25)
+    assert (found.action, found.why) == (FALLBACK, "restarted")
+    said = rig.step(3)
+    if rig.served.name is None:
+        assert (said["safe"], said["wanted"], faults(said)) == (0, 0b11, ["bad_border", "bad_border"])
+        assert (rig.at(rig.now).action, rig.at(rig.now).why, rig.at(rig.now).number) == (
+            FALLBACK,
+            "restarted",
+            2,
+        )
+        said = rig.step(4)
+    assert (said["safe"], said["wanted"], said.head.sequence) == (1, 0, said.head.sequence)
+    assert (rig.at(rig.now).action, rig.at(rig.now).number) == (DRIVE, said["number"])
+
+
+@BOTH
+def test_the_planner_starts_anew(rig: Rig) -> None:
+    """It counts from 0 again: the first cycle is out of order and not safe, the second is."""
+    rig.client.close()
+    rig.connect()
+    said = rig.step(0, replace(cycle(3), number=0))
+    assert (said["safe"], faults(said)) == (0, ["out_of_order"])
+    assert rig.at(rig.now).action == FALLBACK
+    said = rig.step(1, replace(cycle(4), number=1))
+    assert said["safe"] == 1
+    assert rig.at(rig.now).action == DRIVE
+
+
+@BOTH
+def test_both_start_anew(rig: Rig) -> None:
+    rig.served.kill()
+    rig.client.close()
+    rig.served.start()
+    rig.connect()
+    said = rig.step(0, replace(cycle(3), number=0))
+    assert (said["safe"], said["wanted"]) == (1, 0)  # a planner that starts sends its borders first
+    assert rig.at(rig.now).action == DRIVE
+
+
+def test_a_planner_that_was_replaced_is_not_heard() -> None:
+    """Two planners send: the one that started later counts."""
+    with Served(built(), udp=True) as served:
+        rig = Rig(served)
+        rig.step(0)
+        old = rig.client
+        rig.connect()
+        rig.step(0, replace(cycle(1), number=0))
+        new, rig.client = rig.client, old
+        sequence = rig.send(2)
+        assert old.answer(sequence, 0.05) is None
+        rig.client = new
+        assert rig.refused() == {"session": 3}  # two borders and a cycle
+        old.close()
+        rig.close()
+
+
+def test_a_planner_that_dies_while_it_writes(rig: Rig) -> None:
+    """Half a message in a slot: nobody takes it, and the next one is whole."""
+    region = channel(rig)._channel._cycles
+    box = region._boxes["cycle"]
+    following = region.latest("cycle") + 1
+    slot = box["first"] + following % box["slots"] * box["step"]
+    region._words[slot // 8] = 2 * following - 1
+    region._bytes[slot + 64 : slot + 1064] = b"\xff" * 1000
+    assert rig.later(0.21) is None
+    # One that even says that it is whole: nothing of it is taken, but the count tells of it.
+    region._words[box["place"] // 8] = following
+    assert rig.later(0.22) is None
+    assert rig.refused() == {"torn": 1}
+    said = rig.step(3)
+    assert said["safe"] == 1
+
+
+# Messages -------------------------------------------------------------------------------------------------------------
+
+
+@BOTH
+def test_a_cycle_is_lost(rig: Rig) -> None:
+    """The next one is not safe, since one was skipped; the one after is."""
+    channel(rig).next_one = lose
+    unanswered(rig, 3)
+    said = rig.step(4)
+    assert (said["safe"], "skipped" in faults(said)) == (0, True)
+    assert rig.at(rig.now).action == FALLBACK
+    assert rig.step(5)["safe"] == 1
+    assert rig.at(rig.now).action == DRIVE
+
+
+def test_cycles_come_in_another_order() -> None:
+    """The later one was skipped to; the earlier one comes too late and is not looked at; then all is well."""
+    with Served(built(), udp=True) as served:
+        rig = Rig(served, Mangled)
+        for number in range(3):
+            rig.step(number)
+        kept: list[bytearray] = []
+
+        def keep(message: bytearray) -> list[bytes | bytearray]:
+            kept.append(message)
+            return []
+
+        channel(rig).next_one = keep
+        rig.now = 0.3
+        sequence = rig.send(3)
+        said = rig.step(4)
+        assert (said["safe"], "skipped" in faults(said)) == (0, True)
+        channel(rig)._channel.send("cycle", kept[0])
+        assert rig.client.answer(sequence, 0.05) is None
+        assert rig.refused() == {"sequence": 1}
+        assert rig.step(5)["safe"] == 1
+        rig.close()
+
+
+@BOTH
+def test_a_cycle_comes_twice(rig: Rig) -> None:
+    """It is decided about once."""
+    channel(rig).next_one = lambda message: [message, message]
+    said = rig.step(3)
+    assert said["safe"] == 1
+    serial = said["serial"]
+    if rig.served.name is None:  # in shared memory, the first may never have been looked at
+        assert rig.refused() == {"sequence": 1}
+    assert rig.step(4)["serial"] == serial + 1
+
+
+@pytest.mark.parametrize("left", [0, 1, 40, 47, 48, 100, -8, -1])
+def test_a_cut_datagram(left: int) -> None:
+    with Served(built(), udp=True) as served:
+        rig = Rig(served, Mangled)
+        rig.step(0)
+        rig.step(1)
+        channel(rig).next_one = lambda message: [bytes(message[:left])]
+        unanswered(rig, 2)
+        assert rig.refused() == {"size": 1}
+        said = rig.step(3)
+        assert (said["safe"], "skipped" in faults(said)) == (0, True)
+        rig.close()
+
+
+def test_a_datagram_that_is_too_long() -> None:
+    with Served(built(), udp=True) as served:
+        rig = Rig(served, Mangled)
+        rig.step(0)
+        rig.step(1)
+        for more in (1, 20_000, 40_000):
+            channel(rig).next_one = lambda message, more=more: [bytes(message) + bytes(more)]  # type: ignore[misc]
+            unanswered(rig, 2)
+        assert rig.refused() == {"size": 3}
+        rig.close()
+
+
+@BOTH
+def test_a_cycle_is_changed(rig: Rig) -> None:
+    """One bit anywhere: it is refused, by its head or by its CRC."""
+    places = {
+        0: "magic",
+        4: "crc",
+        8: "version",
+        10: "kind",
+        12: "length",
+        16: "layout",
+        24: "crc",
+        32: "crc",
+        40: "crc",
+        60: "crc",
+        4000: "crc",
+    }
+    for place in places:
+
+        def flip(message: bytearray, place: int = place) -> list[bytes | bytearray]:
+            changed = bytearray(message)
+            changed[place] ^= 8
+            return [changed]
+
+        channel(rig).next_one = flip
+        unanswered(rig, 3)
+        rig.later(rig.now)  # in shared memory, a message is there until the next one
+    wanted: dict[str, int] = {}
+    for cause in places.values():
+        wanted[cause] = wanted.get(cause, 0) + 1
+    assert rig.refused() == wanted
+    assert rig.at(rig.now).action == DRIVE  # until the decision before is outdated
+    assert rig.at(0.36).action == FALLBACK
+
+
+@BOTH
+def test_a_message_of_another_version(rig: Rig) -> None:
+    """A head with another version or layout, even with a CRC that fits."""
+    for place, form, value in ((8, "<H", 2), (16, "<Q", 1)):
+
+        def other(
+            message: bytearray, place: int = place, form: str = form, value: int = value
+        ) -> list[bytes | bytearray]:
+            import zlib
+
+            changed = bytearray(message)
+            struct.pack_into(form, changed, place, value)
+            struct.pack_into("<I", changed, 4, zlib.crc32(changed[8:]))
+            return [changed]
+
+        channel(rig).next_one = other
+        unanswered(rig, 3)
+        rig.later(rig.now)
+    assert rig.refused() == {"version": 1, "layout": 1}
+
+
+def test_a_client_of_another_layout_finds_no_supervisor() -> None:
+    """Other limits are another layout: shared memory is not opened, datagrams are refused."""
+    other = built(Limits(budget=0.04))
+    with Served(built()) as served:
+        assert served.name is not None
+        with pytest.raises(LinkError, match="is for another spec, other rules, capacities or limits"):
+            SharedMemory(other.layout, shared_path(served.name))
+    with Served(built(), udp=True) as served:
+        rig = Rig(served)
+        rig.step(0)
+        foreign = Rig.__new__(Rig)
+        foreign.served, foreign._wrap, foreign.now = served, lambda channel: channel, 0.1
+        foreign.client = type(rig.client)(other.layout, served.channel(), lambda: 0.1)
+        foreign._borders = {}
+        sequence = foreign.send(1)
+        assert foreign.client.answer(sequence, 0.05) is None
+        assert rig.refused() == {"layout": 3}  # two borders and a cycle
+        foreign.client.close()
+        rig.close()
+
+
+@BOTH
+def test_entries_that_cannot_be(rig: Rig) -> None:
+    """A message that is whole, of a sender that is wrong: nothing of it is taken."""
+    kind = rig.client.layout.kinds["cycle"]
+    for name, value in (
+        ("came", 2),
+        ("found_count", 66),
+        ("driving/present", 7),
+        ("signals.track/closed", 3),
+    ):
+
+        def wrong(message: bytearray, name: str = name, value: int = value) -> list[bytes | bytearray]:
+            changed = bytearray(message)
+            kind.put(changed, name, value)
+            rig.client.layout.seal(changed, kind, rig.client.session, 10**6, rig.now)
+            return [changed]
+
+        channel(rig).next_one = wrong
+        unanswered(rig, 3)
+        rig.later(rig.now)
+    assert rig.refused() == {"content": 4}
+    assert rig.step(3)["safe"] == 1
+
+
+def test_borders_that_are_lost_are_sent_again() -> None:
+    with Served(built(), udp=True) as served:
+
+        class Deaf(Mangled):
+            lost = 1
+
+            def send(self, box: str, message: bytearray) -> bool:
+                if box == "line_1" and Deaf.lost:
+                    Deaf.lost -= 1
+                    return True
+                return super().send(box, message)
+
+        rig = Rig(served, Deaf)
+        said = rig.step(0)
+        assert (said["safe"], said["wanted"], faults(said)) == (0, 0b10, ["bad_border"])
+        said = rig.step(1)
+        assert (said["safe"], said["wanted"]) == (1, 0)
+        rig.close()
+
+
+# Whoever executes -----------------------------------------------------------------------------------------------------
+
+
+def test_a_decision_of_before_is_not_taken_for_a_fresh_one(rig: Rig) -> None:
+    """An earlier decision, the same again, one of a Supervisor that was replaced, one that nobody decided: all are refused."""
+    executing, old = rig.executing, rig.step(3)
+    new = rig.step(4)
+    for data in (old.data, new.data, old.data):
+        assert executing.hear(data) == "sequence"
+    rig.served.kill()
+    rig.served.start()
+    rig.step(5)
+    assert executing.hear(new.data) == "session"
+    made_up = bytearray(rig.step(6).data)
+    decision = rig.client.layout.kinds["decision"]
+    decision.put(made_up, "about_sequence", 0)  # safe, and about no cycle
+    rig.client.layout.seal(made_up, decision, new.head.session + 10**12, 1, rig.now)
+    assert executing.hear(bytes(made_up)) == "content"
+    assert executing.refused == {"sequence": 3, "session": 1, "content": 1}
+    assert rig.at(rig.now).number == 6
+
+
+def test_decisions_do_not_come(rig: Rig) -> None:
+    """The Supervisor lives, its decisions are lost on their way: the fallback of the last one that came, until another one comes."""
+    rig.now = 0.34
+    assert rig.client.answer(rig.send(3, replace(cycle(3), t=0.3)), PATIENCE) is not None
+    lost: list[bytes] = []
+    alive = False
+    while not (lost and alive):
+        data = rig._ear.receive(PATIENCE)
+        assert data is not None
+        message = rig.client.layout.look(data, up=False)[1]
+        assert message is not None
+        if message.kind.name == "decision":
+            lost.append(data)
+        else:
+            rig.executing.hear(data)
+            alive = message.head.sent == 0.34
+    assert rig.at(0.345).action == DRIVE
+    found = rig.at(0.36)
+    assert (found.action, found.why, found.number) == (FALLBACK, "outdated", 2)
+    assert rig.executing.hear(lost[0]) == "none"
+    assert (rig.at(0.36).action, rig.at(0.36).number) == (DRIVE, 3)
+
+
+def test_what_was_left_is_not_taken_up_again(rig: Rig) -> None:
+    """The Supervisor was silent and is heard again: its last decision is still valid, and is not driven any more."""
+    assert rig.at(rig.now + 0.06).why == "silent"
+    rig.later(rig.now + 0.07)
+    found = rig.at(rig.now)
+    assert (found.action, found.why) == (FALLBACK, "left")
+    rig.step(3)
+    assert rig.at(rig.now).action == DRIVE
+
+
+def test_simulated_decisions_are_not_for_a_car(rig: Rig) -> None:
+    real = Executing(rig.client.layout)
+    assert real.hear(rig.step(3).data) == "content"
+    assert (real.at(rig.now).action, real.at(rig.now).why) == (NOTHING, "unheard")
+
+
+def test_an_executing_layer_that_starts_hears_nothing_of_before(rig: Rig) -> None:
+    late = rig.served.listening()
+    executing = Executing(rig.client.layout, simulated=True)
+    rig.later(0.21)
+    while (data := late.receive(0.0)) is not None:
+        executing.hear(data)
+    assert executing.at(0.21).action == NOTHING
+    late.close()
+
+
+# Real time ------------------------------------------------------------------------------------------------------------
+
+#: A busy machine is no fault here.
+SLOW = Limits(shortest_gap=0.0, oldest=1.0, longest_gap=60.0, budget=5.0)
+
+
+def test_a_supervisor_that_hangs() -> None:
+    """It is stopped and goes on later: the fallback is driven meanwhile, and the cycle that waited for it is stale."""
+    with Served(built(SLOW), simulated=False) as served:
+        rig = Rig(served)
+        rig.executing = Executing(served.program.layout, silence=0.5)
+        for number in range(2):
+            rig.now = time.monotonic()
+            said = rig.client.answer(rig.send(number, replace(cycle(number), t=rig.now)), PATIENCE)
+            assert said is not None
+        rig.listen()
+        assert said["safe"] == 1
+        assert said["simulated"] == 0
+        assert rig.now <= said["now"] <= said["finished"] <= time.monotonic()
+        os.kill(served.process.pid, signal.SIGSTOP)
+        rig.now = time.monotonic()
+        sequence = rig.send(2, replace(cycle(2), t=rig.now))
+        assert rig.client.answer(sequence, 1.2) is None
+        rig.listen()
+        found, end = rig.at(time.monotonic()), said["fallback/due"][said["fallback/count"] - 1]
+        assert found.why == "silent"
+        assert (found.action, found.number) == ((FALLBACK, 1) if time.monotonic() <= end else (NOTHING, 0))
+        os.kill(served.process.pid, signal.SIGCONT)
+        said = rig.client.answer(sequence, PATIENCE)
+        assert said is not None
+        assert (said["safe"], faults(said)) == (0, ["stale"])
+        rig.listen()
+        assert rig.at(time.monotonic()).action != DRIVE
+        rig.close()
+
+
+def test_it_ends_when_it_is_told_to() -> None:
+    with Served(built()) as served:
+        served.process.terminate()
+        assert served.process.wait(PATIENCE) == 0
+
+
+def test_one_supervisor_and_one_planner_for_a_name() -> None:
+    with Served(built()) as served:
+        other = Served.__new__(Served)
+        other.program, other.simulated, other._wait, other.name = served.program, True, "sleep", served.name
+        with pytest.raises(TrackmarshalError, match="another Supervisor serves") as caught:
+            other.start()
+        assert caught.value.code == "E477"
+        first = served.channel()
+        with pytest.raises(LinkError, match="is written by another client"):
+            served.channel()
+        first.close()
+    with pytest.raises(LinkError, match="no Supervisor has made it"):
+        served.channel()

@@ -1,0 +1,178 @@
+"""`trackmarshal serve`, and what `compile --process` writes for Python."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from support.processes import PATIENCE, built
+from support.shared import REPOSITORY, SUPERVISOR
+from support.supervised import shipped
+from trackmarshal.backends.c.process.emit import Emitted
+from trackmarshal.backends.c.process.table import SIZES
+from trackmarshal.backends.c.source import generate
+from trackmarshal.cli.main import main
+from trackmarshal.process.copies import link
+from trackmarshal.process.datagrams import Datagrams
+from trackmarshal.process.messages import Layout, LinkError
+from trackmarshal.runtime.cycle import Limits
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+
+#: A planner that has nothing but Python and what was emitted.
+PLANNER = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from link.client import Border, Client
+from link.executing import Executing
+from link.messages import Layout
+from link.shared_memory import SharedMemory
+
+layout = Layout.read(sys.argv[2])
+client = Client(layout, SharedMemory(layout, sys.argv[3]), lambda: 0.0)
+ear, executing = SharedMemory(layout, sys.argv[3], executing=True), Executing(layout, simulated=True)
+left, right = Border([[-50, 6], [2000, 6]]), Border([[-50, -6], [2000, -6]])
+t = [0.1 * k for k in range(30)]
+zero = [0.0] * 30
+driving = {"t": t, "s": [20 * x for x in t], "x": [20 * x for x in t], "y": zero, "heading": zero, "kappa": zero, "v": [20.0] * 30, "a": zero}
+v = [max(0.0, 20 - 8 * x) for x in t]
+s = [20 * x - 4 * x * x if x < 2.5 else 25.0 + 1e-4 * x for x in t]
+emergency = {**driving, "s": s, "x": s, "v": v, "a": [-8.0 if x < 2.5 else 0.0 for x in t]}
+signals = {
+    "ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 20.0},
+    "objects": {name: [] for name in ("x", "y", "heading", "v", "length", "width")},
+    "obstacles": {name: [] for name in ("x", "y", "heading", "length", "width")},
+    "track": {"left": left, "right": right},
+}
+decision = client.answer(client.send(0, 0.0, driving, emergency, signals), 20.0)
+print(decision["safe"], layout.states[decision["state"]], len(decision.column("driving", "x")))
+while executing.hear(ear.receive(20.0)) != "none" or executing.at(0.0).why == "unheard":
+    pass
+print(executing.at(0.05).action, executing.at(0.05).sample["x"])
+print([name for name in sys.modules if name.startswith(("trackmarshal", "numpy"))])
+"""
+
+
+def test_it_serves_a_planner_that_has_nothing_of_trackmarshal(tmp_path: Path) -> None:
+    messages, memory = tmp_path / "messages.json", tmp_path / "memory"
+    for path, text in link().items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(text, encoding="utf-8")
+    command = [
+        sys.executable, "-m", "trackmarshal.cli.main", "serve", str(SUPERVISOR), "--project", str(REPOSITORY), "--shm", str(memory),
+        "--describe", str(messages), "--simulated",
+    ]  # fmt: skip
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == f"serves {memory}\n"
+        words = [sys.executable, "-I", "-c", PLANNER, str(tmp_path), str(messages), str(memory)]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=3 * PATIENCE, check=False)
+        assert done.stdout.splitlines() == ["1 drive 30", "drive 1.0", "[]"], done.stderr
+    finally:
+        process.terminate()
+        assert process.communicate()[1] == "note: in simulated time, which no vehicle drives in\n"
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--shm", "x", "--limit", "bugdet=1"], "error[E481]: there is no limit `bugdet`"),
+        (["--shm", "x", "--limit", "budget=soon"], "error[E481]: `soon` is no number for the limit `budget`"),
+        (["--shm", "x", "--limit", "samples=1"], "error[E481]: the limit `samples` is 1"),
+        (["--shm", "x", "--to", "7000"], "error[E477]: --to is for datagrams"),
+        (["--udp", "70000"], "error[E477]: 70000 is no port"),
+        (["--udp", "7000", "--to", "0"], "error[E477]: 0 is no port"),
+    ],
+)
+def test_what_it_refuses(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["serve", str(SUPERVISOR), *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def described(limits: Limits) -> dict[str, Any]:
+    """The description of the shipped Supervisor's messages with other limits."""
+    spec = shipped()
+    source = generate(spec, [rule for rule in spec.rules if rule.formula is not None], doored=True)
+    return Emitted(source, asdict(limits)).description
+
+
+def test_a_message_that_no_datagram_takes() -> None:
+    """A border of 4090 points is longer than 65,507 bytes."""
+    assert described(Limits(border=4089))["datagrams"]
+    layout = Layout(described(Limits(border=4090)))
+    assert not layout.datagrams
+    with pytest.raises(LinkError, match="a message is too long for a datagram"):
+        Datagrams(layout, 7000)
+
+
+@pytest.mark.acceptance
+def test_the_process_knows_that_too() -> None:
+    program = built(Limits(border=4090))
+    done = subprocess.run(program.command(udp=7000), capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "a message is too long for a datagram" in done.stderr
+
+
+def test_a_spec_that_cannot_supervise(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = tmp_path / "own.spec"
+    spec.write_text('module own\nsignal ego : state { v: m/s }\nrule slow "Slow"\n  require ego.v <= 3 m/s\n')
+    assert main(["serve", str(spec), "--shm", "x"]) == 2
+    assert "error[E477]: no Supervisor can be made of this spec" in capsys.readouterr().err
+    assert main(["compile", str(spec), "--out", str(tmp_path / "out"), "--process"]) == 2
+    assert "error[E477]" in capsys.readouterr().err
+    assert main(["compile", str(spec), "--out", str(tmp_path / "out"), "--limit", "budget=1"]) == 2
+    assert "error[E481]: limits are compiled in with --process only" in capsys.readouterr().err
+
+
+def test_entries_stand_one_after_the_other() -> None:
+    """Each at a multiple of its size, without gaps or overlaps, up to the length; all of them are explained."""
+    for message in built().layout.said["messages"]:
+        place = 0
+        for entry in message["entries"]:
+            size = SIZES[entry["type"]]
+            assert entry["offset"] == place
+            assert place % size == 0
+            assert entry["about"]
+            place += size * entry["count"]
+        assert place == message["length"]
+        assert place % 8 == 0
+
+
+def test_what_makes_another_layout() -> None:
+    """Limits and capacities, each by itself."""
+    given = [Limits(), Limits(budget=0.04), Limits(samples=65), Limits(elements=33)]
+    assert len({described(limits)["layout"] for limits in given}) == 4
+    assert described(Limits())["layout"] == f"{built().layout.fingerprint:016x}"
+
+
+def test_nothing_is_allocated() -> None:
+    """The process asks the C library for no memory."""
+    listed = subprocess.run(["nm", "-u", built().path], capture_output=True, text=True, check=True).stdout
+    wanted = re.findall(r"U (\w+)", listed)
+    assert "mmap" in wanted
+    assert [name for name in wanted if re.search("alloc|brk|free$|strdup|getline", name)] == []
+
+
+def test_the_page_has_the_layout() -> None:
+    """The tables of docs/process.md are those of the messages: entries that all specs have, kinds, causes."""
+    page = (REPOSITORY / "docs" / "process.md").read_text("utf-8")
+    said = built().layout.said
+    for message in said["messages"]:
+        assert f"| `{message['name']}` | {message['kind']} |" in page
+    head = list(
+        itertools.takewhile(lambda entry: entry["offset"] < said["head"], said["messages"][0]["entries"])
+    )
+    for entry in head:
+        assert f"| {entry['offset']} | `{entry['name']}` | {entry['type']} |" in page
+    for cause in said["causes"][1:]:
+        assert f"| `{cause}` |" in page

@@ -1,0 +1,131 @@
+"""A recording, a cycle, a case and a module of places name their track: places of another one are refused, not applied."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import trackmarshal as tm
+from support.cycles import cycle
+from support.shared import shared
+from support.supervised import ROOT, shipped
+from trackmarshal.cli.main import main
+from trackmarshal.ir.spec import Spec, track_of
+from trackmarshal.runtime.faults import name_of
+from trackmarshal.scenarios.recording import Recording
+from trackmarshal.scenarios.recording_io import write
+
+NORTHFIELD = ROOT / "specs" / "tracks" / "northfield.spec"
+FREE_LAP = ROOT / "specs" / "scenarios" / "free_lap.tmrec.jsonl"
+
+
+@pytest.fixture(scope="module")
+def northfield() -> Spec:
+    return tm.load(ROOT / "specs" / "supervisor", [NORTHFIELD])
+
+
+@pytest.fixture(scope="module")
+def lap() -> Recording:
+    recording = tm.load_recording(FREE_LAP)
+    return replace(recording, cycles=recording.cycles[:3], ground_truth={})
+
+
+def named(name: Any) -> tm.Cycle:
+    given = cycle(0)
+    return replace(given, signals={**given.signals, "track": {**given.signals["track"], "name": name}})
+
+
+@pytest.mark.parametrize(
+    ("module", "track"),
+    [
+        ("tracks.modena", "modena"),
+        ("tracks.de.berlin", "berlin"),
+        ("tracks", ""),
+        ("my.tracks.modena", ""),
+        ("places", ""),
+    ],
+)
+def test_a_module_names_its_track(module: str, track: str) -> None:
+    assert track_of(module) == track
+
+
+def test_a_shipped_recording_names_its_track(lap: Recording) -> None:
+    assert lap.track["name"] == "northfield"
+
+
+def test_replay_refuses_places_of_another_track(lap: Recording, northfield: Spec) -> None:
+    with pytest.raises(tm.TrackmarshalError, match="`northfield`, but `pit_lane` is on `modena`") as caught:
+        tm.replay(lap, tm.Evaluator(shipped()))
+    assert (caught.value.code, caught.value.file) == ("D146", str(FREE_LAP))
+    assert len(tm.replay(lap, tm.Evaluator(northfield)).cycles) == 3
+    # Rules that read no place do not mind.
+    assert len(tm.replay(lap, tm.Evaluator(shipped(), ["friction"])).cycles) == 3
+
+
+def test_the_command_refuses_it_too(
+    lap: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "lap.tmrec.jsonl"
+    write(replace(lap, use=()), path)
+    arguments = ["--project", str(ROOT), "replay", str(path), "--quiet"]
+    assert main(arguments) == 2
+    assert "error[D146]" in capsys.readouterr().err
+    assert main([*arguments, "--with", str(NORTHFIELD)]) == 0
+
+
+def test_what_names_no_track_is_said(
+    lap: Recording, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    track = {name: value for name, value in lap.track.items() if name != "name"}
+    path = tmp_path / "lap.tmrec.jsonl"
+    write(replace(lap, use=(), track=track), path)
+    assert main(["--project", str(ROOT), "replay", str(path)]) in (0, 1)
+    assert "it names no track; taken is that it is on `modena`" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+@pytest.mark.parametrize(
+    ("name", "faults"), [("modena", []), ("monteblanco", ["wrong_track"]), (7, ["wrong_type"]), (None, [])]
+)
+def test_a_cycle_names_its_track(backend: str, name: Any, faults: list[str]) -> None:
+    made = tm.supervisor(
+        shipped(), ["zone_speed_limit", "static_collision"], backend, {"budget": 1e9}, lambda: 0.0
+    )
+    decision = made.step(named(name))
+    assert [name_of(fault) for fault in decision.faults] == faults
+    assert all((fault.signal, fault.field) == ("track", "name") for fault in decision.faults)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_where_no_rule_reads_the_borders_too(backend: str) -> None:
+    made = tm.supervisor(shipped(), ["zone_speed_limit"], backend, {"budget": 1e9}, lambda: 0.0)
+    assert [name_of(fault) for fault in made.step(named("monteblanco")).faults] == ["wrong_track"]
+
+
+def test_a_case_that_brings_its_own_places() -> None:
+    evaluator = tm.Evaluator(shipped(), ["zone_speed_limit"])
+    columns = {name: list(map(float, column)) for name, column in cycle(0).driving.items()}
+    signals = {"plan": columns, "track": {"name": "monteblanco", "left": [], "right": []}}
+    (fault,) = evaluator.case({"signals": signals}).faults
+    assert fault == "D230 track.name: the track is `monteblanco`, but `pit_lane` is on `modena`"
+    places = {"pit_lane": [[0, 100], [10, 100], [10, 110]]}
+    assert evaluator.case({"signals": signals, "places": places}).faults == ()
+
+
+def test_the_recordings_of_a_real_planner() -> None:
+    """Berlin with Modena's pit lane, once the recording says where it is; as it is, it names no track."""
+    recording = tm.load_recording(shared("data", "planner", "berlin.tmrec.jsonl.gz"))
+    recording = replace(recording, cycles=recording.cycles[:2])
+    evaluator = tm.Evaluator(shipped())
+    assert len(tm.replay(recording, evaluator).cycles) == 2
+    with pytest.raises(tm.TrackmarshalError, match="the track is `berlin`"):
+        tm.replay(replace(recording, track={**recording.track, "name": "berlin"}), evaluator)
+
+
+def test_the_recordings_of_the_papers_authors_are_on_modena() -> None:
+    recording = tm.load_recording(shared("data", "scenarios", "modena_T1_valid.saa"))
+    recording = replace(recording, cycles=recording.cycles[:2], track={**recording.track, "name": "modena"})
+    assert len(tm.replay(recording, tm.Evaluator(shipped())).cycles) == 2

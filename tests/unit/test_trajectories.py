@@ -1,0 +1,201 @@
+"""Helpers that complete, convert, cut and resample a planner's trajectories, held against motions known in closed form."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import trackmarshal as tm
+from support.shared import shared
+
+RADIUS = 16.0
+
+
+def arc(turn: float = 1.0, v: float = 10.0, step: float = 2.5, count: int = 12) -> dict[str, Any]:
+    """A circle through the origin, at first along +x, at constant speed; `turn` is -1 for a right-hander."""
+    s = step * np.arange(count)
+    angle = s / RADIUS
+    return {
+        "t": s / v,
+        "s": s,
+        "x": RADIUS * np.sin(angle),
+        "y": turn * RADIUS * (1.0 - np.cos(angle)),
+        "heading": turn * angle,
+        "kappa": np.full(count, turn / RADIUS),
+        "v": np.full(count, v),
+        "a": np.zeros(count),
+    }
+
+
+def braking(v: float, b: float, step: float) -> dict[str, Any]:
+    """Straight on, braked to rest at b, sampled every `step` m, as grid planners do: the last step goes a whole one."""
+    s = step * np.arange(math.ceil(v * v / (2 * b) / step) + 3)
+    speed = np.sqrt(np.maximum(0.0, v * v - 2 * b * s))
+    columns = {"x": s, "y": 0.0 * s, "heading": 0.0 * s, "kappa": 0.0 * s, "v": speed}
+    return tm.complete(columns)
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_direction_and_curvature_of_a_circle(turn: float) -> None:
+    plan = arc(turn)
+    np.testing.assert_allclose(tm.curvature_along(plan["x"], plan["y"]), plan["kappa"], rtol=1e-12)
+    np.testing.assert_allclose(tm.direction_along(plan["x"], plan["y"]), plan["heading"], atol=1e-12)
+
+
+def test_arc_length_is_that_of_the_chords() -> None:
+    plan = arc()
+    chord = 2.0 * RADIUS * math.sin(2.5 / RADIUS / 2.0)
+    np.testing.assert_allclose(tm.arc_length(plan["x"], plan["y"]), chord * np.arange(12), rtol=1e-12)
+
+
+def test_acceleration_and_time_are_exact_where_it_is_constant() -> None:
+    s = np.linspace(0.0, 20.0, 9)
+    v = np.sqrt(400.0 - 16.0 * s)
+    np.testing.assert_allclose(tm.acceleration_along(s, v)[:-1], -8.0, rtol=1e-12)
+    np.testing.assert_allclose(tm.time_along(s, v), (20.0 - v) / 8.0, atol=1e-12)
+
+
+def test_complete_keeps_what_is_there() -> None:
+    plan = arc()
+    made = tm.complete(
+        {
+            **{name: plan[name] for name in ("x", "y", "v")},
+            "heading": plan["heading"] + 0.5,
+            "grip": plan["v"],
+        }
+    )
+    assert set(made) == {"t", "s", "x", "y", "heading", "kappa", "v", "a", "grip"}
+    np.testing.assert_array_equal(made["heading"], plan["heading"] + 0.5)
+
+
+def test_standing_samples_point_where_the_path_does() -> None:
+    assert tm.direction_along([0, 0, 1, 2, 2], [0, 0, 0, 0, 0]).tolist() == [0.0] * 5
+    with pytest.raises(tm.TrackmarshalError, match="all samples are in one place"):
+        tm.complete({"x": [1.0, 1.0], "y": [0.0, 0.0], "v": [0.0, 0.0]})
+
+
+@pytest.mark.parametrize(
+    ("given", "convention", "expected"),
+    [
+        (0.0, {"zero": "+y"}, math.pi / 2),
+        (math.pi / 2, {"zero": "+y"}, math.pi),
+        (90.0, {"zero": "north", "clockwise": True, "degrees": True}, 0.0),
+        (-90.0, {"degrees": True}, -math.pi / 2),
+        (3 * math.pi, {}, math.pi),
+        (0.25, {"zero": 0.5, "clockwise": True}, 0.25),
+    ],
+)
+def test_headings_of_other_conventions(given: float, convention: dict[str, Any], expected: float) -> None:
+    assert tm.heading_from(given, **convention) == pytest.approx(expected, abs=1e-12)
+    assert tm.heading_from([given] * 2, **convention) == pytest.approx([expected] * 2, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("call", "code"),
+    [
+        (lambda: tm.heading_from(0.0, "up"), "D193"),
+        (lambda: tm.heading_from(0.0, math.nan), "D193"),
+        (lambda: tm.arc_length([0.0, 1.0], [0.0]), "D191"),
+        (lambda: tm.arc_length([], []), "D191"),
+        (lambda: tm.arc_length(["a"], [0.0]), "D191"),
+        (lambda: tm.arc_length(3.0, 4.0), "D191"),
+        (lambda: tm.complete({"x": [0.0], "y": [0.0]}), "D192"),
+        (lambda: tm.complete([1.0]), "D191"),  # type: ignore[arg-type]
+        (lambda: tm.cut_at_rest(arc(), -1.0), "D194"),
+        (lambda: tm.resample(arc()), "D194"),
+        (lambda: tm.resample(arc(), count=1), "D194"),
+        (lambda: tm.resample(arc(), spacing=math.nan), "D194"),
+        (lambda: tm.resample(arc(), count=5, step=0.1), "D194"),
+        (lambda: tm.resample({**arc(), "t": np.zeros(12)}, count=5), "D194"),
+    ],
+)
+def test_what_cannot_be_done_is_refused(call: Any, code: str) -> None:
+    with pytest.raises(tm.TrackmarshalError) as caught:
+        call()
+    assert caught.value.code == code
+    assert caught.value.help
+
+
+@pytest.mark.parametrize("v", [9.8, 20.0, 24.49, 31.7])
+@pytest.mark.parametrize("step", [0.7, 2.5])
+def test_cut_at_rest_is_where_braking_ends(v: float, step: float) -> None:
+    """The closed form: rest after v^2 / (2 b) m and v / b s, whatever the samples made of the last step."""
+    b = 12.0
+    raw = braking(v, b, step)
+    cut = tm.cut_at_rest(raw, speed=12.0)  # every tail, however fast its first sample
+    assert cut["v"][-1] == 0.0
+    assert cut["s"][-1] == pytest.approx(v * v / (2 * b), abs=0.011)
+    # The first sample of the tail may be at rest itself, up to 1 cm early; at that deceleration that is 41 ms.
+    assert cut["t"][-1] == pytest.approx(v / b, abs=0.042)
+    assert cut["t"][-1] <= raw["t"][-1] + 1e-9
+    assert np.all(np.diff(cut["t"]) > 0)
+    mean = np.diff(cut["v"]) / np.diff(cut["t"])
+    np.testing.assert_allclose(mean, -b, rtol=0.01)
+    inside = np.minimum(cut["a"][:-1], cut["a"][1:]) - 0.2 <= mean
+    assert inside.all()
+
+
+def test_a_tail_that_creeps_for_more_than_a_minute() -> None:
+    """0.07 m/s, and rest 2.5 m further: 71 s. The car stands after a fraction of a millimetre."""
+    v = [14.0, 12.0, 9.0, 5.0, 0.07, 0.0]
+    plan = tm.complete({"x": 2.5 * np.arange(6.0), "y": np.zeros(6), "v": v})
+    assert plan["t"][-1] - plan["t"][-2] > 71.0
+    cut = tm.cut_at_rest(plan)
+    assert cut["v"].tolist() == [14.0, 12.0, 9.0, 5.0, 0.0]
+    assert cut["x"][-1] == 10.0
+    assert cut["t"][-1] - cut["t"][-2] == pytest.approx(1.0)  # 2 * 2.5 m / 5 m/s
+    assert tm.cut_at_rest(plan, speed=0.05)["t"][-1] == plan["t"][-1]
+
+
+def test_what_is_never_cut() -> None:
+    drives = arc()
+    assert all(np.array_equal(tm.cut_at_rest(drives)[name], drives[name]) for name in drives)
+    creeping = tm.complete({"x": [0.0, 1.0, 2.0], "y": [0.0] * 3, "v": [0.5, 0.5, 0.5]})
+    assert tm.cut_at_rest(creeping)["v"].tolist() == [0.5] * 3  # nothing says that it brakes
+    undefined = braking(20.0, 12.0, 2.5)
+    undefined["kappa"][-1] = math.nan
+    assert math.isnan(tm.cut_at_rest(undefined)["kappa"][-1])
+    standing = tm.cut_at_rest({**{name: np.zeros(5) for name in "xyv"}, "t": np.arange(5.0)})
+    assert (standing["t"].tolist(), standing["v"].tolist()) == ([0.0, 0.1], [0.0, 0.0])
+
+
+@pytest.mark.parametrize("way", [{"count": 40}, {"spacing": 0.5}, {"step": 0.05}])
+def test_resampled_samples_lie_on_the_circle(way: dict[str, Any]) -> None:
+    plan = arc()
+    made = tm.resample(plan, **way)
+    assert len(made["t"]) > 30
+    radius = np.hypot(made["x"], made["y"] - RADIUS)
+    assert np.abs(radius - RADIUS).max() < 1e-3  # a straight line between samples would be 0.049 m off
+    np.testing.assert_allclose(made["heading"], made["s"] / RADIUS, atol=1e-9)
+    for name, column in plan.items():
+        assert (made[name][0], made[name][-1]) == (column[0], column[-1])
+
+
+@pytest.mark.parametrize("way", [{"count": 40}, {"spacing": 0.3}, {"step": 0.02}])
+def test_resampled_speeds_are_those_of_constant_deceleration(way: dict[str, Any]) -> None:
+    plan = {**braking(20.0, 8.0, 5.0)}
+    made = tm.resample({name: column[:6] for name, column in plan.items()}, **way)
+    np.testing.assert_allclose(made["v"], np.sqrt(400.0 - 16.0 * made["s"]), atol=1e-6)
+    np.testing.assert_allclose(made["t"], (20.0 - made["v"]) / 8.0, atol=1e-6)
+
+
+def test_emergency_trajectories_of_a_real_planner_end_sooner() -> None:
+    """Every one of 1,000: at rest, never further or later than planned, and no last step that takes longer than two seconds."""
+    raw = gzip.decompress(shared("data", "planner", "modena.tmrec.jsonl.gz").read_bytes()).decode()
+    longest = [0.0, 0.0]
+    for line in raw.splitlines()[1::3]:
+        plan = json.loads(line)["candidates"]["emergency"]
+        cut = tm.cut_at_rest(plan, speed=3.0)
+        assert cut["v"][-1] == 0.0
+        assert cut["s"][-1] <= plan["s"][-1]
+        assert cut["t"][-1] <= plan["t"][-1] + 1e-9
+        assert np.all(np.diff(cut["t"]) > 0)
+        for place, trajectory in enumerate((plan, cut)):
+            longest[place] = max(longest[place], trajectory["t"][-1] - trajectory["t"][-2])
+    assert longest[0] > 10.0
+    assert longest[1] < 2.0
