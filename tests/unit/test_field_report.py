@@ -10,7 +10,9 @@ from typing import Any
 import pytest
 
 from support import field_logs
+from trackmarshal import records
 from trackmarshal.cli.main import main
+from trackmarshal.cli.replay import evaluator_for
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
@@ -18,6 +20,7 @@ from trackmarshal.scenarios import load as load_recording
 from trackmarshal.scenarios.field import mapping
 from trackmarshal.scenarios.field.build import Drive, build
 from trackmarshal.scenarios.field.causes import firings, on_road
+from trackmarshal.scenarios.field.header import header
 from trackmarshal.scenarios.field.judged import Judgement, judge
 from trackmarshal.scenarios.field.limits import limits, params_of
 from trackmarshal.scenarios.field.report import data, report
@@ -219,3 +222,29 @@ def test_a_mapping_is_a_recording_too() -> None:
     with pytest.raises(TrackmarshalError) as found:
         mapping.read(ROOT / "specs" / "scenarios" / "cut_in.yaml")
     assert found.value.code == "D151"
+
+
+def test_a_kept_run_is_of_what_the_mapping_alone_says(
+    extract: tuple[Drive, Judgement], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its fingerprint is that of the specs in force, known without the log; its paths are from the project."""
+    monkeypatch.chdir(ROOT)
+    kept = tmp_path / "run.json"
+    status = main(["import", "log", "--map", str(EXTRACT), "--keep", str(kept), "--quiet"])
+    (run,) = records.load(kept).items
+    assert isinstance(run, records.RunSummary)
+    declared = mapping.read(EXTRACT)
+    evaluator = evaluator_for(
+        header(declared), ROOT / "specs" / "supervisor", [], ROOT, None, "numpy", EXTRACT.parent
+    )
+    assert run.spec_fingerprint == evaluator.spec.fingerprint
+    assert run.scenario == "tests/field/lvms_25s.yaml"
+    assert (run.cycles, run.fired) == (220, status == 1)
+    assert set(run.made_from) == {
+        "tests/field/lvms_25s.yaml", "tests/field/lvms_25s.csv.gz", "tests/field/lvms_inner.csv", "tests/field/lvms_outer.csv",
+        "specs/vehicles/av21.spec", "specs/tracks/lvms.spec",
+    }  # fmt: skip
+    assert run.made_from["tests/field/lvms_25s.csv.gz"] == extract[0].log.sha256
+    counts = {facts.rule: facts.number("satisfied", "violated") for facts in run.rules}
+    assert counts["static_collision"] == 440
+    assert counts["safe_gap"] == 0

@@ -44,6 +44,7 @@ RUN = RunSummary(
     "specs/scenarios/cut_in.tmrec.jsonl", "01" * 32, "cd" * 32, 122,
     (RuleFacts("friction", "ab" * 32, {"driving": {"satisfied": 120, "violated": 2}, "emergency": {"satisfied": 122}}, 4.5, 2),),
     {"dynamic": TruthFacts(False, ("rated safe at 5.2 s",), ("safe_gap",)), "static": TruthFacts(True)}, True, "2026-06-01T12:00:00+00:00",
+    {"../logs/drive.csv": "02" * 32},
 )  # fmt: skip
 
 
