@@ -479,8 +479,23 @@ static inline double tm_frame_apart(const tm_frame *frame, const tm_segment *s, 
   return (du * du) + (dv * dv);
 }
 
+/** Make the corners of a sweep, unless they are made. */
+static void tm_sweep_corners(tm_sweep *sweep) {
+  const tm_curve *curve = sweep->curve;
+  const size_t j = sweep->piece;
+  const size_t next = j + 1u;
+  if (!sweep->placed) {
+    tm_footprint(sweep->ox, sweep->oy, curve->ahead[j], curve->aside[j], sweep->length, sweep->width, sweep->ox, sweep->oy,
+                 &sweep->x[0], &sweep->y[0]);
+    tm_footprint(curve->x[next], curve->y[next], curve->ahead[next], curve->aside[next], sweep->length, sweep->width, sweep->ox,
+                 sweep->oy, &sweep->x[4], &sweep->y[4]);
+    sweep->placed = true;
+  }
+}
+
 /** Make the hull of a sweep, unless it is made. */
 static void tm_sweep_hull(tm_sweep *sweep) {
+  tm_sweep_corners(sweep);
   if (!sweep->built) {
     tm_convex_hull(sweep->x, sweep->y, &sweep->hull);
     sweep->built = true;
@@ -590,22 +605,6 @@ static tm_box tm_box_around(const double *x, const double *y, double ox, double 
   return box;
 }
 
-/** The box along (ahead, aside) around eight points. */
-static void tm_bound_points(const double *x, const double *y, tm_frame *frame) {
-  frame->u0 = TM_INF;
-  frame->u1 = -TM_INF;
-  frame->v0 = TM_INF;
-  frame->v1 = -TM_INF;
-  for (size_t i = 0u; i < 8u; ++i) {
-    const double u = (frame->ahead * x[i]) + (frame->aside * y[i]);
-    const double v = (frame->ahead * y[i]) - (frame->aside * x[i]);
-    frame->u0 = tm_least(frame->u0, u);
-    frame->u1 = tm_greatest(frame->u1, u);
-    frame->v0 = tm_least(frame->v0, v);
-    frame->v1 = tm_greatest(frame->v1, v);
-  }
-}
-
 /** The cosines and sines of two headings: the last pose of one sweep is the first one of the next. */
 static void tm_units(tm_shape *shape, double heading0, double heading1, double *ahead, double *aside) {
   if (shape->known && (heading0 == shape->heading)) {
@@ -625,19 +624,34 @@ static void tm_units(tm_shape *shape, double heading0, double heading1, double *
   aside[1] = shape->aside;
 }
 
-/** What is swept between the poses `j` and `j + 1` of a curve: its corners seen from the first one, and the boxes around it. */
+/** What is swept between the poses `j` and `j + 1` of a curve: where it is seen from, and the box around it along the second pose. */
 static void tm_sweep_piece(const tm_curve *curve, size_t j, double length, double width, double bound, tm_sweep *sweep) {
   const size_t next = j + 1u;
+  tm_frame *frame = &sweep->frame;
+  const double ahead = curve->ahead[next];
+  const double aside = curve->aside[next];
+  const double dx = curve->x[next] - curve->x[j];
+  const double dy = curve->y[next] - curve->y[j];
+  const double u = (ahead * dx) + (aside * dy);
+  const double v = (ahead * dy) - (aside * dx);
+  const double cosine = fabs((ahead * curve->ahead[j]) + (aside * curve->aside[j]));
+  const double sine = fabs((ahead * curve->aside[j]) - (aside * curve->ahead[j]));
+  const double along = 0.5 * ((length * cosine) + (width * sine));
+  const double across = 0.5 * ((width * cosine) + (length * sine));
+  frame->ahead = ahead;
+  frame->aside = aside;
+  frame->u0 = tm_least(-along, u - (0.5 * length));
+  frame->u1 = tm_greatest(along, u + (0.5 * length));
+  frame->v0 = tm_least(-across, v - (0.5 * width));
+  frame->v1 = tm_greatest(across, v + (0.5 * width));
+  sweep->curve = curve;
+  sweep->piece = j;
+  sweep->length = length;
+  sweep->width = width;
   sweep->ox = curve->x[j];
   sweep->oy = curve->y[j];
-  sweep->frame.ahead = curve->ahead[next];
-  sweep->frame.aside = curve->aside[next];
-  tm_footprint(sweep->ox, sweep->oy, curve->ahead[j], curve->aside[j], length, width, sweep->ox, sweep->oy, &sweep->x[0],
-               &sweep->y[0]);
-  tm_footprint(curve->x[next], curve->y[next], curve->ahead[next], curve->aside[next], length, width, sweep->ox, sweep->oy,
-               &sweep->x[4], &sweep->y[4]);
-  tm_bound_points(sweep->x, sweep->y, &sweep->frame);
   sweep->best = (bound > 0.0) ? bound : 0.0;
+  sweep->placed = false;
   sweep->built = false;
   sweep->entered = false;
 }
@@ -669,6 +683,7 @@ static bool tm_sweep_nearer(const tm_context *c, size_t i, tm_sweep *sweep) {
       return false;
     }
   }
+  tm_sweep_corners(sweep);
   reach = tm_sweep_gap(sweep, &s);
   if (reach < sweep->best) {
     sweep->best = reach;
@@ -682,8 +697,8 @@ static bool tm_sweep_nearer(const tm_context *c, size_t i, tm_sweep *sweep) {
 static double tm_sweep_margin(tm_context *c, tm_shape *shape, tm_sweep *sweep, bool from_inside, double x, double y) {
   shape->inside = false;
   if (sweep->entered || !((from_inside && (sweep->best > 1e-3)) || tm_holds(c, shape, x, y))) {
-    const tm_box box = tm_box_around(sweep->x, sweep->y, sweep->ox, sweep->oy);
     tm_sweep_hull(sweep);
+    const tm_box box = tm_box_around(sweep->x, sweep->y, sweep->ox, sweep->oy);
     return tm_outside(c, shape, sweep->ox, sweep->oy, sweep->x, sweep->y, &sweep->hull, &box);
   }
   shape->inside = sweep->best > 1e-3;
@@ -703,6 +718,7 @@ static double tm_piece_inside(tm_context *c, tm_shape *shape, const tm_curve *cu
   shape->x = x1;
   shape->y = y1;
   tm_sweep_piece(curve, j, length, width, bound, &sweep);
+  tm_sweep_corners(&sweep);
   const size_t end = shape->first + shape->count;
   const size_t likely = shape->first + ((shape->hint < shape->count) ? shape->hint : 0u);
   /* What was nearest last time is near this time, and leaves little to look at. */
