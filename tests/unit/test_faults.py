@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from support.shared import REPOSITORY
-from support.supervised import shipped
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.evaluation import load as load_spec
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.scenarios.faults.campaign import Bench, fingerprint
 from trackmarshal.scenarios.faults.changes import change
@@ -215,7 +215,8 @@ def campaign() -> Campaign:
 @pytest.fixture(scope="module")
 def bench(campaign: Campaign) -> Bench:
     recording = scenarios.load(SHIPPED.parent / campaign.recording)
-    return Bench(recording, Evaluator(shipped()))
+    northfield = SHIPPED.parents[1] / "tracks" / "northfield.spec"
+    return Bench(recording, Evaluator(load_spec([SHIPPED.parents[1] / "supervisor"], [northfield])))
 
 
 def friction(campaign: Campaign) -> Fault:

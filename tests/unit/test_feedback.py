@@ -36,7 +36,7 @@ rule gap "Nobody is near"
 rule end "The end is slow"
   require plan.last.v <= 25 m/s
 rule on_path "The car is on the path"
-  require distance_to(ego, plan) <= 2 m
+  require abs(offset(ego, plan)) <= 2 m
 rule somewhere "Some sample is far ahead"
   exists p in plan where p.x >= 1e6 m
   require p.v >= 0 m/s

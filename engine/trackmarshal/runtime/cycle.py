@@ -129,8 +129,8 @@ class Limits:
 #: Every limit, and the SI unit that it is in.
 UNITS = {
     "samples": "1", "elements": "1", "border": "1", "shortest_gap": "s", "longest_gap": "s", "oldest": "s", "clock_tolerance": "s",
-    "budget": "s", "start_distance": "m", "start_turn": "rad", "start_speed": "m/s", "rest_speed": "m/s", "apart": "m", "turned": "rad",
-    "blind": "s",
+    "budget": "s", "start_distance": "m", "start_turn": "rad", "start_speed": "m/s", "rest_speed": "m/s", "apart": "m", "beside": "m",
+    "turned": "rad", "overspeed": "m/s", "blind": "s",
 }  # fmt: skip
 
 
