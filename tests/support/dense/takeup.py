@@ -129,17 +129,24 @@ def take_up(cycle: Cycle, road: Road | None, car: Car, terms: Terms, begin: floa
 
 
 def used(emergency: Columns, begin: float, excess: float, car: Car) -> float:
-    """The greatest share of the grip that samples ask for, with the square of speed greater by the excess: from the last one before a station on.
+    """The greatest share of the grip that samples ask for, with the square of speed greater by up to the excess: from the last one before a station on.
 
-    An acceleration counts from its sample on. The last sample is left out: the trajectory rests there, and what is left of the excess is braked beyond it.
+    An acceleration holds from its sample to the next one, so it is looked at with the speed and the bend of both. Beyond the last sample, where the
+    trajectory rests, what is left of the excess is braked otherwise.
     """
     s = np.concatenate([[0.0], np.cumsum(curve.chords(emergency))])
     first = max(0, int(np.searchsorted(s, begin, side="right")) - 1)
-    counts = (np.arange(len(s)) >= first) & (s < s[-1])
-    if not counts.any():
+    steps = (np.arange(len(s) - 1) >= first) & (np.diff(s) > curve.SAME)
+    if not steps.any():
         return 0.0
-    v, a, kappa = (emergency[name][counts] for name in ("v", "a", "kappa"))
-    return float((car.tyres(np.sqrt(v * v + excess), a, kappa) / car.grip).max())
+    square, bends, a = np.square(emergency["v"]), emergency["kappa"], emergency["a"][:-1][steps]
+    # What the tyres give is convex in the excess: within the grip without and with all of it, it is so with any part of it.
+    ends = [
+        car.tyres(np.sqrt(square[end][steps] + more), a, bends[end][steps])
+        for end in (slice(-1), slice(1, None))
+        for more in (0.0, excess)
+    ]
+    return float(np.max(ends) / car.grip)
 
 
 @dataclass(frozen=True)
