@@ -169,7 +169,7 @@ def test_report_says_what_an_integrator_asks(written: Path) -> None:
     assert re.search(
         r"^- Margins whose last .*: .*contact \(cos, sin\).*heading_integrity", text, re.MULTILINE
     )
-    assert re.search(r"^\| friction \| .*trajectory\.spec:\d+ \| \d+ \| plan \(64\) \|$", text, re.MULTILINE)
+    assert re.search(r"^\| friction \| .*trajectory\.spec:\d+ \| \d+ \| plan \(128\) \|$", text, re.MULTILINE)
     if shutil.which("gcc") is not None:
         stack = re.search(r"^- Stack: at most (\d+) bytes, .*`tm_\w+` > `tm_\w+`", text, re.MULTILINE)
         assert stack is not None

@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 
 from support.shared import REPOSITORY
-from support.supervised import shipped
-from trackmarshal import scenarios
+from trackmarshal import evaluation, scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.cycle import Cycle, Limits
@@ -215,7 +214,9 @@ def campaign() -> Campaign:
 @pytest.fixture(scope="module")
 def bench(campaign: Campaign) -> Bench:
     recording = scenarios.load(SHIPPED.parent / campaign.recording)
-    return Bench(recording, Evaluator(shipped()))
+    specs = REPOSITORY / "specs"
+    spec = evaluation.load([specs / "supervisor"], [specs / "tracks" / "northfield.spec"])
+    return Bench(recording, Evaluator(spec))
 
 
 def friction(campaign: Campaign) -> Fault:
