@@ -18,6 +18,7 @@ from trackmarshal.runtime.machine import DRIVE
 from trackmarshal.runtime.program import Judged, Memory, Program
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.moment import Moment
+from trackmarshal.scenarios.fields import check_track
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import cycles
@@ -60,6 +61,7 @@ class Bench:
     """A recording and its rules, ready for faults."""
 
     def __init__(self, recording: Recording, evaluator: Evaluator, limits: Limits | None = None) -> None:
+        check_track(recording, evaluator)
         tables, _ = known_tables(recording, evaluator.spec)
         self._box = rulebox(evaluator, recording.params, tables)
         self._limits = Limits() if limits is None else limits
