@@ -22,7 +22,7 @@ SOME, ALL = 83, 1
 TERMS = (Terms(ds=20.0, dv=8.0), Terms(ds=20.0, dv=8.0, slip=0.2, push=0.2))
 #: What driving in steps of a millisecond, along points 10 cm apart, may differ by: m, m^2/s^2, and the share of the grip that the path asks for
 #: between samples, where rules do not look.
-NEAR, SQUARE, ABOUT = 0.1, 5.0, 0.05
+NEAR, SQUARE, ABOUT = 0.1, 5.0, 0.065
 
 
 @cache
