@@ -50,8 +50,8 @@ def test_there_are_enough_of_all_kinds() -> None:
     # rss_eq1 never fires without safe_gap, ends_at_rest never before the door; the other two monitors have no fault here
     assert every - rules == {"rss_eq1", "ends_at_rest", "A-LOCALISATION", "A-FRICTION"}
     doors = {fault for fault, code in FAULTS.items() if code < "D24"}
-    # those are of the program that calls, not of what comes from a car: types, names, a context that was never set up, a defect
-    assert doors - others == {"wrong_type", "unknown", "not_configured", "internal"}
+    # those are of the program that calls, not of what comes from a car: types, names (the track's too), a context that was never set up, a defect
+    assert doors - others == {"wrong_type", "unknown", "wrong_track", "not_configured", "internal"}
 
 
 @pytest.mark.parametrize("fault", PUT_IN, ids=name)
