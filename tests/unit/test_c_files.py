@@ -158,7 +158,7 @@ def test_report_knows_libm_and_complexity() -> None:
     assert "pow" not in libm(source())
     values = complexity(source())
     assert values["tm_check"] >= 1
-    assert values["tm_hull_inside"] > 10
+    assert values["tm_timeline_inside"] > 10
 
 
 @needs_compiler
