@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from trackmarshal.runtime.geometry.arrays import Bools, Floats, Ints, counts_of, starts_of
-from trackmarshal.runtime.geometry.region import AT_ONCE, Region, Singles
+from trackmarshal.runtime.geometry.region import AT_ONCE, Region
 from trackmarshal.runtime.geometry.sweep import Sweeps
 
 #: A hull that is farther than this from the border lies on one side of it, beyond all rounding [m].
@@ -35,16 +33,6 @@ def least_inside(
     return margin, exact
 
 
-class _Part(NamedTuple):
-    """Hulls from one on, with what their bounds are made of: see `_beside`."""
-
-    first: int
-    frame: Floats
-    rows: Ints
-    k: Ints
-    squared: Singles
-
-
 class _Search:
     """The search in some groups; writes margins, and which are exact."""
 
@@ -57,29 +45,19 @@ class _Search:
         #: Views of the same, a group a row.
         self.margins, self.exacts = margin.reshape(-1, size), exact.reshape(-1, size)
         self.one = self._in_one_piece(size)
-        self.parts = [self._near(first) for first in range(0, margin.size, AT_ONCE)]
+        step = max(1, AT_ONCE // size) * size
+        for first in range(0, margin.size, step):
+            self._bound(slice(first, first + step), size)
         margin[~counted] = np.inf
 
     def run(self) -> None:
-        """Look at the hull with the least bound of each group, then at whatever may be nearer, by better bounds."""
-        least = self._looked_at(self._nearest(self.counted))
-        self._closer(least)
-        wanted = self._wanted(least)
-        if wanted.any():
-            least = self._looked_at(self._nearest(wanted) | (wanted & np.isinf(least)))
-            while (wanted := self._wanted(least)).any():
-                least = self._looked_at(wanted)
-
-    def _wanted(self, least: Floats) -> Bools:
-        """The hulls that may still matter; those without a bound do."""
-        return self.counted & ~(self.exact | (self.margin > least))
-
-    def _nearest(self, wanted: Bools) -> Bools:
-        """Of some hulls the one with the least bound in each group."""
-        chosen = np.zeros_like(self.exacts)
-        among = np.where(wanted, self.margin, np.inf).reshape(chosen.shape)
-        np.put_along_axis(chosen, among.argmin(axis=1)[:, None], True, axis=1)
-        return chosen.ravel() & wanted
+        """Look at the hull with the least bound of each group, then at whatever may be nearer."""
+        nearest = np.fmin.reduce(self.margins, axis=1).repeat(self.margins.shape[1])
+        wanted = self.counted & ~(self.margin > nearest + self.region.rounding)
+        while wanted.any():
+            least = self._looked_at(wanted)
+            # The hulls that may still matter; those without a bound do.
+            wanted = self.counted & ~(self.exact | (self.margin > least))
 
     def _looked_at(self, wanted: Bools) -> Floats:
         """Work hulls out. Below what margin, or bound, the rest of each group has to be looked at too, hull by hull."""
@@ -103,43 +81,38 @@ class _Search:
         one: Bools = np.logical_and.reduce((on | ~self.counted).reshape(-1, size), axis=1)
         return one
 
-    def _near(self, first: int) -> _Part:
-        """Hulls with the segments near them; how near the boxes around the hulls are to those becomes their bound."""
-        part = slice(first, first + AT_ONCE)
+    def _bound(self, part: slice, size: int) -> None:
+        """Bounds on the distance of hulls from the border; infinite for those that are not the nearest of their group, NaN for those
+        of which nothing is known."""
         sizes = (side if isinstance(side, float) else side[part] for side in self.sizes)
         sweeps = Sweeps(self.poses[:, part], *sizes)
         low, high, _ = boxes = sweeps.boxes()
-        rows, k, squared = self.region.candidates(sweeps, boxes)
-        frame = np.concatenate(
-            [sweeps.frame[:3].reshape(12, -1), sweeps.position, sweeps.midway, low[1:], high[1:]]
-        )
-        nearest = np.minimum.reduceat(squared, starts_of(rows))
-        self.margin[part] = np.sqrt(nearest, dtype=np.float64) - self.region.slack
+        counted = self.counted[part]
         if sweeps.usable is not None:
-            self.margin[part][~sweeps.usable] = np.nan
-        return _Part(first, frame, rows, k, squared)
-
-    def _closer(self, least: Floats) -> None:
-        """Better bounds, for hulls whose bound is not above the least that is known."""
-        limit = np.where(self.exact | ~np.isfinite(least), -1.0, (least + self.region.slack) ** 2)
-        for first, frame, rows, k, squared in self.parts:
-            near = (squared <= limit[first : first + AT_ONCE].take(rows)).nonzero()[0]
-            if not near.size:
-                continue
-            rows = rows.take(near)
+            counted = counted & sweeps.usable
+        groups = np.arange(sweeps.size) // size
+        rows, k, nearest = self.region.candidates(sweeps, boxes, groups, counted)
+        margin = self.margin[part]
+        margin.fill(np.inf)
+        if rows.size:
             starts = starts_of(rows)
-            beside = _beside(self.region, frame, rows, starts, k.take(near))
-            # All other segments are farther than the least that is known.
-            self.margin[first + rows.take(starts)] = np.minimum.reduceat(beside, starts)
+            beside = _beside(self.region, sweeps, low[1:], high[1:], rows, starts, k)
+            beside[np.isnan(nearest)] = np.nan
+            margin[rows.take(starts)] = np.minimum.reduceat(beside, starts)
+        if sweeps.usable is not None:
+            margin[~sweeps.usable] = np.nan
 
 
-def _beside(region: Region, frame: Floats, rows: Ints, starts: Ints, k: Ints) -> Floats:
+def _beside(
+    region: Region, sweeps: Sweeps, low: Floats, high: Floats, rows: Ints, starts: Ints, k: Ints
+) -> Floats:
     """A bound on the distance of hulls from segments, pair by pair.
 
-    The greater of: what lies between the footprints and the segment's line; what lies between the long sides of the box around
-    the hull and the segment. `frame`: x and y of centre, half length and half width of both footprints; x and y of the position, x
-    and y of the box's direction, its low and its high side.
+    The greater of: what lies between the footprints and the segment's line; what lies between the long sides, `low` and `high`, of
+    the box around the hull and the segment.
     """
+    # Of each hull x and y of centre, half length and half width of both footprints, of the position and of the box's direction.
+    frame = np.concatenate([sweeps.frame[:3].reshape(12, -1), sweeps.position, sweeps.midway, low, high])
     frame = (
         frame.take(rows, axis=1)
         if starts.size == rows.size
