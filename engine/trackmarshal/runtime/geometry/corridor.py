@@ -50,8 +50,8 @@ class Area:
     ) -> Floats:
         """By how much what a vehicle sweeps between two poses lies inside [m]: (N,), NaN where there is no answer.
 
-        Poses: numbers or (N,), in m and rad, of the centre of the vehicle's length x width rectangle. At least 0 where
-        the swept area lies in the (closed) region.
+        Poses: in m and rad, of the centre of the vehicle's length x width rectangle; all arguments broadcast, to N bodies in all.
+        At least 0 where the swept area lies in the (closed) region.
         """
         poses, long, wide = _bodies((x0, y0, heading0, x1, y1, heading1), length, width)
         if self._region is None:
@@ -169,17 +169,13 @@ def inside_ring(point: Floats, ring: Floats) -> bool:
 def _bodies(
     columns: Sequence[ArrayLike], length: ArrayLike, width: ArrayLike
 ) -> tuple[Floats, float | Floats, float | Floats]:
-    """A table of poses, (6, N), and sizes, numbers or (N,)."""
-    arrays = [np.asarray(column, dtype=np.float64) for column in columns]
-    sizes = [np.asarray(size, dtype=np.float64) for size in (length, width)]
-    shapes = {array.shape for array in (*arrays, *sizes)} - {()}
-    (count,) = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes((1,), *shapes)
-    poses = np.empty((6, count))
-    for row, array in zip(poses, arrays):
-        row[...] = array
-    long, wide = (float(size) if size.ndim == 0 else _filled(size, count) for size in sizes)
-    return poses, long, wide
-
-
-def _filled(size: Floats, count: int) -> Floats:
-    return size if size.size == count else np.full(count, size)
+    """A table of poses, (6, N), and sizes, numbers or (N,); all arguments broadcast, to N bodies in all."""
+    arrays = [np.asarray(column, dtype=np.float64) for column in (*columns, length, width)]
+    shape = np.broadcast(*arrays).shape
+    poses = np.empty((6, *shape))
+    for row in range(6):
+        poses[row] = arrays[row]
+    long, wide = (
+        float(size) if size.ndim == 0 else np.broadcast_to(size, shape).reshape(-1) for size in arrays[6:]
+    )
+    return poses.reshape(6, -1), long, wide
