@@ -132,12 +132,13 @@ def project(batch: Batch, line: ir.Line, *points: tuple[Any, Any]) -> list[tuple
     owners = _owners(batch, line)
     if len(owners) > 1 or len(points) == 1:
         return [_projected(batch, line, point, shape) for point, shape in zip(points, shapes)]
-    size = batch.size if all(shape[:1] == (batch.size,) for shape in shapes) else 1
+    many = batch.size > FEW_CASES and all(shape[:1] == (batch.size,) for shape in shapes)
+    size = batch.size if many else 1
     x, y = (
         np.concatenate([_all(p[k], shape).reshape(size, -1) for p, shape in zip(points, shapes)], axis=1)
         for k in (0, 1)
     )
-    rows = _repeated(x, y) if size > FEW_CASES else None
+    rows = _repeated(x, y) if many else None
     if rows is not None:
         x, y = x[rows[0]], y[rows[0]]
     answers = [part.reshape(x.shape) for part in owners[0].project(x.reshape(-1), y.reshape(-1))]
