@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
 
 from support.agreement import compiled, differences, read, results, same
+from trackmarshal.backends.numpy import places
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.geometry import Polyline
 from trackmarshal.runtime.verdict import VERDICTS
 
 SPEC = """
@@ -263,3 +266,36 @@ rule bent "made up"
     for wanted, found in zip(results(spec, cases, "reference"), results(spec, cases, "numpy"), strict=True):
         assert {result.verdict for result in found.rules.values()} == {"undefined"}
         assert differences(wanted, found) == []
+
+
+def test_cases_that_see_what_the_one_before_saw() -> None:
+    """Projections are made once for cases in a row whose points are the same."""
+    spec = compiled("""
+module made
+signal objects : set of object { x: m, y: m }
+signal track : corridor { left: polyline, right: polyline }
+signal ego : state { x: m, y: m }
+rule side "on which side"
+  for all o in objects
+  require offset(o, track) >= 2 * offset(ego, track)
+rule ahead "how far"
+  for all o in objects
+  require station(o, track) - station(ego, track) >= 1 m
+""")
+    track = {"left": [[0, 2], [5, 4], [9, 2]], "right": [[0, -2], [5, -4], [9, -2]]}
+    points = [0.0, -0.0, 0.0, 4.0, 4.0, None, None, 7.5, 7.5, 7.5]
+    raw = [
+        {"signals": {"ego": {"x": x, "y": y}, "objects": [{"x": a, "y": y}, {"x": 5.0, "y": 9.0}][:count], "track": track}}
+        for count in (1, 2)
+        for a in points
+        for x in (4.0, 0.0)
+        for y in (1.25, 0.0, -0.0)
+        for _ in range(2)
+    ]  # fmt: skip
+    assert len(raw) > places.FEW_CASES
+    assert len({repr(one) for one in agreed(spec, raw)}) > 5
+    with mock.patch.object(Polyline, "project", autospec=True, side_effect=Polyline.project) as projected:
+        results(spec, read(spec, raw[:120]), "numpy")
+    assert projected.call_args.args[1].size < 120 * 2 * 0.75, (
+        "those that are like the one before are left out"
+    )

@@ -21,12 +21,17 @@ from trackmarshal.runtime.door.stacks import Stacks, floats, numbers
 from trackmarshal.runtime.frame import Frame
 
 
-@given(st.lists(st.lists(st.floats())))
-def test_floats_keep_every_bit(columns: list[list[float]]) -> None:
-    data = [floats(column) for column in columns]
+@given(
+    st.integers(0, 5).flatmap(lambda n: st.lists(st.lists(st.lists(st.floats(), min_size=n, max_size=n)))),
+    st.booleans(),
+)
+def test_floats_keep_every_bit(cases: list[list[list[float]]], tuples: bool) -> None:
+    count = next((len(row) for rows in cases for row in rows), 0)
+    data = [floats([tuple(row) for row in rows] if tuples else rows, count) for rows in cases]
     assert None not in data
-    flat = [value for column in columns for value in column]
-    assert numbers([one for one in data if one is not None]).tobytes() == struct.pack(f"{len(flat)}d", *flat)
+    flat = [value for rows in cases for row in rows for value in row]
+    found = numbers([one for one in data if one is not None], count)
+    assert found.tobytes() == struct.pack(f"{len(flat)}d", *flat)
 
 
 class Derived(float):
@@ -39,9 +44,28 @@ OTHERS = [
 ]  # fmt: skip
 
 
-@given(st.lists(st.sampled_from([*OTHERS, 1.0, -0.0]), min_size=1, max_size=12))
-def test_nothing_else_is_a_float(values: list[Any]) -> None:
-    assert (floats(values) is None) == any(type(value) is not float for value in values)
+@given(st.lists(st.sampled_from([*OTHERS, 1.0, -0.0]), min_size=1, max_size=12), st.integers(1, 3))
+def test_nothing_else_is_a_float(values: list[Any], rows: int) -> None:
+    count = len(values)
+    other = [0.5] * count
+    for place in range(rows):
+        data = floats([values if row == place else other for row in range(rows)], count)
+        assert (data is None) == any(type(value) is not float for value in values)
+
+
+@given(
+    st.lists(st.lists(st.sampled_from([*OTHERS, 1.0]), max_size=9), min_size=1, max_size=3), st.integers(0, 9)
+)
+def test_rows_of_another_length_are_none(rows: list[list[Any]], count: int) -> None:
+    fits = all(len(row) == count and all(type(value) is float for value in row) for row in rows)
+    assert (floats(rows, count) is not None) == fits
+
+
+def test_bytes_of_a_number_are_no_mark() -> None:
+    """Rows of 3 and 1 that have as many bytes as two rows of 2, and a float's mark where one would be."""
+    marked = struct.unpack("<d", b"gggggggg")[0]
+    assert floats([[1.0, 1.0, marked], [1.0]], 2) is None
+    assert floats([[1.0, 1.0], [marked, 1.0]], 2) is not None
 
 
 SPEC = """

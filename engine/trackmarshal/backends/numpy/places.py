@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 KEPT = 32
 #: So many swept footprints are worth a search for those that need not be looked at closely.
 MANY = 400
+#: With more cases than this it is worth looking for those that are like the one before.
+FEW_CASES = 16
 _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
 
 
@@ -32,8 +34,12 @@ def swept_inside(batch: Batch, area: ir.Area, *args: Any) -> tuple[Any, Any]:
     shape = np.broadcast(*args).shape
     if 0 in shape:  # of no object
         return _sides(np.empty(shape))
-    margin = _ask(batch, area, "margin_inside", args, shape)[0]
-    return _sides(_settled(_owners(batch, area), margin, args))
+    owners = _owners(batch, area)
+    if len(owners) == 1:
+        margin = owners[0].margin_inside(*args).reshape(shape)
+    else:
+        margin = _ask(batch, area, "margin_inside", args, shape)[0]
+    return _sides(_settled(owners, margin, args))
 
 
 def _settled(owners: Sequence[Any], margin: Any, args: Sequence[Any]) -> Any:
@@ -92,15 +98,15 @@ def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tupl
     owners = _owners(batch, area)
     if len(owners) > 1:
         return (*swept_inside(batch, area, *args), None)
-    body = [_flat(arg, shape) for arg in args]
     counted = np.ones(shape, dtype=np.bool_) if mask is None else np.broadcast_to(mask, shape)
-    flat, exact = owners[0].least_inside(body, size, counted.reshape(-1))
+    flat, exact = owners[0].least_inside(args, size, counted.reshape(-1))
     # What is next to zero is the least of its trajectory, or as good as: all that counts is exact there, and none is left out.
     margin = _settled(owners, flat.reshape(shape), args)
 
     def exactly() -> Any:
         made = margin.copy()
         places = (~exact).nonzero()[0]
+        body = (_flat(arg, shape) for arg in args)
         made.ravel()[places] = owners[0].margin_inside(
             *(arg if arg.ndim == 0 else arg[places] for arg in body)
         )
@@ -126,14 +132,33 @@ def project(batch: Batch, line: ir.Line, *points: tuple[Any, Any]) -> list[tuple
     owners = _owners(batch, line)
     if len(owners) > 1 or len(points) == 1:
         return [_projected(batch, line, point, shape) for point, shape in zip(points, shapes)]
-    sizes = list(map(math.prod, shapes))
-    x, y = (np.concatenate([_all(p[k], s) for p, s in zip(points, shapes)]) for k in (0, 1))
-    answers = owners[0].project(x, y)
-    ends = list(accumulate(sizes))
+    many = batch.size > FEW_CASES and all(shape[:1] == (batch.size,) for shape in shapes)
+    size = batch.size if many else 1
+    x, y = (
+        np.concatenate([_all(p[k], shape).reshape(size, -1) for p, shape in zip(points, shapes)], axis=1)
+        for k in (0, 1)
+    )
+    rows = _repeated(x, y) if many else None
+    if rows is not None:
+        x, y = x[rows[0]], y[rows[0]]
+    answers = [part.reshape(x.shape) for part in owners[0].project(x.reshape(-1), y.reshape(-1))]
+    if rows is not None:
+        answers = [part.take(rows[1], axis=0) for part in answers]
+    ends = list(accumulate(math.prod(shape) // size for shape in shapes))
     return [
-        tuple(part[end - size : end].reshape(shape) for part in answers)
-        for end, size, shape in zip(ends, sizes, shapes)
+        tuple(part[:, begin:end].reshape(shape) for part in answers)
+        for begin, end, shape in zip([0, *ends], ends, shapes)
     ]
+
+
+def _repeated(x: Floats, y: Floats) -> tuple[Any, Any] | None:
+    """Of points (cases, n): which cases differ from the one before, in any bit, and for each case which of those it is like; None
+    where all differ. A driving and an emergency trajectory see the same objects."""
+    new = np.ones(len(x), dtype=np.bool_)
+    new[1:] = False
+    for bits in (x.view(np.int64), y.view(np.int64)):
+        new[1:] |= (bits[1:] != bits[:-1]).any(axis=1)
+    return None if new.all() else (new.nonzero()[0], new.cumsum() - 1)
 
 
 def _projected(

@@ -113,17 +113,8 @@ def _side(place: tuple[int, tuple[int, ...]], best: int) -> tuple[int, int, int]
 
 def _by_case(rows: Sequence[Any], size: int) -> NDArray[np.float64]:
     """(rows, cases) of arrays without other axes, some of which have one value for all."""
-    sized = [row for row in rows if row.ndim and len(row) == size]
-    if not sized:
-        return np.array([row.item() for row in rows]).repeat(size).reshape(-1, size)
-    together = np.concatenate(sized).reshape(-1, size)
-    if len(sized) == len(rows):
-        return together
-    made = np.empty((len(rows), size))
-    own = np.array([row.ndim > 0 and len(row) == size for row in rows])
-    made[own] = together
-    made[~own] = np.array([[row.item()] for row, alone in zip(rows, own.tolist()) if not alone])
-    return made
+    flat = [row.reshape(-1) if row.size == size else row.repeat(size) for row in rows]
+    return np.concatenate(flat).reshape(-1, size)
 
 
 def _of_cases(array: Any, size: int) -> Any:

@@ -92,7 +92,7 @@ class CasesReader:
 
     def settings(self, data: Mapping[str, Any]) -> Settings:
         """Overrides from plain data, with the constraints that do not hold with them; raises TrackmarshalError."""
-        given = [data.get(key) for key in _SETTINGS]
+        given = [] if data.keys().isdisjoint(_SETTINGS) else [data.get(key) for key in _SETTINGS]
         if all(value is None or (isinstance(value, Mapping) and not value) for value in given):
             if self._own is None:
                 self._own = Settings(broken=self._broken(NO_SETTINGS))
@@ -101,7 +101,7 @@ class CasesReader:
         return Settings(read.params, read.tables, read.places, self._broken(read))
 
     def _structure(self, raw: object, place: int) -> Frame:
-        if not isinstance(raw, Mapping):
+        if type(raw) is not dict and not isinstance(raw, Mapping):
             help_ = 'write {"id": 1, "signals": {...}}'
             raise TrackmarshalError("D201", f"the case is an object, not {values.worded(raw)}", help=help_)
         for key in raw:
@@ -110,16 +110,18 @@ class CasesReader:
                 hint = suggested(name, KEYS) or f"it may have {', '.join(sorted(KEYS))}"
                 raise TrackmarshalError("D203", f"a case has no `{name}`", help=hint)
         signals = raw.get("signals", {})
-        if not isinstance(signals, Mapping):
+        if type(signals) is not dict and not isinstance(signals, Mapping):
             help_ = "write it as {...}; leave it out if there is none"
             raise TrackmarshalError(
                 "D202", f"`signals` is an object, not {values.worded(signals)}", help=help_
             )
         frame = Frame(raw.get("id"), self.settings(raw), orders=self.orders)
         given = signals if type(signals) is dict else dict(signals)
-        self.reader.refuse_unknown(given, frame.faults, self.contract.known)
+        if not given.keys() <= self.contract.known:
+            self.reader.refuse_unknown(given, frame.faults, self.contract.known)
         self.reader.read_later(given, frame, frame.faults, self._stacks, place)
-        frame.faults = self.refused(frame.faults)
+        if frame.faults:
+            frame.faults = self.refused(frame.faults)
         return frame
 
     def refused(self, faults: list[Fault]) -> list[Fault]:

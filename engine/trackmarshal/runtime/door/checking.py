@@ -9,6 +9,7 @@ import numpy as np
 
 from trackmarshal.runtime.contract import EVENT, LINES, Check, Contract, Field, Kind, Signal
 from trackmarshal.runtime.cycle import CAPACITIES, DRIVING, EMERGENCY, Limits
+from trackmarshal.runtime.door.columns import rows_of
 from trackmarshal.runtime.door.wording import worded
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import Columns, Frame
@@ -40,7 +41,7 @@ class _Together:
         names = [name for name, _ in rows[0][1].constants]
         self.of = kind.of
         #: None: every row.
-        self.rows = None if len(rows) == height else np.array([row for row, _ in rows])
+        self.rows = None if len(rows) == height else rows_of([row for row, _ in rows])
         values = [dict(check.constants) for _, check in rows]
         self._constants = [np.array([[value[name]] for value in values]) for name in names]
         self._function = kind.holds.function(*_VARIABLES[kind.of], *names)
@@ -76,10 +77,12 @@ class ColumnsChecker:
 
     def all_fine(self, stack: Any, count: int, flags: Any = None) -> bool:
         """Whether nothing is wrong with many frames: their numbers (frames, numbers, count), and flags, where there are any."""
-        return (
-            all(check(count) for check in self._counts)
-            and all(kind.hold(stack) for kind in self._numbers)
-            and (flags is None or all(kind.hold(flags) for kind in self._flags))
+        return all(check(count) for check in self._counts) and (
+            count == 0  # of nothing, nothing is wrong
+            or (
+                all(kind.hold(stack) for kind in self._numbers)
+                and (flags is None or all(kind.hold(flags) for kind in self._flags))
+            )
         )
 
     def check(self, columns: Columns, faults: list[Fault]) -> None:
@@ -173,6 +176,10 @@ class FrameChecker:
         self, frame: Frame, found: set[str], faults: list[Fault], passed: Set[str] = frozenset()
     ) -> None:
         """All others, in the order of the contract; those that have `passed` already are left out."""
+        if not found and passed >= self.columns.keys():
+            for place, checker in self._lines.items():
+                checker.check(frame.lines[place], faults)
+            return
         for signal in self._order:
             name = signal.name
             if name in found or name in passed:

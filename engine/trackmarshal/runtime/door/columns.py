@@ -136,7 +136,7 @@ class ColumnsReader:
         return Layout(
             itemgetter(*there) if more else lambda data: (data[first],),
             len(there),
-            None if not others else _rows([rows[name] for name in there]),
+            None if not others else rows_of([rows[name] for name in there]),
             [(rows[name], self._defaults.get(name, math.nan)) for name in others],
             [one for one in self._scaled if self.names.numbers[one[0]] in there],
             frozenset(name for name in others if name not in self._defaults),
@@ -346,7 +346,7 @@ class ColumnsReader:
         return columns, {name: places for name, places in left_out.items() if places}
 
 
-def _rows(places: list[int]) -> slice | Ints:
+def rows_of(places: list[int]) -> slice | Ints:
     """Rows of an array, in the way that is read fastest."""
     first, last = places[0], places[-1]
     return slice(first, last + 1) if last - first == len(places) - 1 else np.array(places)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import marshal
 from collections import OrderedDict
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from trackmarshal.runtime.lines import Line
 #: Lines that a reader remembers: more than one run's tracks have, few enough to hold.
 KEPT = 32
 _FLOAT = np.dtype(np.float64)
+_ROWS, _NUMBERS = {list, tuple}, {float, int}
 Floats = NDArray[np.float64]
 
 
@@ -50,8 +52,9 @@ class LineReader:
         #: The object that the last line was read from, where nothing in it can have changed since, and how that was seen.
         self._frozen: object = None
         self._view: object = None
-        #: The bytes of the array that the last line was read from, if it was one.
-        self._content: bytes | None = None
+        #: The bytes of the array that the last line was read from, if it was one; of a type that compares itself to an array's memory
+        #: without a copy of that.
+        self._content: bytearray | None = None
         self._known: OrderedDict[Any, Line] = OrderedDict()
 
     def read(self, raw: Any) -> Line:
@@ -68,15 +71,17 @@ class LineReader:
             if array is not None:
                 if array.ndim != 2 or array.shape[1] != 2:
                     raise NoLineError("wrong_type", None, "not a list of points")
+                frozen = raw if kind is np.ndarray and _frozen(raw) else None
+                if self._content is not None and array.flags.c_contiguous and self._content == array.data:
+                    return self._remember(self._last, frozen, self._content)
                 content = array.tobytes()
-                last = self._last if content == self._content else self._known_as(("array", content))
-                return self._remember(last, raw if kind is np.ndarray and _frozen(raw) else None, content)
+                return self._remember(self._known_as(("array", content)), frozen, bytearray(content))
             raw = raw.tolist()
         if not values.is_a(raw, (list, tuple)):
             raise NoLineError("wrong_type", None, "not a list of points")
         return self._remember(self._known_as(_content(raw), raw), None, None)
 
-    def _remember(self, given: Line, frozen: Any, content: bytes | None) -> Line:
+    def _remember(self, given: Line, frozen: Any, content: bytearray | None) -> Line:
         self._last, self._frozen, self._content = given, frozen, content
         self.same = given if given is frozen else None
         self._view = None if frozen is None else _view(frozen)
@@ -158,9 +163,9 @@ def _content(raw: Any) -> object:
 
     `marshal` writes each type of plain data in a way of its own, so there is one way only to read it.
     """
-    if type(raw) not in (list, tuple) or not all(
-        type(row) in (list, tuple) and {float, int}.issuperset(map(type, row)) for row in raw
-    ):
+    if type(raw) not in _ROWS or not _ROWS.issuperset(map(type, raw)):
+        return None
+    if not _NUMBERS.issuperset(map(type, chain.from_iterable(raw))):
         return None
     # Later versions write references: slower, and not in one way only.
     return marshal.dumps(raw, 2)

@@ -47,8 +47,9 @@ class LinesReader:
             if raw is None:
                 faults.append(fault("missing", name, "", None, "it is not there"))
                 return
-            data = values.mapping(raw)
-            refuse_unknown(name, [data], self._known, faults)
+            data = raw if type(raw) is dict else values.mapping(raw)
+            if not data.keys() <= self._known:
+                refuse_unknown(name, [data], self._known, faults)
             closed = values.flag(data.get("closed", False))
             if closed in (0, 1):
                 frame.closed[name] = closed == 1

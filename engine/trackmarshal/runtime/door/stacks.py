@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import marshal
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +17,8 @@ from trackmarshal.runtime.door.columns import ColumnsReader, Layout
 from trackmarshal.runtime.door.values import Floats
 from trackmarshal.runtime.frame import Columns
 
-#: How Python's own serialisation puts a float: a byte that says so, and the number. Its version 2 has no references.
+#: How Python's own serialisation puts a float: a byte that says so, and the number; and what it puts before the items of a list or
+#: tuple. Its version 2 has no references.
 _FLOAT = np.dtype([("type", "u1"), ("value", "<f8")])
 _VERSION, _MARK, _HEAD = 2, b"g", 5
 _FLOATS = {float, np.float64}
@@ -27,21 +27,30 @@ _LISTS, _ARRAYS, _DICTS, _TEXTS = {list}, {np.ndarray}, {dict}, {str}
 _KEPT = 64
 
 
-def floats(values: Iterable[object]) -> bytes | None:
-    """Values that are all Python's floats as bytes, for `numbers`; None where one is anything else. No pass is in Python."""
-    listed = list(values)
+def floats(rows: list[Any] | tuple[Any, ...], count: int) -> bytes | None:
+    """Lists or tuples of `count` values that are all Python's floats as bytes, for `numbers`; None where one is anything else.
+
+    No pass over the values is in Python, and none counts references to them: they lie all over the memory.
+    """
     try:
-        data = marshal.dumps(listed, _VERSION)
+        data = marshal.dumps(rows, _VERSION)
     except ValueError:  # something that cannot be put
         return None
-    size = _FLOAT.itemsize
-    fits = len(data) == _HEAD + size * len(listed) and data[_HEAD::size] == _MARK * len(listed)
-    return data[_HEAD:] if fits else None
+    size, marks, head = _FLOAT.itemsize, _MARK * count, count.to_bytes(_HEAD - 1, "little")
+    length = _HEAD + size * count
+    if len(data) != _HEAD + length * len(rows):
+        return None
+    for first in range(2 * _HEAD, len(data) + 1, length):
+        # A row that is as long as it should be, of which each item begins where a float would: so the next row does too.
+        if data[first - len(head) : first] != head or data[first : first + size * count : size] != marks:
+            return None
+    return data[_HEAD:]
 
 
-def numbers(data: Iterable[bytes]) -> Floats:
-    """The numbers of `floats`, those of many calls one after the other."""
-    found: Floats = np.frombuffer(b"".join(data), _FLOAT)["value"]
+def numbers(data: Sequence[bytes], count: int) -> Floats:
+    """(.., count): the numbers of `floats`, those of many calls one after the other."""
+    row = np.dtype([("head", "V", _HEAD), ("values", _FLOAT, (count,))])
+    found: Floats = np.frombuffer(b"".join(data), row)["values"]["value"]
     return found
 
 
@@ -54,7 +63,7 @@ class Stack(NamedTuple):
 
 
 class _Alike(NamedTuple):
-    """Cases whose data is alike. order: how their numbers stand in it: by column, by element, in arrays, or in a record.
+    """Cases whose data is alike. order: how their numbers stand in it: by column, by element, in arrays, in a record, or nowhere.
 
     data, ids, places: of each case its numbers, what its elements are called, and its place.
     """
@@ -148,7 +157,7 @@ class Stacks:
         if ids is None:
             return None
         if kinds == _LISTS:
-            data = floats(chain.from_iterable(found))
+            data = floats(found, count)
             return None if data is None else (layout, "columns", count, data, ids)
         if kinds != _ARRAYS:
             return None
@@ -157,7 +166,7 @@ class Stacks:
 
     def _elements(self, raw: list[Any]) -> _Copied | None:
         if not raw:
-            return None if self._empty is None else (self._empty, "columns", 0, b"", ())
+            return None if self._empty is None else (self._empty, "nothing", 0, None, ())
         if set(map(type, raw)) != _DICTS:
             return None
         names = tuple(raw[0])
@@ -165,7 +174,7 @@ class Stacks:
         if layout is None or any(tuple(one) != names for one in raw):
             return None
         ids = self._ids_of([one["id"] for one in raw] if "id" in names else None, len(raw))
-        data = floats(chain.from_iterable(map(layout.pick, raw)))
+        data = floats([layout.pick(one) for one in raw], layout.width)
         return None if ids is None or data is None else (layout, "elements", len(raw), data, ids)
 
     def _ids_of(self, given: Any, count: int) -> tuple[str, ...] | None:
@@ -185,11 +194,13 @@ class Stacks:
     def _layout(self, each: bool, names: Iterable[Any]) -> Layout | None:
         """What data of these names says; None where something is wrong with them. each: they are those of each element."""
         key = (each, *names)
-        if key not in self._layouts:
+        try:
+            return self._layouts[key]
+        except KeyError:
             if len(self._layouts) >= _KEPT:
                 self._layouts.clear()
-            self._layouts[key] = self._reader.layout(key[1:], each)
-        return self._layouts[key]
+            made = self._layouts[key] = self._reader.layout(key[1:], each)
+            return made
 
     # Arrays ---------------------------------------------------------------------------------------------------------
 
@@ -199,10 +210,12 @@ class Stacks:
         cases, width = len(data), layout.width
         values: Floats
         match order:
+            case "nothing":
+                values = np.empty((cases, width, 0))
             case "columns":
-                values = numbers(data).reshape(cases, width, size)
+                values = numbers(data, size).reshape(cases, width, size)
             case "elements":
-                values = numbers(data).reshape(cases, size, width).transpose(0, 2, 1)
+                values = numbers(data, width).reshape(cases, size, width).transpose(0, 2, 1)
             case "arrays" | "record":
                 values = np.array(data).reshape(cases, width, size)
             case _:

@@ -52,9 +52,9 @@ class Area:
     ) -> Floats:
         """By how much what a vehicle sweeps between two poses lies inside [m]: (N,), NaN where there is no answer.
 
-        Poses: numbers or (N,), in m and rad, of the centre of the vehicle's length x width rectangle. At least 0 where
-        the swept area lies in the (closed) region. `bend`: the curvatures at both poses [1/m], for a vehicle that follows a
-        curve; nothing for one that goes straight.
+        Poses: in m and rad, of the centre of the vehicle's length x width rectangle; all arguments broadcast, to N bodies in all.
+        At least 0 where the swept area lies in the (closed) region. `bend`: the curvatures at both poses [1/m], for a vehicle that
+        follows a curve; nothing for one that goes straight.
         """
         poses, long, wide, bends = _bodies((x0, y0, heading0, x1, y1, heading1), length, width, bend)
         if self._region is None:
@@ -174,19 +174,17 @@ def inside_ring(point: Floats, ring: Floats) -> bool:
 def _bodies(
     columns: Sequence[ArrayLike], length: ArrayLike, width: ArrayLike, bend: Sequence[ArrayLike]
 ) -> tuple[Floats, float | Floats, float | Floats, Floats | None]:
-    """A table of poses, (6, N), sizes, numbers or (N,), and curvatures, (2, N), where there are any."""
+    """A table of poses, (6, N), sizes, numbers or (N,), and curvatures, (2, N), where there are any; all arguments broadcast, to N
+    bodies in all."""
     assert len(bend) in (0, 2), bend
-    columns = (*columns, *bend)
-    arrays = [np.asarray(column, dtype=np.float64) for column in columns]
-    sizes = [np.asarray(size, dtype=np.float64) for size in (length, width)]
-    shapes = {array.shape for array in (*arrays, *sizes)} - {()}
-    (count,) = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes((1,), *shapes)
-    table = np.empty((len(columns), count))
-    for row, array in zip(table, arrays):
-        row[...] = array
-    long, wide = (float(size) if size.ndim == 0 else _filled(size, count) for size in sizes)
+    arrays = [np.asarray(column, dtype=np.float64) for column in (*columns, *bend, length, width)]
+    shape = np.broadcast(*arrays).shape
+    count = 6 + len(bend)
+    table = np.empty((count, *shape))
+    for row in range(count):
+        table[row] = arrays[row]
+    table = table.reshape(count, -1)
+    long, wide = (
+        float(size) if size.ndim == 0 else np.broadcast_to(size, shape).reshape(-1) for size in arrays[count:]
+    )
     return table[:6], long, wide, table[6:] if bend else None
-
-
-def _filled(size: Floats, count: int) -> Floats:
-    return size if size.size == count else np.full(count, size)

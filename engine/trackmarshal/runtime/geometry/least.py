@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from trackmarshal.runtime.geometry.arrays import Bools, Floats, Ints, counts_of, starts_of
 from trackmarshal.runtime.geometry.curve import Curves
-from trackmarshal.runtime.geometry.region import AT_ONCE, Region, Singles
+from trackmarshal.runtime.geometry.region import AT_ONCE, Region
 from trackmarshal.runtime.geometry.sweep import Sweeps
 
 #: A hull that is farther than this from the border lies on one side of it, beyond all rounding [m].
@@ -45,16 +43,6 @@ def least_inside(
     return margin, exact
 
 
-class _Part(NamedTuple):
-    """Hulls from one on, with what their bounds are made of: see `_beside`."""
-
-    first: int
-    frame: Floats
-    rows: Ints
-    k: Ints
-    squared: Singles
-
-
 class _Search:
     """The search in some groups; writes margins, and which are exact."""
 
@@ -63,35 +51,23 @@ class _Search:
         counted: Bools, margin: Floats, exact: Bools,
     ) -> None:  # fmt: skip
         self.region, self.poses, self.sizes, self.bends = region, poses, (length, width), bends
-        #: How far what is swept may be beyond the hulls of the footprints at both ends [m].
-        self.beyond = np.zeros(margin.size)
         self.margin, self.exact, self.counted = margin, exact, counted
         #: Views of the same, a group a row.
         self.margins, self.exacts = margin.reshape(-1, size), exact.reshape(-1, size)
         self.one = self._in_one_piece(size)
-        self.parts = [self._near(first) for first in range(0, margin.size, AT_ONCE)]
+        step = max(1, AT_ONCE // size) * size
+        for first in range(0, margin.size, step):
+            self._bound(slice(first, first + step), size)
         margin[~counted] = np.inf
 
     def run(self) -> None:
-        """Look at the hull with the least bound of each group, then at whatever may be nearer, by better bounds."""
-        least = self._looked_at(self._nearest(self.counted))
-        self._closer(least)
-        wanted = self._wanted(least)
-        if wanted.any():
-            least = self._looked_at(self._nearest(wanted) | (wanted & np.isinf(least)))
-            while (wanted := self._wanted(least)).any():
-                least = self._looked_at(wanted)
-
-    def _wanted(self, least: Floats) -> Bools:
-        """The hulls that may still matter; those without a bound do."""
-        return self.counted & ~(self.exact | (self.margin > least))
-
-    def _nearest(self, wanted: Bools) -> Bools:
-        """Of some hulls the one with the least bound in each group."""
-        chosen = np.zeros_like(self.exacts)
-        among = np.where(wanted, self.margin, np.inf).reshape(chosen.shape)
-        np.put_along_axis(chosen, among.argmin(axis=1)[:, None], True, axis=1)
-        return chosen.ravel() & wanted
+        """Look at the hull with the least bound of each group, then at whatever may be nearer."""
+        nearest = np.fmin.reduce(self.margins, axis=1).repeat(self.margins.shape[1])
+        wanted = self.counted & ~(self.margin > nearest + self.region.rounding)
+        while wanted.any():
+            least = self._looked_at(wanted)
+            # The hulls that may still matter; those without a bound do.
+            wanted = self.counted & ~(self.exact | (self.margin > least))
 
     def _looked_at(self, wanted: Bools) -> Floats:
         """Work hulls out. Below what margin, or bound, the rest of each group has to be looked at too, hull by hull."""
@@ -120,53 +96,47 @@ class _Search:
         one: Bools = np.logical_and.reduce((on | ~self.counted).reshape(-1, size), axis=1)
         return one
 
-    def _near(self, first: int) -> _Part:
-        """Hulls with the segments near them; how near the boxes around the hulls are to those becomes their bound."""
-        part = slice(first, first + AT_ONCE)
+    def _bound(self, part: slice, size: int) -> None:
+        """Bounds on the distance of hulls from the border; infinite for those that are not the nearest of their group, NaN for those
+        of which nothing is known."""
         long, wide = (side if isinstance(side, float) else side[part] for side in self.sizes)
-        usable: Bools | None
+        usable, groups, beyond = None, None, None
         if self.bends is None:
             sweeps = Sweeps(self.poses[:, part], long, wide)
-            usable = sweeps.usable
+            usable, groups = sweeps.usable, np.arange(sweeps.size) // size
         else:
+            # A hull that is not the nearest of its group may be that of the way that reaches farthest: each has its own bound.
             curves = Curves(self.poses[:, part], self.bends[:, part], long, wide)
-            sweeps, usable = curves.straight(), curves.usable
-            self.beyond[part] = curves.reach
+            sweeps, usable, beyond = curves.straight(), curves.usable, curves.reach
         low, high, _ = boxes = sweeps.boxes()
-        rows, k, squared = self.region.candidates(sweeps, boxes)
-        frame = np.concatenate(
-            [sweeps.frame[:3].reshape(12, -1), sweeps.position, sweeps.midway, low[1:], high[1:]]
-        )
-        nearest = np.minimum.reduceat(squared, starts_of(rows))
-        self.margin[part] = np.sqrt(nearest, dtype=np.float64) - self.region.slack - self.beyond[part]
+        counted = self.counted[part]
         if usable is not None:
-            self.margin[part][~usable] = np.nan
-        return _Part(first, frame, rows, k, squared)
-
-    def _closer(self, least: Floats) -> None:
-        """Better bounds, for hulls whose bound is not above the least that is known."""
-        limit = np.where(
-            self.exact | ~np.isfinite(least), -1.0, (least + self.region.slack + self.beyond) ** 2
-        )
-        for first, frame, rows, k, squared in self.parts:
-            near = (squared <= limit[first : first + AT_ONCE].take(rows)).nonzero()[0]
-            if not near.size:
-                continue
-            rows = rows.take(near)
+            counted = counted & usable
+        rows, k, nearest = self.region.candidates(sweeps, boxes, groups, counted)
+        margin = self.margin[part]
+        margin.fill(np.inf)
+        if rows.size:
             starts = starts_of(rows)
-            beside = _beside(self.region, frame, rows, starts, k.take(near))
-            # All other segments are farther than the least that is known.
-            hulls = first + rows.take(starts)
-            self.margin[hulls] = np.minimum.reduceat(beside, starts) - self.beyond.take(hulls)
+            beside = _beside(self.region, sweeps, low[1:], high[1:], rows, starts, k)
+            beside[np.isnan(nearest)] = np.nan
+            hulls = rows.take(starts)
+            margin[hulls] = np.minimum.reduceat(beside, starts)
+            if beyond is not None:
+                margin[hulls] -= beyond.take(hulls)
+        if usable is not None:
+            margin[~usable] = np.nan
 
 
-def _beside(region: Region, frame: Floats, rows: Ints, starts: Ints, k: Ints) -> Floats:
+def _beside(
+    region: Region, sweeps: Sweeps, low: Floats, high: Floats, rows: Ints, starts: Ints, k: Ints
+) -> Floats:
     """A bound on the distance of hulls from segments, pair by pair.
 
-    The greater of: what lies between the footprints and the segment's line; what lies between the long sides of the box around
-    the hull and the segment. `frame`: x and y of centre, half length and half width of both footprints; x and y of the position, x
-    and y of the box's direction, its low and its high side.
+    The greater of: what lies between the footprints and the segment's line; what lies between the long sides, `low` and `high`, of
+    the box around the hull and the segment.
     """
+    # Of each hull x and y of centre, half length and half width of both footprints, of the position and of the box's direction.
+    frame = np.concatenate([sweeps.frame[:3].reshape(12, -1), sweeps.position, sweeps.midway, low, high])
     frame = (
         frame.take(rows, axis=1)
         if starts.size == rows.size

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ from trackmarshal.runtime.geometry.sweep import Sweeps
 from trackmarshal.runtime.geometry.violation import violation
 
 Singles = NDArray[np.float32]
+#: Points and vectors x + iy in single precision: numpy turns them in one go.
+Vectors = NDArray[np.complex64]
 
 #: Hulls that are worked on at once, so that all intermediate arrays stay in the processor's cache.
 AT_ONCE = 1536
@@ -55,18 +58,18 @@ class Region:
         span = float(self.border.length.max()) + 8.0 * (self.cells.size + REACH)
         self.rounding = SLACK + 64.0 * float(np.finfo(np.float64).eps) * span
 
-    def _singles(self) -> tuple[Singles, float]:
+    def _singles(self) -> tuple[Vectors, float]:
         """The middles of the segments and half of each, in single precision, which is enough to rule most of them out; and how far
         they reach from the origin.
 
-        Shape (2, 2, segments + 1), of axes: middle and half, x and y, segment. The last one is none: it is far away.
+        x + iy, of shape (2, segments + 1), of axes: middle and half, segment. The last one is none: it is far away.
         """
         border = self.border
         starts = np.stack([border.ax, border.ay]) - self._origin
         half = 0.5 * np.stack([border.ex, border.ey])
-        table = np.full((2, 2, border.size + 1), FAR)
-        table[0, :, :-1], table[1, :, :-1], table[1, :, -1] = starts + half, half, 0.0
-        return table.astype(np.float32), float(np.abs(starts).max())
+        table = np.full((2, border.size + 1), FAR, dtype=np.complex64)
+        table[0, :-1], table[1, :-1], table[1, -1] = _complex(starts + half), _complex(half), 0.0
+        return table, float(np.abs(starts).max())
 
     def signed_distance(self, x: Floats, y: Floats) -> Floats:
         """The distance of points from the border, positive inside; NaN for a point that is none."""
@@ -118,8 +121,8 @@ class Region:
         return np.concatenate(parts) if parts else np.empty(0)
 
     def _margin(self, sweeps: Sweeps) -> Floats:
-        rows, k, squared = self.candidates(sweeps, sweeps.boxes())
-        touching = ~(squared > self.slack * self.slack)
+        rows, k, nearest = self.candidates(sweeps, sweeps.boxes())
+        touching = ~(nearest > self.slack)
         if rows.size <= PAIRS_AT_ONCE:
             margin = self._judged(sweeps, rows, k, touching)
         else:
@@ -150,21 +153,29 @@ class Region:
             margin[bad - first] = violation(self.border, sweeps, approach, entering, bad, around)
         return margin
 
-    def candidates(self, sweeps: Sweeps, boxes: tuple[Floats, ...]) -> tuple[Ints, Ints, Singles]:
+    def candidates(
+        self, sweeps: Sweeps, boxes: tuple[Floats, ...], groups: Ints | None = None, counted: Bools | None = None
+    ) -> tuple[Ints, Ints, Singles]:  # fmt: skip
         """Hulls and segments in pairs: at least all that may make up a hull's distance from the border, or enter it.
 
-        With each the square of a distance that is at most `slack` greater than theirs; NaN where nothing is known.
+        With each a distance that is at most `slack` greater than theirs; NaN where nothing is known. Where `groups` numbers the
+        hulls, ascending: at least all that may make up the distance of the nearest hull of each group, of those that are `counted`.
         """
         middle = sweeps.position + sweeps.middle
         rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius, sweeps.inner)
-        k, squared = tiles, np.empty(0, dtype=np.float32)
+        if counted is not None and not counted.all():
+            there = counted.take(rows).nonzero()[0]
+            rows, tiles = rows.take(there), tiles.take(there)
+        k, nearest = tiles, np.empty(0, dtype=np.float32)
         if rows.size:
-            rows, k, squared = self._culled(sweeps, boxes, rows, self.cells.tiles.take(tiles, axis=1))
+            of = rows if groups is None else groups.take(rows)
+            k = self.cells.tiles.take(tiles, axis=1)
+            rows, k, nearest = self._culled(sweeps, boxes, rows, k, of)
         if unknown is None:
-            return rows, k, squared
+            return rows, k, nearest
         rows, k, order = self._with_unknown(rows, k, unknown, middle, sweeps.radius)
-        more = np.full(rows.size - squared.size, np.nan, dtype=np.float32)
-        return rows, k, np.append(squared, more)[order]
+        more = np.full(rows.size - nearest.size, np.nan, dtype=np.float32)
+        return rows, k, np.append(nearest, more)[order]
 
     def _around(self, points: Floats) -> tuple[Ints, Ints]:
         """Points and segments in pairs: at least all segments that may be nearest to a point."""
@@ -188,52 +199,47 @@ class Region:
         return rows[order], k[order], order
 
     def _culled(
-        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, k: Ints
+        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, k: Ints, groups: Ints
     ) -> tuple[Ints, Ints, Singles]:
-        """Of segments k (place in tile, tile) for hulls by tile, those that the box around the hull cannot rule out."""
+        """Of segments k (place in tile, tile) for hulls by tile, in groups: those that may be nearest to a hull of their group, as far
+        as the boxes around the hulls tell."""
         low, high, excess = boxes
-        # Of each hull: its position, the direction of its box, in that direction the middle of the box and half its size.
-        frames = np.empty((4, 2, sweeps.size), dtype=np.float32)
-        np.subtract(sweeps.position, self._origin, out=frames[0], casting="same_kind")
-        frames[1] = sweeps.midway
-        np.add(low, high, out=frames[2], casting="same_kind")
-        np.subtract(high, low, out=frames[3], casting="same_kind")
-        frames[2:] *= 0.5
-        origin, (ahead, aside), centre, size = frames.take(rows, axis=2)
-        # Axes: middle and half of a segment, x and y, place in the tile, tile.
-        segments = self._segments.take(k, axis=2)
-        segments[0] -= origin[:, None]
-        turned = segments * aside
-        segments *= ahead
-        segments[:, 0] += turned[:, 1]
-        segments[:, 1] -= turned[:, 0]
-        segments[0] -= centre[:, None]
-        np.abs(segments, out=segments)
-        beyond, half = segments
-        beyond -= size[:, None]
-        # How near can a segment come to the box at best, and how near does its middle come for sure?
-        best, sure = _squares(beyond - half), _squares(beyond)
-        runs = starts_of(rows)
-        nearest = np.minimum.reduce(sure, axis=0)
+        ahead, aside = sweeps.midway
+        middle, (x, y) = 0.5 * (low + high), sweeps.position - self._origin
+        # Of each hull: the middle of its box, its direction turned back, half its length and width.
+        frames = np.empty((3, 2, sweeps.size), dtype=np.float32)
+        np.add(x, ahead * middle[0] - aside * middle[1], out=frames[0, 0], casting="same_kind")
+        np.add(y, aside * middle[0] + ahead * middle[1], out=frames[0, 1], casting="same_kind")
+        frames[1, 0], frames[1, 1] = ahead, -aside
+        np.multiply(0.5, high - low, out=frames[2], casting="same_kind")
+        centre, back, size = _complex(frames.swapaxes(0, 1)).take(rows, axis=1)
+        # Axes: middle and half of a segment, place in the tile, tile; and x and y in the direction of the box.
+        seen = self._segments.take(k, axis=1)
+        seen[0] -= centre
+        seen *= back
+        apart = seen.view(np.float32)
+        np.abs(apart, out=apart)
+        apart[0] -= size.view(np.float32)
+        np.subtract(apart[0], apart[1], out=apart[1])
+        np.maximum(apart, 0.0, out=apart)
+        # How near does its middle come for sure, and how near can a segment come to the box at best?
+        sure, best = np.abs(seen)
+        limit = np.minimum.reduce(sure, axis=0)
+        limit += (excess + self.slack).take(rows)
+        runs = starts_of(groups)
         if runs.size < rows.size:
-            nearest = np.minimum.reduceat(nearest, runs)
-        limit = np.sqrt(nearest)
-        limit += (excess if runs.size == sweeps.size else excess.take(rows.take(runs))) + self.slack
-        limit *= limit
-        if runs.size < rows.size:
-            limit = limit.repeat(counts_of(runs, rows.size))
+            limit = np.minimum.reduceat(limit, runs).repeat(counts_of(runs, rows.size))
         kept = (best <= limit).T.ravel().nonzero()[0]
         tile = kept >> SHIFT
         place = (kept & (WIDTH - 1)) * rows.size + tile
         return rows.take(tile), k.take(place), best.take(place)
 
 
-def _squares(beyond: Singles) -> Singles:
-    """The squared distance from a box, given how far beyond its sides something is in x and in y; in place."""
-    np.maximum(beyond, 0.0, out=beyond)
-    beyond *= beyond
-    squares: Singles = np.add(beyond[0], beyond[1], out=beyond[0])
-    return squares
+def _complex(pair: NDArray[Any]) -> Vectors:
+    """x and y, along the first axis, as x + iy."""
+    made = np.empty(pair.shape[1:], dtype=np.complex64)
+    made.real, made.imag = pair
+    return made
 
 
 def area(ring: Floats) -> float:
