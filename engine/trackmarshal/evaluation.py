@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
+from trackmarshal.ir.straight import Fields, curvatures, straightened
 from trackmarshal.runtime.contract.tracks import places_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import Judged, Program, Rated
@@ -28,6 +29,8 @@ BACKENDS = ("numpy", "reference", "c", "auto")
 _NO_C = ("E470", "E471", "E472", "E473")
 #: Frames that are evaluated together.
 CHUNK = 500
+#: Curvatures that a case lacks that lacks none.
+NOWHERE: Fields = frozenset()
 
 CODES = {
     "E401": ("unknown rule", "`--rule` names a rule or an assumption of the spec."),
@@ -98,14 +101,56 @@ class Evaluator:
         self.declared = cache(declared)
         reads = {pair for rule in self.rules for pair in rule.reads}
         self.reader = CasesReader(spec, reads, self.declared, self._broken, places_of(spec, self.rules))
+        #: Columns that a case may leave out: what is swept along them is then swept straight.
+        self._curvatures = curvatures(self.rules)
+        self._straight: dict[Fields, Evaluator] = {}
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError."""
-        return self.reader.read(raw)
+        (frame,) = self.read_all([raw])
+        return frame
 
     def read_all(self, raws: Iterable[object]) -> list[Frame]:
         """Cases from plain data in one go: the same as `read` of each, cheaper; raises TrackmarshalError."""
-        return self.reader.read_all(raws)
+        if not self._curvatures:
+            return self.reader.read_all(raws)
+        straight: dict[int, Frame] = {}
+
+        def others() -> Iterator[object]:
+            for place, raw in enumerate(raws):  # each is read before the next is asked for
+                absent = self._absent(raw.get("signals")) if isinstance(raw, Mapping) else NOWHERE
+                if absent:
+                    frame = straight[place] = self._without(absent).reader.read(raw)
+                    frame.straight = absent
+                else:
+                    yield raw
+
+        found = self.reader.read_all(others())
+        for place, frame in straight.items():  # ascending: whatever comes before it is there
+            found.insert(place, frame)
+        return found
+
+    def _absent(self, *given: object) -> Fields:
+        """Curvatures for which signals, by name, have no column, though they have others; null is a column."""
+        held = [signals for signals in given if isinstance(signals, Mapping)]
+        absent = set()
+        for name, column in self._curvatures:
+            columns = [signals[name] for signals in held if isinstance(signals.get(name), Mapping)]
+            if columns and not any(column in one for one in columns):
+                absent.add((name, column))
+        return frozenset(absent)
+
+    def _without(self, absent: Fields) -> Evaluator:
+        """The same rules for cases without some curvatures: what would follow them goes straight."""
+        if absent not in self._straight:
+            rules = [straightened(rule, absent) for rule in self.spec.rules]
+            parts = {**{name: getattr(self.spec, name) for name in Spec.fields}, "rules": tuple(rules)}
+            digest = hashlib.sha256(" ".join(rule.fingerprint for rule in rules).encode()).hexdigest()
+            names = [rule.name for rule in self.rules]
+            self._straight[absent] = Evaluator(
+                Spec(**{**parts, "fingerprint": digest}), names, self.asked, self.declared
+            )
+        return self._straight[absent]
 
     def case(self, raw: object, series: bool = False) -> CaseResult:
         """One case from plain data, `{"signals": {..}}`, and what the rules say of it, with witnesses; raises TrackmarshalError."""
@@ -126,6 +171,9 @@ class Evaluator:
         from trackmarshal.batches import Batch
         from trackmarshal.runtime.door.arrays import ArraysReader
 
+        absent = self._absent(signals, shared)
+        if absent:
+            return self._without(absent).batch(signals, shared, params, tables, places)
         given = {"params": params, "tables": tables, "places": places}
         return Batch(self, ArraysReader(self.reader).read(signals, shared, given), CHUNK)
 
@@ -138,6 +186,8 @@ class Evaluator:
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         """The outcome of frames. Where `auto` chose generated C and it does not hold one of them, numpy takes over."""
+        if not all(frame.straight.isdisjoint(self._curvatures) for frame in frames):
+            return self._judge_apart(frames)
         try:
             return self.program.judge_all(frames)
         except TrackmarshalError as error:
@@ -145,6 +195,17 @@ class Evaluator:
                 raise
             self._do_without_c(error)
             return self.program.judge_all(frames)
+
+    def _judge_apart(self, frames: Sequence[Frame]) -> list[Judged]:
+        """The outcome of frames some of which lack curvatures: those that are alike together."""
+        alike: dict[Fields, list[int]] = {}
+        for place, frame in enumerate(frames):
+            alike.setdefault(frame.straight & self._curvatures, []).append(place)
+        found: dict[int, Judged] = {}
+        for absent, places in alike.items():
+            evaluator = self._without(absent) if absent else self
+            found |= zip(places, evaluator.judge_all([frames[place] for place in places]))
+        return [found[place] for place in range(len(frames))]
 
     def result(self, frame: Frame, rated: Rated, series: bool = False, candidate: str = "") -> CaseResult:
         """One outcome, rule by rule, with the faults of its frame, and the constraints that do not hold."""

@@ -16,8 +16,6 @@ from trackmarshal.scenarios.replay import replay
 #: Candidates, as everything by candidate is keyed; demands on a cycle as a whole stand for both.
 CANDIDATES = ("driving", "emergency")
 Key = tuple[int, str]
-#: Rules that go straight from sample to sample: in bends they are known to be too wide (docs/geometry.md).
-STRAIGHT = ("static_collision", "obstacle_collision")
 
 
 @dataclass(frozen=True)
@@ -49,21 +47,17 @@ def run(name: str, share: float, every: int = 1, backend: str = "numpy") -> Run:
     kept = recording.cycles[::every]
     recording = replace(recording, params={**recording.params, **wider}, cycles=kept)
     specs = REPOSITORY / "specs"
-    # What is swept is swept along the curve: a planner says how its trajectories bend.
-    curved = [specs / "variants" / "curved_sweep.spec"]
-    evaluator = evaluator_for(
-        recording, specs / "supervisor", _nowhere(path), REPOSITORY, None, backend, more=curved
-    )
+    evaluator = evaluator_for(recording, specs / "supervisor", _nowhere(path), REPOSITORY, None, backend)
     outcome = replay(recording, evaluator)
     fired: dict[Key, tuple[Firing, ...]] = {}
     for index, cycle in enumerate(outcome.cycles):
         assert set(cycle.results) == set(CANDIDATES)
         for candidate, result in cycle.results.items():
-            rules = [Firing(n, r.margin) for n, r in result.rules.items() if r.unsafe and n not in STRAIGHT]
+            rules = [Firing(n, r.margin) for n, r in result.rules.items() if r.unsafe]
             faults = [Firing(f"contract: {NAMES[fault.code]}", float("nan")) for fault in cycle.faults]
             if rules or faults:
                 fired[index * every, candidate] = (*rules, *faults)
-    return Run(name, tuple(rule.name for rule in evaluator.rules if rule.name not in STRAIGHT), fired)
+    return Run(name, tuple(rule.name for rule in evaluator.rules), fired)
 
 
 def _nowhere(recording: Path) -> Sequence[Path]:

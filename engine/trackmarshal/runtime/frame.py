@@ -157,6 +157,8 @@ class Frame:
     faults: list[Fault] = field(default_factory=list)
     #: Columns (signal, field) that order the samples of their signal.
     orders: frozenset[tuple[str, str]] = NO_ORDERS
+    #: Columns (signal, field) of curvatures that a case does not have: what would follow them goes straight.
+    straight: frozenset[tuple[str, str]] = frozenset()
     arena: Arena | None = None
 
     def of(self, candidate: str) -> Frame:

@@ -8,6 +8,7 @@ from typing import assert_never
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import QUANTIFIERS, known
+from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import RuleInfo, SignalType
 from trackmarshal.semantics.advice import warnings
 from trackmarshal.semantics.errors import (
@@ -384,54 +385,6 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
             case _:
                 assert_never(node)
     return atoms
-
-
-def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
-    """Which fields of which signals a formula reads."""
-    result: set[tuple[str, str]] = set()
-    for node in ir.below(formula) if formula is not None else ():
-        match node:
-            case ir.Column():
-                result.add((node.axis.signal, node.field))
-            case ir.Sample() | ir.Scalar():
-                result.add((node.signal, node.field))
-            case ir.Flag():
-                result.add((node.signal, node.field or ""))
-            case ir.Axis():
-                result.add((node.signal, ""))
-            case ir.Line():
-                result |= {(node.name, field) for field in _fields_of(node)}
-            case ir.Area():
-                if node.kind == "corridor":
-                    result |= {(node.name, "left"), (node.name, "right")}
-            case ir.Temporal() | ir.Until():
-                result.add((node.axis.signal, "t"))
-            case ir.Const() | ir.Param() | ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Lookup():
-                pass  # what they are made of is below, too
-            case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
-                pass
-            case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
-                pass
-            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
-                pass
-            case _:
-                assert_never(node)
-    return frozenset(result)
-
-
-def _fields_of(line: ir.Line) -> tuple[str, ...]:
-    """The fields of its signal that a line is made of."""
-    match line.kind:
-        case "path":
-            return "x", "y"
-        case "centre":
-            return "left", "right"
-        case "signal":
-            return (line.field,)
-        case "place":
-            return ()
-        case _:
-            assert_never(line.kind)
 
 
 def fingerprint(item: ast.Item, formula: ir.Formula | None) -> str:

@@ -17,7 +17,7 @@ Key = tuple[int, str]
 CONFIRMED_BY: dict[str, frozenset[str]] = {
     rule: frozenset(facts)
     for rule, facts in {
-        "static_collision_curved": ["off the road"],
+        "static_collision": ["off the road"],
         "friction": ["friction"],
         "turn_radius": ["radius"],
         "drive_acceleration": ["drive"],
@@ -49,7 +49,7 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "A-PERCEPTION": [],
         "A-LOCALISATION": [],
         "A-FRICTION": [],
-        "obstacle_collision_curved": [],
+        "obstacle_collision": [],
         "zone_speed_limit": [],
     }.items()
 }

@@ -189,7 +189,7 @@ class CycleReader:
                 columns, arena = read
                 frame = Frame(
                     None, self.settings, dict(zip(self.shared.columns, columns[2:])), {}, {}, {},
-                    {DRIVING: columns[0], EMERGENCY: columns[1]}, [], NO_ORDERS, arena,
+                    {DRIVING: columns[0], EMERGENCY: columns[1]}, [], NO_ORDERS, arena=arena,
                 )  # fmt: skip
                 self.shared.read_others(signals, frame, faults)
                 return frame, self._but_known(cycle, faults)
