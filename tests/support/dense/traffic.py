@@ -113,6 +113,9 @@ class Gaps:
     """Of one other car: what is left over along and across, by which rule it would be unsafe; m."""
 
     behind: bool
+    #: How fast our car closes in on it sideways, and how much faster it is along the road [m/s].
+    closing: float
+    faster: float
     oncoming: bool
     along: float
     across: float
@@ -143,6 +146,8 @@ def gaps(lane: Lane, cycle: Cycle, car: Car, r: rss.Response) -> Sequence[Gaps]:
         result.append(
             Gaps(
                 behind=ahead < 0.0,
+                closing=left * own_across,
+                faster=own_along - along,
                 oncoming=ahead_of,
                 along=gap,
                 across=flank,
@@ -162,9 +167,11 @@ def _reach(length: float, width: float, angle: float) -> float:
 
 
 def too_near(gap: Gaps, slack: float) -> set[str]:
-    """By which distance the other car is too near: `ahead`, `oncoming`, `beside`, `printed`; slack in m is on top of what is needed."""
+    """By which distance the other car is too near: `ahead`, `oncoming`, `beside`, `printed`; slack in m, or in m/s, is on top of what is needed."""
     if gap.behind:
-        return set()
+        # It answers for what happens, unless it is beside our car and that passes it, or moves over.
+        ours = gap.along < slack and max(gap.closing, gap.faster) > -slack
+        return {"beside"} if ours and gap.across <= gap.needed_across + slack else set()
     near_along = gap.along <= gap.needed_along + slack
     near_across = gap.across <= gap.needed_across + slack
     found = set()
