@@ -48,6 +48,14 @@ def origins() -> dict[str, str]:
     }
 
 
+def alike(origin: dict[str, str]) -> dict[str, str]:
+    """What has to be the same for results to be those of the same question: all but the Supervisor's own source.
+
+    Whether that still comes to the same results, the declared runs show: they are run again, and compared.
+    """
+    return {what: value for what, value in origin.items() if what != "supervisor"}
+
+
 def key(origin: dict[str, str]) -> str:
     """One short name for all of it."""
     return hashlib.sha256(json.dumps(origin, sort_keys=True).encode()).hexdigest()[:12]

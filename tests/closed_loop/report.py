@@ -10,7 +10,7 @@ from typing import Any
 
 from closed_loop import places
 from closed_loop.condition import FAULTS
-from closed_loop.origin import origins
+from closed_loop.origin import alike, origins
 from closed_loop.result import CONTACT, OFF
 
 PAGE = places.REPOSITORY / "docs" / "closed-loop-results.md"
@@ -87,7 +87,7 @@ def main() -> int:
     text = places.RESULTS.read_bytes()
     kept = json.loads(text)
     PAGE.write_text(page(kept, hashlib.sha256(text).hexdigest()), encoding="utf-8")
-    stale = [what for what, value in origins().items() if kept["origin"].get(what) != value]
+    stale = [what for what, value in alike(origins()).items() if kept["origin"].get(what) != value]
     if stale:
         print(f"the results are stale: changed since are {', '.join(stale)}", file=sys.stderr)
     return 1 if stale else 0
