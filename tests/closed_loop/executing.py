@@ -27,7 +27,7 @@ BELIEVED, TURNED, BLIND = 1.0, 0.2, 0.3
 BELIEF = 0.1
 AHEAD = 8.0
 STIFF = 0.10
-SPEED = 4.0
+SPEED = 10.0
 #: The most that is asked of the tyres, m/s^2.
 HARDEST = 14.0
 HOLD = -4.0

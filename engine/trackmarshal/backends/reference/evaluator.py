@@ -25,7 +25,7 @@ Env = dict[int, int]
 
 
 class Reference:
-    """Values of the nodes of a spec for one case; each (node, indices) is computed once."""
+    """Values of the nodes of a spec for one case; formulas, and numbers that not every bound variable is in, are computed once."""
 
     def __init__(self, spec: Spec, frame: Frame) -> None:
         self.spec = spec
@@ -33,11 +33,31 @@ class Reference:
         self._truths: dict[tuple[int, tuple[tuple[int, int], ...]], Truth] = {}
         self._series: dict[tuple[int, tuple[tuple[int, int], ...]], list[Truth]] = {}
         self._lines: dict[int, tuple[list[Point], bool]] = {}
+        self._numbers: dict[tuple[int, tuple[tuple[int, int], ...]], float] = {}
+        self._levels: dict[int, frozenset[int]] = {}
 
     # Numbers --------------------------------------------------------------------------------------------------
 
     def number(self, node: ir.Num, env: Env) -> float:
         """The number that a node stands for; NaN where it has none."""
+        if isinstance(node, (ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar)):
+            return self._number(node, env)
+        bound = [level for level in env if level in self._read(node)]
+        if len(bound) == len(env):
+            return self._number(node, env)
+        key = (id(node), tuple((level, env[level]) for level in bound))
+        if key not in self._numbers:
+            self._numbers[key] = self._number(node, env)
+        return self._numbers[key]
+
+    def _read(self, node: ir.Num) -> frozenset[int]:
+        """The levels of the axes that a node reads."""
+        if id(node) not in self._levels:
+            below = ir.below(node)
+            self._levels[id(node)] = frozenset(n.level for n in below if isinstance(n, ir.Axis))
+        return self._levels[id(node)]
+
+    def _number(self, node: ir.Num, env: Env) -> float:
         match node:
             case ir.Const():
                 return node.value
