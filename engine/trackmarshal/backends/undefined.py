@@ -56,9 +56,9 @@ def _inputs(parts: list[ir.AnyNode], env: Env, frame: Frame) -> str:
     for part in parts:
         value: object
         match part:
+            case ir.Column() | ir.Flag() if part.axis is not None and part.axis.level not in env:
+                continue  # bound inside the formula
             case ir.Column():
-                if part.axis.level not in env:  # bound inside the formula
-                    continue
                 index = _index(part, env)
                 value = frame.columns[part.axis.signal].listed(part.field)[index]
             case ir.Sample():

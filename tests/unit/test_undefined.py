@@ -1,0 +1,46 @@
+"""Why a rule has no verdict is said of whatever can be in one, variables that are bound inside a comparison too."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import trackmarshal as tm
+from support.command import BACKENDS
+from trackmarshal.evaluation import Evaluator
+
+SPEC = """
+module inner
+signal plan : trajectory { t: s increasing, v: m/s, wet: bool }
+signal objects : set of object { x: m, seen: bool }
+param slow : m/s = 10 m/s
+rule own "A limit that hangs on flags of objects"
+  for all p in plan
+  require p.v <= (if exists o in objects: (o.seen) then slow else 3 * slow)
+rule alone "The same of one number"
+  require slow <= (if exists o in objects: (o.seen and o.x > 0 m) then slow else 3 * slow)
+rule nested "And below a variable of its own"
+  for all o in objects
+  require o.x <= (if exists p in plan: (p.wet and p.v > slow) then 1 m else 2 m)
+"""
+PLAN = {"t": [0.0, 1.0], "v": [20.0, 20.0], "wet": [False, True]}
+OBJECTS = [{"x": 1.5, "seen": False}, {"x": 1.0, "seen": False}]
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("rule", "signals"),
+    [
+        ("own", {"objects": [{"x": 1.0, "seen": None}]}),
+        ("alone", {"objects": [{"x": 1.0, "seen": None}]}),
+        ("nested", {"plan": {**PLAN, "wet": [False, None]}}),
+    ],
+)
+def test_flags_of_inner_variables(rule: str, signals: dict[str, Any], backend: str) -> None:
+    evaluator = Evaluator(tm.loads(SPEC), [rule], backend)
+    given = {"plan": PLAN, "objects": OBJECTS, **signals}
+    found = evaluator.case({"signals": given}).rules[rule]
+    assert found.verdict == "undefined"
+    assert found.reason
+    assert evaluator.case({"signals": {"plan": PLAN, "objects": OBJECTS}}).rules[rule].verdict != "undefined"
