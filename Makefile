@@ -32,7 +32,7 @@ $(LOOP)/.ready: tests/closed_loop/planner/requirements.txt
 	$(LOOP)/venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps -r $<
 	touch $@
 
-closed-loop: $(STAMP) $(LOOP)/.ready  ## every fault in the closed loop, about an hour, resumable; JOBS=2 for two at once; see docs/closed-loop.md
+closed-loop: $(STAMP) $(LOOP)/.ready  ## every fault in the closed loop, a quarter of an hour, resumable; JOBS=2 for two at once; see docs/closed-loop.md
 	PYTHONPATH=tests $(BIN)/python -m closed_loop.campaign --jobs $(or $(JOBS),1) --keep
 	PYTHONPATH=tests $(BIN)/python -m closed_loop.report
 

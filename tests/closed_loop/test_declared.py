@@ -19,6 +19,9 @@ from closed_loop.road import Road
 
 pytestmark = pytest.mark.acceptance
 
+#: What the Supervisor cannot know, or does not live to say: the layer below stops the car.
+BELOW = ("L-03", "T-05")
+
 
 @pytest.fixture(scope="module", autouse=True)
 def _shared() -> None:
@@ -36,6 +39,9 @@ def test_no_declared_fault_ends_badly() -> None:
         if run["outcome"] in (OFF, CONTACT) and (run["approved_clearance"] or 0.0) >= 0.0
     ]
     assert bad == []
+    silent = [run["name"] for run in runs if run["reaction"] is None and run["fault"] not in BELOW]
+    assert silent == []
+    assert all(run["below"] is not None for run in runs if run["fault"] in BELOW)
     if places.RESULTS.exists():
         kept = json.loads(places.RESULTS.read_bytes())
         if alike(kept["origin"]) == alike(origins()):
