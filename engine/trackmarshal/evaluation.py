@@ -101,9 +101,15 @@ class Evaluator:
         self.declared = cache(declared)
         reads = {pair for rule in self.rules for pair in rule.reads}
         self.reader = CasesReader(spec, reads, self.declared, self._broken, places_of(spec, self.rules))
-        #: Columns that a case may leave out: what is swept along them is then swept straight.
-        self._curvatures = curvatures(self.rules)
+        #: Columns that a case may leave out, without a default: what is swept along them is then swept straight.
+        self._curvatures = frozenset(
+            (name, column)
+            for name, column in curvatures(self.rules)
+            if (field := spec.signals[name].field(column)) is None or field.default is None
+        )
         self._straight: dict[Fields, Evaluator] = {}
+        #: This one, and those of its rules that sweep straight: they evaluate with one backend.
+        self._family = [self]
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError."""
@@ -146,10 +152,13 @@ class Evaluator:
             rules = [straightened(rule, absent) for rule in self.spec.rules]
             parts = {**{name: getattr(self.spec, name) for name in Spec.fields}, "rules": tuple(rules)}
             digest = hashlib.sha256(" ".join(rule.fingerprint for rule in rules).encode()).hexdigest()
-            names = [rule.name for rule in self.rules]
-            self._straight[absent] = Evaluator(
-                Spec(**{**parts, "fingerprint": digest}), names, self.asked, self.declared
-            )
+            names, known = [rule.name for rule in self.rules], "program" in self.__dict__
+            made = Evaluator(
+                Spec(**{**parts, "fingerprint": digest}), names, self.backend if known else self.asked, self.declared
+            )  # fmt: skip
+            made._family = self._family
+            self._family.append(made)
+            self._straight[absent] = made
         return self._straight[absent]
 
     def case(self, raw: object, series: bool = False) -> CaseResult:
@@ -242,8 +251,8 @@ class Evaluator:
                 except TrackmarshalError as error:
                     if self.asked != "auto" or error.code not in _NO_C:
                         raise
-                    _say_why(error)
-                    return self._numpy()
+                    self._do_without_c(error)
+                    return self.program
                 return made
             case other:
                 raise AssertionError(f"unknown backend {other}")
@@ -255,7 +264,8 @@ class Evaluator:
 
     def _do_without_c(self, error: TrackmarshalError) -> None:
         _say_why(error)
-        self.__dict__["program"] = self._numpy()
+        for each in self._family:
+            each.__dict__["program"] = each._numpy()
 
     def _broken(self, settings: Settings) -> tuple[str, ...]:
         return broken_constraints(self.spec, settings)

@@ -14,7 +14,6 @@ from support import seed
 from support.agreement import outcomes
 from support.shared import SUPERVISOR, oracle, shared
 from trackmarshal.backends.c.build import compiler
-from trackmarshal.backends.c.program import CProgram
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.frame import Frame
@@ -46,7 +45,7 @@ def bits(x: float) -> bytes:
 def differences(rules: Sequence[str] | None, cases: Sequence[Frame]) -> list[str]:
     """Where C and the reference differ in a verdict or in any bit of a margin."""
     evaluator = Evaluator(spec(), rules, "reference")
-    run = outcomes(CProgram(spec(), evaluator.rules), cases)
+    run = outcomes(Evaluator(spec(), rules, "c"), cases)
     found = []
     for index, expected in enumerate(evaluator.evaluate(cases)):
         for rule in evaluator.rules:

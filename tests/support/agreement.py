@@ -86,7 +86,7 @@ def results(spec: Spec, cases: Sequence[Frame], backend: str, series: bool = Tru
     return list(Evaluator(spec, None, backend).evaluate(cases, series))
 
 
-def outcomes(program: Program, frames: Sequence[Frame]) -> list[dict[str, tuple[str, float]]]:
+def outcomes(program: Program | Evaluator, frames: Sequence[Frame]) -> list[dict[str, tuple[str, float]]]:
     """Verdict and margin of every rule on every case, as a program says them without looking for witnesses."""
     return [
         {

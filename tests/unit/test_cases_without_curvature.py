@@ -109,3 +109,21 @@ def test_in_operation_it_has_to_be_there() -> None:
         cycle = tm.Cycle(0, 0.0, given, given, {"ego": ego, "track": full["track"]})
         decision = supervisor.step(cycle)
         assert any(fault.field == "kappa" for fault in decision.faults) == expected
+
+
+def test_a_default_stands_for_what_is_left_out() -> None:
+    """A spec that says what an absent curvature is, is taken at its word."""
+    text = """
+module made
+signal plan : trajectory {{ t: s increasing, x: m, y: m, heading: rad, kappa: 1/m{default} }}
+zone z = polygon (-40 m, -40 m) (40 m, -40 m) (40 m, 40 m) (-40 m, 40 m)
+rule inside "in the zone"
+  for all p in plan
+  require swept_footprint(p, 4 m, 2 m) inside z
+"""
+    case = {"signals": {"plan": without(bend(9))["plan"]}}
+    full = {"signals": {"plan": {**case["signals"]["plan"], "kappa": [0.05] * 9}}}
+    declared = Evaluator(tm.loads(text.format(default=" default 0.05")))
+    straight = Evaluator(tm.loads(text.format(default="")))
+    assert declared.case(case).rules == declared.case(full).rules
+    assert straight.case(case).rules != declared.case(case).rules
