@@ -15,7 +15,11 @@ LOOP := build/closed-loop
 assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/index.html
 	$(BIN)/trackmarshal assess --out out/assess
 
-test: $(STAMP) lint  ## everything that CI runs
+test: $(STAMP)  ## everything that CI runs; what lints and what tests, at the same time
+	$(MAKE) -j2 --output-sync=target lint tests
+
+.PHONY: tests
+tests: $(STAMP)
 	$(BIN)/python -m pytest $(PARALLEL)
 
 acceptance: $(STAMP) $(LOOP)/.ready lint  ## every "Done when" point that can be a command; takes longer than CI

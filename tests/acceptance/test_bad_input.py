@@ -431,9 +431,14 @@ CASES: dict[str, tuple[dict[str, Any], str]] = {
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_cases_that_cannot_be_called_safe(backend: str) -> None:
-    """One run with all of them: what is wrong with one does not touch the others."""
+    """One run with all of them: what is wrong with one does not touch the others. The reference, which is slow, has few good ones."""
+    every = 8 if backend == "reference" else 1
     cases = [
-        case for name in CASES for case in ({**CASES[name][0], "id": name}, {**good_case(), "id": "good"})
+        case
+        for place, name in enumerate(CASES)
+        for case in ({**CASES[name][0], "id": name}, {**good_case(), "id": "good"})[
+            : 2 if place % every == 0 else 1
+        ]
     ]
     status, lines = evaluate(*cases, backend=backend)
     assert status == 1

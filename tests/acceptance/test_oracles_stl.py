@@ -38,18 +38,29 @@ def timeline(trace: dict[str, list[float]]) -> dict[str, list[float]]:
     return {"t": [float(k) for k in range(count)], **trace}
 
 
-@pytest.fixture(scope="module", params=BACKENDS)
+#: By backend, how many formulas there is one of: C takes its time to compile, and has them all in `make acceptance`.
+SHARES = [
+    pytest.param((backend, 1), id=backend, marks=[pytest.mark.acceptance] if backend == "c" else [])
+    for backend in BACKENDS
+] + [pytest.param(("c", 8), id="c-some")]
+
+
+@pytest.fixture(scope="module", params=SHARES)
 def found(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Result:
-    """What a backend makes of all formulas with a robustness."""
-    return results(tmp_path_factory.mktemp("stl"), entries("stl_dev.json"), request.param)
+    """What a backend makes of the formulas with a robustness."""
+    backend, every = request.param
+    formulas = entries("stl_dev.json")
+    assert len(formulas) == 200
+    chosen = dict(list(formulas.items())[::every])
+    return results(tmp_path_factory.mktemp("stl"), chosen, backend)
 
 
 def test_robustness(found: Result) -> None:
     """Every sample exactly, infinities too; the rule's own margin is the first sample's."""
     formulas = entries("stl_dev.json")
-    assert len(formulas) == 200
     wrong = {}
-    for rule, entry in formulas.items():
+    for rule in found:
+        entry = formulas[rule]
         wanted = [number(value) for value in entry["robustness"]]
         margins = [number(value) for value in found[rule]["series"]["margin"]]
         if margins != wanted or number(found[rule]["margin"]) != wanted[0]:
@@ -62,14 +73,16 @@ def test_sign_of_robustness(found: Result) -> None:
 
     Not for `iff` and `xor`: their robustness measures how different two margins are, not two verdicts.
     """
-    formulas = {r: e for r, e in entries("stl_dev.json").items() if not {"iff", "xor"} & set(e["ops"])}
+    formulas = {
+        r: e for r, e in entries("stl_dev.json").items() if r in found and not {"iff", "xor"} & set(e["ops"])
+    }
     decided = 0
     for rule, entry in formulas.items():
         for verdict, value in zip(found[rule]["series"]["verdict"], entry["robustness"], strict=True):
             if number(value) != 0.0:
                 assert verdict == ("satisfied" if number(value) > 0.0 else "violated"), entry["rtamt_text"]
                 decided += 1
-    assert decided > 1000
+    assert decided > 5 * len(found)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

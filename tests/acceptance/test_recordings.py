@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -15,12 +16,16 @@ from trackmarshal.scenarios import load
 from trackmarshal.scenarios.replay import Replay, intervals, replay
 
 ROOT = Path(__file__).resolve().parents[2]
-BACKENDS = ("numpy", "reference", "c")
+#: The reference takes its time: of the recordings every seventh cycle every day, each in `make acceptance`.
+SOME = 7
+BACKENDS = ("numpy", pytest.param("reference", marks=pytest.mark.acceptance), "c")
+CYCLES = (pytest.param(1, marks=pytest.mark.acceptance, id="all"), pytest.param(SOME, id="some"))
 
 
 @cache
-def run(name: str, backend: str) -> Replay:
+def run(name: str, backend: str, every: int = 1) -> Replay:
     recording = load(shared("data", "scenarios", f"{name}.saa"))
+    recording = replace(recording, cycles=recording.cycles[::every])
     evaluator = evaluator_for(recording, ROOT / "specs" / "supervisor", [], None, None, backend)
     return replay(recording, evaluator)
 
@@ -48,9 +53,10 @@ def test_cut_in_lies_inside_its_own_ground_truth(backend: str) -> None:
     }
 
 
+@pytest.mark.parametrize("every", CYCLES)
 @pytest.mark.parametrize("name", ["modena_T1_cutin_collision", "modena_T1_infeasible", "modena_T1_valid"])
-def test_both_evaluators_say_the_same(name: str) -> None:
-    one, other = run(name, "numpy"), run(name, "reference")
+def test_both_evaluators_say_the_same(name: str, every: int) -> None:
+    one, other = run(name, "numpy", every), run(name, "reference", every)
     for a, b in zip(one.cycles, other.cycles, strict=True):
         assert (a.decision, a.decision_from) == (b.decision, b.decision_from)
         for candidate, result in a.results.items():
@@ -62,13 +68,14 @@ def test_both_evaluators_say_the_same(name: str) -> None:
                 assert x.margin == pytest.approx(expected.rules[rule].margin, rel=1e-9, abs=1e-9, nan_ok=True)
 
 
+@pytest.mark.parametrize("every", CYCLES)
 @pytest.mark.parametrize("other", ["reference", "numpy"])
 @pytest.mark.parametrize("name", ["modena_T1_cutin_collision", "modena_T1_infeasible", "modena_T1_valid"])
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
-def test_generated_c_says_the_same_to_the_last_bit(name: str, other: str) -> None:
+def test_generated_c_says_the_same_to_the_last_bit(name: str, other: str, every: int) -> None:
     """The exception, see docs/generated-c.md: numpy has sines and cosines of its own, which one rule asks for."""
     margins = 0
-    for a, b in zip(run(name, "c").cycles, run(name, other).cycles, strict=True):
+    for a, b in zip(run(name, "c", every).cycles, run(name, other, every).cycles, strict=True):
         assert (a.decision, a.decision_from) == (b.decision, b.decision_from)
         for candidate, result in a.results.items():
             for rule, x in result.rules.items():
@@ -78,7 +85,7 @@ def test_generated_c_says_the_same_to_the_last_bit(name: str, other: str) -> Non
                     same = abs(x.margin - y.margin) <= 1e-15
                 assert (x.verdict, same) == (y.verdict, True), (a.t, candidate, rule, x, y)
                 margins += 1
-    assert margins > 1000
+    assert margins > 1000 / every
 
 
 def test_infeasible_is_unsafe_by_friction_drive_and_an_emergency_trajectory_that_does_not_stop() -> None:
