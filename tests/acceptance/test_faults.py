@@ -79,6 +79,7 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
+@pytest.mark.acceptance  # evidence is made twice
 def test_evidence_goes_stale_and_turns_red(project: Path) -> None:
     """Friction that finds nothing any more: stale as it is, failed when the faults are put in again, and well again after."""
     path = project / "specs" / "supervisor" / "trajectory.spec"
@@ -103,6 +104,7 @@ def test_evidence_goes_stale_and_turns_red(project: Path) -> None:
     assert command(project, "trace", "--gate", "--as-is")[0] == 0
 
 
+@pytest.mark.acceptance
 def test_a_fault_that_is_struck_is_missed(project: Path) -> None:
     path = project / "specs" / "scenarios" / "faults.yaml"
     before = path.read_text("utf-8")

@@ -74,7 +74,7 @@ def gate(project: Path) -> int:
     return command(project, "trace", "--gate", "--as-is")[0]
 
 
-@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("rule"), 4))
+@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("rule"), 8))
 def test_without_a_rule(edited: Path, file: str, name: str, start: int) -> None:
     """With its tests, which would otherwise not compile, and out of the rulebook."""
     path = edited / "specs" / "supervisor" / file
@@ -98,7 +98,7 @@ def test_without_a_rule_that_tests_and_the_rulebook_still_name(
     assert gate(edited) == 1
 
 
-@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("test"), 24))
+@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("test"), 60))
 def test_without_a_test(edited: Path, file: str, name: str, start: int) -> None:
     """The baseline knows them all."""
     path = edited / "specs" / "supervisor" / file

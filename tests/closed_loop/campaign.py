@@ -24,7 +24,7 @@ from closed_loop.loop import Run
 from closed_loop.origin import alike, key, origins
 from closed_loop.result import result
 from closed_loop.road import Road
-from closed_loop.supervising import InProcess, Supervising
+from closed_loop.supervising import AsProcess, Supervising
 
 
 def run_all(conditions: Sequence[Condition], folder: Path, jobs: int = 1) -> None:
@@ -64,8 +64,8 @@ def _share(conditions: Sequence[Condition], folder: Path) -> None:
 
 
 def supervise(road: Road) -> Supervising:
-    """The Supervisor of a run. The seam: another one that steps, is told of silence, and closes goes here."""
-    return InProcess(road.signal)
+    """The Supervisor of a run, as a process. The seam: another one that steps, is told of silence, and closes goes here."""
+    return AsProcess(road.signal)
 
 
 def collect(conditions: Sequence[Condition], folder: Path) -> list[dict[str, Any]]:

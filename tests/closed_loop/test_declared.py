@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 
 import pytest
 
@@ -16,6 +15,7 @@ from closed_loop.loop import Run
 from closed_loop.origin import alike, key, origins
 from closed_loop.result import CONTACT, OFF, result
 from closed_loop.road import Road
+from closed_loop.supervising import InProcess
 
 pytestmark = pytest.mark.acceptance
 
@@ -49,11 +49,19 @@ def test_no_declared_fault_ends_badly() -> None:
             assert runs == [by_name[run["name"]] for run in runs]
 
 
-def test_the_control_is_undisturbed_and_a_run_comes_out_the_same_again(tmp_path: Path) -> None:
-    condition, road = Condition("none", "modena", True, "fast"), Road.of("modena")
+@pytest.mark.parametrize("fault", ["none", "P-06", "T-02"])
+def test_a_run_comes_out_the_same_again_and_with_the_supervisor_in_this_process(fault: str) -> None:
+    condition, road = Condition(fault, "modena", True, "fast"), Road.of("modena")
     with PlannerProcess("modena") as planner:
-        runs = [result(condition, Run(condition, road, planner, supervise).go(), road) for _ in range(2)]
+        runs = [
+            result(condition, Run(condition, road, planner, made).go(), road)
+            for made in (supervise, supervise, lambda road: InProcess(road.signal))
+        ]
     assert runs[0] == runs[1]
+    assert runs[0] == runs[2]
+    if fault != "none":
+        assert runs[0]["reaction"] is not None
+        return
     assert runs[0]["outcome"] == "drives_on"
     assert runs[0]["unsafe_before"] == 0
     assert runs[0]["reaction"] is None

@@ -32,8 +32,8 @@ from trackmarshal.runtime.verdict import CaseResult, RuleResult
 
 BACKENDS = ("reference", "numpy")
 #: Their examples are long, or cost several evaluations; seeded ones, which are cheaper, make up for it.
-few = settings(repeatable, max_examples=8)
-some = settings(repeatable, max_examples=30)
+few = settings(repeatable, max_examples=5)
+some = settings(repeatable, max_examples=20)
 both = pytest.mark.parametrize("backend", BACKENDS)
 Raw = dict[str, Any]
 
