@@ -46,7 +46,7 @@ LIMITS = {
     f"{MEMORY}, to the decision, 99.9 %": 1e-3,
 }
 #: The cycles say nothing about pace and pose.
-FREE = replace(Limits.open_loop(), samples=64, elements=32, border=2048)
+FREE = replace(Limits.open_loop(), samples=128, elements=32, border=2048)
 _PORT = 45_871
 
 
@@ -95,7 +95,10 @@ def _client(folder: Path, spec: Spec, rules: list[RuleInfo]) -> Path:
     units = ["linked.c", "client.c", "cycles.c", "mailbox.c", "messages.c"]
     command = compiler()
     assert command is not None
-    subprocess.run([*command, "-std=c99", "-O2", "-o", "linked", *units, "-lm"], cwd=folder, check=True)
+    sizes = [f"-D{name}={size}" for name, size in made.sizes.items()]
+    subprocess.run(
+        [*command, "-std=c99", "-O2", *sizes, "-o", "linked", *units, "-lm"], cwd=folder, check=True
+    )
     return folder / "linked"
 
 
