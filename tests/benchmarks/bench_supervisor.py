@@ -31,8 +31,11 @@ from trackmarshal.runtime.supervisor import Supervisor
 ROOT = Path(__file__).resolve().parents[2]
 PERIOD, RADIUS = 0.1, 600.0
 STEP = "Supervisor: step with C"
+#: Samples of a trajectory: what a planner on a grid of 2.5 m sends at most over 10 s.
+FEW, MANY = 50, 115
 LIMITS = {
     STEP: 40e-6,
+    f"{STEP}, {MANY} points": 60e-6,
     f"{STEP}, caches emptied, to the same hot (ratio)": 2.5,
     "Supervisor: what the record adds to a step": 50e-6,
 }
@@ -86,6 +89,7 @@ def _with_c(spec: Spec) -> dict[str, float]:
     cold = emptied(lambda: float(frozen.run(1)[0][0]))
     return {
         STEP: float(middle),
+        f"{STEP}, {MANY} points": float(np.median(Driven(spec, frozen=True, points=MANY).run(4000)[0])),
         f"{STEP}, borders as arrays that are compared": float(
             np.median(Driven(spec, frozen=False).run(2000)[0])
         ),
@@ -100,12 +104,12 @@ def _with_c(spec: Spec) -> dict[str, float]:
 class Driven:
     """A Supervisor in C that is given one cycle after the other. frozen: borders that nobody can change, as `tm.line` makes them."""
 
-    def __init__(self, spec: Spec, frozen: bool, record: Path | None = None) -> None:
+    def __init__(self, spec: Spec, frozen: bool, record: Path | None = None, points: int = FEW) -> None:
         from trackmarshal.supervision import supervisor
 
         self._now = 0.0
         self._supervisor = supervisor(spec, backend="c", clock=lambda: self._now, record=record)
-        self._given = cycles(frozen)
+        self._given = cycles(frozen, points)
         self.run(2000)
 
     def run(self, steps: int) -> tuple[Any, int]:
@@ -144,10 +148,9 @@ def _never(number: int) -> Any:
     raise AssertionError(f"nobody asks why of rule {number}")
 
 
-def plan(braking: float) -> dict[str, Any]:
-    """50 samples on a circle, at 40 m/s; one that brakes ends at rest."""
-    n = 50
-    t = np.linspace(0.0, 40.0 / braking if braking else 4.9, n)
+def plan(braking: float, n: int = FEW) -> dict[str, Any]:
+    """Samples on a circle, at 40 m/s, 0.1 s apart; one that brakes ends at rest."""
+    t = np.linspace(0.0, 40.0 / braking if braking else 0.1 * (n - 1), n)
     s = 40.0 * t - braking * t**2 / 2
     v = 40.0 - braking * t
     v[-1] = 0.0 if braking else 40.0
@@ -158,9 +161,9 @@ def plan(braking: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def cycles(frozen: bool = False) -> Iterator[Cycle]:
+def cycles(frozen: bool = False, points: int = FEW) -> Iterator[Cycle]:
     """The same situation again and again, in order."""
-    driving, emergency = plan(0.0), plan(9.0)
+    driving, emergency = plan(0.0, points), plan(9.0, points)
     ahead = 1 / 6 + np.array([60.0, 90.0, -40.0]) / RADIUS
 
     def border(radius: float, phase: float) -> Any:
