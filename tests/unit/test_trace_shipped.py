@@ -127,7 +127,7 @@ def gaps(root: Path) -> set[str]:
         f.code
         for f in trace.gate(matrix)
         if f.code not in ("T220", "T221", "T222", "T240", "T250", "T264")
-        and not re.search("at S-(4|2-A)", f.message)
+        and not re.search("at S-(4|3-A|2-A)", f.message)
     }
 
 
