@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import random
 import struct
 
@@ -34,6 +35,10 @@ WINDOWS = (
 WRAPS = ("{}", "eventually[3 s, 3.4 s] ({})", "always ({} or p.hot)", "eventually ({} and p.q > 1)")
 
 
+#: In how many of these ways each formula stands.
+WRAPPED = int(os.environ.get("TRACKMARSHAL_WRAPS", "1"))
+
+
 def spec_text() -> str:
     formulas = []
     for window in WINDOWS:
@@ -51,7 +56,7 @@ def spec_text() -> str:
     ]
     rules = []
     for number, formula in enumerate(formulas):
-        for wrap_number, wrap in enumerate(WRAPS):
+        for wrap_number, wrap in [*enumerate(WRAPS), *enumerate(WRAPS)][number % len(WRAPS) :][:WRAPPED]:
             rules.append(
                 f'rule r{number}_{wrap_number} "made up"\n  along log as p\n  require {wrap.format(formula)}\n'
             )

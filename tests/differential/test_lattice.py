@@ -157,7 +157,7 @@ def check(count: int, seed: int) -> None:
 
 
 def test_a_lattice() -> None:
-    check(1200, 1)
+    check(600, 1)
 
 
 @pytest.mark.acceptance

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import math
+import os
 from typing import Any
 
 import pytest
@@ -31,6 +32,8 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.verdict import CaseResult, RuleResult
 
 BACKENDS = ("reference", "numpy")
+#: Of seeded ones, what each part has.
+SEEDS = int(os.environ.get("TRACKMARSHAL_SEEDS", "16"))
 #: Their examples are long, or cost several evaluations; seeded ones, which are cheaper, make up for it.
 few = settings(repeatable, max_examples=5)
 some = settings(repeatable, max_examples=20)
@@ -148,7 +151,7 @@ def test_hiding_a_value_makes_nothing_safe(backend: str, made: Subject, data: st
 @both
 @pytest.mark.parametrize("part", range(4))
 def test_hiding_a_value_makes_no_seeded_spec_safe(backend: str, part: int) -> None:
-    for seed in range(40 * part, 40 * (part + 1)):
+    for seed in range(SEEDS * part, SEEDS * (part + 1)):
         choices = RandomChoices(seed)
         hold_what_is_unknown_against_what_it_was(subject(choices, inexact="any"), choices, backend)
 
@@ -212,7 +215,7 @@ def test_the_whole_is_the_worst_of_its_parts(backend: str, data: st.DataObject) 
 
 @both
 def test_the_whole_is_the_worst_of_its_parts_on_seeded_rules(backend: str) -> None:
-    for seed in range(120):
+    for seed in range(3 * SEEDS):
         hold_parts_against_the_whole(RandomChoices(seed), backend)
 
 
@@ -240,7 +243,7 @@ def test_the_order_of_objects_does_not_matter(backend: str, made: Subject, data:
 @pytest.mark.parametrize("part", range(3))
 def test_a_batch_is_its_cases_one_by_one(part: int, geometry: bool) -> None:
     """To the last bit; up to that where numpy takes another way to an inexact function for one number than for many."""
-    for seed in range(40 * part, 40 * (part + 1)):
+    for seed in range(SEEDS * part, SEEDS * (part + 1)):
         made = subject(RandomChoices(seed), inexact="gentle", geometry=geometry)
         spec = compiled(made.text)
         cases = read(spec, made.cases)
@@ -251,7 +254,7 @@ def test_a_batch_is_its_cases_one_by_one(part: int, geometry: bool) -> None:
 
 @both
 def test_a_rule_does_not_depend_on_the_rules_beside_it(backend: str) -> None:
-    for seed in range(60):
+    for seed in range(3 * SEEDS // 2):
         made = subject(RandomChoices(seed), inexact="any")
         spec = compiled(made.text)
         together = results(spec, read(spec, made.cases), backend)
@@ -269,7 +272,7 @@ def test_a_rule_does_not_depend_on_the_rules_beside_it(backend: str) -> None:
 @both
 def test_overriding_a_parameter_by_its_own_value_changes_nothing(backend: str) -> None:
     overridden = 0
-    for seed in range(80):
+    for seed in range(2 * SEEDS):
         made = subject(RandomChoices(seed))
         spec = compiled(made.text)
         own = {info.name: info.value for info in spec.params.values() if info.unit in ("1", "m", "s", "m/s")}
@@ -287,7 +290,7 @@ def test_the_generators_reach_all_verdicts() -> None:
     """The properties above say little if hardly any generated rule is ever decided."""
     counts = dict.fromkeys(ALLOWED, 0)
     finite = 0
-    for seed in range(120):
+    for seed in range(3 * SEEDS):
         made = subject(RandomChoices(seed))
         spec = compiled(made.text)
         for result in results(spec, read(spec, made.cases), "numpy", series=False):
