@@ -17,6 +17,7 @@ from closed_loop.executing import Sensed
 from closed_loop.fault import PLANNER, SUPERVISOR
 from closed_loop.faults_planner import accelerations
 from closed_loop.message import Columns, Message
+from closed_loop.origin import alike, origins
 from closed_loop.report import PAGE, page
 from closed_loop.test_executing import bend
 from closed_loop.test_outside import ring
@@ -91,6 +92,16 @@ def test_kept_results_are_whole_and_on_the_page() -> None:
     kept = json.loads(text)
     assert [run["name"] for run in kept["runs"]] == [run.name for run in sorted(every())]
     assert PAGE.read_text(encoding="utf-8") == page(kept, hashlib.sha256(text).hexdigest())
+
+
+@pytest.mark.skipif(
+    not places.race_line("modena").exists(), reason="race lines are shared beside the repository"
+)
+def test_kept_results_are_those_of_the_rules_loop_and_planner_of_now() -> None:
+    """They are evidence: whoever changes what they were made from runs them again (`make closed-loop`)."""
+    kept = json.loads(places.RESULTS.read_bytes())["origin"]
+    assert alike(kept) == alike(origins())
+    assert alike({**kept, "rules": "others"}) != alike(kept)
 
 
 def test_the_page_counts_what_ended_badly() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -138,12 +139,14 @@ def trajectories(draw: st.DrawFn, borders: tuple[list[Point], list[Point]], coun
     return poses
 
 
+@pytest.mark.parametrize("curved", [False, True])
 @settings(deadline=None, max_examples=300)
-@given(st.data(), corridors(), sizes, st.integers(1, 4), st.integers(1, 12))
+@given(data=st.data(), borders=corridors(), body=sizes, trips=st.integers(1, 4), count=st.integers(1, 12))
 def test_the_least_of_each_trajectory_is_exact(
+    curved: bool,
     data: st.DataObject,
     borders: tuple[list[Point], list[Point]],
-    body: tuple[float, float],
+    body: tuple[Any, ...],
     trips: int,
     count: int,
 ) -> None:
@@ -155,6 +158,11 @@ def test_the_least_of_each_trajectory_is_exact(
     lengths = np.array([data.draw(st.integers(0, count)) for _ in range(trips)])
     counted = np.arange(count) < lengths[:, None]
     columns = [*before.reshape(-1, 3).T, *poses.reshape(-1, 3).T]
+    if curved:  # bends that reach far beyond the hulls of some trajectories, and not of others
+        bends = st.lists(
+            st.sampled_from([0.0, 0.01, -0.05, 0.1]), min_size=2 * trips * count, max_size=2 * trips * count
+        )
+        body = (*body, *np.array(data.draw(bends)).reshape(2, -1))
     truth = corridor.margin_inside(*columns, *body).reshape(trips, count)
     found, exact = (
         part.reshape(trips, count)
@@ -167,6 +175,19 @@ def test_the_least_of_each_trajectory_is_exact(
         least = np.fmin.reduce(own, initial=np.inf)
         assert np.fmin.reduce(found[row, : lengths[row]], initial=np.inf) == least
         assert (found[row, : lengths[row]][~exact[row, : lengths[row]]] > least).all()
+
+
+def test_the_least_may_be_that_of_a_way_whose_hull_is_farther_away() -> None:
+    """A way's curvature takes room: the straight hull's distance is no bound of it. 10 m each; the second one bends, 0.3 m farther off."""
+    corridor = fast.Corridor([(-50.0, 14.0), (80.0, 14.0)], [(-50.0, -14.0), (80.0, -14.0)])
+    x, y = np.array([0.0, 10.0, 20.0]), np.array([10.3, 10.0, 9.9])
+    turned, bend = np.zeros(2), np.array([0.0, 0.1])
+    way = (x[:-1], y[:-1], turned, x[1:], y[1:], turned, 4.7, 2.8, bend, bend)
+    truth = corridor.margin_inside(*way)
+    assert truth[1] < truth[0] - 0.1 < corridor.margin_inside(*way[:8])[1]
+    found, exact = corridor.least_inside(way, 2, np.ones(2, dtype=np.bool_))
+    assert exact[1]
+    assert found.min() == truth[1]
 
 
 @unhurried
