@@ -128,11 +128,36 @@ def test_recordings_that_do_not_go_together_are_refused(tmp_path: Path) -> None:
     assert caught.value.code == "E475"
 
 
-def test_every_rule_statement_names_rule_requirement_and_line() -> None:
+def test_above_every_rule_stands_what_the_spec_says_and_where() -> None:
+    for code in source().rules:
+        head = code.text.partition("*/")[0]
+        assert f"{code.rule.span.file.path}:{code.rule.span.line};" in head
+        for line in code.rule.text.splitlines():
+            assert " ".join(line.split()) in " ".join(head.split()), code.rule.name
+
+
+def test_rules_read_like_the_spec() -> None:
+    """Names of the spec, whole expressions, and the place in the spec where it changes."""
     text = next(code.text for code in source().rules if code.rule.name == "friction")
-    statements = [line for line in text.splitlines() if re.match(r"\s+(const )?(double|bool) ", line)]
-    assert len(statements) > 20
-    assert all(re.search(r"/\* friction S-1-A-4 .*trajectory\.spec:\d+ \*/", line) for line in statements)
+    body = text[text.index("{") :]
+    for line in (
+        "const double mass = context->params.vehicles_devbot_mass;",
+        "for (size_t p = 0u; p < in->plan.count; ++p) {",
+        "const double p_v_squared = tm_square(in->plan.v[p]);",
+        "tm_for_all_any(&all, tm_at_most_any(left, mu * in->plan.grip[p] * mass * g));",
+    ):
+        assert line in body
+    assert re.findall(r"/\* (.*?) \*/", body) == [f"line {line_of('mass * sqrt(')}"]
+    assert not re.search(
+        r"\b[a-z]{1,2}\d+\b",
+        re.sub(r"/\*.*?\*/", "", source().source[source().source.index("tm_rule_") :], flags=re.DOTALL),
+    )
+
+
+def line_of(text: str) -> int:
+    """The line of the shipped rules about the trajectory in which a text stands."""
+    lines = (SUPERVISOR / "trajectory.spec").read_text(encoding="utf-8").splitlines()
+    return 1 + next(number for number, line in enumerate(lines) if text in line)
 
 
 def test_header_gives_units() -> None:

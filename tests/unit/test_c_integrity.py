@@ -24,17 +24,18 @@ from trackmarshal.evaluation import load
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 _FUNCTION = re.compile(
-    r"^(?:static )?(?P<type>void|bool|size_t|int|double|tm_status|tm_configured)\s+(?P<name>tm_[a-z0-9_A-Z]+)\([^;{]*?\)\s*\{\n",
+    r"^(?:static (?:inline )?)?(?P<type>void|bool|size_t|int|double|tm_status|tm_configured)\s+(?P<name>tm_[a-z0-9_A-Z]+)\([^;{]*?\)\s*\{\n",
     re.MULTILINE,
 )
 #: What computes numbers, and geometry below what prepares a shape: nobody can see that a number is another one.
 _NUMBERS = set(functions()) - {
-    "tm_add", "tm_same_text", "tm_named", "tm_read", "tm_due_by", "tm_pose_at", "tm_decide", "tm_undefined", "tm_fill_table",
+    "tm_add", "tm_same_text", "tm_named", "tm_read", "tm_due_by", "tm_pose_at", "tm_decide", "tm_undefined", "tm_conclude",
+    "tm_conclude_any", "tm_fill_table",
     "tm_make_polygon", "tm_make_corridor", "tm_make_line", "tm_make_centre",
 }  # fmt: skip
 #: Of what answers yes or no, an answer that is no claim: `something is not known` makes the rule be computed the longer way, and
 #: where nothing was found before, nothing is named.
-_HONEST = re.compile(r"tm_rule_\w+_known|tm_known_\w+|tm_named|tm_same_text")
+_HONEST = re.compile(r"tm_rule_\w+_known|tm_conclude|tm_named|tm_same_text")
 _DRIVING, _STORED = 1, 2
 
 
@@ -174,7 +175,7 @@ def test_every_function_is_called() -> None:
     for number, (name, kind) in enumerate(NAMES):
         if not any(any(run(number, answer).called) for answer in ((0, 1) if kind == "bool" else (0,))):
             uncalled.append(name)
-    rare = re.compile(r"tm_rule_\w+_any|tm_rule_\w+|tm_incomplete|tm_stored_\w+|tm_set_\w+")
+    rare = re.compile(r"tm_rule_\w+_any|tm_rule_\w+|tm_conclude_any|tm_incomplete|tm_stored_\w+|tm_set_\w+")
     assert [name for name in uncalled if not rare.fullmatch(name)] == []
 
 

@@ -31,7 +31,9 @@ def known(folder: Path, *rules: str) -> str:
     spec = load(path)
     source = generate(spec, spec.rules).source
     return "\n".join(
-        re.findall(r"static bool tm_(?:rule|known)_\w+\(.*?^\}", source, re.DOTALL | re.MULTILINE)
+        re.findall(
+            r"static (?:bool tm_rule_\w+_known|void tm_rules_\w+)\(.*?^\}", source, re.DOTALL | re.MULTILINE
+        )
     )
 
 
@@ -75,8 +77,8 @@ def test_rules_over_one_set_share_a_loop(tmp_path: Path) -> None:
         "  for all b in boxes\n  require offset(b, track) > 1 m",
         "  for all b in boxes where offset(b, track) < 3 m\n  require station(b, track) > 1 m",
     )
-    assert "tm_known_boxes_0" in text
-    group = text[text.index("tm_known_boxes_0") :]
+    assert "tm_rules_boxes_0" in text
+    group = text[text.index("tm_rules_boxes_0") :]
     assert group.count("tm_line_project(") == 1
     # A path is projected on sample by sample: a loop of its own.
-    assert "tm_known_" not in known(tmp_path, *["  for all b in boxes\n  require offset(b, plan) > 1 m"] * 2)
+    assert "tm_rules_" not in known(tmp_path, *["  for all b in boxes\n  require offset(b, plan) > 1 m"] * 2)

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import trackmarshal as tm
+from trackmarshal.backends.c.source import generate
 from trackmarshal.cli.main import main
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.scenarios import load
@@ -35,6 +36,14 @@ PROGRAMS = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "supervisor.md").
 def test_there_are_examples() -> None:
     assert len(EXAMPLES) >= 2
     assert len(PROGRAMS) >= 2
+
+
+def test_the_page_about_generated_c_shows_what_is_generated() -> None:
+    page = (ROOT / "docs" / "generated-c.md").read_text("utf-8")
+    blocks = re.findall(r"```c\n(.*?)```", page, re.DOTALL)
+    spec = compile_paths([ROOT / "specs" / "supervisor"], ROOT).spec
+    (friction,) = (code for code in generate(spec, spec.rules).rules if code.rule.name == "friction")
+    assert f"{friction.text.rstrip()}\n" in blocks
 
 
 def test_programs_run(

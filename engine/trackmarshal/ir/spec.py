@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from trackmarshal.ir.nodes import Axis, Formula
+from typing import NamedTuple
+
+from trackmarshal.ir.nodes import IR, Axis, Formula
 from trackmarshal.node import Node
 from trackmarshal.source import Span
 
@@ -84,6 +86,14 @@ class ConstraintInfo(Node):
     span: Span
 
 
+class Called(NamedTuple):
+    """What a rule calls a number or a formula. `own`: it is a `let`, or what a definition makes; else it is given to a definition, which calls it so."""
+
+    node: IR
+    name: str
+    own: bool
+
+
 class RuleInfo(Node):
     """A rule, or an assumption with a monitor, as a formula."""
 
@@ -107,6 +117,9 @@ class RuleInfo(Node):
     reads: frozenset[tuple[str, str]]
     fingerprint: str
     span: Span
+    #: The rule as it is written, and what it calls the values in it.
+    text: str = ""
+    names: tuple[Called, ...] = ()
 
 
 class RulebookInfo(Node):

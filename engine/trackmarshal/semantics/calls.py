@@ -150,11 +150,16 @@ def expand(
         self.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
     bound = self.all(*(lambda p=p, v=v: _argument(self, p, v) for p, v in zip(item.parameters, args)))
     local = {p.name: value for p, value in zip(item.parameters, bound)}
+    for called, value in local.items():
+        self.remember(value, called, own=False)
     scope = self.scopes[symbol.module]
     inner = type(ctx)(scope, local, ctx.level, ctx.timeline, ctx.site or span, (*ctx.stack, symbol.qualified))
     if item.keyword == "predicate":
-        return FormulaValue(self.formula(item.body, inner).node, span)
+        holds = FormulaValue(self.formula(item.body, inner).node, span)
+        self.remember(holds, item.name)
+        return holds
     value = self.number(item.body, inner)
+    self.remember(value, item.name)
     if item.result is not None:
         wanted = parse_unit(item.result)[2]
         if value.dimension != wanted:

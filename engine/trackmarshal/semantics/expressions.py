@@ -18,7 +18,7 @@ from trackmarshal.ir.operators import (
     UNTIL,
     known,
 )
-from trackmarshal.ir.spec import SignalType
+from trackmarshal.ir.spec import Called, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
 from trackmarshal.semantics.advice import Advice
@@ -114,6 +114,13 @@ class Expressions:
         self.failed: set[str] = set()
         #: How many definitions were written out for the declaration at hand.
         self.expansions = 0
+        #: What the declaration at hand calls numbers and formulas.
+        self.names: dict[ir.IR, Called] = {}
+
+    def remember(self, value: Value, name: str, own: bool = True) -> None:
+        """Note what a number or a formula is called; the outermost name of its own counts."""
+        if isinstance(value, (NumberValue, FormulaValue)) and (own or value.node not in self.names):
+            self.names[value.node] = Called(value.node, name, own)
 
     def attempt(self, step: Callable[[], None], span: Span) -> bool:
         """Check one declaration, or one clause: whether it has a meaning; what keeps it from one was reported."""

@@ -83,6 +83,7 @@ class RuleBuilder:
                     or f"declare it: `assume {name}`, or add a `use` of its module"
                 )
                 self.x.found.append(UnknownReference(span, problem, hint))
+        self.x.names.clear()
         formula, active, along = self._formula(item)
         if any(
             isinstance(d, UnknownName) for d in self.x.found[before:]
@@ -96,7 +97,7 @@ class RuleBuilder:
         return RuleInfo(
             item.name, kind, item.title, self.ctx.scope.module, formula, active, along, margin_unit(formula), tuple(satisfies),
             tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], reads(formula),
-            fingerprint(item, formula), item.span.head,
+            fingerprint(item, formula), item.span.head, item.span.text.rstrip(), tuple(self.x.names.values()),
         )  # fmt: skip
 
     def _allow(self, item: ast.Rule | ast.Assume, before: int) -> None:
@@ -263,6 +264,7 @@ class RuleBuilder:
                     case ast.Let():
                         self.x.check_new(clause.name, clause.span, ctx)
                         value = self.x.value(clause.value, ctx)
+                        self.x.remember(value, clause.name)
                         ctx = ctx.bind({clause.name: value})
                     case ast.Require():
                         body = self.x.formula(clause.condition, ctx).node

@@ -53,7 +53,7 @@ def inexact(source: Source) -> dict[str, list[str]]:
 
 
 def _libm(source: Source, graph: dict[str, set[str]], code: RuleCode) -> set[str]:
-    begun = [f"tm_rule_{code.c_name}"]
+    begun = [code.entry]
     for root in roots(code.rule):
         for node in ir.below(root):
             if isinstance(node, ir.Line | ir.Area) and shape_key(node) in source.plan.shapes:

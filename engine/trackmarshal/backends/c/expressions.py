@@ -1,35 +1,26 @@
-"""Nodes of the IR to C statements: each node once, in the outermost block in which all its variables are bound."""
+"""Nodes of the IR to C: each in place where it is read once, else under a name, in the outermost scope in which all its variables are bound."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import assert_never
 
+from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.layout import Layout
-from trackmarshal.backends.c.names import comment, literal
-from trackmarshal.backends.c.slots import mark
-from trackmarshal.backends.c.statements import Block
+from trackmarshal.backends.c.names import RESERVED, comment, identifier, literal
+from trackmarshal.backends.c.signs import margins_read
 from trackmarshal.backends.c.sweeps import along_timeline
+from trackmarshal.backends.c.usage import Same, Usage, Value
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import COMPARISONS, ConnectiveOp, Extreme, FunctionName, Measure
-from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.ir.operators import ComparisonOp, ConnectiveOp, Extreme, FunctionName
+from trackmarshal.ir.spec import Called, RuleInfo
 from trackmarshal.source import Span
 
-
-@dataclass(frozen=True)
-class Value:
-    """The C names of a formula's value; of one known for sure, worst and best are the same names."""
-
-    worst_sat: str
-    worst_margin: str
-    best_sat: str
-    best_margin: str
-
-    @property
-    def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        return (self.worst_sat, self.worst_margin), (self.best_sat, self.best_margin)
+#: What is longer than this is named for readers, though it is read once; a side of a comparison, than that.
+_LONG = 150
+_LONG_SIDE = 40
+_ZERO = c.Literal("0u")
 
 
 def called(name: FunctionName) -> tuple[str, frozenset[str]]:
@@ -57,67 +48,76 @@ def called(name: FunctionName) -> tuple[str, frozenset[str]]:
             assert_never(name)
 
 
-def margin(measure: Measure, a: str, b: str) -> str:
-    """C of a comparison's margin."""
-    match measure:
-        case Measure.ROOM_ABOVE:
-            return f"{b} - {a}"
-        case Measure.ROOM_BELOW:
-            return f"{a} - {b}"
-        case Measure.NEARNESS:
-            return f"-fabs({a} - {b})"
-        case Measure.DISTANCE:
-            return f"fabs({a} - {b})"
+def compared(op: ComparisonOp) -> str:
+    """The C function of a comparison."""
+    match op:
+        case "<":
+            return "less"
+        case "<=":
+            return "at_most"
+        case ">":
+            return "greater"
+        case ">=":
+            return "at_least"
+        case "==":
+            return "equal"
+        case "!=":
+            return "unequal"
         case _:
-            assert_never(measure)
-
-
-def extreme(kind: Extreme) -> tuple[str, str]:
-    """The C operator that joins whether formulas hold, and the function that joins their margins."""
-    match kind:
-        case Extreme.LEAST:
-            return "&&", "tm_least"
-        case Extreme.GREATEST:
-            return "||", "tm_greatest"
-        case _:
-            assert_never(kind)
-
-
-def neutral(kind: Extreme) -> tuple[str, str]:
-    """C of whether nothing holds, and of its margin."""
-    holds, least = kind.neutral
-    return ("true" if holds else "false"), ("TM_INF" if least > 0.0 else "-TM_INF")
+            assert_never(op)
 
 
 class Writer:
-    """Writes one function of one rule. `known`: everything is taken for known, and whatever is not is remarked in `suspect`.
+    """Writes one function. `known`: everything is taken for known, and whatever is not makes a formula's value unknown.
 
-    The other kind of function carries a worst and a best case through every formula (strong Kleene logic).
+    The other kind of function carries a worst and a best case through every formula (strong Kleene logic). A number is C of type
+    double; a formula is a `tm_truth` or, of the other kind, a `tm_cases`.
     """
 
-    def __init__(self, plan: Layout, rule: RuleInfo, known: bool) -> None:
+    def __init__(
+        self,
+        plan: Layout,
+        rules: Sequence[RuleInfo],
+        known: bool,
+        formulas: Sequence[ir.Formula],
+        guards: Sequence[ir.Formula] = (),
+    ) -> None:
         self.plan = plan
-        self.rule = rule
+        self.rule = rules[0]
         self.known = known
-        self.root = Block("")
-        self._count = 0
-        self._notes: dict[tuple[str, int], str] = {}
-        self._free: dict[ir.IR, frozenset[ir.Axis]] = {}
-        self._span: Span | None = rule.span
-        #: How many series of the context the function needs, once it is written.
-        self.series = 0
+        self.grouped = len(rules) > 1
+        self.root = c.Scope()
+        self.root.names |= _TAKEN
+        self.facts = plan.facts
+        same = Same(plan.facts)
+        #: What is written: formulas with their margins, and others of which it is asked whether they hold.
+        self.formulas = [same.formula(each) for each in formulas]
+        self.guards = [same.formula(each) for each in guards]
+        roots = [*self.formulas, *self.guards]
+        called: dict[ir.IR, Called] = {}
+        for name in (name for rule in rules for name in rule.names):
+            if isinstance(name.node, Value):
+                called.setdefault(same.of(name.node), name)
+        self.usage = Usage(plan.facts, roots, called)
+        #: Formulas whose margin is read.
+        self.margins = margins_read(self.formulas)
+        self._binders = {
+            node.axis: (node.name,) for root in roots for node in (root,) if isinstance(node, ir.First)
+        }
+        self._span: Span | None = self.rule.span
+        self._length: dict[c.Expr, int] = {}
+        #: How many series of the context the function needs, before they share places.
+        self.slots = 0
+        self.series: dict[tuple[c.Scope, ir.Timed], list[c.Expr]] = {}
         #: Geometric predicates of which only margins below this one matter.
-        self.bounds: dict[ir.IR, str] = {}
-        #: Those of which all along a timeline are computed ahead of the loop: where, and C of the columns and their length.
-        self.timelines: dict[ir.IR, tuple[Block, str]] = {}
-        #: libm functions that the function calls, and operations counted once for every statement.
+        self.bounds: dict[ir.IR, c.Expr] = {}
+        #: Functions of libm that the function calls.
         self.libm: set[str] = set()
+        #: Parameters of the function that it reads.
+        self.reads: set[str] = set()
+        self._columns: dict[tuple[str, str], c.Expr] = {}
 
     # Bookkeeping ------------------------------------------------------------------------------------------------
-
-    def fresh(self) -> int:
-        self._count += 1
-        return self._count
 
     def refuse(self, node: ir.IR, why: str) -> TrackmarshalError:
         span = getattr(node, "span", None) or self.rule.span
@@ -126,430 +126,510 @@ class Writer:
             help="choose rules with --rule, or another backend",
         )  # fmt: skip
 
-    def note(self) -> str:
-        span = self._span or self.rule.span
-        known = self._notes.get((self.rule.name, id(span)))
-        if known is None:
-            wanted = " ".join(name for name, _ in self.rule.satisfies)
-            known = comment(f"{self.rule.name}{' ' + wanted if wanted else ''} {span.file.path}:{span.line}")
-            self._notes[self.rule.name, id(span)] = known
-        return known
+    def place(self) -> str:
+        """Where the spec says what is being written; nothing for the rule's own first line."""
+        span = self._span
+        if span is None or span is self.rule.span:
+            return ""
+        here = span.file is self.rule.span.file and not self.grouped
+        return f"line {span.line}" if here else comment(f"{span.file.path}:{span.line}")
 
-    def add(self, block: Block, text: str, target: str | None = None) -> None:
-        block.add(text, target, self.note())
+    def add(self, scope: c.Scope, statement: c.Statement) -> None:
+        scope.add(statement, self.place())
 
-    def free(self, node: ir.Num | ir.Formula) -> frozenset[ir.Axis]:
-        """The axes whose variables a node depends on."""
-        found = self._free.get(node)
-        if found is None:
-            found = self._free[node] = self._free_of(node)
-        return found
-
-    def _free_of(self, node: ir.Num | ir.Formula) -> frozenset[ir.Axis]:
-        match node:
-            case ir.Column():
-                return frozenset([node.axis])
-            case ir.Flag():
-                return frozenset() if node.axis is None else frozenset([node.axis])
-            case ir.Quantify():
-                inner = self.free(node.body) | (frozenset() if node.guard is None else self.free(node.guard))
-                return inner - {node.axis}
-            case ir.First():
-                return self.free(node.operand) - {node.axis}
-            case ir.Temporal() | ir.Shift() | ir.Edge():
-                return self.free(node.operand) | {node.axis}
-            case ir.Until():
-                return self.free(node.left) | self.free(node.right) | {node.axis}
-            case _:  # nodes that bind no axis
-                result: frozenset[ir.Axis] = frozenset()
-                for child in ir.operands(node):
-                    result |= self.free(child)
-                return result
-
-    def home(self, axes: frozenset[ir.Axis], block: Block) -> Block:
-        """The outermost block, seen from one inside, in which these axes' variables have their present values."""
-        for candidate in block.chain():
+    def home(self, axes: frozenset[ir.Axis], scope: c.Scope) -> c.Scope:
+        """The outermost scope, seen from one inside, in which these axes' variables have their present values."""
+        for candidate in scope.chain():
             if candidate.parent is None or any(axis in candidate.binds for axis in axes):
                 return candidate
-        raise AssertionError("blocks end at the root")
+        raise AssertionError("scopes end at the root")
 
-    def index(self, axis: ir.Axis, block: Block) -> str:
-        for candidate in block.chain():
+    def index(self, axis: ir.Axis, scope: c.Scope) -> c.Expr:
+        for candidate in scope.chain():
             if axis in candidate.binds:
                 return candidate.binds[axis]
         raise AssertionError(f"no variable of axis {axis.signal} in scope")
 
-    def count(self, axis: ir.Axis) -> str:
+    def name(self, name: str) -> c.Expr:
+        """A parameter of the function."""
+        self.reads.add(name)
+        return c.Name(name)
+
+    def call(self, function: str, *arguments: c.Expr) -> c.Expr:
+        return c.Call(function, arguments)
+
+    def over(self, function: str, *arguments: c.Expr) -> c.Expr:
+        """A function of formulas, of the kind that is written."""
+        return c.Call(f"tm_{function}" if self.known else f"tm_{function}_any", arguments)
+
+    @property
+    def type(self) -> str:
+        """The C type of a formula."""
+        return "tm_truth" if self.known else "tm_cases"
+
+    def input(self, signal: str) -> c.Expr:
+        return c.Member(self.name("in"), self.plan.input(signal).c_name, True)
+
+    def count(self, axis: ir.Axis) -> c.Expr:
         """C of how many values an axis has."""
-        total = f"in->{self.plan.input(axis.signal).c_name}.count"
-        return total if axis.width == 1 else f"tm_windows({total}, {axis.width}u)"
+        total = c.Member(self.input(axis.signal), "count", False)
+        return total if axis.width == 1 else self.call("tm_windows", total, c.Literal(f"{axis.width}u"))
+
+    def loop(self, axis: ir.Axis, at: c.Scope, names: tuple[str, ...]) -> c.Scope:
+        """A scope that goes through all of an axis."""
+        count = self.count(axis)
+        if axis.width != 1:
+            windows = at.take("windows")
+            self.add(at, c.Declare("size_t", windows, count))
+            count = c.Name(windows)
+        index = identifier(names[0])
+
+        def head(body: tuple[c.Statement, ...]) -> c.Statement:
+            return c.For(
+                index, c.Binary("<", c.Name(index), count), c.Unary("++", c.Name(index)), body, axis.signal
+            )
+
+        loop = at.open(head)
+        index = loop.take(index)
+        loop.binds[axis] = c.Name(index)
+        loop.binders[axis] = names
+        return loop
+
+    def length(self, expr: c.Expr) -> int:
+        """About how many characters an expression has."""
+        known = self._length.get(expr)
+        if known is None:
+            own = 3
+            if isinstance(expr, c.Name | c.Member):
+                own = len(expr.name)
+            elif isinstance(expr, c.Call):
+                own = len(expr.function)
+            known = self._length[expr] = own + sum([self.length(each) for each in c.operands(expr)])
+        return known
 
     # Numbers ----------------------------------------------------------------------------------------------------
 
-    def number(self, node: ir.Num, block: Block) -> str:
-        """The C name of a number's value; its statement is written where it belongs."""
-        home = self.home(self.free(node), block)
+    def number(
+        self, node: ir.Num, scope: c.Scope, role: str = "", most: int = _LONG, times: int = 1
+    ) -> c.Expr:
+        """C of a number that is read in a scope, as often as `times`. `role`: what it is there, for its name if it needs one."""
+        home = self.home(self.facts.free(node), scope)
         known = home.known.get(node)
-        if known is None:
-            text = self._number(node, home)
-            if isinstance(node, ir.Const):
-                known = text
-            else:
-                known = f"n{self.fresh()}"
-                self.add(home, f"const double {known} = {text};", known)
-            home.known[node] = known
-        assert isinstance(known, str)
-        return known
+        if known is not None:
+            return known
+        made = self._number(node, home)
+        if isinstance(node, ir.Const):
+            self._length[made] = len(literal(node.value))
+        elif self._apart(node, made, home is not scope, most, times):
+            made = self.declare(home, "double", made, *self._called(node, made, role, home))
+        home.known[node] = made
+        return made
 
-    def _number(self, node: ir.Num, at: Block) -> str:
+    def _apart(self, node: Value, made: c.Expr, elsewhere: bool, most: int, times: int = 1) -> bool:
+        """Whether a value gets a name of its own."""
+        if isinstance(made, c.Name | c.Literal):
+            return False
+        if elsewhere or isinstance(node, ir.Param) or self.usage.readers.get(node, 2) > times:
+            return True
+        return node in self.usage.own or self.length(made) > most
+
+    def declare(self, scope: c.Scope, kind: str, value: c.Expr, *wanted: str) -> c.Expr:
+        """A constant with the first of the wanted names that is free."""
+        name = scope.take(*wanted)
+        self.add(scope, c.Declare(kind, name, value))
+        return c.Name(name)
+
+    def _called(self, node: Value, made: c.Expr, role: str, home: c.Scope) -> tuple[str, ...]:
+        """What a value may be called: as in the spec, after what it is made of, or after what it is for."""
+        spoken = self.usage.names.get(node)
+        if spoken is not None:
+            plain = identifier(spoken)
+            whose = f"{plain}_{self._whose(node, home)}"
+            return (whose,) if node in self.usage.ambiguous else (plain, whose)
+        own = self._own_name(node, made, home)
+        if own:
+            return own
+        return (
+            (f"{self.plan.rule_names[self.rule.name]}_{role}" if self.grouped else role,)
+            if role
+            else ("value",)
+        )
+
+    def _own_name(self, node: Value, made: c.Expr, home: c.Scope) -> tuple[str, ...]:
+        match node:
+            case ir.Param():
+                return identifier(node.name.rpartition(".")[2]), self.plan.params[node.name]
+            case ir.Column() | ir.Flag() if node.axis is not None:
+                return (self._of_axis(node.axis, node.field or "", node.offset, home),)
+            case ir.Scalar():
+                return (identifier(f"{node.signal}_{node.field}"),)
+            case ir.Flag():
+                return (identifier(f"{node.signal}_{node.field}" if node.field else node.signal),)
+            case ir.Sample():
+                return (identifier(f"{node.signal}_{'first' if node.index == 0 else 'last'}_{node.field}"),)
+            case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance():
+                return (identifier(f"{node.spoken}_{self._whose(node, home)}"),)
+            case ir.Arith() if node.op == "*" and node.left is node.right:
+                named = self.usage.names.get(node.left)
+                own = (named,) if named else self._own_name(node.left, made, home)
+                return (identifier(f"{own[0]}_squared"),) if own else ()
+            case ir.Arith() if isinstance(made, c.Binary):
+                return _of_arithmetic(made)
+            case ir.Neg() if isinstance(made, c.Unary):
+                return (f"minus_{made.operand.name}",) if isinstance(made.operand, c.Name) else ()
+            case ir.Func() if isinstance(made, c.Call) and len(node.args) == 1:
+                of = made.arguments[0]
+                return (f"{node.name}_{of.name}",) if isinstance(of, c.Name) else ()
+            case _:
+                return ()
+
+    def _of_axis(self, axis: ir.Axis, field: str, offset: int, home: c.Scope) -> str:
+        names = self.names_of(axis, home)
+        if offset < 0:
+            return identifier(f"{names[0]}_{field}_before")
+        who = names[offset] if offset < len(names) else f"{names[0]}{offset}"
+        return identifier(f"{who}_{field}")
+
+    def names_of(self, axis: ir.Axis, scope: c.Scope) -> tuple[str, ...]:
+        """What the spec calls the variables of an axis."""
+        for candidate in scope.chain():
+            if axis in candidate.binders:
+                return candidate.binders[axis]
+        return self._binders.get(axis, (axis.signal,))
+
+    def _whose(self, node: Value, home: c.Scope) -> str:
+        """The variables that a value is about, or the signals; for names that would be alike."""
+        axes = sorted(self.facts.free(node), key=lambda axis: axis.level)
+        if axes:
+            return "_".join(identifier(self.names_of(axis, home)[0]) for axis in axes)
+        read: dict[str, None] = {}
+        for each in ir.below(node):
+            if isinstance(each, ir.Scalar | ir.Sample | ir.Flag):
+                read.setdefault(identifier(each.signal))
+        return "_".join(read) or "it"
+
+    def _number(self, node: ir.Num, at: c.Scope) -> c.Expr:
         match node:
             case ir.Const():
-                return literal(node.value)
+                return c.Literal(literal(node.value))
             case ir.Param():
-                return f"c->params.{self.plan.params[node.name]}"
+                return c.Member(
+                    c.Member(self.name("context"), "params", True), self.plan.params[node.name], False
+                )
             case ir.Column():
-                return self._column(node, at)
+                return self.column(node, at)
             case ir.Sample():
-                place = self.plan.input(node.signal).c_name
-                column = self.plan.field_name(node.signal, node.field)
                 if node.index not in (0, -1):
                     raise self.refuse(
                         node,
                         f"sample {node.index} of `{node.signal}`; the C generator knows the first and the last",
                     )
-                at_index = "0" if node.index == 0 else f"in->{place}.count - 1u"
-                return f"in->{place}.{column}[{at_index}]"
+                last = c.Binary("-", c.Member(self.input(node.signal), "count", False), c.Literal("1u"))
+                return c.Element(self.field(node.signal, node.field), _ZERO if node.index == 0 else last)
             case ir.Scalar():
-                return f"in->{self.plan.input(node.signal).c_name}.{self.plan.field_name(node.signal, node.field)}"
+                return self.field(node.signal, node.field)
+            case ir.Arith() if (
+                node.op == "*" and node.left is node.right and self.usage.readers[node.left] == 2
+            ):
+                return self.call("tm_square", self.number(node.left, at, times=2))
             case ir.Arith():
-                left, right = self.number(node.left, at), self.number(node.right, at)
-                return f"{left} {node.op} {right}"
+                return c.Binary(node.op, self.number(node.left, at), self.number(node.right, at))
             case ir.Neg():
-                return f"-{self.number(node.operand, at)}"
+                return c.Unary("-", self.number(node.operand, at))
             case ir.Func():
-                args = ", ".join([self.number(arg, at) for arg in node.args])
                 function, libm = called(node.name)
                 self.libm |= libm
-                return f"{function}({args})"
+                return c.Call(function, tuple([self.number(arg, at) for arg in node.args]))
             case ir.Choose():
-                condition = self.formula(node.condition, at)
-                then, otherwise = self.number(node.then, at), self.number(node.otherwise, at)
-                if self.known:
-                    return f"{condition.worst_sat} ? {then} : {otherwise}"
-                return f"{condition.worst_sat} ? {then} : ({condition.best_sat} ? TM_NAN : {otherwise})"
-            case ir.Lookup():
-                return (
-                    f"tm_lookup(&c->tables.{self.plan.tables[node.table]}, {self.number(node.argument, at)})"
+                condition = self.formula(node.condition, at, "condition")
+                return self.over(
+                    "select", condition, self.number(node.then, at), self.number(node.otherwise, at)
                 )
-            case ir.Station():
-                return f"{self._projected(node, at)}.station"
-            case ir.Offset():
-                return f"{self._projected(node, at)}.offset"
-            case ir.Direction():
-                return f"{self._projected(node, at)}.direction"
+            case ir.Lookup():
+                tables = c.Member(self.name("context"), "tables", True)
+                table = c.Address(c.Member(tables, self.plan.tables[node.table], False))
+                return self.call("tm_lookup", table, self.number(node.argument, at))
+            case ir.Station() | ir.Offset() | ir.Direction():
+                return c.Member(self._projected(node, at), node.spoken, False)
             case ir.Distance():
-                return f"{self._on_line('distance', node.line)}, {self.number(node.x, at)}, {self.number(node.y, at)})"
+                return self._on_line("distance", node.line, self.number(node.x, at), self.number(node.y, at))
             case ir.StationGap():
-                return f"{self._on_line('gap', node.line)}, {self.number(node.start, at)}, {self.number(node.end, at)})"
+                return self._on_line("gap", node.line, self.number(node.start, at), self.number(node.end, at))
             case _:
                 assert_never(node)
 
-    def _column(self, node: ir.Column | ir.Flag, at: Block) -> str:
+    def field(self, signal: str, name: str) -> c.Expr:
+        """A field of a record, or a column."""
+        known = self._columns.get((signal, name))
+        if known is None:
+            known = c.Member(self.input(signal), self.plan.field_name(signal, name), False)
+            self._columns[signal, name] = known
+        return known
+
+    def column(self, node: ir.Column | ir.Flag, at: c.Scope) -> c.Expr:
+        """C of a field of the variable of an axis."""
         assert node.axis is not None
         index = self.index(node.axis, at)
-        signal, name = (node.axis.signal, node.field)
-        place = f"in->{self.plan.input(signal).c_name}.{self.plan.field_name(signal, name or '')}"
         if node.offset > 0:
-            return f"{place}[{index} + {node.offset}u]"
+            index = c.Binary("+", index, c.Literal(f"{node.offset}u"))
         if node.offset < 0:
-            return f"{place}[tm_before({index}, {-node.offset}u)]"
-        return f"{place}[{index}]"
+            index = self.call("tm_before", index, c.Literal(f"{-node.offset}u"))
+        return c.Element(self.field(node.axis.signal, node.field or ""), index)
 
-    def _on_line(self, what: str, line: ir.Line) -> str:
-        """The call of a function of a line, up to its last arguments."""
+    def _on_line(self, what: str, line: ir.Line, *arguments: c.Expr) -> c.Expr:
+        """A call of a function of a line."""
         if line.kind == "path":
-            signal = f"in->{self.plan.input(line.name).c_name}"
-            x, y = (self.plan.field_name(line.name, name) for name in ("x", "y"))
-            return f"tm_path_{what}({signal}.{x}, {signal}.{y}, {signal}.count"
-        return f"tm_line_{what}(c, &c->shapes.{self.plan.shape(line).c_name}"
+            x, y = (self.field(line.name, name) for name in ("x", "y"))
+            return self.call(
+                f"tm_path_{what}", x, y, c.Member(self.input(line.name), "count", False), *arguments
+            )
+        return self.call(f"tm_line_{what}", *self.shape(line), *arguments)
 
-    def _projected(self, node: ir.Projected, at: Block) -> str:
+    def shape(self, item: ir.Line | ir.Area) -> tuple[c.Expr, c.Expr]:
+        """The context, and the place of a line or region in it."""
+        shapes = c.Member(self.name("context"), "shapes", True)
+        return c.Name("context"), c.Address(c.Member(shapes, self.plan.shape(item).c_name, False))
+
+    def _projected(self, node: ir.Projected, at: c.Scope) -> c.Expr:
         """The name of a point's projection, made once: its station, offset and direction are three nodes."""
         x, y = self.number(node.x, at), self.number(node.y, at)
-        key = ("projection", node.line, x, y)
+        key = ("projection", node.line, node.x, node.y)
         known = at.known.get(key)
         if known is None:
-            known = at.known[key] = f"r{self.fresh()}"
-            call = f"{self._on_line('project', node.line)}, {x}, {y})"
-            self.add(at, f"const tm_projection {known} = {call};", f"{known}")
-        return f"{known}"
+            call = self._on_line("project", node.line, x, y)
+            known = self.declare(at, "tm_projection", call, identifier(f"projection_{self._whose(node, at)}"))
+            at.known[key] = known
+        return known
 
     # Formulas ---------------------------------------------------------------------------------------------------
 
-    def formula(self, node: ir.Formula, block: Block) -> Value:
-        """The C names of a formula's value; its statements are written where they belong."""
-        home = self.home(self.free(node), block)
+    def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds") -> c.Expr:
+        """C of a formula that is read in a scope."""
+        home = self.home(self.facts.free(node), scope)
         known = home.known.get(node)
-        if known is None:
-            before, self._span = self._span, getattr(node, "span", None) or self._span
-            known = home.known[node] = self._formula(node, home)
-            self._span = before
-        assert isinstance(known, Value)
-        return known
+        if known is not None:
+            return known
+        before, self._span = self._span, getattr(node, "span", None) or self._span
+        made = self._formula(node, home)
+        if not isinstance(node, ir.Truth) and self._apart(node, made, home is not scope, _LONG):
+            made = self.declare(home, self.type, made, *self._called(node, made, role, home))
+        home.known[node] = made
+        self._span = before
+        return made
 
-    def _formula(self, node: ir.Formula, at: Block) -> Value:
+    def _formula(self, node: ir.Formula, at: c.Scope) -> c.Expr:
         match node:
             case ir.Truth():
-                pair = ("true", "TM_INF") if node.value else ("false", "(-TM_INF)")
-                return Value(*pair, *pair)
+                return self.over("true" if node.value else "false")
             case ir.Flag():
-                return self._flag(node, at)
+                return self.over("flagged", self._flag(node, at))
             case ir.Compare():
-                return self._compare(node, at)
+                left = self.number(node.left, at, "left", _LONG_SIDE)
+                right = self.number(node.right, at, "right", _LONG_SIDE)
+                return self.over(compared(node.op), left, right)
             case ir.SweptInside() | ir.SweptClear() | ir.InArea():
-                return self._geometry(node, at)
+                return self.over("apart_by", self._geometry(node, at))
             case ir.Not():
-                inner = self.formula(node.operand, at)
-                return self.negated(inner, at)
+                return self.over("not", self.formula(node.operand, at))
             case ir.Connective():
-                return self.connect(node.op, self.formula(node.left, at), self.formula(node.right, at), at)
+                return self._connect(node.op, self.formula(node.left, at), self.formula(node.right, at))
             case ir.Quantify():
                 return self.quantify([node], at)[0]
             case ir.Guarded():
-                return self._guarded(node, at)
+                return self.over(
+                    "whenever", self.formula(node.guard, at, "guard"), self.formula(node.body, at)
+                )
             case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
-                from trackmarshal.backends.c.timelines import series
-
-                slots = series(self, node, at)
-                return self._read(slots, self.index(node.axis, at), at)
+                return self.timed(node, at)
             case ir.First():
-                first = at.open("")
-                first.binds[node.axis] = "0u"
-                return self._carried(self.formula(node.operand, first), at, first)
+                first = at.open(None)
+                first.binds[node.axis] = _ZERO
+                first.binders[node.axis] = (node.name,)
+                made = self.formula(node.operand, first)
+                at.close(first)
+                return made
             case _:
                 assert_never(node)
 
-    def value(
-        self, at: Block, worst_sat: str, worst_margin: str, best_sat: str = "", best_margin: str = ""
-    ) -> Value:
-        """Declare a value's names with these expressions; the best case only where there is a difference."""
-        k = self.fresh()
-        if self.known:
-            self.add(at, f"const bool s{k} = {worst_sat};", f"s{k}")
-            self.add(at, f"const double m{k} = {worst_margin};", f"m{k}")
-            return Value(f"s{k}", f"m{k}", f"s{k}", f"m{k}")
-        for name, kind, text in (
-            ("ws", "bool", worst_sat),
-            ("wm", "double", worst_margin),
-            ("bs", "bool", best_sat),
-            ("bm", "double", best_margin),
-        ):
-            assert text, "a value with two sides"
-            self.add(at, f"const {kind} {name}{k} = {text};", f"{name}{k}")
-        return Value(f"ws{k}", f"wm{k}", f"bs{k}", f"bm{k}")
+    def timed(self, node: ir.Timed, at: c.Scope) -> c.Expr:
+        """The value of a temporal operator at the present sample."""
+        from trackmarshal.backends.c.timelines import series
 
-    def _flag(self, node: ir.Flag, at: Block) -> Value:
+        return self.over("kept", *series(self, node, at), self.index(node.axis, at))
+
+    def _flag(self, node: ir.Flag, at: c.Scope) -> c.Expr:
         if node.axis is not None:
-            text = self._column(node, at)
-        else:
-            source = self.plan.input(node.signal)
-            text = (
-                f"in->{source.c_name}"
-                if source.kind == "event"
-                else f"in->{source.c_name}.{self.plan.field_name(node.signal, node.field or '')}"
-            )
-        k = self.fresh()
-        self.add(at, f"const tm_flag g{k} = {text};", f"g{k}")
-        if self.known:
-            self.add(at, f"suspect |= tm_missing(g{k});")
-            return self.value(at, f"g{k} == TM_TRUE", f"(g{k} == TM_TRUE) ? TM_INF : -TM_INF")
-        return self.value(
-            at, f"g{k} == TM_TRUE", f"(g{k} == TM_TRUE) ? TM_INF : -TM_INF",
-            f"g{k} != TM_FALSE", f"(g{k} != TM_FALSE) ? TM_INF : -TM_INF",
-        )  # fmt: skip
-
-    def _compare(self, node: ir.Compare, at: Block) -> Value:
-        a, b = self.number(node.left, at), self.number(node.right, at)
-        apart, sat = margin(COMPARISONS[node.op].measure, a, b), f"{a} {node.op} {b}"
-        if self.known:
-            value = self.value(at, sat, apart)
-            self.add(at, f"suspect |= tm_wild({value.worst_margin});")
-            return value
-        k = self.fresh()
-        self.add(at, f"const bool k{k} = tm_finite({a}) && tm_finite({b});", f"k{k}")
-        self.add(at, f"const double d{k} = {apart};", f"d{k}")
-        return self.value(
-            at, f"k{k} && ({sat})", f"k{k} ? d{k} : -TM_INF", f"!k{k} || ({sat})", f"k{k} ? d{k} : TM_INF"
+            return self.column(node, at)
+        source = self.plan.input(node.signal)
+        return (
+            self.input(node.signal) if source.kind == "event" else self.field(node.signal, node.field or "")
         )
 
-    def _geometry(self, node: ir.Geometry, at: Block) -> Value:
-        args = ", ".join([self.number(arg, at) for arg in ir.operands(node) if isinstance(arg, ir.Num)])
-        whole = at
-        match node:
-            case ir.SweptClear():
-                self.libm |= {"sin", "cos", "sqrt"}
-                bound = self.bounds.get(node, "TM_INF")
-                text = f"tm_curved_clear({args}, {bound})" if node.bend else f"tm_swept_clear({args})"
-            case ir.SweptInside():
-                bound = self.bounds.get(node, "TM_INF")
-                called = "tm_curved_inside" if node.bend else "tm_swept_inside"
-                text = f"{called}({self._area(node.area)}, {args}, {bound})"
-                if node in self.timelines:
-                    whole, columns = self.timelines[node]
-                    size = f"{self.number(node.length, whole)}, {self.number(node.width, whole)}"
-                    text = f"tm_timeline_inside({self._area(node.area)}, {columns}, {size})"
-            case ir.InArea():
-                text = f"tm_in_area({self._area(node.area)}, {args})"
-            case _:
-                assert_never(node)
-        k = self.fresh()
-        self.add(whole, f"const double d{k} = {text};", f"d{k}")
-        if self.known:
-            self.add(whole, f"suspect |= tm_wild(d{k});")
-            return self.value(at, f"d{k} >= 0.0", f"d{k}")
-        self.add(at, f"const bool k{k} = d{k} == d{k};", f"k{k}")
-        return self.value(
-            at,
-            f"k{k} && (d{k} >= 0.0)",
-            f"k{k} ? d{k} : -TM_INF",
-            f"!k{k} || (d{k} >= 0.0)",
-            f"k{k} ? d{k} : TM_INF",
-        )
-
-    def _area(self, area: ir.Area) -> str:
-        return f"c, &c->shapes.{self.plan.shape(area).c_name}"
-
-    def negated(self, inner: Value, at: Block) -> Value:
-        return self.value(
-            at, f"!{inner.best_sat}", f"-{inner.best_margin}", f"!{inner.worst_sat}", f"-{inner.worst_margin}"
-        )
-
-    def connect(self, op: ConnectiveOp, a: Value, b: Value, at: Block) -> Value:
+    def _connect(self, op: ConnectiveOp, left: c.Expr, right: c.Expr) -> c.Expr:
         match op:
-            case "and":
-                return self._extreme(Extreme.LEAST, a, b, at)
-            case "or":
-                return self._extreme(Extreme.GREATEST, a, b, at)
+            case "and" | "or" | "xor":
+                return self.over(op, left, right)
             case "implies":
-                return self._extreme(Extreme.GREATEST, self.negated(a, at), b, at)
-            case "xor":
-                return self._differ(a, b, at)
+                return self.over("or", self.over("not", left), right)
             case "iff":
-                return self.negated(self._differ(a, b, at), at)
+                return self.over("not", self.over("xor", left, right))
             case _:
                 assert_never(op)
 
-    def _extreme(self, kind: Extreme, a: Value, b: Value, at: Block) -> Value:
-        sign, pick = extreme(kind)
-        texts = []
-        for (x_sat, x_margin), (y_sat, y_margin) in zip(a.sides, b.sides):
-            texts += [f"{x_sat} {sign} {y_sat}", f"{pick}({x_margin}, {y_margin})"]
-        return self.value(at, *texts)
+    def _geometry(self, node: ir.Geometry, at: c.Scope) -> c.Expr:
+        """The signed distance of a geometric predicate."""
+        given = [self.number(each, at) for each in self.facts.operands(node) if isinstance(each, ir.Num)]
+        bound = self.bounds.get(node, c.Name("TM_INF"))
+        match node:
+            case ir.SweptClear():
+                self.libm |= {"sin", "cos", "sqrt"}
+                return (
+                    self.call("tm_curved_clear", *given, bound)
+                    if node.bend
+                    else self.call("tm_swept_clear", *given)
+                )
+            case ir.SweptInside():
+                function = "tm_curved_inside" if node.bend else "tm_swept_inside"
+                return self.call(function, *self.shape(node.area), *given, bound)
+            case ir.InArea():
+                alone = self.known and node not in self.margins
+                return self.call("tm_in_area_sign" if alone else "tm_in_area", *self.shape(node.area), *given)
+            case _:
+                assert_never(node)
 
-    def _differ(self, a: Value, b: Value, at: Block) -> Value:
-        surely = f"({a.worst_sat} && !{b.best_sat}) || ({b.worst_sat} && !{a.best_sat})"
-        surely_not = f"({a.worst_sat} && {b.worst_sat}) || !({a.best_sat} || {b.best_sat})"
-        apart = f"tm_greatest(tm_greatest(0.0, tm_apart({a.worst_margin}, {b.best_margin})), tm_apart({b.worst_margin}, {a.best_margin}))"
-        at_most = f"tm_greatest(tm_apart({a.best_margin}, {b.worst_margin}), tm_apart({b.best_margin}, {a.worst_margin}))"
-        return self.value(at, surely, apart, f"!({surely_not})", at_most)
-
-    def _guarded(self, node: ir.Guarded, at: Block) -> Value:
-        guard, body = self.formula(node.guard, at), self.formula(node.body, at)
-        return self.value(
-            at, f"!{guard.best_sat} || {body.worst_sat}", f"{guard.best_sat} ? {body.worst_margin} : TM_INF",
-            f"!{guard.worst_sat} || {body.best_sat}", f"{guard.worst_sat} ? {body.best_margin} : TM_INF",
-        )  # fmt: skip
+    # Quantifiers ------------------------------------------------------------------------------------------------
 
     def quantify(
-        self, nodes: list[ir.Quantify], at: Block, owners: Sequence[RuleInfo] | None = None
-    ) -> list[Value]:
-        """Quantifiers over one axis, in one loop; of several rules, where `owners` says whose each is."""
-        axis = nodes[0].axis
-        numbers = [self.fresh() for _ in nodes]
-        names = (("s", "m"),) if self.known else (("ws", "wm"), ("bs", "bm"))
-        for node, k in zip(nodes, numbers):
-            holds, least = neutral(node.extreme)
-            for s, m in names:
-                self.add(at, f"bool {s}{k} = {holds};", f"{s}{k}")
-                self.add(at, f"double {m}{k} = {least};", f"{m}{k}")
-        i, total = f"i{self.fresh()}", f"t{self.fresh()}"
-        self.add(at, f"const size_t {total} = {self.count(axis)};", total)
-        loop = at.open(f"for (size_t {i} = 0u; {i} < {total}; ++{i})")
-        loop.binds[axis] = i
-        for place, (node, k) in enumerate(zip(nodes, numbers)):
-            if owners is not None:
-                self.rule, self._span = owners[place], owners[place].span
-            guard = None if node.guard is None else self.formula(node.guard, loop)
+        self,
+        nodes: Sequence[ir.Quantify],
+        at: c.Scope,
+        owners: Sequence[RuleInfo] = (),
+        names: Sequence[str] = (),
+    ) -> list[c.Expr]:
+        """Quantifiers over one axis, in one loop; of several rules, where `owners` says whose each is. `names`: of their values."""
+        found: dict[ir.Quantify, c.Expr] = {}
+        for node in nodes:
+            count = self._counted(node)
+            if count is not None:
+                found[node] = self.over("told", count)
+        looping: list[tuple[int, ir.Quantify]] = []
+        for place, node in enumerate(nodes):
+            if node in found:
+                continue
+            looping.append((place, node))
+            if owners:
+                self.of(owners[place])
             every = node.extreme is Extreme.LEAST
-            if (
+            wanted = names[place] if names else "all" if every else "some"
+            name = at.take(wanted, f"{wanted}_{identifier(node.names[0])}")
+            self.add(at, c.Declare(self.type, name, self.over("true" if every else "false"), False))
+            found[node] = c.Name(name)
+        sweeps = self._sweeps(looping[0][1], at) if len(looping) == 1 else None
+        alike = [(place, node) for place, node in looping if sweeps is not None or self._alike(node)]
+        differing = [each for each in looping if each not in alike]
+        for once, some in ((False, differing), (True, alike)):
+            if some:
+                axis, spoken = nodes[0].axis, some[0][1].names
+                scope = self._if_any(axis, at) if once else self.loop(axis, at, spoken)
+                for place, node in some:
+                    if owners:
+                        self.of(owners[place])
+                    self._one_more(node, found[node], scope, sweeps)
+                at.close(scope)
+        return [found[node] for node in nodes]
+
+    def _alike(self, node: ir.Quantify) -> bool:
+        """Whether a quantifier says the same of all that it goes through."""
+        return node.axis not in self.facts.free(node.body) and (
+            node.guard is None or node.axis not in self.facts.free(node.guard)
+        )
+
+    def _one_more(
+        self, node: ir.Quantify, accumulated: c.Expr, scope: c.Scope, sweeps: c.Expr | None
+    ) -> None:
+        """What one sample or element adds to a quantifier's value."""
+        every = node.extreme is Extreme.LEAST
+        guard: c.Expr | None = None if node.guard is None else self.formula(node.guard, scope, "guard")
+        body: c.Expr
+        if sweeps is not None:
+            body = self.over("apart_by", sweeps)
+        elif guard is not None and not every and node not in self.margins and _is_true(node.body):
+            body, guard = guard, None  # there is one in range
+        else:
+            least = (
                 self.known
                 and every
                 and isinstance(node.body, ir.Geometry)
-                and axis in self.free(node.body)  # else it is computed ahead of the loop, once
-                and self._once(node.body)
-            ):
+                and node.axis in self.facts.free(node.body)
+            )
+            if least and self.usage.readers[node.body] == 1:
                 # The least margin is asked for: one that is greater than the least so far need not be exact.
-                self.bounds[node.body] = f"m{k}"
-                sized = node.body if isinstance(node.body, ir.SweptInside) else None
-                free = frozenset() if sized is None else self.free(sized.length) | self.free(sized.width)
-                fields = along_timeline(node.body, axis, free)
-                if guard is None and fields:
-                    start = f"in->{self.plan.input(axis.signal).c_name}"
-                    columns = [f"{start}.{self.plan.field_name(axis.signal, name)}" for name in fields]
-                    if len(columns) == 3:
-                        columns.append("NULL")  # straight
-                    self.timelines[node.body] = at, f"{', '.join(columns)}, {total}"
-            body = self.formula(node.body, loop)
-            sign, pick = extreme(node.extreme)
-            for side, (s, m) in enumerate(names):
-                condition = ""
-                if guard is not None:
-                    # In the worst case all that may be in range counts against a `for all`: its guard's best side.
-                    condition = guard.sides[1 - side if every else side][0]
-                body_sat, body_margin = body.sides[side]
-                new_sat, new_margin = f"{s}{k} {sign} {body_sat}", f"{pick}({m}{k}, {body_margin})"
-                if condition:
-                    new_sat, new_margin = (
-                        f"{condition} ? ({new_sat}) : {s}{k}",
-                        f"{condition} ? {new_margin} : {m}{k}",
-                    )
-                self.add(loop, f"{s}{k} = {new_sat};", f"{s}{k}")
-                self.add(loop, f"{m}{k} = {new_margin};", f"{m}{k}")
-        at.close(loop)
-        result = []
-        for k in numbers:
-            (ws, wm), (bs, bm) = names[0], names[-1]
-            result.append(Value(f"{ws}{k}", f"{wm}{k}", f"{bs}{k}", f"{bm}{k}"))
-        return result
+                self.bounds[node.body] = c.Member(accumulated, "margin", False)
+            body = self.formula(node.body, scope)
+        function = "for_all" if every else "exists"
+        if guard is None:
+            self.add(scope, c.Evaluate(self.over(function, c.Address(accumulated), body)))
+        else:
+            self.add(scope, c.Evaluate(self.over(f"{function}_where", c.Address(accumulated), guard, body)))
 
-    def _once(self, formula: ir.Formula) -> bool:
-        """Whether a formula stands in the rule only once."""
-        places = [root for root in (self.rule.formula, self.rule.active) if root is not None]
-        parents = {
-            node
-            for root in places
-            for node in ir.below(root)
-            if any(child is formula for child in node.children())
-        }
-        return len(parents) == 1
+    def of(self, rule: RuleInfo) -> None:
+        """Go on with another rule."""
+        self.rule, self._span = rule, rule.span
 
-    def _carried(self, inner: Value, at: Block, block: Block) -> Value:
-        """Carry a value out of an inner block into names of the outer one, declared before it."""
-        k = self.fresh()
-        names = [("s", "m")] if self.known else [("ws", "wm"), ("bs", "bm")]
-        for s, m in names:
-            self.add(at, f"bool {s}{k} = false;", f"{s}{k}")
-            self.add(at, f"double {m}{k} = 0.0;", f"{m}{k}")
-        at.close(block)
-        for side, (s, m) in enumerate(names):
-            self.add(block, f"{s}{k} = {inner.sides[side][0]};", f"{s}{k}")
-            self.add(block, f"{m}{k} = {inner.sides[side][1]};", f"{m}{k}")
-        (ws, wm), (bs, bm) = names[0], names[-1]
-        return Value(f"{ws}{k}", f"{wm}{k}", f"{bs}{k}", f"{bm}{k}")
+    def _counted(self, node: ir.Formula) -> c.Expr | None:
+        """Whether there is anything, where no more than that is asked."""
+        if (
+            not isinstance(node, ir.Quantify)
+            or node.guard is not None
+            or node.extreme is not Extreme.GREATEST
+        ):
+            return None
+        some = c.Binary(">", self.count(node.axis), _ZERO)
+        if _is_true(node.body):
+            return some
+        inner = self._counted(node.body)
+        return None if inner is None else c.Binary("&&", some, inner)
 
-    def _read(self, slots: tuple[int, ...], index: str, at: Block) -> Value:
-        """The value at one sample of a series kept in the context."""
-        texts = []
-        for slot in slots:
-            texts += [f"c->series[{mark(slot)}].sat[{index}]", f"c->series[{mark(slot)}].margin[{index}]"]
-        return self.value(at, *texts)
+    def _if_any(self, axis: ir.Axis, at: c.Scope) -> c.Scope:
+        """A scope for what is the same for all of an axis."""
+        condition = c.Binary(">", self.count(axis), _ZERO)
+        return at.open(lambda body: c.If(condition, body))
+
+    def _sweeps(self, node: ir.Quantify, at: c.Scope) -> c.Expr | None:
+        """The least margin of sweeps all along a timeline, in one call; None for anything else."""
+        body = node.body
+        if (
+            not self.known
+            or node.guard is not None
+            or node.extreme is not Extreme.LEAST
+            or not isinstance(body, ir.SweptInside)
+        ):
+            return None
+        free = self.facts.free(body.length) | self.facts.free(body.width)
+        fields = along_timeline(body, node.axis, free)
+        if not fields or self.usage.readers[body] != 1:
+            return None
+        columns = [self.field(node.axis.signal, name) for name in fields]
+        if len(columns) == 3:
+            columns.append(c.Name("NULL"))  # straight
+        size = [self.number(each, at) for each in (body.length, body.width)]
+        return self.call("tm_timeline_inside", *self.shape(body.area), *columns, self.count(node.axis), *size)
+
+
+def _is_true(formula: ir.Formula) -> bool:
+    return isinstance(formula, ir.Truth) and formula.value
+
+
+def _of_arithmetic(made: c.Binary) -> tuple[str, ...]:
+    """What simple arithmetic on something with a name is called."""
+    match made.left, made.op, made.right:
+        case c.Name(), "/", c.Literal() if made.right.text == "2.0":
+            return (f"half_{made.left.name}",)
+        case c.Literal(), "*", c.Name() if made.left.text == "2.0":
+            return (f"twice_{made.right.name}",)
+        case _:
+            return ()
+
+
+#: Names that locals do not have: parameters of functions, and what C and its headers know.
+_TAKEN = RESERVED | {"context", "in", "out", "monitor", "known"}

@@ -9,7 +9,7 @@ from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.online import TYPES, Monitor
-from trackmarshal.backends.c.rules import RuleCode
+from trackmarshal.backends.c.rules import CASES, RuleCode
 from trackmarshal.ir.spec import FieldType, Spec
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.units import parse_unit, show
@@ -126,6 +126,7 @@ def _lines(
     yield from prototypes(plan, supervised is not None)
     yield ""
     if monitors:
+        yield CASES
         yield "/* Rules along a timeline, a sample at a time: start, push, ..., finish. */"
         yield from TYPES
         for monitor in monitors:

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Layout
-from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.rules import GroupCode, RuleCode
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
@@ -31,18 +30,13 @@ def constant(code: RuleCode) -> str:
 
 
 def calls(codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
-    """Statements that compute rules: groups first taking everything for known, then what is left."""
+    """Statements that compute rules: groups, then what is left."""
     grouped = {rule.name for group in groups for rule in group.rules}
     for group in groups:
-        names = {rule.name for rule in group.rules}
-        yield f"  if (!{group.c_name}(c, in, out)) {{"
-        for code in codes:
-            if code.rule.name in names:
-                yield f"    tm_rule_{code.c_name}(c, in, &out->rule[{constant(code)}]); /* {comment(code.rule.name)} */"
-        yield "  }"
+        yield f"  {group.c_name}(c, in, out);"
     for code in codes:
         if code.rule.name not in grouped:
-            yield f"  tm_rule_{code.c_name}(c, in, &out->rule[{constant(code)}]); /* {comment(code.rule.name)} */"
+            yield f"  {code.entry}(c, in, &out->rule[{constant(code)}]);"
 
 
 def judge(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import assert_never
 
 from trackmarshal.backends.c.names import distinct
+from trackmarshal.backends.c.usage import Facts
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 
@@ -46,6 +47,7 @@ class Layout:
     tables: dict[str, str] = field(default_factory=dict)
     shapes: dict[tuple[str, str, str], Shape] = field(default_factory=dict)
     rule_names: dict[str, str] = field(default_factory=dict)
+    facts: Facts = field(default_factory=Facts)
 
     def input(self, signal: str) -> Input:
         return self.inputs[signal]

@@ -25,6 +25,14 @@ _MACROS = (
 )
 #: Members of our own structs, beside which names of a spec stand.
 _MEMBERS = "count unused"
+#: What functions of ours may call or name: no local variable of theirs is called so.
+_FUNCTIONS = (
+    "acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim floor fma fmax fmin fmod frexp"
+    " hypot ilogb j0 j1 jn ldexp lgamma llrint llround log log10 log1p log2 logb lrint lround modf nan nearbyint nextafter nexttoward pow"
+    " remainder remquo rint round scalbln scalbn sin sinh sqrt tan tanh tgamma trunc y0 y1 yn signgam gamma main"
+)
+_TYPES = "size_t ptrdiff_t wchar_t max_align_t float_t double_t int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t"
+RESERVED = frozenset(f"{_FUNCTIONS} {_TYPES}".split(" "))
 _KNOWN = frozenset(" ".join([_KEYWORDS, _MACROS, _MEMBERS]).split(" "))
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -34,6 +42,7 @@ def plain(name: str) -> bool:
     return _WORD.fullmatch(name) is not None and name.casefold() not in _KEYWORDS.split(" ")
 
 
+@lru_cache(maxsize=4096)
 def identifier(name: str) -> str:
     """A C identifier for a name of a spec, which is nothing to the compiler and to no header.
 
@@ -85,11 +94,14 @@ def literal(value: float) -> str:
 @lru_cache(maxsize=4096)
 def comment(text: str) -> str:
     """Text inside a C comment: one line, printable ASCII, no comment marks."""
-    flat = (
-        " ".join(text.split())
-        .replace("*/", "* /")
-        .replace("/*", "/ *")
-        .replace("\\", "/")
-        .replace("??", "? ?")
-    )
+    return _harmless(" ".join(text.split()))
+
+
+def written(text: str) -> tuple[str, ...]:
+    """Lines of text inside a C comment, as they are laid out: printable ASCII, no comment marks."""
+    return tuple(_harmless(line.expandtabs().rstrip()) for line in text.splitlines())
+
+
+def _harmless(line: str) -> str:
+    flat = line.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?")
     return flat if _PLAIN.fullmatch(flat) else "".join(c if " " <= c <= "~" else "?" for c in flat)

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from trackmarshal.backends.c import parts
-from trackmarshal.backends.c.expressions import Value, Writer, extreme, neutral
+from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
-from trackmarshal.backends.c.statements import Block, prune, render
+from trackmarshal.backends.c.timelines import operands_of, truth
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
@@ -66,24 +67,54 @@ def _top(rule: RuleInfo) -> tuple[Extreme | None, ir.Formula]:
     return None, operand
 
 
+_M = c.Name("monitor")
+
+
 class _OnlineWriter(Writer):
     """Values at one sample: columns and operators' values come from the monitor's rings."""
 
+    #: Where operators' values are: the streams of the worst and the best case.
     streams: dict[ir.Formula, tuple[int, int]]
 
-    def _column(self, node: ir.Column | ir.Flag, at: Block) -> str:
+    def column(self, node: ir.Column | ir.Flag, at: c.Scope) -> c.Expr:
         assert node.axis is not None
-        name = self.plan.field_name(node.axis.signal, node.field or "")
-        return f"m->ring.{name}[tm_ring({self.index(node.axis, at)})]"
+        ring = c.Member(
+            c.Member(_M, "ring", True), self.plan.field_name(node.axis.signal, node.field or ""), False
+        )
+        return c.Element(ring, self.ring(self.index(node.axis, at)))
 
-    def _formula(self, node: ir.Formula, at: Block) -> Value:
-        if isinstance(node, ir.Timed):
-            index = self.index(node.axis, at)
-            texts = []
-            for stream in self.streams[node]:
-                texts += [f"m->stream[{stream}].{part}[tm_ring({index})]" for part in ("sat", "margin")]
-            return self.value(at, *texts)
-        return super()._formula(node, at)
+    def timed(self, node: ir.Timed, at: c.Scope) -> c.Expr:
+        streams = [_stream(number) for number in self.streams[node]]
+        return self.over("streamed", *streams, self.ring(self.index(node.axis, at)))
+
+    def ring(self, index: c.Expr) -> c.Expr:
+        """The place of a sample in a ring."""
+        return self.call("tm_ring", index)
+
+    def until(self, axis: ir.Axis, index: c.Expr, name: str) -> c.Scope:
+        """A scope that takes an index as far as `have`."""
+        condition, step = c.Binary("<", index, c.Name("have")), c.Unary("++", index)
+        loop = self.root.open(lambda body: c.For("", condition, step, body))
+        loop.binds[axis] = index
+        loop.binders[axis] = (name,)
+        return loop
+
+    def have(self, inner: list[int]) -> None:
+        """Set `have` to the samples for which all of some operators are known."""
+        have = c.Name("have")
+        self.add(self.root, c.Assign(have, c.Member(_M, "count", True)))
+        for number in inner:
+            following = c.Member(_part("flow", 2 * number), "next", False)
+            self.add(self.root, c.If(c.Binary("<", following, have), (c.Assign(have, following),)))
+
+
+def _part(name: str, number: int) -> c.Expr:
+    """An element of an array of the monitor."""
+    return c.Element(c.Member(_M, name, True), c.Literal(f"{number}u"))
+
+
+def _stream(number: int) -> c.Expr:
+    return c.Address(_part("stream", number))
 
 
 def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
@@ -101,6 +132,10 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
         f"tm_online_{name}" in parts.functions() or name in others
     ):  # a rule called as an operator of ours is
         name = f"{name}_"
+    writer = _OnlineWriter(plan, [rule], False, [operand])
+    writer.root.names |= {"have", "sample"}
+    writer.streams = {}
+    operand = writer.formulas[0]
     nodes = _inner_first(operand)
     read = {node.field for node in ir.below(operand) if isinstance(node, (ir.Column, ir.Flag))}
     timed = any(isinstance(node, (ir.Temporal, ir.Until)) for node in nodes)
@@ -108,40 +143,49 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
         (info, c_name) for info, c_name in plan.input(axis.signal).fields
         if info.name in read or (timed and info.name == "t")
     )  # fmt: skip
-    writer = _OnlineWriter(plan, rule, False)
-    writer.streams = {}
     time = plan.field_name(axis.signal, "t") if timed else ""
     streams, queues, stacks = 0, 0, 0
-    stages: list[str] = []
     oldest: list[str] = []
+    writer.add(writer.root, c.Declare("size_t", "have", c.Literal("0u"), False))
     for number, node in enumerate(nodes):
-        operands = [node.left, node.right] if isinstance(node, ir.Until) else [node.operand]
+        operands = operands_of(node)
         inputs = [(streams + 2 * k, streams + 2 * k + 1) for k in range(len(operands))]
         output = (streams + 2 * len(operands), streams + 2 * len(operands) + 1)
-        stages += _stage(writer, axis, number, nodes, operands, inputs)
+        _stage(writer, rule.formula, number, nodes, operands, inputs)
         for side in range(2):
-            flow = f"&m->flow[{2 * number + side}]"
-            given = [f"&m->stream[{pair[side]}]" for pair in inputs]
-            opposite = f"&m->stream[{inputs[0][1 - side]}]"
-            queue = f"&m->queue[{queues}]" if isinstance(node, (ir.Temporal, ir.Until)) else ""
-            queues += bool(queue)
-            stack = f"&m->stack[{stacks}], &m->stack[{stacks + 1}]" if isinstance(node, ir.Until) else ""
-            stacks += 2 * bool(stack)
-            target = f"&m->stream[{output[side]}]"
-            stages.append("  " + _step(node, number, flow, queue, stack, time, given, opposite, target))
+            given = [_stream(pair[side]) for pair in inputs]
+            kept: list[c.Expr] = []
+            if isinstance(node, (ir.Temporal, ir.Until)):
+                kept.append(c.Address(_part("queue", queues)))
+                queues += 1
+            if isinstance(node, ir.Until):
+                kept += [c.Address(_part("stack", stacks + k)) for k in range(2)]
+                stacks += 2
+            flow, opposite = c.Address(_part("flow", 2 * number + side)), _stream(inputs[0][1 - side])
+            step = _step(node, number, flow, kept, time, given, opposite, _stream(output[side]))
+            writer.add(writer.root, c.Evaluate(step))
         stays = "true" if isinstance(node, (ir.Temporal, ir.Until)) and node.upper is None else "false"
         oldest.append(f"tm_online_oldest(&m->flow[{2 * number}], {stays})")
         writer.streams[node] = output
         streams = output[1] + 1
-    stages += _results(writer, axis, nodes, operand, over)
+    _results(writer, rule.formula, nodes, operand, over)
     types = _types(rule, name, fields, streams, 2 * len(nodes), queues, stacks)
-    text = _functions(rule, name, fields, time, nodes, stages, oldest, over, queues)
+    text = _functions(rule, name, fields, time, nodes, _advance(writer, rule, name), oldest, over)
     prototypes = [
         f"void tm_online_{name}_start(tm_online_{name} *m);",
         f"bool tm_online_{name}_push(tm_context *c, tm_online_{name} *m, const tm_sample_{name} *sample);",
         f"void tm_online_{name}_finish(tm_context *c, tm_online_{name} *m);",
     ]
     return Monitor(rule, name, fields, "\n".join(types), "\n".join(prototypes), "\n".join(text))
+
+
+def _advance(writer: _OnlineWriter, rule: RuleInfo, name: str) -> c.Function:
+    """The function that takes every operator as far as the samples go."""
+    body = writer.root.statements([""])
+    unused = () if "context" in writer.reads else (c.Evaluate(c.Name("context"), True),)
+    said = (f"Take every operator of {comment(rule.name)} as far as the samples go.",)
+    parameters = (("tm_context *", "context"), (f"tm_online_{name} *", "monitor"))
+    return c.Function(said, "void", f"tm_online_{name}_advance", parameters, (*unused, *body))
 
 
 def _inner_first(operand: ir.Formula) -> list[ir.Timed]:
@@ -173,73 +217,87 @@ def _inner(formulas: list[ir.Formula], nodes: list[ir.Timed]) -> list[int]:
     return sorted(found)
 
 
-def _have(inner: list[int]) -> list[str]:
-    lines = ["  have = m->count;"]
-    for number in inner:
-        next_ = f"m->flow[{2 * number}].next"
-        lines.append(f"  if ({next_} < have) {{ have = {next_}; }}")
-    return lines
-
-
 def _stage(
-    writer: _OnlineWriter, axis: ir.Axis, number: int, nodes: list[ir.Timed], operands: list[ir.Formula], inputs: list[tuple[int, int]]
-) -> list[str]:  # fmt: skip
+    writer: _OnlineWriter, first: ir.First, number: int, nodes: list[ir.Timed], operands: list[ir.Formula], inputs: list[tuple[int, int]]
+) -> None:  # fmt: skip
     """The operands of an operator at every sample for which they are known."""
-    loop = Block(f"for (; m->given[{number}] < have; ++m->given[{number}])")
-    loop.binds[axis] = f"m->given[{number}]"
+    writer.have(_inner(operands, nodes))
+    index = _part("given", number)
+    loop = writer.until(first.axis, index, first.name)
     for operand, pair in zip(operands, inputs):
         value = writer.formula(operand, loop)
-        for stream, (sat, margin) in zip(pair, value.sides):
-            place = f"[tm_ring(m->given[{number}])]"
-            writer.add(loop, f"m->stream[{stream}].sat{place} = {sat};")
-            writer.add(loop, f"m->stream[{stream}].margin{place} = {margin};")
-    prune(loop)
-    return [*_have(_inner(operands, nodes)), *render(loop, 1)]
+        streams = [_stream(stream) for stream in pair]
+        writer.add(loop, c.Evaluate(writer.over("stream", *streams, writer.ring(index), value)))
+    writer.root.close(loop)
 
 
 def _step(
-    node: ir.Timed, number: int, flow: str, queue: str, stack: str, time: str, given: list[str], opposite: str, target: str
-) -> str:  # fmt: skip
-    have = f"m->given[{number}]"
+    node: ir.Timed, number: int, flow: c.Expr, kept: list[c.Expr], time: str, given: list[c.Expr], opposite: c.Expr, target: c.Expr
+) -> c.Expr:  # fmt: skip
+    have = _part("given", number)
+    finished = c.Member(_M, "finished", True)
     match node:
         case ir.Temporal() | ir.Until():
-            window = (
-                f"{literal(node.lower or 0.0)}, {literal(math.inf if node.upper is None else node.upper)}"
-            )
-            place = f"m->ring.{time}, {have}" + ("" if node.past else ", m->count, m->finished")
+            ends = (0.0 if node.lower is None else node.lower, math.inf if node.upper is None else node.upper)
+            window = [c.Literal(literal(end)) for end in ends]
+            place = [c.Member(c.Member(_M, "ring", True), time, False), have]
+            if not node.past:
+                place += [c.Member(_M, "count", True), finished]
             if isinstance(node, ir.Until):
                 name = "tm_online_since" if node.past else "tm_online_until"
-                return (
-                    f"{name}({flow}, {queue}, {stack}, {place}, {window}, {given[0]}, {given[1]}, {target});"
-                )
+                return c.Call(name, (flow, *kept, *place, *window, *given, target))
             name = "tm_online_back" if node.past else "tm_online_ahead"
-            least = "true" if node.extreme is Extreme.LEAST else "false"
-            return f"{name}({flow}, {queue}, {place}, {window}, {least}, {given[0]}, {target});"
+            return c.Call(
+                name, (flow, *kept, *place, *window, truth(node.extreme is Extreme.LEAST), *given, target)
+            )
         case ir.Shift():
-            ahead, weak = ("true" if node.step > 0 else "false"), ("true" if node.weak else "false")
-            return f"tm_online_shift({flow}, {have}, m->finished, {ahead}, {weak}, {given[0]}, {target});"
+            return c.Call(
+                "tm_online_shift",
+                (flow, have, finished, truth(node.step > 0), truth(node.weak), *given, target),
+            )
         case ir.Edge():
-            rising = "true" if node.rising else "false"
-            return f"tm_online_edge({flow}, {have}, {rising}, {given[0]}, {opposite}, {target});"
+            return c.Call("tm_online_edge", (flow, have, truth(node.rising), *given, opposite, target))
         case _:
             assert_never(node)
 
 
 def _results(
-    writer: _OnlineWriter, axis: ir.Axis, nodes: list[ir.Timed], operand: ir.Formula, over: Extreme | None
-) -> list[str]:
-    loop = Block("for (; m->done < have; ++m->done)")
-    loop.binds[axis] = "m->done"
+    writer: _OnlineWriter, first: ir.First, nodes: list[ir.Timed], operand: ir.Formula, over: Extreme | None
+) -> None:
+    writer.have(_inner([operand], nodes))
+    done = c.Member(_M, "done", True)
+    loop = writer.until(first.axis, done, first.name)
     value = writer.formula(operand, loop)
-    arguments = f"{value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin}"
-    writer.add(loop, f"tm_decide(&m->result[tm_ring(m->done)], false, {arguments});")
+    if over is not None and not isinstance(value, c.Name):
+        value = writer.declare(loop, writer.type, value, "holds")
+    at = c.Address(c.Element(c.Member(_M, "result", True), writer.ring(done)))
+    writer.add(loop, c.Evaluate(writer.over("conclude", at, writer.over("true"), value)))
     if over is not None:
-        sign, pick = extreme(over)
-        for side, (sat, margin) in zip(("worst", "best"), value.sides):
-            writer.add(loop, f"m->{side}_sat = m->{side}_sat {sign} {sat};")
-            writer.add(loop, f"m->{side}_margin = {pick}(m->{side}_margin, {margin});")
-    prune(loop)
-    return [*_have(_inner([operand], nodes)), *render(loop, 1)]
+        function = "for_all" if over is Extreme.LEAST else "exists"
+        writer.add(loop, c.Evaluate(writer.over(function, c.Address(c.Member(_M, "all", True)), value)))
+    writer.root.close(loop)
+    writer.root.items += [(statement, "") for statement in _verdict(over)]
+
+
+def _verdict(over: Extreme | None) -> list[c.Statement]:
+    """The monitor's verdict, as soon as it is decided."""
+    verdict = c.Member(_M, "verdict", True)
+    if over is None:
+        is_open = c.Binary("==", c.Member(verdict, "verdict", False), c.Name("TM_OPEN"))
+        judged = c.Binary(">", c.Member(_M, "done", True), c.Literal("0u"))
+        first = c.Element(c.Member(_M, "result", True), c.Literal("0"))
+        return [c.If(c.Binary("&&", is_open, judged), (c.Assign(verdict, first),))]
+    every, finished = c.Member(_M, "all", True), c.Member(_M, "finished", True)
+    worst, best = c.Member(every, "worst_sat", False), c.Member(every, "best_sat", False)
+    margins: list[c.Expr] = [c.Member(every, side, False) for side in ("worst", "best")]
+    decided: c.Expr
+    given: list[c.Expr]
+    if over is Extreme.LEAST:
+        decided, given = c.Unary("!", best), [c.Binary("&&", finished, worst), best]
+    else:
+        decided, given = worst, [worst, c.Binary("||", c.Unary("!", finished), best)]
+    said = c.Call("tm_decide", (c.Address(verdict), truth(False), *given, *margins))
+    return [c.If(c.Binary("||", finished, decided), (c.Evaluate(said),))]
 
 
 def _types(
@@ -259,7 +317,7 @@ def _types(
     yield "   result[i % TM_MAX_ONLINE]), and the rule's verdict: open until it is decided. */"
     yield "typedef struct {"
     yield "  size_t count;\n  size_t done;\n  tm_result verdict;\n  bool finished;\n  bool broken; /* a sample did not fit */"
-    yield "  bool worst_sat;\n  bool best_sat;\n  double worst_margin;\n  double best_margin;"
+    yield "  tm_cases all; /* of the samples so far, where the rule is about all of them */"
     if fields:
         yield "  struct {"
         for info, c_name in fields:
@@ -277,8 +335,8 @@ def _types(
 
 
 def _functions(
-    rule: RuleInfo, name: str, fields: tuple[tuple[FieldType, str], ...], time: str, nodes: list[ir.Timed], stages: list[str],
-    oldest: list[str], over: Extreme | None, queues: int,
+    rule: RuleInfo, name: str, fields: tuple[tuple[FieldType, str], ...], time: str, nodes: list[ir.Timed], advance: c.Function,
+    oldest: list[str], over: Extreme | None,
 ) -> Iterator[str]:  # fmt: skip
     flows = 2 * len(nodes)
     yield f"/* Begin a timeline of {comment(rule.name)}. */"
@@ -286,8 +344,7 @@ def _functions(
     yield "{"
     yield "  m->count = 0u;\n  m->done = 0u;\n  m->finished = false;\n  m->broken = false;"
     yield "  m->verdict.verdict = TM_OPEN;\n  m->verdict.margin = TM_NAN;"
-    start, margin = neutral(over or Extreme.GREATEST)
-    yield f"  m->worst_sat = {start};\n  m->best_sat = {start};\n  m->worst_margin = {margin};\n  m->best_margin = {margin};"
+    yield f"  m->all = {'tm_true_any' if over is Extreme.LEAST else 'tm_false_any'}();"
     if flows:
         yield f"  for (size_t i = 0u; i < {flows}u; ++i) {{"
         yield "    m->given[i / 2u] = 0u;"
@@ -297,23 +354,7 @@ def _functions(
         yield "  }"
     yield "}"
     yield ""
-    yield f"/* Take every operator of {comment(rule.name)} as far as the samples go. */"
-    yield f"static void tm_online_{name}_advance(tm_context *c, tm_online_{name} *m)"
-    yield "{"
-    yield "  size_t have;"
-    if not any("c->" in line for line in stages):
-        yield "  (void)c;"
-    yield from stages
-    if over is None:
-        yield "  if ((m->verdict.verdict == TM_OPEN) && (m->done > 0u)) { m->verdict = m->result[0]; }"
-    else:
-        worst, best = ("m->finished && m->worst_sat", "m->best_sat")
-        if over is Extreme.GREATEST:
-            worst, best = ("m->worst_sat", "!m->finished || m->best_sat")
-        yield f"  if (m->finished || {'!m->best_sat' if over is Extreme.LEAST else 'm->worst_sat'}) {{"
-        yield f"    tm_decide(&m->verdict, false, {worst}, {best}, m->worst_margin, m->best_margin);"
-        yield "  }"
-    yield "}"
+    yield from c.printed(advance)
     yield ""
     yield f"/* The next sample of {comment(rule.name)}. False: its time does not increase, or more samples than TM_MAX_ONLINE are needed at once;"
     yield "   nothing that is not final yet will be, the verdict is undefined. */"

@@ -2,21 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from trackmarshal.backends.c.expressions import Value, Writer
+from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.layout import Layout, roots
-from trackmarshal.backends.c.names import comment
-from trackmarshal.backends.c.signs import signs_alone
+from trackmarshal.backends.c.names import comment, written
 from trackmarshal.backends.c.slots import assign
-from trackmarshal.backends.c.statements import Block, prune, render
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import RuleInfo
 
 #: How deep formulas may be nested; the generator goes down by calls.
 DEEPEST = 900
+#: Parameters of the functions of rules.
+PARAMETERS = (("tm_context *", "context"), ("const tm_input *", "in"), ("tm_result *", "out"))
+_OUT = c.Name("out")
+#: What formulas are in C: where everything is known, and where something is not.
+TRUTH = """/* Whether a formula holds, and by how much; `known`: nothing that it needs is missing. */
+typedef struct {
+  double margin;
+  bool sat;
+  bool known;
+} tm_truth;
+"""
+CASES = """/* The margin of a formula and whether it holds, in the worst and in the best case of what is not known (strong Kleene logic). */
+typedef struct {
+  double worst;
+  double best;
+  bool worst_sat;
+  bool best_sat;
+} tm_cases;
+"""
 
 
 @dataclass(frozen=True)
@@ -25,154 +44,188 @@ class RuleCode:
 
     rule: RuleInfo
     c_name: str
+    #: The function that computes it by itself.
+    entry: str
     text: str
     series: int
     libm: frozenset[str]
     #: A function that says the formula's value at every sample, for the binding; empty for rules without a timeline.
     along: str
-    #: For every block of the function for known values: the signals whose loops it lies in, and its statements.
-    operations: tuple[tuple[tuple[str, ...], int], ...]
+    #: The function whose values the report counts.
+    counted: c.Function
+
+    @property
+    def operations(self) -> tuple[tuple[tuple[str, ...], int], ...]:
+        """For every body of the function: the signals whose loops it lies in, and how many values it computes."""
+        return tuple(_operations(self.counted.body, ()))
 
 
-def rule_code(plan: Layout, rule: RuleInfo) -> RuleCode:
-    """Write a rule; raises TrackmarshalError E470 for what has no C counterpart."""
+def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
+    """Write a rule; raises TrackmarshalError E470 for what has no C counterpart. grouped: its function for known values is that of a group."""
+    name = plan.rule_names[rule.name]
     try:
-        quick, full = _function(plan, rule, True), _function(plan, rule, False)
-        along = None if rule.along is None else _along(plan, rule)
+        full, series, libm = _function(plan, rule, False)
+        functions, entry, counted = [full], f"tm_rule_{name}_any", full
+        if not grouped:
+            counted, more, _ = _function(plan, rule, True)
+            whole = _entry(plan, rule, name)
+            functions, entry, series = [counted, full, whole], whole.name, max(series, more)
+        along, most = ("", 0) if rule.along is None else _along(plan, rule)
     except RecursionError as error:
         span = rule.span
         raise TrackmarshalError(
             "E470", f"rule `{rule.name}` is nested too deeply", file=span.file.path, line=span.line
         ) from error
-    name = plan.rule_names[rule.name]
-    body = [
-        f"/* {comment(rule.name)}: {comment(rule.title)}. Margin in {comment(rule.unit)}. {comment(_trace(rule))} */",
-        *_signature(quick, name, "_known", "bool"),
-        *_signature(full, name, "_any", "void"),
-        *_entry(plan, rule, name),
+    head = [
+        f"/* {about(rule)[0]}",
+        *(f"   {line}".rstrip() for line in about(rule)[1:-1]),
+        f"   {about(rule)[-1]} */",
     ]
-    series = max(writer.series for writer in (quick, full, along) if writer is not None)
-    text = "" if along is None else "\n".join(_along_signature(plan, along, rule, name))
-    return RuleCode(
-        rule, name, "\n".join(body), series, frozenset(quick.libm | full.libm), text, tuple(_operations(quick.root, ()))
-    )  # fmt: skip
+    lines = [line for function in functions for line in (*c.printed(function), "")]
+    return RuleCode(rule, name, entry, "\n".join([*head, *lines]), max(series, most), libm, along, counted)
 
 
-def _trace(rule: RuleInfo) -> str:
-    wanted = ", ".join(name for name, _ in rule.satisfies) or "no requirement"
-    return f"{wanted}; {rule.span.file.path}:{rule.span.line}"
-
-
-def _operations(block: Block, around: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], int]]:
-    """Every block with the signals that it and the blocks around it loop over, and how many values it computes."""
-    if block.head.startswith("for"):
-        around = (*around, *(axis.signal for axis in block.binds if isinstance(axis, ir.Axis)))
-    own = sum(
-        1
-        for item in block.body
-        if not isinstance(item, Block) and (item.target is not None or "[" in item.text)
-    )
+def _operations(
+    body: Iterable[c.Statement], around: tuple[str, ...]
+) -> Iterator[tuple[tuple[str, ...], int]]:
+    own = 0
+    for item in body:
+        own += sum(
+            [1 for expr in c.expressions(item) for each in c.within(expr) if isinstance(each, _COMPUTED)]
+        )
+        if isinstance(item, c.For | c.If):
+            yield from _operations(
+                item.body, (*around, item.over) if isinstance(item, c.For) and item.over else around
+            )
     yield around, own
-    for item in block.body:
-        if isinstance(item, Block):
-            yield from _operations(item, around)
 
 
-def _function(plan: Layout, rule: RuleInfo, known: bool) -> Writer:
-    writer = Writer(plan, rule, known)
-    root = writer.root
-    assert rule.formula is not None
-    if known:
-        writer.add(root, "bool suspect = false;")
+#: What the report counts as a value computed.
+_COMPUTED = (c.Call, c.Unary, c.Binary, c.Conditional, c.Element)
+
+
+def _function(plan: Layout, rule: RuleInfo, known: bool) -> tuple[c.Function, int, frozenset[str]]:
+    """A rule's function, the series that it needs, and what it calls of libm."""
     formula, active = rule.formula, rule.active
-    value: Value
-    applies: Value | None
-    if isinstance(formula, ir.Quantify) and isinstance(active, ir.Quantify) and formula.axis is active.axis:
-        value, applies = writer.quantify([formula, active], root)
-    else:
-        value = writer.formula(formula, root)
-        applies = None if active is None else writer.formula(active, root)
-    inactive = "" if applies is None else f"!{applies.best_sat}"
+    assert formula is not None
+    writer = Writer(plan, [rule], known, [formula], [] if active is None else [active])
+    holds, applies = _value(writer)
     if known:
-        writer.add(root, "if (suspect) { return false; }")
-        writer.add(
-            root,
-            f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});",
-        )
-        writer.add(root, "return true;")
+        writer.add(writer.root, c.Return(writer.over("conclude", writer.name("out"), applies, holds)))
     else:
-        writer.add(
-            root,
-            f"tm_decide(out, {inactive or 'false'}, {value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin});",
-        )
-    prune(root)
-    if known:
-        signs_alone(root)
-    writer.series = assign(root)
-    return writer
+        writer.add(writer.root, c.Evaluate(writer.over("conclude", writer.name("out"), applies, holds)))
+    body, series = finished(writer)
+    name = f"tm_rule_{plan.rule_names[rule.name]}"
+    suffix, result = ("known", "bool") if known else ("any", "void")
+    made = c.Function((_SAID[known],), result, f"{name}_{suffix}", PARAMETERS, body)
+    return made, series, frozenset(writer.libm)
 
 
-def _along(plan: Layout, rule: RuleInfo) -> Writer:
-    """The formula at every sample of the rule's timeline."""
+#: What the two kinds of functions are.
+_SAID = {
+    True: "Where everything is known; false, and nothing is said, where something is not.",
+    False: "The worst and the best case of what is not known.",
+}
+
+
+def about(rule: RuleInfo) -> tuple[str, ...]:
+    """Lines of a comment on a rule: where it is, and how it is written."""
+    place = comment(f"{rule.span.file.path}:{rule.span.line}")
+    text = written(rule.text) or (comment(f"{rule.name}: {rule.title}"),)
+    return (f"{place}; margin in {comment(rule.unit)}.", "", *(f"  {line}" if line else "" for line in text))
+
+
+def _value(writer: Writer) -> tuple[c.Expr, c.Expr]:
+    """Whether a rule holds, and whether it applies."""
+    formula, active, root = writer.formulas[0], writer.guards[0] if writer.guards else None, writer.root
+    outer, inner = _outermost(formula), None if active is None else _outermost(active)
+    if outer is not None and inner is not None and outer.axis is inner.axis and not writer.facts.free(outer):
+        names = ["all" if outer.extreme is Extreme.LEAST else "some", "applies"]
+        root.known.update(zip((outer, inner), writer.quantify([outer, inner], root, names=names)))
+    holds = writer.formula(formula, root)
+    applies = writer.over("true") if active is None else writer.formula(active, root, "applies")
+    return holds, applies
+
+
+def _outermost(formula: ir.Formula) -> ir.Quantify | None:
+    """The one quantifier that a formula is, whatever has to hold besides."""
+    if isinstance(formula, ir.Quantify):
+        return formula
+    if isinstance(formula, ir.Guarded):
+        return _outermost(formula.body)
+    if isinstance(formula, ir.Connective):
+        found = [each for each in map(_outermost, (formula.left, formula.right)) if each is not None]
+        return found[0] if len(found) == 1 else None
+    return None
+
+
+def finished(
+    writer: Writer, parameters: tuple[str, ...] = ("context", "in")
+) -> tuple[tuple[c.Statement, ...], int]:
+    """A function's body with all that it needs around what was written, and how many series it has."""
+    body = writer.root.statements([""])
+    series = 0
+    if writer.slots:
+        body, series = assign(body)
+        if writer.known:
+            *before, last = body
+            unknown = c.If(c.Unary("!", c.Name("known")), (c.Return(c.Literal("false")),))
+            body = (c.Declare("bool", "known", c.Literal("true"), False), *before, unknown, last)
+    unused = [c.Evaluate(c.Name(name), True) for name in parameters if name not in writer.reads]
+    return (*unused, *body), series
+
+
+def _along(plan: Layout, rule: RuleInfo) -> tuple[str, int]:
+    """The formula at every sample of the rule's timeline, and the series that it needs."""
     assert isinstance(rule.formula, ir.First)
     axis, operand = rule.formula.axis, rule.formula.operand
-    writer = Writer(plan, rule, False)
-    loop = writer.root.open(f"for (size_t i0 = 0u; i0 < {writer.count(axis)}; ++i0)")
-    loop.binds[axis] = "i0"
+    writer = Writer(plan, [rule], False, [operand])
+    operand = writer.formulas[0]
+    loop = writer.loop(axis, writer.root, (rule.formula.name,))
     value = writer.formula(operand, loop)
-    arguments = f"{value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin}"
-    writer.add(loop, f"tm_decide(&out[i0], false, {arguments});")
+    at = c.Address(c.Element(writer.name("out"), writer.index(axis, loop)))
+    writer.add(loop, c.Evaluate(writer.over("conclude", at, writer.over("true"), value)))
     writer.root.close(loop)
-    prune(writer.root)
-    writer.series = assign(writer.root)
-    return writer
+    body, series = finished(writer)
+    undefined: list[c.Statement] = []
+    for times, count in _timed(plan, rule):
+        each = c.Evaluate(c.Call("tm_undefined", (c.Address(c.Element(_OUT, c.Name("i"))),)))
+        step = c.Unary("++", c.Name("i"))
+        all_of_them = c.For("i", c.Binary("<", c.Name("i"), count), step, (each,))
+        undefined.append(c.If(_out_of_order(times, count), (all_of_them, c.Return())))
+    said = (f"{comment(rule.name)} at every sample.",)
+    made = c.Function(
+        said, "void", f"tm_rule_{plan.rule_names[rule.name]}_along", PARAMETERS, (*undefined, *body)
+    )
+    return "\n".join([*c.printed(made), ""]), series
 
 
-def _along_signature(plan: Layout, writer: Writer, rule: RuleInfo, name: str) -> list[str]:
-    head, opening, *body = _signature(writer, name, "_along", "void")
-    lines = [head, opening, *(line for line in body if line == "  (void)c;")]
-    for times in _timed(plan, rule):
-        count = times.rpartition(", ")[2]
-        lines += [
-            f"  if (!tm_times({times})) {{",
-            f"    for (size_t i = 0u; i < {count}; ++i) {{ tm_undefined(&out[i]); }}",
-            "    return;",
-            "  }",
-        ]
-    return [*lines, *(line for line in body if line != "  (void)c;"), ""]
+def _out_of_order(times: c.Expr, count: c.Expr) -> c.Expr:
+    return c.Unary("!", c.Call("tm_times", (times, count)))
 
 
-def _timed(plan: Layout, rule: RuleInfo) -> list[str]:
+def _timed(plan: Layout, rule: RuleInfo) -> list[tuple[c.Expr, c.Expr]]:
     """C of the times and their number of every timeline that temporal operators of a rule run along."""
-    places = (
+    places = {
         (plan.input(node.axis.signal).c_name, plan.field_name(node.axis.signal, "t"))
         for root in roots(rule)
         for node in ir.below(root)
         if isinstance(node, (ir.Temporal, ir.Until))
-    )
-    return sorted({f"in->{signal}.{t}, in->{signal}.count" for signal, t in places})
+    }
+    signals = [(c.Member(c.Name("in"), signal, True), t) for signal, t in sorted(places)]
+    return [(c.Member(signal, t, False), c.Member(signal, "count", False)) for signal, t in signals]
 
 
-def _signature(writer: Writer, name: str, suffix: str, result: str) -> list[str]:
-    lines = list(render(writer.root))
-    text = "\n".join(lines)
-    head = f"static {result} tm_rule_{name}{suffix}(tm_context *c, const tm_input *in, tm_result *out)"
-    unused = [f"  (void){p};" for p in ("c", "in") if f"{p}->" not in text and f"({p}," not in text]
-    return [head, "{", *unused, *lines[1:]]
-
-
-def _entry(plan: Layout, rule: RuleInfo, name: str) -> list[str]:
-    lines = [f"static void tm_rule_{name}(tm_context *c, const tm_input *in, tm_result *out)", "{"]
-    for times in _timed(plan, rule):
-        lines += [f"  if (!tm_times({times})) {{", "    tm_undefined(out);", "    return;", "  }"]
-    return [
-        *lines,
-        f"  if (!tm_rule_{name}_known(c, in, out)) {{",
-        f"    tm_rule_{name}_any(c, in, out);",
-        "  }",
-        "}",
-        "",
-    ]
+def _entry(plan: Layout, rule: RuleInfo, name: str) -> c.Function:
+    """The function of a rule that others call."""
+    given = tuple(c.Name(each) for _, each in PARAMETERS)
+    body: list[c.Statement] = []
+    for times, count in _timed(plan, rule):
+        undefined = c.Evaluate(c.Call("tm_undefined", (_OUT,)))
+        body.append(c.If(_out_of_order(times, count), (undefined, c.Return())))
+    full = c.Evaluate(c.Call(f"tm_rule_{name}_any", given))
+    body.append(c.If(c.Unary("!", c.Call(f"tm_rule_{name}_known", given)), (full,)))
+    return c.Function((), "void", f"tm_rule_{name}", PARAMETERS, tuple(body))
 
 
 @dataclass(frozen=True)
@@ -215,35 +268,34 @@ def _axis(rule: RuleInfo) -> ir.Axis | None:
     return None if inner else formula.axis
 
 
-def _group(plan: Layout, name: str, rules: list[RuleInfo]) -> GroupCode:
-    writer = Writer(plan, rules[0], True)
-    root = writer.root
-    nodes: list[ir.Quantify] = []
+def _group(plan: Layout, name: str, rules: Sequence[RuleInfo]) -> GroupCode:
+    formulas = [rule.formula for rule in rules if rule.formula is not None]
+    guards = [rule.active for rule in rules if rule.active is not None]
+    writer = Writer(plan, rules, True, formulas, guards)
     owners: list[RuleInfo] = []
+    names: list[str] = []
+    nodes: list[ir.Quantify] = []
+    waiting = iter(writer.guards)
+    for rule, formula in zip(rules, writer.formulas):
+        for root, ending in ((formula, ""), (None if rule.active is None else next(waiting), "_applies")):
+            if isinstance(root, ir.Quantify):
+                nodes.append(root)
+                owners.append(rule)
+                names.append(plan.rule_names[rule.name] + ending)
+    values = dict(zip(names, writer.quantify(nodes, writer.root, owners, names)))
     for rule in rules:
-        for formula in roots(rule):
-            assert isinstance(formula, ir.Quantify)
-            nodes.append(formula)
-            owners.append(rule)
-    root.add("bool suspect = false;")
-    values = writer.quantify(nodes, root, owners)
-    by_rule: dict[str, list[Value]] = {}
-    for rule, value in zip(owners, values):
-        by_rule.setdefault(rule.name, []).append(value)
-    root.add("if (suspect) { return false; }")
-    for rule in rules:
-        value, *active = by_rule[rule.name]
-        inactive = f"!{active[0].best_sat}" if active else "false"
-        arguments = f"{value.worst_sat}, {value.best_sat}, {value.worst_margin}, {value.best_margin}"
-        root.add(
-            f"tm_decide(&out->rule[TM_RULE_{plan.rule_names[rule.name].upper()}], {inactive}, {arguments});"
-        )
-    root.add("return true;")
-    prune(root)
-    lines = list(render(root))
-    text = "\n".join(lines)
-    unused = [f"  (void){p};" for p in ("c", "in") if f"{p}->" not in text and f"({p}," not in text]
-    head = f"static bool tm_known_{name}(tm_context *c, const tm_input *in, tm_output *out)"
-    names = ", ".join(rule.name for rule in rules)
-    said = f"/* In one loop, taking everything for known: {comment(names)}. False where something is not. */"
-    return GroupCode(tuple(rules), f"tm_known_{name}", "\n".join([said, head, "{", *unused, *lines[1:], ""]))
+        writer.of(rule)
+        c_name = plan.rule_names[rule.name]
+        place = c.Member(writer.name("out"), "rule", True)
+        result = c.Address(c.Element(place, c.Name(f"TM_RULE_{c_name.upper()}")))
+        applies = values.get(f"{c_name}_applies", writer.over("true"))
+        said = writer.over("conclude", result, applies, values[c_name])
+        full = writer.call(f"tm_rule_{c_name}_any", writer.name("context"), writer.name("in"), result)
+        writer.add(writer.root, c.If(c.Unary("!", said), (c.Evaluate(full),)))
+    body, _ = finished(writer)
+    comment_ = (
+        f"In one loop: {comment(', '.join(rule.name for rule in rules))}; each by itself where something that it needs is not known.",
+    )
+    parameters = (*PARAMETERS[:2], ("tm_output *", "out"))
+    made = c.Function(comment_, "void", f"tm_rules_{name}", parameters, body)
+    return GroupCode(tuple(rules), made.name, "\n".join([*c.printed(made), ""]))

@@ -1,23 +1,31 @@
-"""Distances of which only the sign is used, as in a guard: for these a point off the box of a region is outside, and that is all."""
+"""Formulas of which only whether they hold is asked, as of a guard: a point off the box of a region is outside, and that is all."""
 
 from __future__ import annotations
 
-import re
+from collections.abc import Iterable
+from typing import assert_never
 
-from trackmarshal.backends.c.statements import Block
-
-_DISTANCE = re.compile(r"const double (d\d+) = tm_in_area\((.*)\);")
+from trackmarshal.ir import nodes as ir
 
 
-def signs_alone(root: Block) -> None:
-    """Ask for the sign alone wherever, what nothing reads being removed, nothing else is read."""
-    statements = list(root.statements())
-    for statement in statements:
-        match = _DISTANCE.fullmatch(statement.text)
-        if match is None:
+def margins_read(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
+    """The formulas whose margin counts for that of one of the roots."""
+    found: set[ir.Formula] = set()
+    stack = list(roots)
+    while stack:
+        node = stack.pop()
+        if node in found:
             continue
-        name = match.group(1)
-        sign = re.compile(rf"suspect \|= tm_wild\({name}\);|const bool s\d+ = {name} >= 0\.0;")
-        readers = [other.text for other in statements if name in other.uses]
-        if readers and all(sign.fullmatch(text) for text in readers):
-            statement.text = f"const double {name} = tm_in_area_sign({match.group(2)});"
+        found.add(node)
+        match node:
+            case ir.Truth() | ir.Flag() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
+                pass
+            case ir.Quantify() | ir.Guarded():
+                stack.append(node.body)  # a guard chooses
+            case ir.Connective() | ir.Until():
+                stack += [node.left, node.right]
+            case ir.Not() | ir.Temporal() | ir.Shift() | ir.Edge() | ir.First():
+                stack.append(node.operand)
+            case _:
+                assert_never(node)
+    return found

@@ -2,29 +2,21 @@
 
 from __future__ import annotations
 
-import re
+from collections.abc import Sequence
+from typing import Any
 
-from trackmarshal.backends.c.statements import Block
+from trackmarshal.backends.c import tree as c
 
-_MARK = re.compile(r"@(\d+)@")
-#: First and last place of a series' use, in the order of the text.
+#: First and last place of a series' use, in the order of the statements.
 Range = tuple[int, int]
 
 
-def mark(number: int) -> str:
-    """The name of a series in a statement, until `assign` gives it a place."""
-    return f"@{number}@"
+def assign(body: tuple[c.Statement, ...]) -> tuple[tuple[c.Statement, ...], int]:
+    """The statements with places of the context for all series, no two in use at once alike; and how many places there are.
 
-
-def assign(root: Block) -> int:
-    """Put places of the context for all marks of a function, no two in use at once alike; returns how many there are.
-
-    Done when the function is written, since what is computed once for all of a block stands before blocks that were begun earlier.
+    Done when the function is written, since what is computed once for all of a scope stands before scopes that were begun earlier.
     """
-    marked = [statement for statement in root.statements() if "@" in statement.text]
-    if not marked:
-        return 0
-    ranges = _ranges(root, [0])
+    ranges = _ranges(body, [0])
     free: list[int] = []
     places: dict[int, int] = {}
     busy: list[tuple[int, int]] = []  # (last use, place)
@@ -40,21 +32,24 @@ def assign(root: Block) -> int:
             count += 1
         places[number] = place
         busy.append((last, place))
-    for statement in marked:
-        statement.text = _MARK.sub(lambda match: str(places[int(match.group(1))]), statement.text)
-    return count
+    return tuple([_placed(each, places) for each in body]), count
 
 
-def _ranges(block: Block, position: list[int]) -> dict[int, Range]:
-    """Where each series is in use: what is used in several parts of a block is so through the whole of the loops among them."""
+def _ranges(body: Sequence[c.Statement], position: list[int]) -> dict[int, Range]:
+    """Where each series is in use: what is used in several parts of a body is so through the whole of the loops among them."""
     found: dict[int, Range] = {}
     parts: dict[int, list[Range]] = {}
-    for item in block.body:
+    for item in body:
         begin = position[0]
-        if isinstance(item, Block):
-            inner = _ranges(item, position)
+        if isinstance(item, c.For | c.If):
+            inner = _ranges(item.body, position)
         else:
-            inner = {int(number): (begin, begin) for number in _MARK.findall(item.text)}
+            inner = {
+                each.number: (begin, begin)
+                for expr in c.expressions(item)
+                for each in c.within(expr)
+                if isinstance(each, c.Slot)
+            }
             position[0] += 1
         whole = (begin, position[0] - 1)
         for number, own in inner.items():
@@ -64,3 +59,16 @@ def _ranges(block: Block, position: list[int]) -> dict[int, Range]:
         if len(ranges) > 1:
             found[number] = (ranges[0][0], ranges[-1][1])
     return found
+
+
+def _placed(node: Any, places: dict[int, int]) -> Any:
+    """A node with places in place of numbers."""
+    if isinstance(node, c.Slot):
+        return c.Literal(f"{places[node.number]}u")
+    made = {
+        name: _placed(value, places) if isinstance(value, c.Tree)
+        else tuple([_placed(each, places) if isinstance(each, c.Tree) else each for each in value]) if isinstance(value, tuple)
+        else value
+        for name, value in node.__dict__.items()
+    }  # fmt: skip
+    return type(node)(**made)

@@ -16,7 +16,7 @@ from trackmarshal.backends.c.layout import Layout, layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.online import Monitor, monitors
 from trackmarshal.backends.c.places import calls, initial, own_places, setters
-from trackmarshal.backends.c.rules import GroupCode, RuleCode, group_codes, rule_code
+from trackmarshal.backends.c.rules import CASES, TRUTH, GroupCode, RuleCode, group_codes, rule_code
 from trackmarshal.ir.spec import RuleInfo, Spec
 
 
@@ -55,12 +55,14 @@ def generate(
         plan, supervised = supervised_layout(spec, rules)
     else:
         plan = layout(spec, rules)
-    codes = tuple(rule_code(plan, rule) for rule in plan.rules)
+    groups = group_codes(plan)
+    grouped = {rule.name for group in groups for rule in group.rules}
+    codes = tuple(rule_code(plan, rule, rule.name in grouped) for rule in plan.rules)
     series = max((code.series for code in codes), default=0)
     found = tuple(monitors(plan)) if online else ()
     return Source(
         plan, codes, header(plan, codes, series, name, found, supervised),
-        "\n".join([*_source(plan, codes, name, found, supervised), ""]), name, found, supervised,
+        "\n".join([*_source(plan, codes, groups, name, found, supervised), ""]), name, found, supervised,
     )  # fmt: skip
 
 
@@ -80,11 +82,11 @@ _COMPILER = (
 def _source(
     plan: Layout,
     codes: Sequence[RuleCode],
+    groups: Sequence[GroupCode],
     name: str,
     found: Sequence[Monitor],
     supervised: Supervised | None,
 ) -> Iterator[str]:
-    groups = group_codes(plan)
     data = list(_data(plan))
     types: list[str] = []
     if supervised is None:
@@ -110,6 +112,9 @@ def _source(
     yield "#define TM_NAN ((double)NAN)"
     yield ""
     yield from types
+    yield TRUTH
+    if not found:  # the header has it for them
+        yield CASES
     known = parts.functions()
     for function in parts.needed([*bodies, *tail]):
         yield known[function]

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, assert_never
 
+from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.names import literal
-from trackmarshal.backends.c.slots import mark
-from trackmarshal.backends.c.statements import Block
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 
@@ -15,47 +14,56 @@ if TYPE_CHECKING:
     from trackmarshal.backends.c.expressions import Writer
 
 
-def series(self: Writer, node: ir.Timed, block: Block) -> tuple[int, ...]:
+def series(self: Writer, node: ir.Timed, scope: c.Scope) -> tuple[c.Expr, ...]:
     """The series that hold a formula's value at every sample: one for what is known, else the worst and the best case."""
-    operands = [node.left, node.right] if isinstance(node, ir.Until) else [node.operand]
+    operands = operands_of(node)
     free: frozenset[ir.Axis] = frozenset()
     for operand in operands:
-        free |= self.free(operand)
-    home = self.home(free - {node.axis}, block)
-    key = ("series", node)
-    known = home.known.get(key)
+        free |= self.facts.free(operand)
+    home = self.home(free - {node.axis}, scope)
+    known = self.series.get((home, node))
     if known is None:
-        known = home.known[key] = _written(self, node, operands, home)
-    assert isinstance(known, tuple)
-    return known
+        known = self.series[home, node] = _written(self, node, operands, home)
+    return tuple(_place(self, slot) for slot in known)
 
 
-def _written(self: Writer, node: ir.Timed, operands: list[ir.Formula], home: Block) -> tuple[int, ...]:
-    total = f"in->{self.plan.input(node.axis.signal).c_name}.count"
+def operands_of(node: ir.Timed) -> list[ir.Formula]:
+    """The formulas that a temporal operator is about."""
+    return [node.left, node.right] if isinstance(node, ir.Until) else [node.operand]
+
+
+def _place(self: Writer, slot: c.Expr) -> c.Expr:
+    return c.Address(c.Element(c.Member(self.name("context"), "series", True), slot))
+
+
+def _written(self: Writer, node: ir.Timed, operands: list[ir.Formula], home: c.Scope) -> list[c.Expr]:
     sides = 1 if self.known else 2
-    sources: list[list[int]] = []
+    sources: list[list[c.Expr]] = []
     for operand in operands:
-        slots = [self.fresh() for _ in range(sides)]
-        i = f"i{self.fresh()}"
-        loop = home.open(f"for (size_t {i} = 0u; {i} < {total}; ++{i})")
-        loop.binds[node.axis] = i
+        slots = [_slot(self) for _ in range(sides)]
+        loop = self.loop(node.axis, home, self.names_of(node.axis, home))
         value = self.formula(operand, loop)
-        for slot, (sat, margin) in zip(slots, value.sides):
-            self.add(loop, f"c->series[{mark(slot)}].sat[{i}] = {sat};")
-            self.add(loop, f"c->series[{mark(slot)}].margin[{i}] = {margin};")
+        kept = [*(_place(self, slot) for slot in slots), self.index(node.axis, loop), value]
+        if self.known:
+            kept.append(c.Address(c.Name("known")))
+        self.add(loop, c.Evaluate(self.over("keep", *kept)))
         home.close(loop)
         sources.append(slots)
-    result = tuple(self.fresh() for _ in range(sides))
+    result = [_slot(self) for _ in range(sides)]
     for side, target in enumerate(result):
-        self.add(
-            home,
-            _call(self, node, total, [s[side] for s in sources], [s[-1 - side] for s in sources], target),
-        )
+        call = _call(self, node, [s[side] for s in sources], [s[-1 - side] for s in sources], target)
+        self.add(home, c.Evaluate(call))
     return result
 
 
-def _call(self: Writer, node: ir.Timed, total: str, own: list[int], other: list[int], target: int) -> str:
+def _slot(self: Writer) -> c.Expr:
+    self.slots += 1
+    return c.Slot(self.slots)
+
+
+def _call(self: Writer, node: ir.Timed, own: list[c.Expr], other: list[c.Expr], target: c.Expr) -> c.Expr:
     """The pass over the timeline; `other` are the operands' opposite sides."""
+    total, context = self.count(node.axis), self.name("context")
     match node:
         case ir.Temporal() | ir.Until():
             lower = 0.0 if node.lower is None else node.lower
@@ -64,18 +72,26 @@ def _call(self: Writer, node: ir.Timed, total: str, own: list[int], other: list[
                 raise self.refuse(
                     node, f"[{lower:g} s, {upper:g} s] is no window: 0 <= lower <= upper does not hold"
                 )
-            signal = self.plan.input(node.axis.signal).c_name
-            times = f"in->{signal}.{self.plan.field_name(node.axis.signal, 't')}"
-            window = f"c, {times}, {total}, {literal(lower)}, {literal(upper)}"
-            past = "true" if node.past else "false"
+            times = self.field(node.axis.signal, "t")
+            window = (
+                context,
+                times,
+                total,
+                c.Literal(literal(lower)),
+                c.Literal(literal(upper)),
+                truth(node.past),
+            )
             if isinstance(node, ir.Until):
-                return f"tm_held({window}, {past}, {mark(own[0])}u, {mark(own[1])}u, {mark(target)}u);"
-            least = "true" if node.extreme is Extreme.LEAST else "false"
-            return f"tm_extreme({window}, {past}, {least}, {mark(own[0])}u, {mark(target)}u);"
+                return self.call("tm_held", *window, *own, target)
+            return self.call("tm_extreme", *window, truth(node.extreme is Extreme.LEAST), *own, target)
         case ir.Shift():
-            ahead, weak = ("true" if node.step > 0 else "false"), ("true" if node.weak else "false")
-            return f"tm_shift(c, {total}, {ahead}, {weak}, {mark(own[0])}u, {mark(target)}u);"
+            return self.call("tm_shift", context, total, truth(node.step > 0), truth(node.weak), *own, target)
         case ir.Edge():
-            return f"tm_edge(c, {total}, {'true' if node.rising else 'false'}, {mark(own[0])}u, {mark(other[0])}u, {mark(target)}u);"
+            return self.call("tm_edge", context, total, truth(node.rising), *own, *other, target)
         case _:
             assert_never(node)
+
+
+def truth(value: bool) -> c.Expr:
+    """A Boolean constant."""
+    return c.Literal("true" if value else "false")

@@ -11,6 +11,7 @@ from pathlib import Path
 FILES = (
     "numbers",
     "verdicts",
+    "formulas",
     "temporal",
     "online",
     "exact",

@@ -1,0 +1,329 @@
+/** x * x. */
+static inline double tm_square(double x) {
+  return x * x;
+}
+
+/** What is true of itself. */
+static inline tm_truth tm_true(void) {
+  const tm_truth a = {TM_INF, true, true};
+  return a;
+}
+
+/** What is false of itself. */
+static inline tm_truth tm_false(void) {
+  const tm_truth a = {-TM_INF, false, true};
+  return a;
+}
+
+/** A Boolean. */
+static inline tm_truth tm_told(bool sat) {
+  const tm_truth a = {sat ? TM_INF : -TM_INF, sat, true};
+  return a;
+}
+
+/** A flag of an input. */
+static inline tm_truth tm_flagged(tm_flag flag) {
+  const tm_truth a = {(flag == TM_TRUE) ? TM_INF : -TM_INF, flag == TM_TRUE, !tm_missing(flag)};
+  return a;
+}
+
+/** A comparison that has this margin; one that shows an operand that may not be finite makes it unknown. */
+static inline tm_truth tm_compared(bool sat, double margin) {
+  const tm_truth a = {margin, sat, !tm_wild(margin)};
+  return a;
+}
+
+/** left < right. */
+static inline tm_truth tm_less(double left, double right) {
+  return tm_compared(left < right, right - left);
+}
+
+/** left <= right. */
+static inline tm_truth tm_at_most(double left, double right) {
+  return tm_compared(left <= right, right - left);
+}
+
+/** left > right. */
+static inline tm_truth tm_greater(double left, double right) {
+  return tm_compared(left > right, left - right);
+}
+
+/** left >= right. */
+static inline tm_truth tm_at_least(double left, double right) {
+  return tm_compared(left >= right, left - right);
+}
+
+/** left == right. */
+static inline tm_truth tm_equal(double left, double right) {
+  return tm_compared(left == right, -fabs(left - right));
+}
+
+/** left != right. */
+static inline tm_truth tm_unequal(double left, double right) {
+  return tm_compared(left != right, fabs(left - right));
+}
+
+/** A geometric predicate: its margin is a distance, and it holds where that is not negative. */
+static inline tm_truth tm_apart_by(double distance) {
+  return tm_compared(distance >= 0.0, distance);
+}
+
+/** not a. */
+static inline tm_truth tm_not(tm_truth a) {
+  const tm_truth b = {-a.margin, !a.sat, a.known};
+  return b;
+}
+
+/** a and b: the lesser margin. */
+static inline tm_truth tm_and(tm_truth a, tm_truth b) {
+  const tm_truth both = {tm_least(a.margin, b.margin), a.sat && b.sat, a.known && b.known};
+  return both;
+}
+
+/** a or b: the greater margin. */
+static inline tm_truth tm_or(tm_truth a, tm_truth b) {
+  const tm_truth either = {tm_greatest(a.margin, b.margin), a.sat || b.sat, a.known && b.known};
+  return either;
+}
+
+/** a xor b. */
+static inline tm_truth tm_xor(tm_truth a, tm_truth b) {
+  const double apart = tm_greatest(tm_greatest(0.0, tm_apart(a.margin, b.margin)), tm_apart(b.margin, a.margin));
+  const tm_truth one = {apart, (a.sat && !b.sat) || (b.sat && !a.sat), a.known && b.known};
+  return one;
+}
+
+/** Whenever the guard holds, the body; nothing is demanded otherwise. */
+static inline tm_truth tm_whenever(tm_truth guard, tm_truth body) {
+  const tm_truth a = {guard.sat ? body.margin : TM_INF, !guard.sat || body.sat, guard.known && (!guard.sat || body.known)};
+  return a;
+}
+
+/** One more of those that all have to hold. */
+static inline void tm_for_all(tm_truth *all, tm_truth body) {
+  *all = tm_and(*all, body);
+}
+
+/** One more of those of which one has to hold. */
+static inline void tm_exists(tm_truth *some, tm_truth body) {
+  *some = tm_or(*some, body);
+}
+
+/** One more of those that all have to hold, if it is in range. */
+static inline void tm_for_all_where(tm_truth *all, tm_truth guard, tm_truth body) {
+  const tm_truth next = tm_and(*all, body);
+  all->margin = guard.sat ? next.margin : all->margin;
+  all->sat = guard.sat ? next.sat : all->sat;
+  all->known = guard.known && (guard.sat ? next.known : all->known);
+}
+
+/** One more of those of which one has to hold, if it is in range. */
+static inline void tm_exists_where(tm_truth *some, tm_truth guard, tm_truth body) {
+  const tm_truth next = tm_or(*some, body);
+  some->margin = guard.sat ? next.margin : some->margin;
+  some->sat = guard.sat ? next.sat : some->sat;
+  some->known = guard.known && (guard.sat ? next.known : some->known);
+}
+
+/** One of two numbers; NaN where what decides is not known. */
+static inline double tm_select(tm_truth condition, double then, double otherwise) {
+  return condition.known ? (condition.sat ? then : otherwise) : TM_NAN;
+}
+
+/** Keep a sample of a series; `known` remembers whether all of them were. */
+static inline void tm_keep(tm_series *series, size_t i, tm_truth a, bool *known) {
+  series->margin[i] = a.margin;
+  series->sat[i] = a.sat;
+  *known = *known && a.known;
+}
+
+/** A sample of a series all of which is known. */
+static inline tm_truth tm_kept(const tm_series *series, size_t i) {
+  const tm_truth a = {series->margin[i], series->sat[i], true};
+  return a;
+}
+
+/** What a rule says, if all that it needs is known; whether that is so. */
+static inline bool tm_conclude(tm_result *out, tm_truth applies, tm_truth holds) {
+  const bool known = applies.known && holds.known;
+  if (known) {
+    tm_decide(out, !applies.sat, holds.sat, holds.sat, holds.margin, holds.margin);
+  }
+  return known;
+}
+
+/** What is true of itself. */
+static inline tm_cases tm_true_any(void) {
+  const tm_cases a = {TM_INF, TM_INF, true, true};
+  return a;
+}
+
+/** What is false of itself. */
+static inline tm_cases tm_false_any(void) {
+  const tm_cases a = {-TM_INF, -TM_INF, false, false};
+  return a;
+}
+
+/** A Boolean. */
+static inline tm_cases tm_told_any(bool sat) {
+  const double margin = sat ? TM_INF : -TM_INF;
+  const tm_cases a = {margin, margin, sat, sat};
+  return a;
+}
+
+/** A flag of an input: a missing one may be either. */
+static inline tm_cases tm_flagged_any(tm_flag flag) {
+  const tm_cases a = {
+      (flag == TM_TRUE) ? TM_INF : -TM_INF, (flag != TM_FALSE) ? TM_INF : -TM_INF, flag == TM_TRUE, flag != TM_FALSE};
+  return a;
+}
+
+/** Something that has this margin if it is known; otherwise it may be anything. */
+static inline tm_cases tm_cases_of(bool known, bool sat, double margin) {
+  const tm_cases a = {known ? margin : -TM_INF, known ? margin : TM_INF, known && sat, !known || sat};
+  return a;
+}
+
+/** A comparison: known where its operands are finite. */
+static inline tm_cases tm_compared_any(double left, double right, bool sat, double margin) {
+  return tm_cases_of(tm_finite(left) && tm_finite(right), sat, margin);
+}
+
+/** left < right. */
+static inline tm_cases tm_less_any(double left, double right) {
+  return tm_compared_any(left, right, left < right, right - left);
+}
+
+/** left <= right. */
+static inline tm_cases tm_at_most_any(double left, double right) {
+  return tm_compared_any(left, right, left <= right, right - left);
+}
+
+/** left > right. */
+static inline tm_cases tm_greater_any(double left, double right) {
+  return tm_compared_any(left, right, left > right, left - right);
+}
+
+/** left >= right. */
+static inline tm_cases tm_at_least_any(double left, double right) {
+  return tm_compared_any(left, right, left >= right, left - right);
+}
+
+/** left == right. */
+static inline tm_cases tm_equal_any(double left, double right) {
+  return tm_compared_any(left, right, left == right, -fabs(left - right));
+}
+
+/** left != right. */
+static inline tm_cases tm_unequal_any(double left, double right) {
+  return tm_compared_any(left, right, left != right, fabs(left - right));
+}
+
+/** A geometric predicate: its margin is a distance, and it holds where that is not negative. */
+static inline tm_cases tm_apart_by_any(double distance) {
+  return tm_cases_of(distance == distance, distance >= 0.0, distance);
+}
+
+/** not a: the worst case of one is the best case of the other. */
+static inline tm_cases tm_not_any(tm_cases a) {
+  const tm_cases b = {-a.best, -a.worst, !a.best_sat, !a.worst_sat};
+  return b;
+}
+
+/** a and b: the lesser margin. */
+static inline tm_cases tm_and_any(tm_cases a, tm_cases b) {
+  const tm_cases both = {
+      tm_least(a.worst, b.worst), tm_least(a.best, b.best), a.worst_sat && b.worst_sat, a.best_sat && b.best_sat};
+  return both;
+}
+
+/** a or b: the greater margin. */
+static inline tm_cases tm_or_any(tm_cases a, tm_cases b) {
+  const tm_cases either = {
+      tm_greatest(a.worst, b.worst), tm_greatest(a.best, b.best), a.worst_sat || b.worst_sat, a.best_sat || b.best_sat};
+  return either;
+}
+
+/** a xor b. */
+static inline tm_cases tm_xor_any(tm_cases a, tm_cases b) {
+  const tm_cases one = {
+      tm_greatest(tm_greatest(0.0, tm_apart(a.worst, b.best)), tm_apart(b.worst, a.best)),
+      tm_greatest(tm_apart(a.best, b.worst), tm_apart(b.best, a.worst)),
+      (a.worst_sat && !b.best_sat) || (b.worst_sat && !a.best_sat),
+      !((a.worst_sat && b.worst_sat) || !(a.best_sat || b.best_sat))};
+  return one;
+}
+
+/** Whenever the guard holds, the body; nothing is demanded otherwise. */
+static inline tm_cases tm_whenever_any(tm_cases guard, tm_cases body) {
+  const tm_cases a = {
+      guard.best_sat ? body.worst : TM_INF, guard.worst_sat ? body.best : TM_INF,
+      !guard.best_sat || body.worst_sat, !guard.worst_sat || body.best_sat};
+  return a;
+}
+
+/** One more of those that all have to hold. */
+static inline void tm_for_all_any(tm_cases *all, tm_cases body) {
+  *all = tm_and_any(*all, body);
+}
+
+/** One more of those of which one has to hold. */
+static inline void tm_exists_any(tm_cases *some, tm_cases body) {
+  *some = tm_or_any(*some, body);
+}
+
+/** One more of those that all have to hold; in the worst case, all that may be in range count. */
+static inline void tm_for_all_where_any(tm_cases *all, tm_cases guard, tm_cases body) {
+  const tm_cases next = tm_and_any(*all, body);
+  all->worst = guard.best_sat ? next.worst : all->worst;
+  all->worst_sat = guard.best_sat ? next.worst_sat : all->worst_sat;
+  all->best = guard.worst_sat ? next.best : all->best;
+  all->best_sat = guard.worst_sat ? next.best_sat : all->best_sat;
+}
+
+/** One more of those of which one has to hold; in the worst case, only those that surely are in range count. */
+static inline void tm_exists_where_any(tm_cases *some, tm_cases guard, tm_cases body) {
+  const tm_cases next = tm_or_any(*some, body);
+  some->worst = guard.worst_sat ? next.worst : some->worst;
+  some->worst_sat = guard.worst_sat ? next.worst_sat : some->worst_sat;
+  some->best = guard.best_sat ? next.best : some->best;
+  some->best_sat = guard.best_sat ? next.best_sat : some->best_sat;
+}
+
+/** One of two numbers; NaN where what decides is not known. */
+static inline double tm_select_any(tm_cases condition, double then, double otherwise) {
+  return condition.worst_sat ? then : (condition.best_sat ? TM_NAN : otherwise);
+}
+
+/** Keep a sample of two series, of the worst and the best case. */
+static inline void tm_keep_any(tm_series *worst, tm_series *best, size_t i, tm_cases a) {
+  worst->margin[i] = a.worst;
+  worst->sat[i] = a.worst_sat;
+  best->margin[i] = a.best;
+  best->sat[i] = a.best_sat;
+}
+
+/** A sample of two series, of the worst and the best case. */
+static inline tm_cases tm_kept_any(const tm_series *worst, const tm_series *best, size_t i) {
+  const tm_cases a = {worst->margin[i], best->margin[i], worst->sat[i], best->sat[i]};
+  return a;
+}
+
+/** Keep a sample of two streams, of the worst and the best case. */
+static inline void tm_stream_any(tm_stream *worst, tm_stream *best, size_t i, tm_cases a) {
+  worst->margin[i] = a.worst;
+  worst->sat[i] = a.worst_sat;
+  best->margin[i] = a.best;
+  best->sat[i] = a.best_sat;
+}
+
+/** A sample of two streams, of the worst and the best case. */
+static inline tm_cases tm_streamed_any(const tm_stream *worst, const tm_stream *best, size_t i) {
+  const tm_cases a = {worst->margin[i], best->margin[i], worst->sat[i], best->sat[i]};
+  return a;
+}
+
+/** What a rule says of the worst and the best case. */
+static inline void tm_conclude_any(tm_result *out, tm_cases applies, tm_cases holds) {
+  tm_decide(out, !applies.best_sat, holds.worst_sat, holds.best_sat, holds.worst, holds.best);
+}

@@ -1,0 +1,151 @@
+"""What nodes of formulas are used for, before a function is written: how often, along which axes, and what the spec calls them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import Called
+
+#: What both have: numbers and formulas.
+Value = ir.Num | ir.Formula
+
+
+class Facts:
+    """What does not depend on who asks: the operands of nodes, and the axes whose variables they depend on."""
+
+    def __init__(self) -> None:
+        self._operands: dict[Value, list[Value]] = {}
+        self._free: dict[Value, frozenset[ir.Axis]] = {}
+        self._asks: dict[Value, bool] = {}
+
+    def operands(self, node: Value) -> list[Value]:
+        """The numbers and formulas directly in a node."""
+        found = self._operands.get(node)
+        if found is None:
+            found = self._operands[node] = ir.operands(node)
+        return found
+
+    def free(self, node: Value) -> frozenset[ir.Axis]:
+        """The axes whose variables a node depends on."""
+        found = self._free.get(node)
+        if found is None:
+            found = self._free[node] = self._free_of(node)
+        return found
+
+    def _free_of(self, node: Value) -> frozenset[ir.Axis]:
+        match node:
+            case ir.Column():
+                return frozenset([node.axis])
+            case ir.Flag():
+                return frozenset() if node.axis is None else frozenset([node.axis])
+            case ir.Quantify():
+                inner = self.free(node.body) | (frozenset() if node.guard is None else self.free(node.guard))
+                return inner - {node.axis}
+            case ir.First():
+                return self.free(node.operand) - {node.axis}
+            case ir.Temporal() | ir.Shift() | ir.Edge():
+                return self.free(node.operand) | {node.axis}
+            case ir.Until():
+                return self.free(node.left) | self.free(node.right) | {node.axis}
+            case _:  # nodes that bind no axis
+                result: frozenset[ir.Axis] = frozenset()
+                for child in self.operands(node):
+                    result |= self.free(child)
+                return result
+
+    def asks(self, node: Value) -> bool:
+        """Whether a number depends on a formula; formulas do."""
+        if not isinstance(node, ir.Num):
+            return True
+        found = self._asks.get(node)
+        if found is None:
+            found = self._asks[node] = any(self.asks(child) for child in self.operands(node))
+        return found
+
+
+class Same:
+    """Makes of nodes that say the same, in other places of the spec, one node: the first one, so that it is computed once.
+
+    The interner does so for numbers, but formulas know their places, and numbers may depend on formulas.
+    """
+
+    def __init__(self, facts: Facts) -> None:
+        self._facts = facts
+        self._known: dict[tuple[object, ...], Value] = {}
+        self._same: dict[Value, Value] = {}
+
+    def formula(self, node: ir.Formula) -> ir.Formula:
+        """The formula that says what one says."""
+        found = self.of(node)
+        assert not isinstance(found, ir.Num)
+        return found
+
+    def of(self, node: Value) -> Value:
+        """The node that says what one says."""
+        if not self._facts.asks(node):
+            return node
+        found = self._same.get(node)
+        if found is None:
+            found = self._same[node] = self._made(node)
+        return found
+
+    def _made(self, node: Value) -> Value:
+        before = [node.__dict__[name] for name in node.fields]
+        parts = [self._part(value) for value in before]
+        said = [part for name, part in zip(node.fields, parts) if name not in _TOLD]
+        key = (type(node), *(repr(part) if isinstance(part, float) else part for part in said))
+        found = self._known.get(key)
+        if found is None:
+            changed = any(part is not value for part, value in zip(parts, before))
+            found = self._known[key] = type(node)(*parts) if changed else node
+        return found
+
+    def _part(self, value: Any) -> Any:
+        if isinstance(value, tuple):
+            parts = [self._part(each) for each in value]
+            if all(part is each for part, each in zip(parts, value)):
+                return value
+            return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+        return self.of(value) if isinstance(value, ir.Num | ir.Formula) else value
+
+
+#: What is told about a formula, and is no part of what it says.
+_TOLD = ("span", "unit", "shown")
+
+
+class Usage:
+    """How often each node of some formulas is read, and what the spec calls it."""
+
+    def __init__(self, facts: Facts, roots: Iterable[ir.Formula], called: Mapping[ir.IR, Called]) -> None:
+        self.readers: dict[Value, int] = {}
+        #: Those that the spec has a name for.
+        self.own: set[Value] = set()
+        names: dict[Value, str] = {}
+        stack: list[Value] = list(roots)
+        for root in stack:
+            self.readers[root] = self.readers.get(root, 0) + 1
+        seen: set[Value] = set()
+        while stack:
+            node = stack.pop()
+            if node in seen:
+                continue
+            seen.add(node)
+            name = called.get(node)
+            if name is not None and not isinstance(node, _PLAIN):
+                names[node] = name.name
+                if name.own:
+                    self.own.add(node)
+            for child in facts.operands(node):
+                self.readers[child] = self.readers.get(child, 0) + 1
+                stack.append(child)
+        several = Counter(names.values())
+        #: What the spec calls nodes; those whose name others have, too.
+        self.names = names
+        self.ambiguous = {node for node, name in names.items() if several[name] > 1}
+
+
+#: What has a name of its own, whatever else it is called.
+_PLAIN = (ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar, ir.Truth, ir.Flag)
