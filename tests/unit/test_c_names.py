@@ -32,7 +32,8 @@ AWKWARD = (
     "linux", "sin", "sqrt", "fabs", "rint", "main", "template", "class", "count", "unused", "TM_TRUE", "TM_RULES", "TM_INF",
     "tm_min", "tm_least", "atm_least", "tm_context", "tm_check", "m0", "n1", "n2", "n3", "s1", "s4", "m4", "d5", "k6", "x_2", "x",
     "_x", "_Bool", "__FILE__", "__linux__", "in", "out", "c", "m", "done", "verdict", "finished", "result", "flow", "stream", "queue",
-    "stack", "given", "worst_sat", "table", "limits", "rule",
+    "stack", "given", "worst_sat", "table", "limits", "rule", "context", "monitor", "have", "sample", "known", "holds", "all", "some",
+    "applies", "guard", "left", "right", "windows", "value", "value_2", "y0", "gamma", "signgam", "double_t", "ego_x", "p_u",
 )  # fmt: skip
 #: Those that a spec may use.
 FIELDS = [name for name in AWKWARD if name not in RESERVED]
@@ -126,6 +127,23 @@ def test_signals_events_params_tables_and_rules(tmp_path: Path) -> None:
     compile_strictly(spec, tmp_path)
     given["trace"] = {"t": [0.0], "u": [1.0]}
     agree(spec, given)
+
+
+@needs_compiler
+def test_variables_lets_definitions_and_their_arguments(tmp_path: Path) -> None:
+    """What is bound in a rule names locals of its functions, each beside the others."""
+    names = [name for name in FIELDS if name not in built_in_names()]
+    text = "module names\nsignal trace : series { t: s increasing, u: 1 }\nparam k : 1 = 2\n"
+    for n, name in enumerate(names):
+        text += f"define twice_{n}({name}: 1) -> 1 = {name} * 2 + abs({name})\n"
+        text += f"define {name}_(a: 1) -> 1 = a * a + k\n"
+        text += f'rule v{n} "made up"\n  for all {name} in trace\n  let {name}_2 = {name}.u + k\n'
+        text += f"  require {name}_2 * {name}_({name}_2 - 1) + {name}_({name}.u) <= twice_{n}({name}_2 / 3) + {n}\n"
+        text += f'rule l{n} "made up"\n  for all p in trace\n  let {name} = p.u - k\n  require {name} / k <= {name} * {name}\n'
+        text += f'rule a{n} "made up"\n  along trace as {name}\n  require once[0 s, 1 s] {name}.u * {name}.u > {n}\n'
+    spec = compiled(text)
+    compile_strictly(spec, tmp_path)
+    agree(spec, {"trace": {"t": [0.0, 0.5, 3.0], "u": [1.0, -7.0, 4.0]}})
 
 
 @needs_compiler

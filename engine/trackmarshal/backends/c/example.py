@@ -6,9 +6,7 @@ A whole Supervisor gets a program that runs from a file of cycles; rules alone g
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.cycles import FORMAT, FOUND, LETTERS, VERSION, digest, label
@@ -16,15 +14,13 @@ from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.backends.c.places import _bordered, _setters, sources
+from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir.spec import FieldType
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, TIMELINE, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.faults import FAULTS
 from trackmarshal.runtime.machine import STATES
-
-if TYPE_CHECKING:
-    from jinja2 import Environment
 
 #: Samples of timelines in constant data; its sets have one element.
 SAMPLES = 8
@@ -33,29 +29,15 @@ SAMPLES = 8
 def example(source: Source, capacities: Mapping[str, int] | None = None) -> dict[str, str]:
     """The files of the example by name, with the build file. capacities: by macro, of a process, which is built too."""
     if source.supervised is None:
-        files = {"main.c": _render("check.c.j2", _constant(source))}
+        files = {"main.c": render("example/check.c.j2", _constant(source))}
     else:
         context = _supervisor(source, source.supervised)
-        files = {name: _render(f"{name}.j2", context) for name in ("main.c", "cycles.c", "cycles.h")}
+        files = {name: render(f"example/{name}.j2", context) for name in ("main.c", "cycles.c", "cycles.h")}
     made = {
         "name": source.name, "sources": [name for name in files if name.endswith(".c")], "process": capacities is not None,
         "capacities": list((capacities or {}).items()),
     }  # fmt: skip
-    return files | {"CMakeLists.txt": _render("CMakeLists.txt.j2", made)}
-
-
-def _render(template: str, context: Mapping[str, Any]) -> str:
-    return _environment().get_template(template).render(context)
-
-
-@cache
-def _environment() -> Environment:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    return Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-        keep_trailing_newline=True, autoescape=False,
-    )  # fmt: skip
+    return files | {"CMakeLists.txt": render("example/CMakeLists.txt.j2", made)}
 
 
 def _text(name: str) -> str:
