@@ -123,6 +123,8 @@ class Descent:
                 return (node.operand, {**env, node.axis.level: sample}) if inside else None
             case ir.Edge():
                 return self._edge(node, env)
+            case ir.OverRun():
+                return None
             case _:
                 assert_never(node)
 

@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Literal, NamedTuple, ParamSpec, TypeAlias, Typ
 
 from trackmarshal.ir.operators import (
     EDGES,
+    OVER_RUN,
     QUANTIFIERS,
     TEMPORAL,
     UNTIL,
@@ -22,6 +23,7 @@ from trackmarshal.ir.operators import (
     Extreme,
     FunctionName,
     Quantifier,
+    RunOp,
     TemporalOp,
     UntilOp,
 )
@@ -356,6 +358,25 @@ class First(IR):
     operand: Formula
 
 
+class OverRun(IR):
+    """A temporal operator over the run, cycle by cycle; its history is that of the elements which its operands are about.
+
+    operands: one, or two of `until` and `since`. lower, upper: the bounds of its window, in whole nanoseconds; None: from now, to the
+    end (start) of the run. weak: `next` and `previous` that hold where there is no such cycle.
+    """
+
+    op: RunOp
+    operands: tuple[Formula, ...]
+    lower: int | None
+    upper: int | None
+    weak: bool
+    span: Span
+
+    @property
+    def past(self) -> bool:
+        return OVER_RUN[self.op]
+
+
 #: What a projection of a point onto a line gives.
 Projected: TypeAlias = Station | Offset | Direction
 #: Numbers read off a line.
@@ -372,7 +393,7 @@ Timed: TypeAlias = Temporal | Until | Shift | Edge
 #: A formula.
 Formula: TypeAlias = (
     Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
-    | Temporal | Until | Shift | Edge | First
+    | Temporal | Until | Shift | Edge | First | OverRun
 )  # fmt: skip
 #: Any node.
 AnyNode: TypeAlias = Num | Formula | Axis | Line | Area

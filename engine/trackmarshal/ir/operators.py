@@ -17,6 +17,8 @@ Quantifier = Literal["for all", "exists"]
 TemporalOp = Literal["always", "eventually", "historically", "once"]
 UntilOp = Literal["until", "since"]
 EdgeOp = Literal["rising", "falling"]
+StepOp = Literal["next", "previous"]
+RunOp = Literal["always", "eventually", "historically", "once", "until", "since", "next", "previous"]
 FunctionName = Literal[
     "abs", "sign", "sqrt", "hypot", "floor", "ceil", "round", "min", "max", "pow", "exp", "log",
     "sin", "cos", "tan", "asin", "acos", "atan2", "tanh",
@@ -99,6 +101,10 @@ TEMPORAL: dict[TemporalOp, Window] = {
 }  # fmt: skip
 #: Temporal operators over two formulas, by whether they look into the past.
 UNTIL: dict[UntilOp, bool] = {"until": False, "since": True}
+#: Operators over the run, by whether they look into the past.
+OVER_RUN: dict[RunOp, bool] = {
+    **{op: window.past for op, window in TEMPORAL.items()}, **UNTIL, "next": False, "previous": True
+}
 #: Edges, by what the formula becomes with them.
 EDGES: dict[EdgeOp, bool] = {"rising": True, "falling": False}
 

@@ -160,6 +160,10 @@ class Frame:
     #: Columns (signal, field) of curvatures that a case does not have: what would follow them goes straight.
     straight: frozenset[tuple[str, str]] = frozenset()
     arena: Arena | None = None
+    #: The stamp [s]; None of a case that is in no run.
+    t: float | None = None
+    #: What its cycle is called in a run: its number, or the case's own name.
+    number: object = None
 
     def of(self, candidate: str) -> Frame:
         """The frame as rules see it that rate a candidate: with its `plan`, its own faults and those of what all share."""
@@ -171,7 +175,7 @@ class Frame:
         ]
         return Frame(
             candidate, self.settings, columns, {**self.events, IS_EMERGENCY: int(candidate == EMERGENCY)}, self.lines, self.closed, {},
-            faults, self.orders,
+            faults, self.orders, t=self.t, number=self.number,
         )  # fmt: skip
 
     def seen(self) -> list[tuple[str, Frame]]:

@@ -303,11 +303,12 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
         self.found.append(WrongArity(at, function, wanted, _given(len(args)), None, comma))
     if function in EDGES:
         operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))
-        axis = self.timeline(f"`{function}`", _name_of_call(function, args, span), ctx)
         if not fits:
             raise Poison
         assert isinstance(operands[0], FormulaValue)
-        return FormulaValue(self.make(ir.Edge, known(function, EDGES), axis, operands[0].node), span)
+        if ctx.timeline is None:
+            return _edge_over_run(self, function, operands[0].node, span, ctx)
+        return FormulaValue(self.make(ir.Edge, known(function, EDGES), ctx.timeline, operands[0].node), span)
     values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
     if not fits:
         raise Poison
@@ -360,6 +361,14 @@ def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     if function == "path":
         return LineValue(line(self, values[0], spans[0]), span)
     raise AssertionError(f"unknown function {function}")
+
+
+def _edge_over_run(self: Expressions, function: str, now: ir.Formula, span: Span, ctx: Context) -> Value:
+    """rising: now, and not in the cycle before, false before the run; falling: in the cycle before, true before the run, and not now."""
+    falls = function == "falling"
+    before = self.over_run("previous", (now,), None, None, falls, span, ctx).node
+    parts = (before, self.make(ir.Not, now)) if falls else (self.make(ir.Not, before), now)
+    return FormulaValue(self.make(ir.Connective, "and", *parts), span)
 
 
 def fields(self: Expressions, value: Value, shape: str, span: Span, ctx: Context) -> tuple[ir.Num, ...]:

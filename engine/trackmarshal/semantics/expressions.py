@@ -13,11 +13,13 @@ from trackmarshal.ir.operators import (
     ARITHMETIC,
     COMPARISONS,
     CONNECTIVES,
+    OVER_RUN,
     QUANTIFIERS,
     TEMPORAL,
     UNTIL,
     known,
 )
+from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
@@ -483,44 +485,42 @@ class Expressions:
 
     # Time and quantifiers -----------------------------------------------------------------------------------
 
-    def timeline(self, what: str, span: Span, ctx: Context) -> ir.Axis:
-        if ctx.timeline is None:
-            self.fail(
-                RunAxis(
-                    ctx.site or span, what, "for the planned horizon, add `along SIGNAL as NAME` to the rule"
-                )
-            )
-        return ctx.timeline
-
     def _temporal(self, expr: ast.Temporal, ctx: Context) -> Value:
-        axis, operands, (lower, upper) = self._over_time(expr, (expr.operand,), expr.window, ctx)
+        (operand,), (lower, upper) = self._over_time((expr.operand,), expr.window, ctx)
+        axis = ctx.timeline
+        if axis is None:
+            return self.over_run(expr.op, (operand,), lower, upper, expr.weak, expr.span, ctx)
         if expr.op in ("next", "previous"):
-            shift = self.make(ir.Shift, axis, operands[0], 1 if expr.op == "next" else -1, expr.weak)
+            shift = self.make(ir.Shift, axis, operand, 1 if expr.op == "next" else -1, expr.weak)
             return FormulaValue(shift, expr.span)
         op = known(expr.op, TEMPORAL)
-        return FormulaValue(self.make(ir.Temporal, op, axis, operands[0], lower, upper), expr.span)
+        return FormulaValue(self.make(ir.Temporal, op, axis, operand, lower, upper), expr.span)
 
     def _over_time(
-        self,
-        expr: ast.Temporal | ast.Until,
-        operands: tuple[ast.Expr, ...],
-        window: ast.Window | None,
-        ctx: Context,
-    ) -> tuple[ir.Axis, list[ir.Formula], tuple[float | None, float | None]]:
-        """Timeline, operands and window of a temporal operator; the errors of all of them are reported."""
-        start = expr.span.start if isinstance(expr, ast.Temporal) else _span(expr.left).end
-        at = Span(expr.span.file, start, expr.span.end).word(expr.op)
-        axis, bounds, *formulas = self.all(
-            lambda: self.timeline(f"`{expr.op}`", at, ctx),
-            lambda: self._window(window, ctx),
-            *(lambda o=operand: self.formula(o, ctx).node for operand in operands),
-        )
-        return axis, formulas, bounds
+        self, operands: tuple[ast.Expr, ...], window: ast.Window | None, ctx: Context
+    ) -> tuple[list[ir.Formula], tuple[float | None, float | None]]:
+        """Operands and window of a temporal operator; the errors of all of them are reported."""
+        bounds, *formulas = self.all(
+            lambda: self._window(window, ctx), *(lambda o=operand: self.formula(o, ctx).node for operand in operands)
+        )  # fmt: skip
+        return formulas, bounds
 
     def _until(self, expr: ast.Until, ctx: Context) -> Value:
-        axis, (left, right), (lower, upper) = self._over_time(expr, (expr.left, expr.right), expr.window, ctx)
+        (left, right), (lower, upper) = self._over_time((expr.left, expr.right), expr.window, ctx)
+        axis = ctx.timeline
+        if axis is None:
+            return self.over_run(expr.op, (left, right), lower, upper, False, expr.span, ctx)
         op = known(expr.op, UNTIL)
         return FormulaValue(self.make(ir.Until, op, axis, left, right, lower, upper), expr.span)
+
+    def over_run(
+        self, op: str, operands: tuple[ir.Formula, ...], lower: float | None, upper: float | None, weak: bool, span: Span, ctx: Context
+    ) -> FormulaValue:  # fmt: skip
+        """A temporal operator of a rule without a timeline: cycle by cycle over the run. Times of the run are whole nanoseconds."""
+        bounds = (None if bound is None else nanoseconds(bound) for bound in (lower, upper))
+        return FormulaValue(
+            self.make(ir.OverRun, known(op, OVER_RUN), operands, *bounds, weak, ctx.site or span), span
+        )
 
     def _window(self, window: ast.Window | None, ctx: Context) -> tuple[float | None, float | None]:
         if window is None:
@@ -535,6 +535,14 @@ class Expressions:
             problem = f"a window runs from low to high, not from {in_full(low, 's')} to {in_full(high, 's')}"
             self.fail(BadValue(window.span, problem, None, "swap the bounds"))
         return low, high
+
+    def deadline(self, limit: ast.Expr, ctx: Context) -> float:
+        """How long after a cycle something has to happen, in s: a literal time."""
+        value = self._bound(limit, ctx)
+        if value < 0.0:
+            problem = f"a deadline is not before the cycle that it counts from, at {in_full(value, 's')}"
+            self.fail(BadValue(_span(limit), problem))
+        return value
 
     def _bound(self, bound: ast.Expr, ctx: Context) -> float:
         """A bound of a window: a literal time, in s."""

@@ -11,11 +11,11 @@ from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import RuleInfo, SignalType
 from trackmarshal.semantics.advice import warnings
+from trackmarshal.semantics.overrun import misused
 from trackmarshal.semantics.errors import (
     AllowsNothing,
     Ambiguous,
     ClauseProblem,
-    RunAxis,
     UnknownName,
     UnknownReference,
     UnusedVariable,
@@ -144,7 +144,9 @@ class RuleBuilder:
             )
         if kind == "assume" and not requires:
             for clause in item.clauses:
-                if isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever)):
+                if isinstance(
+                    clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever, ast.WithinTime)
+                ):
                     self._problem(
                         clause,
                         "there is no `monitor` that this clause would be about",
@@ -175,19 +177,19 @@ class RuleBuilder:
                     "put a `for all` before it, or use `whenever`",
                 )
             elif isinstance(clause, ast.WithinTime):
-                self.x.found.append(
-                    RunAxis(
-                        clause.span,
-                        "`within`",
-                        "for the planned horizon, write `along` and `eventually[0 s, ...]`",
-                    )
-                )
+                if not any(isinstance(c, ast.Whenever) for c in item.clauses):
+                    self._problem(clause, "`within` is the deadline of a `whenever`", "add a `whenever` before it")
+                if any(isinstance(c, ast.Along) for c in item.clauses):
+                    hint = "along a timeline, write `eventually[0 s, ...]`"
+                    self._problem(clause, "`within` counts the cycles of the run, not the samples of a timeline", hint)
             elif isinstance(clause, ast.Whenever) and bound:
                 self._problem(clause, "`whenever` comes before the quantifiers", "move it up, or use `where`")
             if (
                 requires
                 and clause is not requires[0]
-                and isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever))
+                and isinstance(
+                    clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever, ast.WithinTime)
+                )
             ):
                 if clause.__dict__["span"].start > requires[0].span.start:
                     self._problem(
@@ -227,8 +229,11 @@ class RuleBuilder:
         clauses = [
             c
             for c in item.clauses
-            if isinstance(c, (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.Require))
+            if isinstance(
+                c, (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.WithinTime, ast.Require)
+            )
         ]
+        deadline: tuple[float, Span] | None = None
         for position, clause in enumerate(clauses):
             self.x.expansions = 0
             try:
@@ -264,8 +269,13 @@ class RuleBuilder:
                         self.x.check_new(clause.name, clause.span, ctx)
                         value = self.x.value(clause.value, ctx)
                         ctx = ctx.bind({clause.name: value})
+                    case ast.WithinTime():
+                        deadline = self.x.deadline(clause.bound, ctx), clause.span
                     case ast.Require():
                         body = self.x.formula(clause.condition, ctx).node
+                        if deadline is not None:
+                            limit, at = deadline
+                            body = self.x.over_run("eventually", (body,), 0.0, limit, False, at, ctx).node
             except (Poison, RecursionError) as error:
                 failed = True
                 if isinstance(error, RecursionError):
@@ -278,6 +288,9 @@ class RuleBuilder:
                     )
                     ctx = ctx.bind({clause.name: Broken()}, 0, timeline)
         if failed or body is None:
+            return None, None, None
+        if along_run := misused(body, *(guard for _, _, guard in steps)):
+            self.x.found.append(along_run)
             return None, None, None
         # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
         steps.sort(key=lambda step: not isinstance(step[0], ast.Along))
@@ -382,6 +395,8 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
                 stack += [node.left, node.right]
             case ir.Not() | ir.Temporal() | ir.Shift() | ir.Edge() | ir.First():
                 stack.append(node.operand)
+            case ir.OverRun():
+                stack += node.operands
             case _:
                 assert_never(node)
     return atoms

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import assert_never
 
 from trackmarshal.backends.c.names import distinct
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 
@@ -125,6 +126,11 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass
                     case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
                         pass
+                    case ir.OverRun():
+                        raise TrackmarshalError(
+                            "E470", f"rule `{rule.name}`: generated C does not remember yet: `{node.op}` over the run",
+                            file=node.span.file.path, line=node.span.line, help="choose rules with --rule, or another backend",
+                        )  # fmt: skip
                     case _:
                         assert_never(node)
     for name in whole:

@@ -17,7 +17,7 @@ from trackmarshal.backends.c.places import PlaceSetter
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
-from trackmarshal.backends.results import Stateless, rated
+from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
@@ -82,7 +82,7 @@ class CProgram(Stateless):
         self._places: PlaceSetter | None = None
         self._numpy: NumpyProgram | None = None
 
-    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+    def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
         """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
         verdicts, margins = self.run(frames)
         width = len(self.rules)
@@ -93,8 +93,9 @@ class CProgram(Stateless):
             for place, rule in enumerate(self.rules):
                 if frame.faults and frame.unusable(rule.reads) is not None:
                     codes[place], own[place] = _UNDEFINED, math.nan
-            one = rated(self.rules, frame, partial(self._values, frame), bytes(codes), own)
-            found.append(Rated(one.verdicts, one.margins, self._explained(one, frame)))
+            values = partial(self._values, frame)
+            one = rated(self.rules, frame, values, bytes(codes), own)
+            found.append(Outcomes(Rated(one.verdicts, one.margins, self._explained(one, frame)), values))
         return found
 
     def run(self, frames: Sequence[Frame]) -> tuple[array[int], array[float]]:

@@ -333,6 +333,8 @@ class Code:
                     lambda best: f"first({body.margin(best)}, {index})",
                     lambda best: f"first({body.sat(best)}, {index})",
                 )  # fmt: skip
+            case ir.OverRun():
+                raise AssertionError("one cycle does not say what a formula over the run comes to")
             case _:
                 assert_never(node)
 

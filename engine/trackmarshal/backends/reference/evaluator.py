@@ -9,7 +9,7 @@ from typing import assert_never
 
 from trackmarshal.backends import witness
 from trackmarshal.backends.reference import geometry, temporal
-from trackmarshal.backends.results import Stateless, rated
+from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
@@ -17,7 +17,6 @@ from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, known, least, negate
 from trackmarshal.runtime.lines import Point
-from trackmarshal.runtime.program import Rated
 from trackmarshal.runtime.verdict import Bound, Truth
 
 #: The index of the variable of each axis that is bound, by the axis's level.
@@ -174,6 +173,8 @@ class Reference:
                 return self.series(node, env)[env[node.axis.level]]
             case ir.First():
                 return self.truth(node.operand, {**env, node.axis.level: 0})
+            case ir.OverRun():
+                raise AssertionError("one cycle does not say what a formula over the run comes to")
             case _:
                 assert_never(node)
 
@@ -320,8 +321,9 @@ class ReferenceProgram(Stateless):
 
     backend = "reference"
 
-    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
-        return [rated(self.rules, frame, cache(partial(Reference, self.spec, frame))) for frame in frames]
+    def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
+        made = [(frame, cache(partial(Reference, self.spec, frame))) for frame in frames]
+        return [Outcomes(rated(self.rules, frame, values), values) for frame, values in made]
 
 
 def _worst(values: list[Truth]) -> tuple[list[bool], list[float]]:
