@@ -273,11 +273,11 @@ class Evaluator:
     def _numpy(self) -> Program:
         from trackmarshal.backends.numpy.program import NumpyProgram
         from trackmarshal.backends.over_run.program import Remembering, remembers
-        from trackmarshal.backends.reference.over_run import KeepingAll
+        from trackmarshal.backends.over_run.streaming import Streaming
 
         if not any(map(remembers, self.rules)):
             return NumpyProgram(self.spec, self.rules)
-        return Remembering(self.spec, self.rules, NumpyProgram, KeepingAll)
+        return Remembering(self.spec, self.rules, NumpyProgram, Streaming)
 
     def _do_without_c(self, error: TrackmarshalError) -> None:
         _say_why(error)

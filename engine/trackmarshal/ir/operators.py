@@ -103,8 +103,9 @@ TEMPORAL: dict[TemporalOp, Window] = {
 UNTIL: dict[UntilOp, bool] = {"until": False, "since": True}
 #: Operators over the run, by whether they look into the past.
 OVER_RUN: dict[RunOp, bool] = {
-    **{op: window.past for op, window in TEMPORAL.items()}, **UNTIL, "next": False, "previous": True
-}
+    "always": False, "eventually": False, "until": False, "next": False,
+    "historically": True, "once": True, "since": True, "previous": True,
+}  # fmt: skip
 #: Edges, by what the formula becomes with them.
 EDGES: dict[EdgeOp, bool] = {"rising": True, "falling": False}
 

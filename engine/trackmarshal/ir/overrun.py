@@ -6,7 +6,7 @@ that speak of one cycle alone. Whoever knows the leaves of every cycle knows the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from trackmarshal.ir import nodes as ir
 
@@ -40,8 +40,10 @@ def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
             raise AssertionError(f"{type(node).__name__} is put together from no formulas over the run")
 
 
-def leaves(formula: ir.Formula) -> Iterator[ir.Formula]:
-    """The formulas about one cycle alone from which a formula is put together, each once, in order."""
+def leaves(
+    formula: ir.Formula, taken_apart: Callable[[ir.Formula], tuple[ir.Formula, ...] | None] = parts
+) -> Iterator[ir.Formula]:
+    """The formulas about one cycle alone from which a formula is put together, each once, in order; or whatever is not `taken_apart`."""
     seen: set[ir.Formula] = set()
     stack = [formula]
     while stack:
@@ -49,7 +51,7 @@ def leaves(formula: ir.Formula) -> Iterator[ir.Formula]:
         if node in seen:
             continue
         seen.add(node)
-        below = parts(node)
+        below = taken_apart(node)
         if below is None:
             yield node
         else:
@@ -78,3 +80,19 @@ def ahead(node: ir.Formula) -> int | None:
     if own is None or None in reaches:
         return None
     return own + max(reach for reach in reaches if reach is not None)
+
+
+def back(node: ir.Formula) -> tuple[int, int]:
+    """How far before a cycle the operators over others that look ahead look for a formula about it: nanoseconds, and cycles of `previous`.
+
+    Those that look back alone do not count: what they say is settled in its own cycle. Of those without a bound, what they make of earlier
+    cycles is kept.
+    """
+    below = parts(node)
+    if below is None or not any(isinstance(part, ir.OverRun) and not part.past for part in ir.below(node)):
+        return 0, 0
+    inside = [back(part) for part in below]
+    reach, steps = max(reach for reach, _ in inside), max(steps for _, steps in inside)
+    if isinstance(node, ir.OverRun) and node.past:
+        return reach + (node.upper or 0), steps + (node.op == "previous")
+    return reach, steps

@@ -517,10 +517,9 @@ class Expressions:
         self, op: str, operands: tuple[ir.Formula, ...], lower: float | None, upper: float | None, weak: bool, span: Span, ctx: Context
     ) -> FormulaValue:  # fmt: skip
         """A temporal operator of a rule without a timeline: cycle by cycle over the run. Times of the run are whole nanoseconds."""
-        bounds = (None if bound is None else nanoseconds(bound) for bound in (lower, upper))
-        return FormulaValue(
-            self.make(ir.OverRun, known(op, OVER_RUN), operands, *bounds, weak, ctx.site or span), span
-        )
+        low, high = (None if bound is None else nanoseconds(bound) for bound in (lower, upper))
+        node = self.make(ir.OverRun, known(op, OVER_RUN), operands, low, high, weak, ctx.site or span)
+        return FormulaValue(node, span)
 
     def _window(self, window: ast.Window | None, ctx: Context) -> tuple[float | None, float | None]:
         if window is None:

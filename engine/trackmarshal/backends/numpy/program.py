@@ -176,6 +176,8 @@ class Run:
         """(rules, frames) codes of verdicts, their places in VERDICTS, and margins."""
         program, values, size = self.program, self._values, self.batch.size
         rules = len(program.rules)
+        if not rules:  # leaves of other rules alone
+            return np.zeros((0, size), dtype=np.uint8), np.zeros((0, size))
         sat, margins = program.settled.read(values, size)
         occupied = sat[rules:]
         sat, margins = sat[:rules], margins[:rules]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import product
 
 from trackmarshal.backends.results import CaseValues
 from trackmarshal.ir import nodes as ir
@@ -24,6 +25,10 @@ class Now:
     frame: Frame
     values: CaseValues
     _known: dict[tuple[ir.Formula, tuple[str, ...]], Truth] = field(default_factory=dict)
+
+    def combinations(self, axes: tuple[ir.Axis, ...]) -> list[tuple[str, ...]]:
+        """What variables of some sets can stand for: one of nothing where there are none."""
+        return list(product(*(self.ids[axis.signal] for axis in axes)))
 
     def leaf(self, node: ir.Formula, ids: tuple[str, ...]) -> Truth:
         """The value of a formula about this cycle alone, for elements of the sets that its variables are of."""

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from trackmarshal.backends.over_run.now import Now
-from trackmarshal.backends.over_run.outcome import ALWAYS, Known, Outcome, Pending, outcome
-from trackmarshal.backends.reference.history import History, Past, leaves_of, sets_of
+from trackmarshal.backends.over_run.outcome import Outcome, Pending, outcome
+from trackmarshal.backends.over_run.history import History, Past, sets_of, values_of
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import leaves
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.verdict import About, Truth
 
@@ -27,6 +28,8 @@ class KeepingAll:
 
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._rules = rules
+        formulas = [formula for rule in rules for formula in (rule.formula, rule.active) if formula is not None]
+        self._leaves = tuple(dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula)))
 
     def start(self) -> Kept:
         return Kept((), 0, ((),) * len(self._rules))
@@ -48,34 +51,22 @@ class KeepingAll:
     def end(self, state: Kept) -> list[tuple[About, ...]]:
         history = History(state.cycles, ended=True)
         return [
-            outcome(rule, pending[:-1], pending[-1], self._values(history)).about if pending else ()
+            outcome(rule, pending[:-1], pending[-1], values_of(history)).about if pending else ()
             for rule, pending in zip(self._rules, state.pending)
         ]
 
     def _outcomes(self, history: History, state: Kept, now: Now) -> list[Outcome]:
         this = Pending(len(history.cycles) - 1, now.name, False)
-        values = self._values(history)
+        values = values_of(history)
         return [outcome(rule, pending, this, values) for rule, pending in zip(self._rules, state.pending)]
 
-    def _values(self, history: History):  # type: ignore[no-untyped-def]
-        def value(rule: RuleInfo, place: int) -> tuple[Known, Known]:
-            assert rule.formula is not None
-            active = ALWAYS if rule.active is None else history.value(rule.active, place, {})
-            return history.value(rule.formula, place, {}), active
-
-        return value
 
     def _all_of(self, now: Now) -> dict[tuple[ir.Formula, tuple[str, ...]], Truth]:
         """The values of all leaves for all elements that are there."""
         found: dict[tuple[ir.Formula, tuple[str, ...]], Truth] = {}
-        for rule in self._rules:
-            for formula in (rule.formula, rule.active):
-                for leaf in leaves_of(formula) if formula is not None else ():
-                    combinations: list[tuple[str, ...]] = [()]
-                    for axis in sets_of(leaf):
-                        combinations = [(*ids, name) for ids in combinations for name in now.ids[axis.signal]]
-                    for ids in combinations:
-                        found[leaf, ids] = now.leaf(leaf, ids)
+        for leaf in self._leaves:
+            for ids in now.combinations(sets_of(leaf)):
+                found[leaf, ids] = now.leaf(leaf, ids)
         return found
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, fields, replace
 
 from trackmarshal.errors import TrackmarshalError
@@ -16,6 +16,7 @@ from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.machine import DRIVE
 from trackmarshal.runtime.program import Judged, Memory, Program
+from trackmarshal.runtime.verdict import About
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.fields import check_track
@@ -159,8 +160,17 @@ class _Saboteur:
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         return self._program.judge_all(frames)
 
-    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+    def start(self) -> Memory:
+        return self._program.start()
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         return self._program.commit(memory, frame, decision)
+
+    def missed(self, memory: Memory) -> Memory:
+        return self._program.missed(memory)
+
+    def end(self, memory: Memory) -> Mapping[str, tuple[About, ...]]:
+        return self._program.end(memory)
 
 
 def _outcome(fault: Fault, said: list[tuple[float, Decision]]) -> Outcome:

@@ -9,12 +9,14 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import product
 from typing import assert_never
 
-from trackmarshal.backends.over_run.outcome import Known
+from trackmarshal.backends.over_run.outcome import ALWAYS, Known
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
-from trackmarshal.ir.overrun import leaves, parts, sets
+from trackmarshal.ir.overrun import parts, sets
+from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, least, negate
 from trackmarshal.runtime.verdict import Bound, Truth
 
@@ -47,12 +49,36 @@ class Element:
     final: bool = True
 
 
+parts_of = cache(parts)
+sets_of = cache(sets)
+
+
+def parts_ahead(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
+    """The parts of a formula that looks ahead; None of one that looks back alone, or not at all: that is settled in its own cycle."""
+    return parts_of(node) if looks_ahead(node) else None
+
+
+@cache
+def looks_ahead(node: ir.Formula) -> bool:
+    """Whether a formula says something of cycles after its own."""
+    return any(isinstance(part, ir.OverRun) and not part.past for part in ir.below(node))
+
+
+#: What operators make of cycles that are no longer there, with what has to hold since then.
+Earlier = Mapping[tuple[ir.OverRun, tuple[str, ...]], Truth]
+#: What a formula is put together from; None: it is a leaf.
+Parts = Callable[[ir.Formula], tuple[ir.Formula, ...] | None]
+
+
 @dataclass(slots=True)
 class History:
-    """The cycles of a run up to now. ended: none will come after the last one."""
+    """The cycles of a run up to now. ended: none will come after the last one. parts: down to which leaves formulas are taken apart."""
 
     cycles: Sequence[Past]
     ended: bool = False
+    parts: Parts = parts_of
+    #: What operators without a bound make of the cycles before the first one here, for the elements that were there until then.
+    earlier: Earlier = field(default_factory=dict)
     _values: dict[tuple[ir.Formula, int, tuple[tuple[int, str], ...]], Known] = field(default_factory=dict)
 
     def value(self, node: ir.Formula, k: int, ids: Ids) -> Known:
@@ -64,7 +90,7 @@ class History:
         return known
 
     def _value(self, node: ir.Formula, k: int, ids: Ids) -> Known:
-        if parts_of(node) is None:
+        if self.parts(node) is None:
             return Known(self.cycles[k].leaf(node, tuple(ids[axis.level] for axis in sets_of(node))), True)
         match node:
             case ir.OverRun():
@@ -127,6 +153,18 @@ class History:
                 assert_never(node.op)
         return Known(value, all(element.final for element in given))
 
+    def folded(self, nodes: Sequence[ir.OverRun], count: int) -> Earlier:
+        """What operators make of the first cycles, when these are dropped: their values about the last of them, by element."""
+        if not count:
+            return self.earlier
+        last, found = count - 1, dict[tuple[ir.OverRun, tuple[str, ...]], Truth]()
+        for node in nodes:
+            axes = sets_of(node)
+            for key in product(*(self.cycles[last].ids[axis.signal] for axis in axes)):
+                ids = {axis.level: name for axis, name in zip(axes, key)}
+                found[node, key] = self.value(node, last, ids).value
+        return found
+
     def _elements(self, node: ir.OverRun, k: int, ids: Ids) -> Iterator[Element]:
         """What there is from cycle k outwards, as far as the window reaches: cycles, gaps between them, and what is to come."""
         lower, upper = node.lower or 0, math.inf if node.upper is None else node.upper
@@ -151,6 +189,13 @@ class History:
                     yield Element(unknown, begin < high and end > low)
         if open_ and not node.past and self.cycles[-1].t < high:
             yield Element(unknown, True, False)
+        if node.past and members[0] == 0 and node.upper is None and node.op != "previous":
+            earlier = self.earlier.get((node, tuple(ids[axis.level] for axis in sets_of(node))))
+            if earlier is not None:
+                if self.cycles[0].missed:
+                    yield Element(unknown, True)
+                # What `since` came to there is what it comes to from there on, as long as its left side holds.
+                yield Element((TRUE, earlier)[-len(node.operands) :], True)
 
     def _members(self, node: ir.OverRun, ids: Ids, k: int) -> tuple[list[int], bool]:
         """The cycles of the life, around cycle k, of what an operator is about, and whether it may go on."""
@@ -172,6 +217,12 @@ class History:
         return life
 
 
-parts_of = cache(parts)
-sets_of = cache(sets)
-leaves_of = cache(lambda formula: tuple(leaves(formula)))
+def values_of(history: History) -> Callable[[RuleInfo, int], tuple[Known, Known]]:
+    """The values of a rule's formula, and of where it applies, about any cycle of a history."""
+
+    def value(rule: RuleInfo, place: int) -> tuple[Known, Known]:
+        assert rule.formula is not None
+        active = ALWAYS if rule.active is None else history.value(rule.active, place, {})
+        return history.value(rule.formula, place, {}), active
+
+    return value
