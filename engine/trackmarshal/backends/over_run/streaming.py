@@ -35,10 +35,11 @@ class Streaming:
 
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._rules = rules
-        formulas = [formula for rule in rules for formula in (rule.formula, rule.active) if formula is not None]
-        self._nodes = cells_of(formulas)
-        self._ahead = [looks_ahead(rule.formula) or (rule.active is not None and looks_ahead(rule.active)) for rule in rules]
-        of_ahead = [formula for formula in formulas if looks_ahead(formula)]
+        by_rule = [[formula for formula in (rule.formula, rule.active) if formula is not None] for rule in rules]
+        self._nodes = cells_of(formula for formulas in by_rule for formula in formulas)
+        #: Which rules may still change what they say of a cycle when it is past.
+        self._ahead = [any(map(looks_ahead, formulas)) for formulas in by_rule]
+        of_ahead = [formula for formulas, ahead in zip(by_rule, self._ahead) if ahead for formula in formulas]
         self._leaves = tuple(dict.fromkeys(leaf for formula in of_ahead for leaf in leaves(formula, parts_ahead)))
         self._unbounded = [node for node in cells_of(of_ahead, looks_ahead) if node.past and node.op != "previous" and node.upper is None]
         #: How far back from the oldest open cycle anything is looked at: nanoseconds, and cycles.
