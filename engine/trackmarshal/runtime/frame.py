@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
+from trackmarshal.runtime.contract import FOLLOWED, ID, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.cycle import EMERGENCY
 from trackmarshal.runtime.faults import UNUSABLE, Fault, name_of
 from trackmarshal.runtime.lines import Line
@@ -214,7 +214,7 @@ class Frame:
             name = name_of(fault)
             # How samples are ordered, and which of them belong together, counts for every rule.
             whole = name in _WHOLE or (fault.signal, fault.field) in self.orders
-            if whole or name in UNUSABLE or (fault.signal, fault.field) in self.lines:
+            if whole or name in UNUSABLE or fault.field == ID or (fault.signal, fault.field) in self.lines:
                 for signal, field_ in reads:
                     if signal == fault.signal and (whole or fault.field in ("", field_)):
                         return fault
