@@ -289,12 +289,14 @@ class RuleBuilder:
                     ctx = ctx.bind({clause.name: Broken()}, 0, timeline)
         if failed or body is None:
             return None, None, None
-        if along_run := misused(body, *(guard for _, _, guard in steps)):
-            self.x.found.append(along_run)
-            return None, None, None
         # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
         steps.sort(key=lambda step: not isinstance(step[0], ast.Along))
-        return self._nest(_with_exceptions(steps, self.x), body)
+        formula, active, along = self._nest(_with_exceptions(steps, self.x), body)
+        problem = misused(formula, active) if along is None else None
+        if problem is not None:
+            self.x.found.append(problem)
+            return None, None, None
+        return formula, active, along
 
     def _nest(
         self, steps: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]], body: ir.Formula

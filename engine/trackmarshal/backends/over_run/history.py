@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from itertools import product
+from itertools import product, zip_longest
 from typing import assert_never
 
 from trackmarshal.backends.over_run.outcome import ALWAYS, Known
@@ -174,7 +174,7 @@ class History:
         members, open_ = self._members(node, ids, k)
         at = members.index(k)
         outwards = members[at::-1] if node.past else members[at:]
-        for this, following in zip(outwards, [*outwards[1:], None]):
+        for this, following in zip_longest(outwards, outwards[1:]):
             now = self.cycles[this].t
             if now < low if node.past else now > high:
                 return
@@ -197,9 +197,10 @@ class History:
                 # What `since` came to there is what it comes to from there on, as long as its left side holds.
                 yield Element((TRUE, earlier)[-len(node.operands) :], True)
 
-    def _members(self, node: ir.OverRun, ids: Ids, k: int) -> tuple[list[int], bool]:
+    def _members(self, node: ir.OverRun, ids: Ids, k: int) -> tuple[Sequence[int], bool]:
         """The cycles of the life, around cycle k, of what an operator is about, and whether it may go on."""
-        members, open_ = list(range(len(self.cycles))), not self.ended
+        members: Sequence[int] = range(len(self.cycles))
+        open_ = not self.ended
         for axis in sets_of(node):
             life = self._life(axis.signal, ids[axis.level], k)
             members = [j for j in members if j in life]
