@@ -11,14 +11,12 @@ from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, Literal, NamedTuple, ParamSpec, TypeAlias, TypeVar, cast
 
 from trackmarshal.ir.operators import (
-    EDGES,
     QUANTIFIERS,
     TEMPORAL,
     UNTIL,
     ArithmeticOp,
     ComparisonOp,
     ConnectiveOp,
-    EdgeOp,
     Extreme,
     FunctionName,
     Quantifier,
@@ -210,7 +208,10 @@ class Flag(IR):
 
 
 class Compare(IR):
-    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI)."""
+    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI).
+
+    turned: it is written the other way round, `right > left`, which only what shows it has to know.
+    """
 
     op: ComparisonOp
     left: Num
@@ -218,6 +219,7 @@ class Compare(IR):
     unit: str
     span: Span
     shown: str = ""
+    turned: bool = False
 
 
 # Geometric predicates: the margin is a signed distance in metres, and they hold where that is not negative.
@@ -262,11 +264,13 @@ class InArea(IR):
 
 
 class Not(IR):
+    """The denial of a formula."""
+
     operand: Formula
 
 
 class Connective(IR):
-    """and, or, implies, iff, xor."""
+    """and, or, iff, xor."""
 
     op: ConnectiveOp
     left: Formula
@@ -336,18 +340,6 @@ class Shift(IR):
     weak: bool
 
 
-class Edge(IR):
-    """rising, falling."""
-
-    op: EdgeOp
-    axis: Axis
-    operand: Formula
-
-    @property
-    def rising(self) -> bool:
-        return EDGES[self.op]
-
-
 class First(IR):
     """The value at the first sample of the timeline."""
 
@@ -368,11 +360,11 @@ Num: TypeAlias = (
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea
 #: Formulas along a timeline.
-Timed: TypeAlias = Temporal | Until | Shift | Edge
+Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
     Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
-    | Temporal | Until | Shift | Edge | First
+    | Temporal | Until | Shift | First
 )  # fmt: skip
 #: Any node.
 AnyNode: TypeAlias = Num | Formula | Axis | Line | Area

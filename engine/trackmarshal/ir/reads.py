@@ -33,7 +33,7 @@ def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass
-            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
+            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                 pass
             case _:
                 assert_never(node)

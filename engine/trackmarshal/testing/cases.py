@@ -9,7 +9,9 @@ from typing import Any, NoReturn
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.margins import margin_units
 from trackmarshal.ir.spec import FieldType, ParamInfo, RuleInfo, SignalType
+from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 from trackmarshal.runtime.settings import check_table
 from trackmarshal.semantics import calls
@@ -18,7 +20,6 @@ from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
 from trackmarshal.semantics.errors import BareAngle
 from trackmarshal.semantics.expressions import Context
-from trackmarshal.semantics.rules import margin_units
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -402,9 +403,10 @@ class _Preparation:
             problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
             self.fail(_span(value), problem, calls.unit_hint(checked, wanted))
         params = self._spec.params
-        if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(checked.node)):
+        core = Lowering(ir.Interner()).number(checked)
+        if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(core)):
             raise Poison  # a parameter whose declaration was reported
-        number = constant_value(checked.node, lambda qualified: params[qualified].value)
+        number = constant_value(core, lambda qualified: params[qualified].value)
         if number is None:
             self.fail(_span(value), "this depends on an input", "a test gives constants")
         return number, checked.dimension
