@@ -407,7 +407,7 @@ class Interner:
             assert len(rest) == len(named), f"{rest} are to be given, not {[*named]}"
             whole = (*parts, *(named[name] for name in rest))
         # repr tells -0.0 from 0.0 and joins equal NaNs; children are interned, so identity is equality.
-        key = (kind, *(part if not isinstance(part, float) else repr(part) for part in whole))
+        key = (kind, *[repr(part) if type(part) is float else part for part in whole])
         known = self._known.get(key)
         if known is None:
             known = self._known[key] = cast("type[IR]", kind)(*whole)

@@ -214,7 +214,11 @@ class Lowering:
                 return self.make(ir.InArea, *self.things.point(node.point), self.things.area(node.zone), at)
             case typed.Inside():
                 swept = self.things.region(node.region, number)
-                return self.make(ir.SweptInside, *swept, self.things.area(node.area), at)
+                return self.make(
+                    ir.SweptInside,
+                    start=swept.start, end=swept.end, length=swept.length, width=swept.width, bend=swept.bend,
+                    area=self.things.area(node.area), span=at,
+                )  # fmt: skip
             case typed.ClearOf():
                 swept, box = self.things.region(node.region, number), self.things.region(node.other, number)
                 return self.make(

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, assert_never
+from typing import assert_never
 
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
 from trackmarshal.lowering.expressions import Lowering
+from trackmarshal.node import Node
 
 
-class Lowered(NamedTuple):
+class Lowered(Node):
     """A rule's formula; `active` holds where the rule applies at all (None: always); `along` is its timeline."""
 
     formula: ir.Formula
@@ -17,7 +18,7 @@ class Lowered(NamedTuple):
     along: ir.Axis | None
 
 
-class _Level(NamedTuple):
+class _Level(Node):
     """A clause that the condition stands under: its axis, and its guard, both where it has them."""
 
     clause: typed.Along | typed.Whenever | typed.ForEach
@@ -42,11 +43,11 @@ def lower_rule(rule: typed.Rule, interner: ir.Interner) -> Lowered:
                 guard = None if clause.where is None else lowering.formula(clause.where)
                 levels.append(_Level(clause, lowering.things.axis(clause.range), guard))
             case typed.Except():
-                place = next(i for i, level in enumerate(levels) if level.clause is clause.of)
-                allowed = interner.make(ir.Not, lowering.formula(clause.condition))
-                before = levels[place].guard
-                guard = allowed if before is None else interner.make(ir.Connective, "and", before, allowed)
-                levels[place] = levels[place]._replace(guard=guard)
+                place, level = next((i, one) for i, one in enumerate(levels) if one.clause is clause.of)
+                allowed: ir.Formula = interner.make(ir.Not, lowering.formula(clause.condition))
+                if level.guard is not None:
+                    allowed = interner.make(ir.Connective, "and", level.guard, allowed)
+                levels[place] = _Level(level.clause, level.axis, allowed)
             case typed.Require():
                 body = lowering.formula(clause.condition)
             case _:
@@ -61,7 +62,8 @@ def _nested(levels: list[_Level], body: ir.Formula, interner: ir.Interner) -> Lo
     make = interner.make
     active: ir.Formula | None = None
     along: ir.Axis | None = None
-    for clause, axis, guard in reversed(levels):
+    for level in reversed(levels):
+        clause, axis, guard = level.clause, level.axis, level.guard
         match clause:
             case typed.ForEach():
                 assert axis is not None

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple, assert_never
+from typing import Literal, assert_never
 
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
+from trackmarshal.node import Node
 from trackmarshal.source import Span
 
 
-class Swept(NamedTuple):
+class Swept(Node):
     """What a box sweeps from one pose to another; `bend`: the curvatures at both, where it follows a curve."""
 
     start: ir.Pose

@@ -216,7 +216,7 @@ class Expressions:
             value = ctx.local[expr.name]
             if isinstance(value, Broken):
                 raise Poison  # the error is where the name was bound
-            return type(value)(**{**value.__dict__, "span": expr.span})  # messages point to the use
+            return value.at(expr.span)  # messages point to the use
         if expr.name == "pi" and ctx.scope.find("pi") is None:
             return typed.Pi(NUMBER, "", expr.span)
         return self._symbol(

@@ -98,7 +98,8 @@ class RuleBuilder:
             return None
         if rule is None and kind == "rule":
             return None
-        formula, active, along = (None, None, None) if rule is None else lower_rule(rule, self.interner)
+        core = None if rule is None else lower_rule(rule, self.interner)
+        formula, active, along = (core.formula, core.active, core.along) if core else (None, None, None)
         return RuleInfo(
             item.name, kind, item.title, self.ctx.scope.module, formula, active, along, margin_unit(formula), tuple(satisfies),
             tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], reads(formula),

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Literal
+from typing import Literal, Self
 
 from trackmarshal.node import Node
+from trackmarshal.source import Span
 
 Comparing = Literal["<", "<=", ">", ">=", "==", "!="]
 Joining = Literal["and", "or", "implies", "iff", "xor"]
@@ -27,6 +28,12 @@ class Typed(Node):
 
     __eq__ = object.__eq__
     __hash__ = object.__hash__
+
+    def at(self, span: Span) -> Self:
+        """The same at another place."""
+        made = object.__new__(type(self))
+        made.__dict__.update(self.__dict__, span=span)
+        return made
 
 
 def below(root: Typed) -> Iterator[Typed]:
