@@ -301,7 +301,11 @@ class Run:
         program = self._evaluator.program
         stamp = None if frame.t is None or not math.isfinite(frame.t) else nanoseconds(frame.t)
         if stamp is None or (self._last is not None and stamp <= self._last):
-            said = "has no stamp" if frame.t is None else f"stamp {frame.t!r} s does not come after the one before"
+            said = (
+                "has no stamp"
+                if frame.t is None
+                else f"stamp {frame.t!r} s does not come after the one before"
+            )
             help_ = 'write it as "t", in s, beside "signals": {"t": 0.1, "signals": {...}}'
             raise TrackmarshalError("D206", f"the cycle {said}", help=help_)
         self._last = stamp

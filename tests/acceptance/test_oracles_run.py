@@ -29,7 +29,11 @@ def spec_of(entry: Entry) -> str:
 
 
 def cycle(entry: Entry, k: int) -> Entry:
-    return {"id": k, "t": float(k), "signals": {"s": {name: column[k] for name, column in entry["trace"].items()}}}
+    return {
+        "id": k,
+        "t": float(k),
+        "signals": {"s": {name: column[k] for name, column in entry["trace"].items()}},
+    }
 
 
 def over_run(entry: Entry, engine: str) -> list[list[About]]:
@@ -58,7 +62,8 @@ def bounded(entry: Entry) -> bool:
 
 @pytest.mark.parametrize(
     ("engine", "every"),
-    [(engine, 5) for engine in ENGINES] + [pytest.param(engine, 1, marks=pytest.mark.acceptance) for engine in ENGINES],
+    [(engine, 5) for engine in ENGINES]
+    + [pytest.param(engine, 1, marks=pytest.mark.acceptance) for engine in ENGINES],
 )
 def test_robustness(engine: str, every: int) -> None:
     entries = [entry for entry in oracle("stl_dev.json")["entries"][::every] if bounded(entry)]
@@ -106,7 +111,9 @@ def test_what_looks_back_is_known_at_once() -> None:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_command(engine: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    entry = next(e for e in oracle("stl_dev.json")["entries"] if {"until", "since"} <= set(e["ops"]) and bounded(e))
+    entry = next(
+        e for e in oracle("stl_dev.json")["entries"] if {"until", "since"} <= set(e["ops"]) and bounded(e)
+    )
     spec, data = tmp_path / "m.spec", tmp_path / "run.jsonl"
     spec.write_text(spec_of(entry), encoding="utf-8")
     count = len(next(iter(entry["trace"].values())))

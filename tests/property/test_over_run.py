@@ -47,13 +47,22 @@ def test_both_engines_say_the_same(formula: str, cycles: list[dict[str, Any] | N
     assert said(text, "reference", cycles) == said(text, "numpy", cycles)
 
 
-@given(formulas(depth=2), formulas(True, depth=1), formulas(True, depth=2), formulas(True, depth=1), st.booleans(), runs())
+@given(
+    formulas(depth=2),
+    formulas(True, depth=1),
+    formulas(True, depth=2),
+    formulas(True, depth=1),
+    st.booleans(),
+    runs(),
+)
 @settings(max_examples=400, deadline=None)
 def test_and_with_all_clauses(
     whenever: str, guard: str, body: str, but: str, within: bool, cycles: list[dict[str, Any] | None]
 ) -> None:
     deadline = "within 0.3 s\n  " if within else ""
-    text = rule(f'whenever {whenever}\n  {deadline}for all o in objects where {guard}\n  except {but} "why"\n  require {body}')
+    text = rule(
+        f'whenever {whenever}\n  {deadline}for all o in objects where {guard}\n  except {but} "why"\n  require {body}'
+    )
     assert said(text, "reference", cycles) == said(text, "numpy", cycles)
 
 

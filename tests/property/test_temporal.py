@@ -141,13 +141,6 @@ def test_shift(case: Case, step: int, weak: bool) -> None:
 
 
 @unhurried
-@given(cases(), st.sampled_from(["rising", "falling"]))
-def test_edges(case: Case, operator: str) -> None:
-    found = getattr(temporal, operator)(*stacked(case.p), *stacked(case.q))
-    assert_same(found, [getattr(reference, operator)(*p, *q) for p, q in zip(case.p, case.q)])
-
-
-@unhurried
 @given(cases(), st.booleans())
 def test_until_is_what_it_says(case: Case, past: bool) -> None:
     """The reference against the definition in one expression: slices of p instead of a running minimum."""

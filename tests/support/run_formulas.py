@@ -36,7 +36,12 @@ def formulas(inside: bool = False, ahead: bool = True, depth: int = 3) -> st.Sea
     kinds = [
         _leaf(inside),
         one.map(lambda p: f"(not {p})"),
-        st.builds(lambda op, p, q: f"({p} {op} {q})", st.sampled_from(["and", "or", "implies", "iff", "xor"]), one, one),
+        st.builds(
+            lambda op, p, q: f"({p} {op} {q})",
+            st.sampled_from(["and", "or", "implies", "iff", "xor"]),
+            one,
+            one,
+        ),
         st.builds(lambda op, w, p: f"({op}{w} {p})", st.sampled_from(_PAST), windows | st.just(""), one),
         st.builds(lambda w, p, q: f"({p} since{w} {q})", windows | st.just(""), one, one),
         st.builds(lambda op, p: f"({op} {p})", st.sampled_from(["previous", "weak previous"]), one),
@@ -53,7 +58,10 @@ def formulas(inside: bool = False, ahead: bool = True, depth: int = 3) -> st.Sea
         kinds += [
             st.builds(lambda q, p: f"({q} o in objects: {p})", st.sampled_from(["for all", "exists"]), body),
             st.builds(
-                lambda q, g, p: f"({q} o in objects where {g}: {p})", st.sampled_from(["for all", "exists"]), body, body
+                lambda q, g, p: f"({q} o in objects where {g}: {p})",
+                st.sampled_from(["for all", "exists"]),
+                body,
+                body,
             ),
         ]
     return st.one_of(kinds)
@@ -65,7 +73,9 @@ _THERE = st.lists(st.sampled_from("abc"), unique=True)
 _NUMBERS = st.sampled_from([-2.0, -1.0, 0.0, 0.5, 1.0, 2.0, None])
 
 
-_CYCLE = st.tuples(_STEPS, st.integers(0, 6), _THERE, _NUMBERS, _NUMBERS, st.tuples(_NUMBERS, _NUMBERS, _NUMBERS), _FLAGS)
+_CYCLE = st.tuples(
+    _STEPS, st.integers(0, 6), _THERE, _NUMBERS, _NUMBERS, st.tuples(_NUMBERS, _NUMBERS, _NUMBERS), _FLAGS
+)
 
 
 def runs() -> st.SearchStrategy[list[dict[str, Any] | None]]:

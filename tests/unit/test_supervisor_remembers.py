@@ -32,7 +32,11 @@ class Rig:
         """A cycle whose candidates begin at these speeds."""
         self.now, self.number = round(self.now + 0.1, 9), self.number + 1
         at = self.now * 10.0
-        given = {"ego": {"x": at, "y": 0.0, "heading": 0.0, "v": 10.0}, "objects": {"id": [], "x": []}, "flag": False}
+        given = {
+            "ego": {"x": at, "y": 0.0, "heading": 0.0, "v": 10.0},
+            "objects": {"id": [], "x": []},
+            "flag": False,
+        }
         return self.supervisor.step(
             Cycle(self.number, self.now, _plan(at, v), _plan(at, emergency), {**given, **signals})
         )
@@ -56,7 +60,10 @@ def names(decision: Any) -> list[tuple[str, str, str]]:
 def test_it_remembers_what_was_seen(backend: str) -> None:
     rig = Rig('rule once_flagged "" require not once[0.05 s, 0.25 s] flag\n', backend)
     assert rig.step(flag=True).safe
-    assert names(rig.step()) == [("once_flagged", "driving", "violated"), ("once_flagged", "emergency", "violated")]
+    assert names(rig.step()) == [
+        ("once_flagged", "driving", "violated"),
+        ("once_flagged", "emergency", "violated"),
+    ]
     assert not rig.step().safe
     assert rig.step().safe
 
@@ -70,9 +77,15 @@ def test_both_candidates_see_what_was_driven(backend: str) -> None:
     )  # fmt: skip
     assert rig.step(v=10.8, emergency=10.7).safe
     # Both rules look at what was driven, 10.8 m/s: neither candidate of this cycle was.
-    assert names(rig.step()) == [("was_driven", "driving", "violated"), ("was_driven", "emergency", "violated")]
+    assert names(rig.step()) == [
+        ("was_driven", "driving", "violated"),
+        ("was_driven", "emergency", "violated"),
+    ]
     # What is driven now is the stored emergency trajectory of 10.7 m/s, from its last due sample on.
-    assert names(rig.step()) == [("was_driven", "driving", "violated"), ("was_driven", "emergency", "violated")]
+    assert names(rig.step()) == [
+        ("was_driven", "driving", "violated"),
+        ("was_driven", "emergency", "violated"),
+    ]
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -106,7 +119,10 @@ def test_a_refused_cycle_is_a_gap(backend: str, refused: str) -> None:
 
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_where_nothing_was_driven_the_plan_is_undefined(backend: str) -> None:
-    rig = Rig('rule slow "" require plan.first.v <= 11 m/s\nrule f "" require weak previous plan.first.v <= 11 m/s\n', backend)
+    rig = Rig(
+        'rule slow "" require plan.first.v <= 11 m/s\nrule f "" require weak previous plan.first.v <= 11 m/s\n',
+        backend,
+    )
     assert rig.step(v=11.2, emergency=10.9).driven is None
     assert {one[::2] for one in names(rig.step())} == {("f", "undefined")}
 
@@ -119,7 +135,10 @@ def test_a_late_violation_makes_its_cycle_unsafe(backend: str) -> None:
     late = rig.step()
     assert names(late) == [("reacts", "driving", "violated"), ("reacts", "emergency", "violated")]
     about = late.violations[0].explain().about
-    assert [(one.cycle, one.verdict, one.final) for one in about] == [(2, "inactive", True), (0, "violated", True)]
+    assert [(one.cycle, one.verdict, one.final) for one in about] == [
+        (2, "inactive", True),
+        (0, "violated", True),
+    ]
     assert rig.step().safe
 
 

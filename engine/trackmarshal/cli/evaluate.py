@@ -68,7 +68,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--series", action="store_true", help="for rules along a timeline: the value at every sample"
     )
-    parser.add_argument("--run", action="store_true", help="lines are the cycles of one run, each with its stamp `t`")
+    parser.add_argument(
+        "--run", action="store_true", help="lines are the cycles of one run, each with its stamp `t`"
+    )
     parser.add_argument("--format", choices=("text", "jsonl"), default="text")
 
 
@@ -132,7 +134,9 @@ def _end_lines(left: Mapping[str, Sequence[About]], format_: str) -> list[str]:
     if format_ == "jsonl":
         return [dump({"end": {name: [about_json(one) for one in each] for name, each in left.items()}})]
     rows = [
-        [name, str(one.cycle), one.verdict, f"{one.margin:.6g}"] for name, each in left.items() for one in each
+        [name, str(one.cycle), one.verdict, f"{one.margin:.6g}"]
+        for name, each in left.items()
+        for one in each
     ]
     return ["after the last cycle", *table(rows, ["rule", "cycle", "verdict", "margin"])]
 

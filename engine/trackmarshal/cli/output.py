@@ -49,7 +49,12 @@ def rule_json(result: RuleResult) -> dict[str, Any]:
 
 def about_json(about: About) -> dict[str, Any]:
     """What a rule over the run says of one cycle."""
-    return {"cycle": about.cycle, "verdict": about.verdict, "margin": number(about.margin), "final": about.final}
+    return {
+        "cycle": about.cycle,
+        "verdict": about.verdict,
+        "margin": number(about.margin),
+        "final": about.final,
+    }
 
 
 def dump(value: object) -> str:

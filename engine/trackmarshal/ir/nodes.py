@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, Literal, NamedTuple, ParamSpec, TypeAlias, TypeVar, cast
 
 from trackmarshal.ir.operators import (
-    EDGES,
     OVER_RUN,
     QUANTIFIERS,
     TEMPORAL,
@@ -19,7 +18,6 @@ from trackmarshal.ir.operators import (
     ArithmeticOp,
     ComparisonOp,
     ConnectiveOp,
-    EdgeOp,
     Extreme,
     FunctionName,
     Quantifier,
@@ -212,7 +210,10 @@ class Flag(IR):
 
 
 class Compare(IR):
-    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI)."""
+    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI).
+
+    turned: it is written the other way round, `right > left`, which only what shows it has to know.
+    """
 
     op: ComparisonOp
     left: Num
@@ -220,6 +221,7 @@ class Compare(IR):
     unit: str
     span: Span
     shown: str = ""
+    turned: bool = False
 
 
 # Geometric predicates: the margin is a signed distance in metres, and they hold where that is not negative.
@@ -264,11 +266,13 @@ class InArea(IR):
 
 
 class Not(IR):
+    """The denial of a formula."""
+
     operand: Formula
 
 
 class Connective(IR):
-    """and, or, implies, iff, xor."""
+    """and, or, iff, xor."""
 
     op: ConnectiveOp
     left: Formula
@@ -338,18 +342,6 @@ class Shift(IR):
     weak: bool
 
 
-class Edge(IR):
-    """rising, falling."""
-
-    op: EdgeOp
-    axis: Axis
-    operand: Formula
-
-    @property
-    def rising(self) -> bool:
-        return EDGES[self.op]
-
-
 class First(IR):
     """The value at the first sample of the timeline."""
 
@@ -389,11 +381,11 @@ Num: TypeAlias = (
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea
 #: Formulas along a timeline.
-Timed: TypeAlias = Temporal | Until | Shift | Edge
+Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
     Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
-    | Temporal | Until | Shift | Edge | First | OverRun
+    | Temporal | Until | Shift | First | OverRun
 )  # fmt: skip
 #: Any node.
 AnyNode: TypeAlias = Num | Formula | Axis | Line | Area
@@ -436,7 +428,7 @@ class Interner:
             assert len(rest) == len(named), f"{rest} are to be given, not {[*named]}"
             whole = (*parts, *(named[name] for name in rest))
         # repr tells -0.0 from 0.0 and joins equal NaNs; children are interned, so identity is equality.
-        key = (kind, *(part if not isinstance(part, float) else repr(part) for part in whole))
+        key = (kind, *[repr(part) if type(part) is float else part for part in whole])
         known = self._known.get(key)
         if known is None:
             known = self._known[key] = cast("type[IR]", kind)(*whole)

@@ -63,7 +63,7 @@ def sets(node: ir.Formula) -> tuple[ir.Axis, ...]:
     found: set[ir.Axis] = set()
     bound: set[ir.Axis] = set()
     for part in ir.below(node):
-        if isinstance(part, (ir.Column, ir.Flag, ir.Temporal, ir.Until, ir.Shift, ir.Edge)) and part.axis is not None:
+        if isinstance(part, (ir.Column, ir.Flag, ir.Temporal, ir.Until, ir.Shift)) and part.axis is not None:
             found.add(part.axis)
         elif isinstance(part, (ir.Quantify, ir.First)):
             bound.add(part.axis)

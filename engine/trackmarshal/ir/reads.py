@@ -34,7 +34,7 @@ def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass
-            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
+            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                 pass
             case ir.OverRun():
                 result |= {(axis.signal, "id") for axis in sets(node)}  # by which elements are known again

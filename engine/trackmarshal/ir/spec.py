@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from trackmarshal.ir.nodes import Axis, Formula
 from trackmarshal.node import Node
 from trackmarshal.source import Span
+
+if TYPE_CHECKING:
+    from trackmarshal.typed import Rule
 
 
 class FieldType(Node):
@@ -107,6 +112,8 @@ class RuleInfo(Node):
     reads: frozenset[tuple[str, str]]
     fingerprint: str
     span: Span
+    #: What it means, as written, of which `formula` is made; None where there is no formula.
+    typed: Rule | None = None
 
 
 class RulebookInfo(Node):

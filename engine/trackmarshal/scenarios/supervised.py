@@ -90,7 +90,9 @@ def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, An
     return shown(frame)
 
 
-def _in_step(supervisor: Supervisor, clock: _Clock, given: Iterable[Cycle]) -> Iterator[tuple[float, Judged, Decision]]:
+def _in_step(
+    supervisor: Supervisor, clock: _Clock, given: Iterable[Cycle]
+) -> Iterator[tuple[float, Judged, Decision]]:
     """Cycle by cycle: what is remembered of one depends on what was decided in it."""
     door, program = _Seen(supervisor.door), supervisor.program
     supervisor.door = door  # type: ignore[assignment]

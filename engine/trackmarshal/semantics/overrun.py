@@ -25,13 +25,17 @@ def _of_operator(node: ir.OverRun) -> OverRunProblem | None:
     if samples is not None:
         hint = f"put the quantifier inside: `{node.op} (for all ... in {samples.signal}: ...)`, or live `along` the timeline"
         return OverRunProblem(
-            node.span, f"`{node.op}` would need to know a sample of `{samples.signal}` again in another cycle", hint
+            node.span,
+            f"`{node.op}` would need to know a sample of `{samples.signal}` again in another cycle",
+            hint,
         )
     if not node.past and node.op != "next" and node.upper is None:
         hint = f"give it a window: `{node.op}[0 s, 5 s]`"
         return OverRunProblem(node.span, f"`{node.op}` without a bound is never decided over the run", hint)
     if node.upper is not None and node.upper > LONGEST:
-        return OverRunProblem(node.span, "the window of a temporal operator over the run is longer than a thousand hours")
+        return OverRunProblem(
+            node.span, "the window of a temporal operator over the run is longer than a thousand hours"
+        )
     return None
 
 
@@ -44,6 +48,8 @@ def _of_other(node: ir.AnyNode) -> OverRunProblem | None:
         for part in ir.below(child):
             if isinstance(part, ir.OverRun):
                 what = "a sample" if isinstance(node, ir.Quantify) else "a number"
-                hint = "only formulas, and quantifiers over sets, can be put together from what was or will be"
+                hint = (
+                    "only formulas, and quantifiers over sets, can be put together from what was or will be"
+                )
                 return OverRunProblem(part.span, f"`{part.op}` over the run cannot decide {what}", hint)
     return None

@@ -60,10 +60,8 @@ def called(name: FunctionName) -> tuple[str, frozenset[str]]:
 def margin(measure: Measure, a: str, b: str) -> str:
     """C of a comparison's margin."""
     match measure:
-        case Measure.ROOM_ABOVE:
+        case Measure.ROOM:
             return f"{b} - {a}"
-        case Measure.ROOM_BELOW:
-            return f"{a} - {b}"
         case Measure.NEARNESS:
             return f"-fabs({a} - {b})"
         case Measure.DISTANCE:
@@ -156,7 +154,7 @@ class Writer:
                 return inner - {node.axis}
             case ir.First():
                 return self.free(node.operand) - {node.axis}
-            case ir.Temporal() | ir.Shift() | ir.Edge():
+            case ir.Temporal() | ir.Shift():
                 return self.free(node.operand) | {node.axis}
             case ir.Until():
                 return self.free(node.left) | self.free(node.right) | {node.axis}
@@ -317,7 +315,7 @@ class Writer:
                 return self.quantify([node], at)[0]
             case ir.Guarded():
                 return self._guarded(node, at)
-            case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+            case ir.Temporal() | ir.Until() | ir.Shift():
                 from trackmarshal.backends.c.timelines import series
 
                 slots = series(self, node, at)
@@ -432,8 +430,6 @@ class Writer:
                 return self._extreme(Extreme.LEAST, a, b, at)
             case "or":
                 return self._extreme(Extreme.GREATEST, a, b, at)
-            case "implies":
-                return self._extreme(Extreme.GREATEST, self.negated(a, at), b, at)
             case "xor":
                 return self._differ(a, b, at)
             case "iff":

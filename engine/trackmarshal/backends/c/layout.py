@@ -124,7 +124,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass
                     case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not() | ir.Connective():
                         pass
-                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
+                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                         pass
                     case ir.OverRun():
                         raise TrackmarshalError(

@@ -21,7 +21,7 @@ from trackmarshal.ir.spec import FieldType, RuleInfo
 CAPACITY = 1024
 _POINTWISE = (
     ir.Const, ir.Param, ir.Column, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Truth, ir.Flag, ir.Compare, ir.Not,
-    ir.Connective, ir.Guarded, ir.Temporal, ir.Until, ir.Shift, ir.Edge, ir.Axis,
+    ir.Connective, ir.Guarded, ir.Temporal, ir.Until, ir.Shift, ir.Axis,
 )  # fmt: skip
 
 
@@ -122,13 +122,12 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
         for side in range(2):
             flow = f"&m->flow[{2 * number + side}]"
             given = [f"&m->stream[{pair[side]}]" for pair in inputs]
-            opposite = f"&m->stream[{inputs[0][1 - side]}]"
             queue = f"&m->queue[{queues}]" if isinstance(node, (ir.Temporal, ir.Until)) else ""
             queues += bool(queue)
             stack = f"&m->stack[{stacks}], &m->stack[{stacks + 1}]" if isinstance(node, ir.Until) else ""
             stacks += 2 * bool(stack)
             target = f"&m->stream[{output[side]}]"
-            stages.append("  " + _step(node, number, flow, queue, stack, time, given, opposite, target))
+            stages.append("  " + _step(node, number, flow, queue, stack, time, given, target))
         stays = "true" if isinstance(node, (ir.Temporal, ir.Until)) and node.upper is None else "false"
         oldest.append(f"tm_online_oldest(&m->flow[{2 * number}], {stays})")
         writer.streams[node] = output
@@ -198,7 +197,7 @@ def _stage(
 
 
 def _step(
-    node: ir.Timed, number: int, flow: str, queue: str, stack: str, time: str, given: list[str], opposite: str, target: str
+    node: ir.Timed, number: int, flow: str, queue: str, stack: str, time: str, given: list[str], target: str
 ) -> str:  # fmt: skip
     have = f"m->given[{number}]"
     match node:
@@ -218,9 +217,6 @@ def _step(
         case ir.Shift():
             ahead, weak = ("true" if node.step > 0 else "false"), ("true" if node.weak else "false")
             return f"tm_online_shift({flow}, {have}, m->finished, {ahead}, {weak}, {given[0]}, {target});"
-        case ir.Edge():
-            rising = "true" if node.rising else "false"
-            return f"tm_online_edge({flow}, {have}, {rising}, {given[0]}, {opposite}, {target});"
         case _:
             assert_never(node)
 

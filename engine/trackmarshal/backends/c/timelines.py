@@ -49,13 +49,13 @@ def _written(self: Writer, node: ir.Timed, operands: list[ir.Formula], home: Blo
     for side, target in enumerate(result):
         self.add(
             home,
-            _call(self, node, total, [s[side] for s in sources], [s[-1 - side] for s in sources], target),
+            _call(self, node, total, [s[side] for s in sources], target),
         )
     return result
 
 
-def _call(self: Writer, node: ir.Timed, total: str, own: list[int], other: list[int], target: int) -> str:
-    """The pass over the timeline; `other` are the operands' opposite sides."""
+def _call(self: Writer, node: ir.Timed, total: str, own: list[int], target: int) -> str:
+    """The pass over the timeline."""
     match node:
         case ir.Temporal() | ir.Until():
             lower = 0.0 if node.lower is None else node.lower
@@ -75,7 +75,5 @@ def _call(self: Writer, node: ir.Timed, total: str, own: list[int], other: list[
         case ir.Shift():
             ahead, weak = ("true" if node.step > 0 else "false"), ("true" if node.weak else "false")
             return f"tm_shift(c, {total}, {ahead}, {weak}, {mark(own[0])}u, {mark(target)}u);"
-        case ir.Edge():
-            return f"tm_edge(c, {total}, {'true' if node.rising else 'false'}, {mark(own[0])}u, {mark(other[0])}u, {mark(target)}u);"
         case _:
             assert_never(node)

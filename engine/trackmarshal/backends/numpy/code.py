@@ -320,7 +320,7 @@ class Code:
                 return self._quantifier(node, number, *parts)
             case ir.Guarded():
                 return self._guarded(node, number, *parts)
-            case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+            case ir.Temporal() | ir.Until() | ir.Shift():
                 values = _tuple(part.value for part in parts)
                 return self._given(node, number, f"temporal(b, {self._hold(node)}, {values})")
             case ir.First():
@@ -373,12 +373,6 @@ class Code:
                     node, number, [left, right], left.says & right.says,
                     lambda best: f"{extreme}({left.margin(best)}, {right.margin(best)})",
                     lambda best: f"{left.sat(best)} {joined} {right.sat(best)}",
-                )  # fmt: skip
-            case "implies":
-                return self._sides(
-                    node, number, [left, right], _denied(left.says) & right.says,
-                    lambda best: f"maximum(-{left.margin(not best)}, {right.margin(best)})",
-                    lambda best: f"~{left.sat(not best)} | {right.sat(best)}",
                 )  # fmt: skip
             case "xor":
                 return self._given(node, number, f"differ({left.value}, {right.value})")

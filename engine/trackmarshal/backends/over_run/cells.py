@@ -24,7 +24,9 @@ def looks_back(node: ir.Formula) -> bool:
     return not looks_ahead(node)
 
 
-def cells_of(formulas: Iterable[ir.Formula], which: Callable[[ir.Formula], bool] = looks_back) -> list[ir.OverRun]:
+def cells_of(
+    formulas: Iterable[ir.Formula], which: Callable[[ir.Formula], bool] = looks_back
+) -> list[ir.OverRun]:
     """The operators of some formulas that look back alone, or others, those inside others before them."""
     found: dict[ir.OverRun, None] = {}
     stack: list[tuple[ir.Formula, bool]] = [(formula, False) for formula in formulas]
@@ -76,7 +78,8 @@ class Cells:
     def remember(self, now: Now, present: Present) -> None:
         """The present cycle is past. All values are looked at before anything is changed."""
         found = [
-            (node, [(key, present.operands(node, key)) for key in now.combinations(sets_of(node))]) for node in self._nodes
+            (node, [(key, present.operands(node, key)) for key in now.combinations(sets_of(node))])
+            for node in self._nodes
         ]
         for node, values in found:
             held, kept = self._held[node], dict[Key, Any]()

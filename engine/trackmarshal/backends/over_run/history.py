@@ -178,8 +178,13 @@ class History:
             now = self.cycles[this].t
             if now < low if node.past else now > high:
                 return
-            known = [self.value(operand, this, {axis.level: ids[axis.level] for axis in sets_of(operand)}) for operand in node.operands]
-            yield Element(tuple(one.value for one in known), low <= now <= high, all(one.final for one in known))
+            known = [
+                self.value(operand, this, {axis.level: ids[axis.level] for axis in sets_of(operand)})
+                for operand in node.operands
+            ]
+            yield Element(
+                tuple(one.value for one in known), low <= now <= high, all(one.final for one in known)
+            )
             if following is None:
                 break
             between = range(this, following, -1) if node.past else range(this + 1, following + 1)

@@ -75,5 +75,7 @@ def outcome(
             said.append(found)
         if not found.final:
             kept.append(Pending(cycle.place, cycle.name, decided))
-    worst = min(counted, key=lambda one: (RANK.index(one.verdict), one.margin if one.margin == one.margin else 0.0))
+    worst = min(
+        counted, key=lambda one: (RANK.index(one.verdict), one.margin if one.margin == one.margin else 0.0)
+    )
     return Outcome(worst.verdict, worst.margin, tuple(said), tuple(kept))

@@ -57,7 +57,9 @@ class Remembering:
         self.spec = spec
         self.rules: Sequence[RuleInfo] = [rule for rule in rules if rule.formula is not None]
         self._over = [rule for rule in self.rules if remembers(rule)]
-        formulas = [formula for rule in self._over for formula in (rule.formula, rule.active) if formula is not None]
+        formulas = [
+            formula for rule in self._over for formula in (rule.formula, rule.active) if formula is not None
+        ]
         found = dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula))
         self.inner = program(spec, [rule for rule in self.rules if not remembers(rule)], tuple(found))
         self._engine = engine(self._over)
@@ -113,7 +115,11 @@ class Remembering:
 
         def explain(number: int, series: bool = False) -> RuleResult:
             over, place = self._places[number]
-            return _explained(self._over[place], frame, values(), found[place]) if over else plain.explain(place, series)
+            return (
+                _explained(self._over[place], frame, values(), found[place])
+                if over
+                else plain.explain(place, series)
+            )
 
         return Rated(bytes(verdicts), margins, explain)
 

@@ -6,7 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from trackmarshal.backends.over_run.cells import Cells, Present, cells_of
-from trackmarshal.backends.over_run.history import Earlier, History, Leaf, Past, looks_ahead, parts_ahead, sets_of, values_of
+from trackmarshal.backends.over_run.history import (
+    Earlier,
+    History,
+    Leaf,
+    Past,
+    looks_ahead,
+    parts_ahead,
+    sets_of,
+    values_of,
+)
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import ALWAYS, Known, Outcome, Pending, outcome
 from trackmarshal.ir import nodes as ir
@@ -35,16 +44,27 @@ class Streaming:
 
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._rules = rules
-        by_rule = [[formula for formula in (rule.formula, rule.active) if formula is not None] for rule in rules]
+        by_rule = [
+            [formula for formula in (rule.formula, rule.active) if formula is not None] for rule in rules
+        ]
         self._nodes = cells_of(formula for formulas in by_rule for formula in formulas)
         #: Which rules may still change what they say of a cycle when it is past.
         self._ahead = [any(map(looks_ahead, formulas)) for formulas in by_rule]
         of_ahead = [formula for formulas, ahead in zip(by_rule, self._ahead) if ahead for formula in formulas]
-        self._leaves = tuple(dict.fromkeys(leaf for formula in of_ahead for leaf in leaves(formula, parts_ahead)))
-        self._unbounded = [node for node in cells_of(of_ahead, looks_ahead) if node.past and node.op != "previous" and node.upper is None]
+        self._leaves = tuple(
+            dict.fromkeys(leaf for formula in of_ahead for leaf in leaves(formula, parts_ahead))
+        )
+        self._unbounded = [
+            node
+            for node in cells_of(of_ahead, looks_ahead)
+            if node.past and node.op != "previous" and node.upper is None
+        ]
         #: How far back from the oldest open cycle anything is looked at: nanoseconds, and cycles.
         reaches = [back(formula) for formula in of_ahead]
-        self._back = max((reach for reach, _ in reaches), default=0), max((steps for _, steps in reaches), default=0)
+        self._back = (
+            max((reach for reach, _ in reaches), default=0),
+            max((steps for _, steps in reaches), default=0),
+        )
 
     def start(self) -> _Kept:
         return _Kept(Cells(self._nodes), [], 0, 0, [() for _ in self._rules], {})
@@ -55,8 +75,16 @@ class Streaming:
 
     def commit(self, state: _Kept, now: Now) -> _Kept:
         present = self._fresh(state).cells.at(now)
-        known = {(leaf, ids): present.leaf(leaf, ids) for leaf in self._leaves for ids in now.combinations(sets_of(leaf))}
-        cycles = [*state.cycles, Past(now.t, now.name, now.ids, _looked_up(known), state.missed)] if self._leaves else []
+        known = {
+            (leaf, ids): present.leaf(leaf, ids)
+            for leaf in self._leaves
+            for ids in now.combinations(sets_of(leaf))
+        }
+        cycles = (
+            [*state.cycles, Past(now.t, now.name, now.ids, _looked_up(known), state.missed)]
+            if self._leaves
+            else []
+        )
         found = self._outcomes(state, cycles, present)
         state.cells.remember(now, present)
         state.taken = True
@@ -92,8 +120,14 @@ class Streaming:
 
         found = []
         for rule, open_, pending in zip(self._rules, self._ahead, state.pending):
-            one = outcome(rule, [_placed(p, -state.dropped) for p in pending], now, ahead if open_ else settled)
-            found.append(Outcome(one.verdict, one.margin, one.about, tuple(_placed(p, state.dropped) for p in one.pending)))
+            one = outcome(
+                rule, [_placed(p, -state.dropped) for p in pending], now, ahead if open_ else settled
+            )
+            found.append(
+                Outcome(
+                    one.verdict, one.margin, one.about, tuple(_placed(p, state.dropped) for p in one.pending)
+                )
+            )
         return found
 
     def _past(self, state: _Kept, now: Now, present: Present) -> Past:

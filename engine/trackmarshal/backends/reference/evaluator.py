@@ -169,7 +169,7 @@ class Reference:
                 return Truth(
                     body.worst if guard.best.sat else TRUE.worst, body.best if guard.worst.sat else TRUE.best
                 )
-            case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+            case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.series(node, env)[env[node.axis.level]]
             case ir.First():
                 return self.truth(node.operand, {**env, node.axis.level: 0})
@@ -280,10 +280,6 @@ class Reference:
                 return _both(
                     lambda side: temporal.shift(side(operand)[0], side(operand)[1], node.step, node.weak)
                 )
-            case ir.Edge():
-                operand = self.along(node.operand, axis, env)
-                edge = temporal.rising if node.rising else temporal.falling
-                return _both(lambda side: edge(*side(operand), *_OTHER[side](operand)))
             case _:
                 assert_never(node)
 
@@ -336,7 +332,6 @@ def _best(values: list[Truth]) -> tuple[list[bool], list[float]]:
 
 Sides = tuple[list[bool], list[float]]
 Pick = Callable[[list[Truth]], Sides]
-_OTHER: dict[Pick, Pick] = {_worst: _best, _best: _worst}
 
 
 def _both(kernel: Callable[[Pick], Sides]) -> list[Truth]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from trackmarshal.backends.over_run.history import History, Past, sets_of, values_of
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import Outcome, Pending, outcome
-from trackmarshal.backends.over_run.history import History, Past, sets_of, values_of
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import leaves
 from trackmarshal.ir.spec import RuleInfo
@@ -28,7 +28,9 @@ class KeepingAll:
 
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._rules = rules
-        formulas = [formula for rule in rules for formula in (rule.formula, rule.active) if formula is not None]
+        formulas = [
+            formula for rule in rules for formula in (rule.formula, rule.active) if formula is not None
+        ]
         self._leaves = tuple(dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula)))
 
     def start(self) -> Kept:
@@ -59,7 +61,6 @@ class KeepingAll:
         this = Pending(len(history.cycles) - 1, now.name, False)
         values = values_of(history)
         return [outcome(rule, pending, this, values) for rule, pending in zip(self._rules, state.pending)]
-
 
     def _all_of(self, now: Now) -> dict[tuple[ir.Formula, tuple[str, ...]], Truth]:
         """The values of all leaves for all elements that are there."""

@@ -97,7 +97,11 @@ def of_cases(spec: Spec, reads: Iterable[tuple[str, str]], places: Places = ()) 
     wanted: dict[str, set[str]] = {}
     for name, field in reads:
         wanted.setdefault(name, set()).add(field)
-    signals = [_signal(info, wanted[name], ID in wanted[name]) for name, info in spec.signals.items() if name in wanted]
+    signals = [
+        _signal(info, wanted[name], ID in wanted[name])
+        for name, info in spec.signals.items()
+        if name in wanted
+    ]
     events = [_event(name) for name in spec.events if name in wanted]
     return Contract(None, (*signals, *events), False, False, _names(spec), places, corridors_of(spec))
 
@@ -111,7 +115,9 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
     read = {signal for rule in rules for signal, _ in rule.reads} | {EGO}
     own = {PLAN, FOLLOWED}
     named = {signal for rule in rules for signal, field in rule.reads if field == ID}
-    signals = [_signal(info, None, name in named) for name, info in spec.signals.items() if name in read - own]
+    signals = [
+        _signal(info, None, name in named) for name, info in spec.signals.items() if name in read - own
+    ]
     events = [_event(name) for name in spec.events if name in read and name != IS_EMERGENCY]
     plan = _signal(spec.signals[PLAN], None)
     tells = IS_EMERGENCY in read and IS_EMERGENCY in spec.events

@@ -115,7 +115,13 @@ class CasesReader:
             raise TrackmarshalError(
                 "D202", f"`signals` is an object, not {values.worded(signals)}", help=help_
             )
-        frame = Frame(raw.get("id"), self.settings(raw), orders=self.orders, t=_stamp(raw.get("t")), number=raw.get("id"))
+        frame = Frame(
+            raw.get("id"),
+            self.settings(raw),
+            orders=self.orders,
+            t=_stamp(raw.get("t")),
+            number=raw.get("id"),
+        )
         given = signals if type(signals) is dict else dict(signals)
         if not given.keys() <= self.contract.known:
             self.reader.refuse_unknown(given, frame.faults, self.contract.known)
@@ -151,7 +157,9 @@ def _stamp(raw: object) -> float | None:
     """The stamp of a case that is a cycle of a run [s]; raises D202 for what is no number."""
     t = None if raw is None else values.number(raw)
     if t is None and raw is not None:
-        raise TrackmarshalError("D202", f"`t` is a number, not {values.worded(raw)}", help="it is the cycle's stamp, in s")
+        raise TrackmarshalError(
+            "D202", f"`t` is a number, not {values.worded(raw)}", help="it is the cycle's stamp, in s"
+        )
     return t
 
 
