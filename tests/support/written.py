@@ -13,16 +13,11 @@ def called(function: str, *args: Any) -> ast.Call:
     return ast.Call(function, tuple(map(written, args)), ("",) * len(args))
 
 
-def item_name(symbol: typed.Symbol) -> str:
-    name: str = symbol.item.__dict__["name"]
-    return name
-
-
 def call_of(node: typed.CalledNumber | typed.CalledFormula) -> ast.Expr:
     """A call, whose body has to be the definition's own."""
     assert isinstance(node.symbol.item, ast.Define)
     assert written(node.body) == plain(node.symbol.item.body)
-    name = item_name(node.symbol)
+    name = node.symbol.name
     return called(name, *node.arguments) if node.symbol.item.parameters else ast.Name(name)
 
 
@@ -53,7 +48,7 @@ def number(node: typed.Number) -> ast.Expr:
         case typed.Pi():
             return ast.Name("pi")
         case typed.Parameter():
-            return ast.Name(item_name(node.symbol))
+            return ast.Name(node.symbol.name)
         case typed.Field():
             return ast.Attribute(written(node.record), node.name)
         case typed.Negative():
@@ -67,7 +62,7 @@ def number(node: typed.Number) -> ast.Expr:
         case typed.Choice():
             return ast.IfElse(formula(node.condition), number(node.then), number(node.otherwise))
         case typed.TableValue():
-            return called(item_name(node.symbol), node.argument)
+            return called(node.symbol.name, node.argument)
         case typed.OnLine():
             return called(node.function, node.point, node.line)
         case typed.StationGap():
@@ -85,7 +80,7 @@ def formula(node: typed.Formula) -> ast.Expr:
         case typed.Boolean():
             return ast.Boolean(node.value)
         case typed.Event():
-            return ast.Name(item_name(node.symbol))
+            return ast.Name(node.symbol.name)
         case typed.BooleanField():
             return ast.Attribute(written(node.record), node.name)
         case typed.Comparison():
@@ -97,7 +92,7 @@ def formula(node: typed.Formula) -> ast.Expr:
         case typed.Within():
             return ast.Within(number(node.value), number(node.lower), number(node.upper))
         case typed.InZone():
-            return ast.InZone(written(node.point), item_name(node.zone.symbol))
+            return ast.InZone(written(node.point), node.zone.symbol.name)
         case typed.Inside():
             return called("inside", node.region, node.area)
         case typed.ClearOf():
@@ -144,7 +139,7 @@ def thing(node: typed.WholeSignal | typed.Record | typed.Line | typed.Area | typ
         case typed.Border():
             return ast.Attribute(thing(node.of), node.field)
         case typed.PlacedLine() | typed.Zone():
-            return ast.Name(item_name(node.symbol))
+            return ast.Name(node.symbol.name)
         case typed.Path() | typed.Centre() | typed.Corridor():
             return thing(node.of)
         case typed.CalledLine():

@@ -142,8 +142,8 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
 
     rows: list[tuple[str, str]] = []
     if isinstance(node, ir.Compare):
-        sides = (node.right, node.left) if node.turned else (node.left, node.right)
-        for name, side in zip(("left side", "right side"), sides):
+        _, left, right = node.written
+        for name, side in (("left side", left), ("right side", right)):
             rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     if isinstance(node, ir.SweptInside | ir.SweptClear):
         rows.append(("swept", _way(node, env, values)))

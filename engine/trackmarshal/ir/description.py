@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from trackmarshal.ir import nodes as ir
 
-_TURNED = {"<": ">", "<=": ">="}
-
 
 def describe(root: ir.IR) -> str:
     """A formula's structure as text, each shared node once: equal texts, equal meanings."""
@@ -17,10 +15,8 @@ def describe(root: ir.IR) -> str:
             return numbers[id(node)]
         parts = []
         said = node.__dict__
-        if (
-            isinstance(node, ir.Compare) and node.turned
-        ):  # told as written: what is kept rests on fingerprints
-            said = {**said, "op": _TURNED[node.op], "left": node.right, "right": node.left}
+        if isinstance(node, ir.Compare):  # told as written: what is kept rests on fingerprints
+            said = {**said, **dict(zip(("op", "left", "right"), node.written))}
         for name in node.compared:
             value = said[name]
             if name in ("shown", "turned"):

@@ -190,6 +190,10 @@ class StationGap(IR):
     end: Num
 
 
+#: What is written of a comparison that was turned round.
+_TURNED: dict[str, str] = {"<": ">", "<=": ">="}
+
+
 # Formulas: something true, false or undefined, with a margin --------------------------------------------------
 
 
@@ -222,6 +226,11 @@ class Compare(IR):
     span: Span
     shown: str = ""
     turned: bool = False
+
+    @property
+    def written(self) -> tuple[str, Num, Num]:
+        """Operator and sides as they are written."""
+        return (_TURNED[self.op], self.right, self.left) if self.turned else (self.op, self.left, self.right)
 
 
 # Geometric predicates: the margin is a signed distance in metres, and they hold where that is not negative.

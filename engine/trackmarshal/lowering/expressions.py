@@ -118,7 +118,7 @@ class Lowering:
             case typed.BooleanField():
                 return self.things.flag(node.record, node.name, site or node.span)
             case typed.Event():
-                return make(ir.Flag, node.symbol.item.__dict__["name"], None, None, 0, site or node.span)
+                return make(ir.Flag, node.symbol.name, None, None, 0, site or node.span)
             case typed.Boolean():
                 return make(ir.Truth, node.value)
             case typed.Inside() | typed.ClearOf() | typed.InZone():

@@ -67,7 +67,7 @@ class Advice:
 
         A literal without a unit is refused where it is one in % or deg, a hundredth of what it looks like; 1 and rad are the same number.
         """
-        if self.is_bare(value) and unit not in ("1", "rad") and value.dimension == NUMBER:
+        if value.dimension == NUMBER and unit not in ("1", "rad") and self.is_bare(value):
             wanted, hint = f"a number in {unit}", f"write the unit: `{_text(value)} {unit}`"
             return WrongDimension(value.span, declared, what, wanted, "a bare number", hint)
         return self.bare(value, declared) if unit in ANGLES and self._uncounted(value) else None

@@ -12,3 +12,8 @@ class Symbol(Node):
     item: ast.Item
     module: str
     qualified: str
+
+    @property
+    def name(self) -> str:
+        """The name as declared, without its module."""
+        return self.qualified.rpartition(".")[2]

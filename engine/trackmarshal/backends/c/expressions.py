@@ -369,8 +369,10 @@ class Writer:
         )  # fmt: skip
 
     def _compare(self, node: ir.Compare, at: Block) -> Value:
-        a, b = self.number(node.left, at), self.number(node.right, at)
-        apart, sat = margin(COMPARISONS[node.op].measure, a, b), f"{a} {node.op} {b}"
+        op, left, right = node.written  # the C reads as the rule does
+        a, b = self.number(left, at), self.number(right, at)
+        sides = (b, a) if node.turned else (a, b)
+        apart, sat = margin(COMPARISONS[node.op].measure, *sides), f"{a} {op} {b}"
         if self.known:
             value = self.value(at, sat, apart)
             self.add(at, f"suspect |= tm_wild({value.worst_margin});")
