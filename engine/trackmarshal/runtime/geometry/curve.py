@@ -87,7 +87,7 @@ class Curves:
         if not fits.all():
             more = np.where(fits, more, self._at_random(way, corner))
             count[~fits] = 1
-            whole[~fits] = 0.0
+        whole[count == 1] = 0.0  # such a way is that hull, and `more` around it
         more[~(more > ROUNDING)] = 0.0
         self.count, self.more = count, more
         self.reach = more + 0.125 * whole
