@@ -311,9 +311,29 @@ def test_numpy_takes_the_same_steps() -> None:
             assert inside >= straight - made.reach[k] - EXACT
             if made.count[k] == 1:  # it is the straight hull, so no more than this is to be taken off
                 assert inside == pytest.approx(straight - made.reach[k], abs=EXACT)
+        assert inside <= max(straight, 0.0) + made.short[k] + EXACT
     assert kinds == set(range(1, MOST + 1))
     assert (margins > 0.0).any()
     assert (margins < 0.0).any()
+
+
+@pytest.mark.parametrize("angle", [0.1, 0.2, 0.4])
+def test_in_a_bend_less_is_swept_than_the_straight_hull(angle: float) -> None:
+    """A post that all but touches the inner side of the hull is farther from the way, by no more than `short` says."""
+    radius = 11.0
+    x, y = radius * math.sin(angle / 2), -radius * math.cos(angle / 2)
+    poses = np.array([[-x], [y], [-angle / 2], [x], [y], [angle / 2]])
+    bends = np.full((2, 1), 1.0 / radius)
+    top = y + BODY[1] / 2 * math.cos(angle / 2) + BODY[0] / 2 * math.sin(angle / 2)
+    track = (
+        [(-30.0, 5.0), (-0.1, 5.0), (0.0, top + 0.01), (0.1, 5.0), (30.0, 5.0)],
+        [(-30.0, -30.0), (30.0, -30.0)],
+    )
+    straight = fast.Corridor(*track).margin_inside(*poses, *BODY)[0]
+    along = fast.Corridor(*track).margin_inside(*poses, *BODY, *bends)[0]
+    assert straight == pytest.approx(0.01, abs=1e-3)
+    short = Curves(poses, bends, *BODY).short[0]
+    assert 0.6 * short < along - straight <= short
 
 
 def test_what_is_no_number_is_undefined() -> None:

@@ -32,11 +32,12 @@ class Curves:
     """N ways, from pose to pose, with the curvatures at both.
 
     `count`: into how many pieces each is cut; `more`: how far beyond the pieces' hulls the vehicle may reach [m]; `reach`: how far
-    it, or the hull of a piece, may be beyond the hull of the two footprints at the ends, with `more` [m]. (N,) each.
+    it, or the hull of a piece, may be beyond the hull of the two footprints at the ends, with `more` [m]; `short`: how
+    much farther than that hull from anything what is taken for swept may be (docs/geometry.md) [m]. (N,) each.
     """
 
     __slots__ = (
-        "_ends", "_shape", "count", "length", "more", "poses", "reach", "size", "units", "usable", "width"
+        "_ends", "_shape", "count", "length", "more", "poses", "reach", "short", "size", "units", "usable", "width"
     )  # fmt: skip
 
     def __init__(self, poses: Floats, bends: Floats, length: float | Floats, width: float | Floats) -> None:
@@ -90,7 +91,9 @@ class Curves:
         whole[count == 1] = 0.0  # such a way is that hull, and `more` around it
         more[~(more > ROUNDING)] = 0.0
         self.count, self.more = count, more
-        self.reach = more + 0.125 * whole
+        whole *= 0.125
+        self.reach = more + whole
+        self.short = np.where(count == 1, -more, whole + 0.5 * corner * turn)
         #: What the poses between both ends are made of: dx, dy, slopes at both ends, lean, the sign of the way.
         self._shape = np.stack([*move, *slope, lean, np.copysign(1.0, along[0])])
 
