@@ -80,7 +80,10 @@ class Curves:
         wanted = corner * steep
         count = np.ones(self.size, dtype=np.intp)
         for cut in range(1, MOST):
-            count += 2.0 * WANTED * cut < wanted
+            further = 2.0 * WANTED * cut < wanted
+            if not further.any():
+                break
+            count += further
         turning = corner * (2.0 * leaning + steep * steep)
         bulge = way * (turn + sway * (1.0 - EVEN / count)) + turning
         more = bulge / (8.0 * count * count) + (0.0625 * (off + slip) * way + 0.5 * corner * off)
