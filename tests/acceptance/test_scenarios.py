@@ -12,17 +12,19 @@ from trackmarshal.cli.replay import evaluator_for
 from trackmarshal.scenarios.replay import Replay, replay
 
 FOLDER = REPOSITORY / "specs" / "scenarios"
+#: Rules beside the shipped Supervisor's that a recording is about.
+BESIDE = {"late_brakes.tmrec.jsonl.gz": [REPOSITORY / "specs" / "fallback"]}
 
 
 def run(path: Path, without: tuple[str, ...] = ()) -> Replay:
     recording = scenarios.load(path)
-    spec = REPOSITORY / "specs" / "supervisor"
-    evaluator = evaluator_for(recording, spec, [], REPOSITORY, None, "numpy")
+    spec, more = REPOSITORY / "specs" / "supervisor", BESIDE.get(path.name, [])
+    evaluator = evaluator_for(recording, spec, [], REPOSITORY, None, "numpy", more=more)
     if without:
         names = [rule.name for rule in evaluator.rules]
         assert set(without) <= set(names)
         kept = [name for name in names if name not in without]
-        evaluator = evaluator_for(recording, spec, [], REPOSITORY, kept, "numpy")
+        evaluator = evaluator_for(recording, spec, [], REPOSITORY, kept, "numpy", more=more)
     return replay(recording, evaluator)
 
 
@@ -56,6 +58,8 @@ def test_inside_the_ground_truth(path: Path) -> None:
         ("overreach.tmrec.jsonl.gz", ("friction", "braking_limit"), (5.0, 11.5)),
         ("after_spin.tmrec.jsonl.gz", ("turn_radius",), (1.0, 1.5)),
         ("after_spin.tmrec.jsonl.gz", ("static_collision",), (4.2, 4.7)),
+        ("late_brakes.tmrec.jsonl.gz", ("takeup_friction",), (0.8, 1.3)),
+        ("late_brakes.tmrec.jsonl.gz", ("takeup_friction", "takeup_speed"), (0.8, 6.5)),
         ("bad_reception.tmrec.jsonl.gz", ("A-PERCEPTION",), (3.2, 4.3)),
         (
             "bad_reception.tmrec.jsonl.gz",
