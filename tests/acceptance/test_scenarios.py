@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,8 @@ import pytest
 from support.shared import REPOSITORY
 from trackmarshal import scenarios, trace
 from trackmarshal.cli.replay import evaluator_for
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import Replay, replay
 
 FOLDER = REPOSITORY / "specs" / "scenarios"
@@ -16,15 +19,23 @@ FOLDER = REPOSITORY / "specs" / "scenarios"
 BESIDE = {"late_brakes.tmrec.jsonl.gz": [REPOSITORY / "specs" / "fallback"]}
 
 
-def run(path: Path, without: tuple[str, ...] = ()) -> Replay:
+_known: dict[object, Evaluator] = {}
+
+
+@cache
+def shipped(path: Path) -> tuple[Recording, Evaluator]:
+    """A recording, and all rules for it."""
     recording = scenarios.load(path)
     spec, more = REPOSITORY / "specs" / "supervisor", BESIDE.get(path.name, [])
-    evaluator = evaluator_for(recording, spec, [], REPOSITORY, None, "numpy", more=more)
+    return recording, evaluator_for(recording, spec, [], REPOSITORY, None, "numpy", known=_known, more=more)
+
+
+def run(path: Path, without: tuple[str, ...] = ()) -> Replay:
+    recording, evaluator = shipped(path)
     if without:
         names = [rule.name for rule in evaluator.rules]
         assert set(without) <= set(names)
-        kept = [name for name in names if name not in without]
-        evaluator = evaluator_for(recording, spec, [], REPOSITORY, kept, "numpy", more=more)
+        evaluator = Evaluator(evaluator.spec, [name for name in names if name not in without], "numpy")
     return replay(recording, evaluator)
 
 

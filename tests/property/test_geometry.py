@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from trackmarshal.runtime import geometry as fast
 Point = tuple[float, float]
 Pose = tuple[float, float, float]
 
+#: Of corridors on which the least of all ways is looked for.
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "120"))
 unhurried = settings(deadline=None)
 
 small = st.floats(-1.0, 1.0)
@@ -140,7 +143,7 @@ def trajectories(draw: st.DrawFn, borders: tuple[list[Point], list[Point]], coun
 
 
 @pytest.mark.parametrize("curved", [False, True])
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=EXAMPLES)
 @given(data=st.data(), borders=corridors(), body=sizes, trips=st.integers(1, 4), count=st.integers(1, 12))
 def test_the_least_of_each_trajectory_is_exact(
     curved: bool,
