@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import NamedTuple, Protocol, assert_never
 
 from trackmarshal.ir import nodes as ir
@@ -233,15 +234,24 @@ class Descent:
 
 def _places(node: ir.Formula, env: Env) -> tuple[tuple[str, int], ...]:
     """The samples and elements that a comparison reads, by signal and number (-1: the last), in order."""
-    found: set[tuple[str, int]] = set()
+    bound, fixed = _reads(node)
+    found = {(signal, max(0, env[level] + offset)) for signal, level, offset in bound if level in env}
+    return tuple(sorted(found | fixed))
+
+
+@lru_cache(maxsize=4096)
+def _reads(node: ir.Formula) -> tuple[set[tuple[str, int, int]], set[tuple[str, int]]]:
+    """What a comparison reads: signal, level of the axis, offset; and what stands at one place, signal and number."""
+    bound: set[tuple[str, int, int]] = set()
+    fixed: set[tuple[str, int]] = set()
     for part in ir.below(node):
         match part:
-            case ir.Column() if part.axis.level in env:
-                found.add((part.axis.signal, max(0, env[part.axis.level] + part.offset)))
-            case ir.Flag() if part.axis is not None and part.axis.level in env:
-                found.add((part.signal, max(0, env[part.axis.level] + part.offset)))
+            case ir.Column():
+                bound.add((part.axis.signal, part.axis.level, part.offset))
+            case ir.Flag() if part.axis is not None:
+                bound.add((part.signal, part.axis.level, part.offset))
             case ir.Sample():
-                found.add((part.signal, part.index))
+                fixed.add((part.signal, part.index))
             case _:
                 continue
-    return tuple(sorted(found))
+    return bound, fixed

@@ -127,7 +127,7 @@ def types(plan: Layout) -> Iterator[str]:
     yield ""
     yield "/* The way from one pose to another: the poses where its pieces begin and end, at most so many, and how far beyond the hulls of"
     yield "   these a vehicle may reach; m. */"
-    yield "#define TM_PIECES 8u"
+    yield "#define TM_PIECES 32u"
     yield "typedef struct {"
     for name in ("x", "y", "ahead", "aside"):
         yield f"  double {name}[TM_PIECES + 1u];"

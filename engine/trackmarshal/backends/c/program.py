@@ -85,6 +85,7 @@ class CProgram(Stateless):
     def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
         """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
         verdicts, margins = self.run(frames)
+        views = _Views(self._numpy_program, frames)
         width = len(self.rules)
         found = []
         for index, frame in enumerate(frames):
@@ -93,7 +94,7 @@ class CProgram(Stateless):
             for place, rule in enumerate(self.rules):
                 if frame.faults and frame.unusable(rule.reads) is not None:
                     codes[place], own[place] = _UNDEFINED, math.nan
-            values = partial(self._values, frame)
+            values = partial(views.of, index)
             one = rated(self.rules, frame, values, bytes(codes), own)
             found.append(Outcomes(Rated(one.verdicts, one.margins, self._explained(one, frame)), values))
         return found
@@ -120,11 +121,10 @@ class CProgram(Stateless):
 
         return explain
 
-    def _values(self, frame: Frame) -> CaseView:
-        """The values of all formulas on a frame, as numpy computes them."""
+    def _numpy_program(self) -> NumpyProgram:
         if self._numpy is None:
             self._numpy = NumpyProgram(self.spec, self.rules)
-        return CaseView(self._numpy.run([frame]), 0)
+        return self._numpy
 
     def number(self, rule: RuleInfo) -> int:
         """The place of a rule among the results."""
@@ -238,6 +238,24 @@ class CProgram(Stateless):
                     len(knots),
                 ):
                     raise TrackmarshalError("E473", f"the program refuses table `{name}`")
+
+
+class _Views:
+    """The values of all formulas on frames, as numpy computes them: once for all rules of a frame, and once for all frames as soon as a
+    second one is asked about, since who explains two of them explains most."""
+
+    def __init__(self, program: Callable[[], NumpyProgram], frames: Sequence[Frame]) -> None:
+        self._program, self._frames = program, frames
+        self._known: dict[int, CaseView] = {}
+
+    def of(self, place: int) -> CaseView:
+        """Of the frame at a place."""
+        if place not in self._known:
+            # The first one is looked at alone: of many frames often one is asked about, that which is unsafe.
+            frames = {place: self._frames[place]} if not self._known else dict(enumerate(self._frames))
+            run = self._program().run(list(frames.values()))
+            self._known = {place: CaseView(run, index) for index, place in enumerate(frames)}
+        return self._known[place]
 
 
 def _column(frame: Frame, signal: str, field: str) -> Any:

@@ -14,6 +14,7 @@ from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import Spec
+from trackmarshal.node import Node
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, known, least, negate
 from trackmarshal.runtime.lines import Point
@@ -41,20 +42,21 @@ class Reference:
         """The number that a node stands for; NaN where it has none."""
         if isinstance(node, (ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar)):
             return self._number(node, env)
-        bound = [level for level in env if level in self._read(node)]
-        if len(bound) == len(env):
+        read = self._read(node)
+        if env.keys() <= read:
             return self._number(node, env)
-        key = (id(node), tuple((level, env[level]) for level in bound))
+        key = (id(node), tuple((level, index) for level, index in env.items() if level in read))
         if key not in self._numbers:
             self._numbers[key] = self._number(node, env)
         return self._numbers[key]
 
-    def _read(self, node: ir.Num) -> frozenset[int]:
+    def _read(self, node: Node) -> frozenset[int]:
         """The levels of the axes that a node reads."""
-        if id(node) not in self._levels:
-            below = ir.below(node)
-            self._levels[id(node)] = frozenset(n.level for n in below if isinstance(n, ir.Axis))
-        return self._levels[id(node)]
+        found = self._levels.get(id(node))
+        if found is None:
+            own = (node.level,) if isinstance(node, ir.Axis) else ()
+            found = self._levels[id(node)] = frozenset(own).union(*map(self._read, node.children()))
+        return found
 
     def _number(self, node: ir.Num, env: Env) -> float:
         match node:
