@@ -73,3 +73,13 @@ def test_a_formula(tmp_path: Path) -> None:
         "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/expressions.py", "backends/c/layout.py",
         "backends/witness.py", "ir/margins.py", "ir/reads.py",
     }  # fmt: skip
+
+
+def test_a_word(tmp_path: Path) -> None:
+    """What the core can say needs its definition, and no evaluator."""
+    found = named(
+        tmp_path, "engine/trackmarshal/typed/formulas.py",
+        ("class Not(FormulaNode):", "class Sorcery(FormulaNode):\n    power: float\n    span: Span\n\n\nclass Not(FormulaNode):"),
+        ("    Boolean | Event | BooleanField", "    Sorcery | Boolean | Event | BooleanField"),
+    )  # fmt: skip
+    assert found == {"lowering/expressions.py"}

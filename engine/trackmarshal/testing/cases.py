@@ -98,6 +98,7 @@ class _Preparation:
         self._spec = compiled.spec
         self._scope = compiled.scopes[module]
         self._x = compiled.expressions
+        self._lowering = Lowering(ir.Interner())
         self._ctx = Context(self._scope, {}, 0, typed.TheRun(), None, ())
         self._found = found
         self._kind: type[BadGiven | BadExpectation] = BadGiven
@@ -404,7 +405,10 @@ class _Preparation:
             problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
             self.fail(_span(value), problem, calls.unit_hint(checked, wanted))
         params = self._spec.params
-        core = Lowering(ir.Interner()).number(checked)
+        plain = typed.literal(checked)
+        if plain is not None:
+            return plain, checked.dimension
+        core = self._lowering.number(checked)
         if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(core)):
             raise Poison  # a parameter whose declaration was reported
         number = constant_value(core, lambda qualified: params[qualified].value)
