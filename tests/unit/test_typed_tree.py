@@ -70,7 +70,11 @@ def test_every_node_is_in_one_of_the_unions() -> None:
     classes = {
         made for made in vars(typed).values() if inspect.isclass(made) and issubclass(made, typed.Typed)
     } - bases
-    kinds = [set(get_args(typed.Value)), set(get_args(typed.Clause)), {typed.Range, typed.TheRun, typed.Window, typed.Rule}]
+    kinds = [
+        set(get_args(typed.Value)),
+        set(get_args(typed.Clause)),
+        {typed.Range, typed.TheRun, typed.Window, typed.Rule},
+    ]
     assert set.union(*kinds) == classes
     assert sum(map(len, kinds)) == len(classes)
     assert all(made.__doc__ and issubclass(made, Node) for made in classes)
