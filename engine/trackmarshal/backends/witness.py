@@ -252,6 +252,8 @@ def _reads(node: ir.Formula) -> tuple[set[tuple[str, int, int]], set[tuple[str, 
                 bound.add((part.signal, part.axis.level, part.offset))
             case ir.Sample():
                 fixed.add((part.signal, part.index))
+            case ir.Flag() if part.offset:
+                fixed.add((part.signal, part.offset))
             case _:
                 continue
     return bound, fixed

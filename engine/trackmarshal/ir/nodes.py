@@ -204,7 +204,10 @@ class Truth(IR):
 
 
 class Flag(IR):
-    """A Boolean of the input: an event (no field), a field of a record, or of the variable of an axis."""
+    """A Boolean of the input: an event (no field), a field of a record, or of the variable of an axis.
+
+    offset: from the first bound sample; without an axis, of which sample of a timeline (0: the first, -1: the last).
+    """
 
     signal: str
     field: str | None

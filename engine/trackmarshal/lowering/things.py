@@ -53,8 +53,10 @@ class Things:
     def flag(self, record: typed.Record, name: str, at: Span) -> ir.Flag:
         """A Boolean field of a record."""
         match record:
-            case typed.State() | typed.Sample():
+            case typed.State():
                 return self.make(ir.Flag, record.signal.name, name, None, 0, at)
+            case typed.Sample():
+                return self.make(ir.Flag, record.signal.name, name, None, record.index, at)
             case typed.Variable():
                 return self.make(
                     ir.Flag, record.signal.name, name, self.axis(record.range), record.offset, at

@@ -192,10 +192,10 @@ class Frame:
         """A number of a record."""
         return float(self.columns[signal].listed(name)[0])
 
-    def flag(self, signal: str, name: str) -> bool | None:
-        """An event (of no field), or a Boolean of a record; None where it is missing."""
+    def flag(self, signal: str, name: str, index: int = 0) -> bool | None:
+        """An event (of no field), or a Boolean of a record, or of a sample (-1: the last); None where it is missing."""
         if name:
-            found: bool | None = self.columns[signal].listed(name)[0]
+            found: bool | None = self.columns[signal].listed(name)[index]
             return found
         event = self.events[signal]
         return None if event < 0 else event == 1

@@ -358,6 +358,11 @@ class Writer:
                 if source.kind == "event"
                 else f"in->{source.c_name}.{self.plan.field_name(node.signal, node.field or '')}"
             )
+            if (
+                self.plan.spec.signals.get(node.signal) is not None
+                and self.plan.spec.signals[node.signal].sequence
+            ):
+                text += "[0]" if node.offset == 0 else f"[in->{source.c_name}.count - 1u]"
         k = self.fresh()
         self.add(at, f"const tm_flag g{k} = {text};", f"g{k}")
         if self.known:

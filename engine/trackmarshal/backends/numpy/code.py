@@ -284,7 +284,7 @@ class Code:
                 self._line(node, f"{own.worst} = {own.best} = {'inf' if node.value else '-inf'}")
                 return own._replace(says=BOTH)
             case ir.Flag():
-                codes = f"b.event({node.signal!r}, {node.field or ''!r})"
+                codes = f"b.event({node.signal!r}, {node.field or ''!r}, {node.offset})"
                 if node.axis is not None and node.field is not None:
                     codes = self._column("flags", node.axis, node.field, node.offset)
                 self._line(node, f"{both} = flagged({codes})")

@@ -186,7 +186,7 @@ class Reference:
             column = self.frame.columns[node.signal].listed(node.field)
             value = column[max(0, env[node.axis.level] + node.offset)]
         else:
-            value = self.frame.flag(node.signal, node.field or "")
+            value = self.frame.flag(node.signal, node.field or "", node.offset)
         if value is None:
             return UNDEFINED
         return TRUE if value else FALSE
