@@ -48,24 +48,21 @@ class Outcome:
     wrong: str
 
 
-def fingerprint(
-    campaign: Campaign, fault: Fault, source_hash: str, spec: str, limits: Limits | None = None
-) -> str:
+def fingerprint(campaign: Campaign, fault: Fault, source_hash: str, spec: str, limits: Limits) -> str:
     """sha256 of all that an outcome depends on: the fault as declared, the recording, rules and values, the limits."""
-    limits = Limits() if limits is None else limits
     held = [(field.name, value) for field, value in zip(fields(limits), astuple(limits))]
     made_of = [fault.digest, campaign.lead, source_hash, spec, held]
     return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
 
 
 class Bench:
-    """A recording and its rules, ready for faults."""
+    """A recording and its rules, ready for faults; with the limits of the rules' spec, unless others are given."""
 
     def __init__(self, recording: Recording, evaluator: Evaluator, limits: Limits | None = None) -> None:
         check_track(recording, evaluator)
         tables, _ = known_tables(recording, evaluator.spec)
         self._box = rulebox(evaluator, recording.params, tables)
-        self._limits = Limits() if limits is None else limits
+        self._limits = Limits.of(evaluator.spec) if limits is None else limits
         self._cycles = list(cycles(recording))
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
