@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
@@ -11,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
 from trackmarshal.ir.straight import Fields, curvatures, straightened
 from trackmarshal.runtime.contract.tracks import places_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import Judged, Program, Rated
-from trackmarshal.runtime.verdict import CaseResult
+from trackmarshal.runtime.verdict import About, CaseResult
 
 if TYPE_CHECKING:
     from trackmarshal.batches import Batch
@@ -193,6 +195,10 @@ class Evaluator:
                 for name, rated in judged.rated.items():
                     yield self.result(judged.about, rated, series, name)
 
+    def over_run(self) -> Run:
+        """A run to which cases are given as its cycles, one after the other: rules remember."""
+        return Run(self)
+
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         """The outcome of frames. Where `auto` chose generated C and it does not hold one of them, numpy takes over."""
         if not all(frame.straight.isdisjoint(self._curvatures) for frame in frames):
@@ -237,9 +243,7 @@ class Evaluator:
         """The compiled rules; the same program serves every batch."""
         match self.asked:
             case "reference":
-                from trackmarshal.backends.reference.evaluator import ReferenceProgram
-
-                return ReferenceProgram(self.spec, self.rules)
+                return self._reference()
             case "numpy":
                 return self._numpy()
             case "c" | "auto":
@@ -257,10 +261,23 @@ class Evaluator:
             case other:
                 raise AssertionError(f"unknown backend {other}")
 
+    def _reference(self) -> Program:
+        from trackmarshal.backends.over_run.program import Remembering, remembers
+        from trackmarshal.backends.reference.evaluator import ReferenceProgram
+        from trackmarshal.backends.reference.over_run import KeepingAll
+
+        if not any(map(remembers, self.rules)):
+            return ReferenceProgram(self.spec, self.rules)
+        return Remembering(self.spec, self.rules, ReferenceProgram, KeepingAll)
+
     def _numpy(self) -> Program:
         from trackmarshal.backends.numpy.program import NumpyProgram
+        from trackmarshal.backends.over_run.program import Remembering, remembers
+        from trackmarshal.backends.over_run.streaming import Streaming
 
-        return NumpyProgram(self.spec, self.rules)
+        if not any(map(remembers, self.rules)):
+            return NumpyProgram(self.spec, self.rules)
+        return Remembering(self.spec, self.rules, NumpyProgram, Streaming)
 
     def _do_without_c(self, error: TrackmarshalError) -> None:
         _say_why(error)
@@ -269,6 +286,41 @@ class Evaluator:
 
     def _broken(self, settings: Settings) -> tuple[str, ...]:
         return broken_constraints(self.spec, settings)
+
+
+class Run:
+    """Cases as the cycles of one run. `step` takes them in order; `end` says what was open after the last one."""
+
+    def __init__(self, evaluator: Evaluator) -> None:
+        self._evaluator = evaluator
+        self._memory = evaluator.program.start()
+        self._last: int | None = None
+
+    def step(self, frame: Frame, series: bool = False) -> CaseResult:
+        """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one."""
+        program = self._evaluator.program
+        stamp = None if frame.t is None or not math.isfinite(frame.t) else nanoseconds(frame.t)
+        if stamp is None or (self._last is not None and stamp <= self._last):
+            said = (
+                "has no stamp"
+                if frame.t is None
+                else f"stamp {frame.t!r} s does not come after the one before"
+            )
+            help_ = 'write it as "t", in s, beside "signals": {"t": 0.1, "signals": {...}}'
+            raise TrackmarshalError("D206", f"the cycle {said}", help=help_)
+        self._last = stamp
+        judged = program.judge(self._memory, frame)
+        self._memory = program.commit(self._memory, frame, None)
+        ((_, rated),) = judged.rated.items()
+        return self._evaluator.result(frame, rated, series)
+
+    def missed(self) -> None:
+        """A cycle that could not be read: a gap."""
+        self._memory = self._evaluator.program.missed(self._memory)
+
+    def end(self) -> Mapping[str, tuple[About, ...]]:
+        """By rule, what is said of cycles that were open."""
+        return self._evaluator.program.end(self._memory)
 
 
 def broken_constraints(spec: Spec, settings: Settings = NO_SETTINGS) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ The planner's own limits count, with 1 % more of grip and drive. `make acceptanc
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from functools import cache
 
 import pytest
@@ -18,10 +18,6 @@ from support.shared import shared
 ALLOWANCE = 0.01
 #: The rules about taking up the emergency trajectory: docs/takeup.md, tests/acceptance/test_planner_takeup.py.
 TAKE_UP: Collection[str] = ("take_up",)
-#: Rules that still fire without a reason, with what is known to be wrong with them. To be emptied.
-NOT_MENDED: Mapping[str, str] = {
-    "static_collision": "what is swept is up to 0.05 m wider than the car; in 8 cycles of modena_cars it is less than that from the border",
-}
 
 SOME, ALL = 23, 1
 EVERYTHING = [pytest.param(name, ALL, marks=pytest.mark.acceptance) for name in recording.NAMES]
@@ -53,19 +49,12 @@ def test_what_fires_is_so(name: str, every: int) -> None:
     without = result.unconfirmed()
     if name in recording.ALONE:
         without |= {rule for (rule, _), row in result.rows.items() if row.warned}
-    assert without <= NOT_MENDED.keys(), f"\n{result}"
+    assert not without, f"\n{result}"
 
 
 @pytest.mark.parametrize(("name", "every"), CASES)
 def test_what_is_so_fires(name: str, every: int) -> None:
     assert not table(name, every).missed, f"\n{table(name, every)}"
-
-
-@pytest.mark.acceptance
-def test_nothing_counts_as_not_mended_that_is() -> None:
-    tables = [table(name, ALL) for name in recording.NAMES]
-    without = {rule for result in tables for rule in result.unconfirmed()}
-    assert NOT_MENDED.keys() <= without, "take what is mended out of NOT_MENDED"
 
 
 @pytest.mark.parametrize(("name", "every"), [case for case in CASES if "cars" not in str(case)])

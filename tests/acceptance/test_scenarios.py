@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -9,20 +10,32 @@ import pytest
 from support.shared import REPOSITORY
 from trackmarshal import scenarios, trace
 from trackmarshal.cli.replay import evaluator_for
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import Replay, replay
 
 FOLDER = REPOSITORY / "specs" / "scenarios"
+#: Rules beside the shipped Supervisor's that a recording is about.
+BESIDE = {"late_brakes.tmrec.jsonl.gz": [REPOSITORY / "specs" / "fallback"]}
+
+
+_known: dict[object, Evaluator] = {}
+
+
+@cache
+def shipped(path: Path) -> tuple[Recording, Evaluator]:
+    """A recording, and all rules for it."""
+    recording = scenarios.load(path)
+    spec, more = REPOSITORY / "specs" / "supervisor", BESIDE.get(path.name, [])
+    return recording, evaluator_for(recording, spec, [], REPOSITORY, None, "numpy", known=_known, more=more)
 
 
 def run(path: Path, without: tuple[str, ...] = ()) -> Replay:
-    recording = scenarios.load(path)
-    spec = REPOSITORY / "specs" / "supervisor"
-    evaluator = evaluator_for(recording, spec, [], REPOSITORY, None, "numpy")
+    recording, evaluator = shipped(path)
     if without:
         names = [rule.name for rule in evaluator.rules]
         assert set(without) <= set(names)
-        kept = [name for name in names if name not in without]
-        evaluator = evaluator_for(recording, spec, [], REPOSITORY, kept, "numpy")
+        evaluator = Evaluator(evaluator.spec, [name for name in names if name not in without], "numpy")
     return replay(recording, evaluator)
 
 
@@ -56,6 +69,8 @@ def test_inside_the_ground_truth(path: Path) -> None:
         ("overreach.tmrec.jsonl.gz", ("friction", "braking_limit"), (5.0, 11.5)),
         ("after_spin.tmrec.jsonl.gz", ("turn_radius",), (1.0, 1.5)),
         ("after_spin.tmrec.jsonl.gz", ("static_collision",), (4.2, 4.7)),
+        ("late_brakes.tmrec.jsonl.gz", ("takeup_friction",), (0.8, 1.3)),
+        ("late_brakes.tmrec.jsonl.gz", ("takeup_friction", "takeup_speed"), (0.8, 6.5)),
         ("bad_reception.tmrec.jsonl.gz", ("A-PERCEPTION",), (3.2, 4.3)),
         (
             "bad_reception.tmrec.jsonl.gz",

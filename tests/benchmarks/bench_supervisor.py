@@ -27,6 +27,7 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import NOTHING, Judged, Memory, Program, Rated
 from trackmarshal.runtime.record import Record
 from trackmarshal.runtime.supervisor import Supervisor
+from trackmarshal.runtime.verdict import About
 
 ROOT = Path(__file__).resolve().parents[2]
 PERIOD, RADIUS = 0.1, 600.0
@@ -140,8 +141,17 @@ class _Safe:
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         return [self.judge(NOTHING, frame) for frame in frames]
 
-    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+    def start(self) -> Memory:
+        return NOTHING
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         return memory
+
+    def missed(self, memory: Memory) -> Memory:
+        return memory
+
+    def end(self, memory: Memory) -> dict[str, tuple[About, ...]]:
+        return {}
 
 
 def _never(number: int) -> Any:

@@ -21,7 +21,7 @@ from closed_loop import places
 from closed_loop.condition import Condition, declared, every
 from closed_loop.link import PlannerProcess
 from closed_loop.loop import Run
-from closed_loop.origin import alike, key, origins
+from closed_loop.origin import key, origins
 from closed_loop.result import result
 from closed_loop.road import Road
 from closed_loop.supervising import AsProcess, Supervising
@@ -86,7 +86,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     wanted = declared() if args.declared else list(every())
     chosen = [condition for condition in wanted if condition.name.startswith(tuple(args.only))]
     origin = origins()
-    folder = places.RUNS / key(alike(origin))
+    folder = places.RUNS / key(origin)  # of this very Supervisor: what is kept names its source
     run_all(chosen, folder, args.jobs)
     results = collect(chosen, folder)
     counts: dict[str, int] = {}

@@ -41,6 +41,24 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same for runs that name no track."""
+    made = emit(tmp_path_factory.mktemp("plain"), recordings=[])
+    embedded.build(made, more=SANITIZED)
+    return made
+
+
+def said_of(run: Path, plain: Path, out: Path) -> list[str]:
+    """What the example says of a record of a run, whose program is the one that is built."""
+    made = emit(out, recordings=[run])
+    assert all(
+        (made / name).read_bytes() == (plain / name).read_bytes()
+        for name in ("supervisor.c", "supervisor.h", "main.c", "cycles.c", "cycles.h")
+    )
+    return list(embedded.run(plain / "example", made / "run.cycles").lines)
+
+
 def python_says(recording: Path, spec: Spec, backend: str) -> list[str]:
     found = scenarios.load(recording)
     now = math.nan
@@ -102,7 +120,7 @@ def a_run(path: Path, spec: Spec, count: int) -> tuple[list[str], set[str]]:
     return lines, faults
 
 
-def test_it_decides_as_python_on_broken_cycles(tmp_path: Path) -> None:
+def test_it_decides_as_python_on_broken_cycles(tmp_path: Path, plain: Path) -> None:
     """A run's record, with the times that the clock showed."""
     spec = tm.load([SUPERVISOR], [], REPOSITORY)
     expected, faults = a_run(tmp_path / "run.arrows", spec, 400)
@@ -116,9 +134,7 @@ def test_it_decides_as_python_on_broken_cycles(tmp_path: Path) -> None:
         "wrong_type",
     } <= faults
     assert len(faults) > 12
-    made = emit(tmp_path / "out", recordings=[tmp_path / "run.arrows"])
-    said = embedded.run(embedded.build(made, more=SANITIZED), made / "run.cycles")
-    agree(list(said.lines), expected, names(spec))
+    agree(said_of(tmp_path / "run.arrows", plain, tmp_path / "out"), expected, names(spec))
 
 
 def refused(folder: Path, text: str, tmp_path: Path) -> str:
@@ -212,7 +228,7 @@ def test_more_than_there_is_room_for_is_a_fault(folder: Path, tmp_path: Path) ->
     assert sum(line.startswith("decision drive safe") for line in said) > 60
 
 
-def test_more_faults_than_a_decision_has_room_for(tmp_path: Path) -> None:
+def test_more_faults_than_a_decision_has_room_for(tmp_path: Path, plain: Path) -> None:
     spec = tm.load([SUPERVISOR], [], REPOSITORY)
     supervisor = tm.supervisor(
         spec, backend="numpy", limits=tm.Limits(budget=1e9), clock=lambda: 0.0, record=tmp_path / "run.arrows"
@@ -222,6 +238,4 @@ def test_more_faults_than_a_decision_has_room_for(tmp_path: Path) -> None:
     expected = list(decision_lines(supervisor.step(given)))
     supervisor.close()
     assert expected[-1] == "more"
-    made = emit(tmp_path / "out", recordings=[tmp_path / "run.arrows"])
-    said = embedded.run(embedded.build(made), made / "run.cycles")
-    assert list(said.lines) == expected
+    assert said_of(tmp_path / "run.arrows", plain, tmp_path / "out") == expected

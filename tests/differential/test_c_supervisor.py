@@ -51,10 +51,13 @@ def evaluator() -> Evaluator:
     return Evaluator(spec_with())
 
 
+_known: dict[object, Evaluator] = {}
+
+
 @cache
 def boxed(name: str) -> tuple[Recording, Rulebox]:
     recording = scenarios.load(FOLDER / name)
-    found = evaluator_for(recording, SUPERVISOR, [], REPOSITORY, None, "numpy")
+    found = evaluator_for(recording, SUPERVISOR, [], REPOSITORY, None, "numpy", known=_known)
     tables, _ = known_tables(recording, found.spec)
     return recording, rulebox(found, recording.params, tables)
 

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from random import Random
 from typing import Any
+from unittest import mock
 
 import pytest
 from hypothesis import HealthCheck, example, given, settings
@@ -35,7 +36,9 @@ unhurried = settings(
 
 @cache
 def lark() -> Lark:
-    return make_parser()
+    """Without a look for colliding terminals, which takes most of the time: that is for tests of the grammar."""
+    with mock.patch("lark.lexer.has_interegular", False):
+        return make_parser()
 
 
 class Recorder:

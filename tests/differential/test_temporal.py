@@ -24,7 +24,7 @@ WINDOWED = {
 }
 #: operator of the oracle -> (step, weak)
 SHIFTS = {"next": (1, True), "s_next": (1, False), "prev": (-1, True), "s_prev": (-1, False)}
-EDGES = {"rise": "rising", "fall": "falling"}
+EDGES = ("rise", "fall")
 COMPARISONS: dict[str, tuple[Callable[..., Any], Callable[..., Any]]] = {
     "<": (np.less, lambda left, right: right - left),
     "<=": (np.less_equal, lambda left, right: right - left),
@@ -79,7 +79,9 @@ class Walker:
         if op in SHIFTS:
             return self.kernel("shift", *flat, *SHIFTS[op])
         if op in EDGES:
-            return self.kernel(EDGES[op], *flat, *flat)
+            denied = self.connective("not", *flat)
+            before, now = (denied, flat) if op == "rise" else (flat, denied)
+            return self.connective("and", *self.kernel("shift", *before, -1, True), *now)
         return self.connective(op, *flat)
 
     def connective(self, op: str, *flat: Any) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,8 @@ from trackmarshal.runtime import geometry as fast
 Point = tuple[float, float]
 Pose = tuple[float, float, float]
 
+#: Of corridors on which the least of all ways is looked for.
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "120"))
 unhurried = settings(deadline=None)
 
 small = st.floats(-1.0, 1.0)
@@ -140,7 +143,7 @@ def trajectories(draw: st.DrawFn, borders: tuple[list[Point], list[Point]], coun
 
 
 @pytest.mark.parametrize("curved", [False, True])
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=EXAMPLES)
 @given(data=st.data(), borders=corridors(), body=sizes, trips=st.integers(1, 4), count=st.integers(1, 12))
 def test_the_least_of_each_trajectory_is_exact(
     curved: bool,
@@ -177,17 +180,23 @@ def test_the_least_of_each_trajectory_is_exact(
         assert (found[row, : lengths[row]][~exact[row, : lengths[row]]] > least).all()
 
 
-def test_the_least_may_be_that_of_a_way_whose_hull_is_farther_away() -> None:
-    """A way's curvature takes room: the straight hull's distance is no bound of it. 10 m each; the second one bends, 0.3 m farther off."""
-    corridor = fast.Corridor([(-50.0, 14.0), (80.0, 14.0)], [(-50.0, -14.0), (80.0, -14.0)])
-    x, y = np.array([0.0, 10.0, 20.0]), np.array([10.3, 10.0, 9.9])
-    turned, bend = np.zeros(2), np.array([0.0, 0.1])
-    way = (x[:-1], y[:-1], turned, x[1:], y[1:], turned, 4.7, 2.8, bend, bend)
-    truth = corridor.margin_inside(*way)
-    assert truth[1] < truth[0] - 0.1 < corridor.margin_inside(*way[:8])[1]
-    found, exact = corridor.least_inside(way, 2, np.ones(2, dtype=np.bool_))
-    assert exact[1]
-    assert found.min() == truth[1]
+def fine(y: float) -> list[Point]:
+    """A straight border of short segments."""
+    return [(0.1 * k, y) for k in range(-200, 401)]
+
+
+@pytest.mark.parametrize("bend", [(0.1, 0.1), (0.1, -0.1)])  # in one piece; in several
+def test_the_least_may_be_that_of_a_way_whose_hull_is_farther_away(bend: tuple[float, float]) -> None:
+    """A way's curvature takes room: the straight hull's distance is no bound of it. The last way bends, 0.3 m farther off."""
+    corridor = fast.Corridor(fine(7.0), fine(-7.0))
+    x, y, turned = np.array([0.0, 10.0, 20.0, 30.0]), np.array([3.3, 3.3, 3.0, 3.0]), np.zeros(3)
+    way = (x[:-1], y[:-1], turned, x[1:], y[1:], turned)
+    body = (4.7, 2.8, *(np.array([0.0, 0.0, kappa]) for kappa in bend))
+    truth = corridor.margin_inside(*way, *body)
+    assert truth[2] < truth[:2].min() - 0.1 < corridor.margin_inside(*way, *body[:2])[2]
+    found, exact = corridor.least_inside((*way, *body), 3, np.ones(3, dtype=np.bool_))
+    assert exact[2]
+    assert found.min() == truth[2]
 
 
 @unhurried

@@ -14,7 +14,7 @@ from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory, Rated
 from trackmarshal.runtime.supervisor import Supervisor
-from trackmarshal.runtime.verdict import VERDICTS, RuleResult
+from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -61,8 +61,17 @@ class Oracle:
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         return [self.judge(Memory(), frame) for frame in frames]
 
-    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+    def start(self) -> Memory:
+        return Memory()
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         return memory
+
+    def missed(self, memory: Memory) -> Memory:
+        return memory
+
+    def end(self, memory: Memory) -> Mapping[str, tuple[About, ...]]:
+        return {}
 
     def say(self, candidate: str) -> Rated:
         codes = [int((candidate, rule.name) in self.unsafe) for rule in self.rules]

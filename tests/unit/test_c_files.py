@@ -45,7 +45,7 @@ def source() -> Source:
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The shipped Supervisor, with the cycles of one scenario."""
-    return emit(tmp_path_factory.mktemp("compiled"), recordings=[SCENARIOS[0]])
+    return emit(tmp_path_factory.mktemp("compiled"), recordings=[SCENARIOS[0]], stack=True)
 
 
 CYCLES = f"{name_of(SCENARIOS[0])}.cycles"

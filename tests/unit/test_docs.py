@@ -111,6 +111,14 @@ def test_the_page_about_python_names_all_of_it() -> None:
     assert [name for name in tm.__all__ if f"`{name}`" not in page] == []
 
 
+def test_the_page_about_memory(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (ROOT / "docs" / "memory.md").read_text("utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (output,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    exec(compile(program, "docs/memory.md", "exec"), {})
+    assert capsys.readouterr().out == output
+
+
 def test_the_readme_supervises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The README's program, on the first cycle of the cut-in, as if it came now."""
     (program,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)

@@ -307,12 +307,23 @@ def test_decisions_that_differ_the_second_time_are_no_evidence(campaign: Campaig
 def test_a_fingerprint_changes_with_all_that_counts(campaign: Campaign) -> None:
     one, other = campaign.faults[0], campaign.faults[2]
     prints = [
-        fingerprint(campaign, one, "r", "s"),
-        fingerprint(campaign, other, "r", "s"),
-        fingerprint(campaign, one, "r2", "s"),
-        fingerprint(campaign, one, "r", "s2"),
+        fingerprint(campaign, one, "r", "s", Limits()),
+        fingerprint(campaign, other, "r", "s", Limits()),
+        fingerprint(campaign, one, "r2", "s", Limits()),
+        fingerprint(campaign, one, "r", "s2", Limits()),
         fingerprint(campaign, one, "r", "s", Limits(apart=3.0)),
-        fingerprint(replace(campaign, lead=1.0), one, "r", "s"),
+        fingerprint(replace(campaign, lead=1.0), one, "r", "s", Limits()),
     ]
     assert len(set(prints)) == len(prints)
-    assert fingerprint(load(SHIPPED, "elsewhere.yaml"), one, "r", "s") == prints[0]
+    assert fingerprint(load(SHIPPED, "elsewhere.yaml"), one, "r", "s", Limits()) == prints[0]
+
+
+def test_the_limits_are_those_of_the_project(campaign: Campaign, tmp_path: Path) -> None:
+    """129 samples are too many for the shipped limits, and not for those of a project with longer plans."""
+    fault = next(fault for fault in campaign.faults if "More samples than" in fault.title)
+    planner = tmp_path / "planner.spec"
+    planner.write_text("module planner\nparam samples : 1 = 200\n", encoding="utf-8")
+    root = SHIPPED.parents[1]
+    spec = load_spec([root / "supervisor"], [root / "tracks" / "northfield.spec", planner])
+    made = Bench(scenarios.load(SHIPPED.parent / campaign.recording), Evaluator(spec))
+    assert "over_capacity" not in made.run(campaign, fault).by

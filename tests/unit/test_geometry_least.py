@@ -37,13 +37,16 @@ def trip(angle: float, radius: float, drift: float, step: float = 2.0) -> Floats
     return np.stack([away * np.cos(at), away * np.sin(at), at + math.pi / 2])
 
 
-def judged(course: Corridor, trips: list[Floats]) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """All margins, those of the search, and which of these are exact."""
+def judged(
+    course: Corridor, trips: list[Floats], kappa: float | None = None
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """All margins, those of the search, and which of these are exact; along curves with a curvature."""
     poses = np.stack(trips)
     before = np.concatenate([poses[:, :, :1], poses[:, :, :-1]], axis=2)
     columns = [*before.swapaxes(0, 1).reshape(3, -1), *poses.swapaxes(0, 1).reshape(3, -1)]
-    truth = course.margin_inside(*columns, *BODY).reshape(-1, COUNT)
-    found, exact = course.least_inside((*columns, *BODY), COUNT, np.ones(truth.size, dtype=np.bool_))
+    body = BODY if kappa is None else (*BODY, kappa, kappa)
+    truth = course.margin_inside(*columns, *body).reshape(-1, COUNT)
+    found, exact = course.least_inside((*columns, *body), COUNT, np.ones(truth.size, dtype=np.bool_))
     return truth, found.reshape(-1, COUNT), exact.reshape(-1, COUNT)
 
 
@@ -63,6 +66,22 @@ def test_trajectories_inside(course: Corridor) -> None:
     agreed(*found)
     assert (found[0] > 0.0).all()
     assert found[2].mean() < 0.15
+
+
+def test_along_curves(course: Corridor) -> None:
+    generator = np.random.default_rng(2)
+    drawn = [generator.uniform(*ends, 300) for ends in ((0, 6), (98, 102), (-0.1, 0.1))]
+    for step in (1.0, 2.5, 6.0):  # in one piece each; in several
+        found = judged(course, [trip(a, r, d, step) for a, r, d in zip(*drawn)], 0.01)
+        agreed(*found)
+        assert found[2].mean() < 0.2
+        assert np.isinf(found[1]).mean() > 0.4  # not even bounds are worked out
+
+
+def test_along_a_curve_in_one_piece_as_near_to_both_borders_all_the_time(course: Corridor) -> None:
+    found = judged(course, [trip(0.02 * k, 100.0, 0.0, 1.0) for k in range(200)], 0.01)
+    agreed(*found)
+    assert found[2].mean() < 0.2
 
 
 def test_as_near_to_both_borders_all_the_time(course: Corridor) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
+from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import trackmarshal as tm
 from support.cycles import cycle, plan
 from support.supervised import ROOT, shipped
 from trackmarshal.cli.main import main
+from trackmarshal.cli.options import limits_of
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import UNITS
 
@@ -48,6 +50,14 @@ def test_a_planner_has_its_own(tmp_path: Path) -> None:
     assert tm.supervisor(spec).limits.samples == 300
     assert tm.supervisor(spec, limits={"samples": 7, "apart": 3.0}).limits == tm.Limits(samples=7, apart=3.0)
     assert tm.supervisor(spec, limits=tm.Limits(apart=3.0)).limits == tm.Limits(apart=3.0)  # as it stands
+
+
+def test_a_process_has_those_of_the_project(tmp_path: Path) -> None:
+    """`serve` and `compile --process` begin with what the project declares, as `tm.supervisor` does."""
+    spec = configured(tmp_path, "param samples : 1 = 300")
+    assert limits_of(Namespace(limit=["apart=3"]), spec) == tm.Limits(samples=300, apart=3.0)
+    with pytest.raises(tm.TrackmarshalError, match="there is no limit `sample`"):
+        limits_of(Namespace(limit=["sample=3"]), spec)
 
 
 def test_other_limits_are_declared_with_their_units(tmp_path: Path) -> None:

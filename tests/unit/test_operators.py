@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from support.agreement import compiled
+from trackmarshal import typed
 from trackmarshal.backends.c import build, expressions, parts
 from trackmarshal.backends.c.layout import layout
 from trackmarshal.backends.c.program import CProgram
@@ -45,7 +46,8 @@ def of_kind(kind: object) -> set[str]:
         (operators.FunctionName, operators.FUNCTIONS), (operators.ComparisonOp, operators.COMPARISONS),
         (operators.ArithmeticOp, operators.ARITHMETIC), (operators.ConnectiveOp, operators.CONNECTIVES),
         (operators.Quantifier, operators.QUANTIFIERS), (operators.TemporalOp, operators.TEMPORAL),
-        (operators.UntilOp, operators.UNTIL), (operators.EdgeOp, operators.EDGES),
+        (operators.UntilOp, operators.UNTIL), (typed.Comparing, typed.COMPARISONS), (typed.Joining, typed.CONNECTIVES),
+        (typed.Stepping, typed.STEPS), (typed.Changing, typed.EDGES),
     ],
 )  # fmt: skip
 def test_every_name_has_an_entry(kind: object, table: object) -> None:
@@ -111,7 +113,7 @@ def test_what_is_not_in_the_table_nobody_takes() -> None:
     rule = spec.rules[0]
     assert isinstance(rule.formula, ir.Compare)
     compare = rule.formula
-    odd = ir.Compare(">=", ir.Func("sinh", compare.left.args), compare.right, "1", compare.span)  # type: ignore
+    odd = ir.Compare("<=", compare.left, ir.Func("sinh", compare.right.args), "1", compare.span)  # type: ignore
     with pytest.raises(AssertionError, match="sinh"):
         generate(spec, [changed(rule, odd)])
     for function in (steps._function, arithmetic._function, expressions.called):

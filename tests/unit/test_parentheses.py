@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from support.agreement import compiled
-from trackmarshal.semantics.rules import describe
+from trackmarshal.ir.description import describe
 from trackmarshal.source import SourceFile
 from trackmarshal.syntax.format import format_text
 

@@ -23,7 +23,7 @@ from trackmarshal.scenarios.recording import Cycle, Recording
 
 SPECS = Path(__file__).parents[2] / "specs"
 FOLDER = SPECS / "scenarios"
-NAMES = ("wrong_way", "debris", "pit_entry", "overreach", "after_spin", "bad_reception")
+NAMES = ("wrong_way", "debris", "pit_entry", "overreach", "after_spin", "bad_reception", "late_brakes")
 LENGTH, WIDTH = 4.7, 2.0
 STORIES: dict[str, dict[str, list[tuple[float, bool | None]]]] = {
     "wrong_way": {
@@ -49,6 +49,10 @@ STORIES: dict[str, dict[str, list[tuple[float, bool | None]]]] = {
     "bad_reception": {
         "dynamic": [(0.0, True), (3.1, None), (3.2, False), (4.5, True)],
         "static": [(0.0, True), (6.1, None), (6.5, False), (8.2, None), (8.3, True)],
+    },
+    "late_brakes": {
+        "dynamic": [(0.0, True)],
+        "static": [(0.0, True), (0.8, False), (1.4, True), (6.0, False), (6.6, True)],
     },
 }  # fmt: skip
 
@@ -203,6 +207,17 @@ def test_bad_reception_reports_old_and_shifted_poses(recordings: dict[str, Recor
         assert aside == pytest.approx(expected, abs=1e-5)
 
 
+def test_late_brakes_the_car_overruns_what_it_should_fall_back_to(recordings: dict[str, Recording]) -> None:
+    """A quarter of a second of driving on, then braking at 13 m/s^2, as if there were no bend: how far beyond the end."""
+    for cycle in recordings["late_brakes"].cycles:
+        driving, emergency = cycle.candidates["driving"], cycle.candidates["emergency"]
+        v = driving["v"][0] + 0.25 * driving["a"][0]
+        overrun = 0.125 * (driving["v"][0] + v) + v * v / 26.0 - emergency["s"][-1]
+        late = at(0.8, 1.3)(cycle) or at(6.0, 6.5)(cycle)
+        assert overrun > 1.0 if late else overrun < -2.0, cycle.t
+        assert max(-a for a in emergency["a"]) < 13.0  # in itself it can be driven
+
+
 # The parts of the generator -------------------------------------------------------------------------------------
 
 poses = st.tuples(
@@ -278,6 +293,10 @@ def declared(tmp_path: Path, name: str, old: str, new: str) -> Path:
         ("pit_entry", "s: [100, 400]", "s: [100]", "D151", "no stretch"),
         ("overreach", "limits: {speed: 40}", "limits: {speeds: 40}", "D151", "not known"),
         ("overreach", "acceleration: [[0, 4]]", "acceleration: [[0, 15]]", "D152", "beyond the path"),
+        ("late_brakes", "end: 1.3, deceleration: 13", "end: 1.3, deceleration: 14", "D151", "14"),
+        ("late_brakes", "end: 1.3, deceleration: 13", "end: 1.3", "D151", "nothing is planned"),
+        ("late_brakes", "{window: 0.25, beyond: 1}", "{window: 0.25}", "D151", "`beyond` is missing"),
+        ("late_brakes", "window: 0.25", "window: -0.25", "D151", "-0.25"),
         ("bad_reception", "silent: [[3, 4.5]]", "silent: [3, 4.5]", "D151", "list is expected"),
         ("bad_reception", "silent: [[3, 4.5]]", "silent: [[-1, 4.5]]", "D151", "before the recording"),
         ("bad_reception", "pose_error: [[6, 0],", "pose_error: [[8, 0],", "D151", "does not come after"),

@@ -117,24 +117,6 @@ def test_next_and_previous_are_strong_or_weak_outside(run: Evaluator) -> None:
     assert run("shift", *P, step=-1, weak=True) == ([True, True, False, False], [INF, 2.0, 0.0, -1.0])
 
 
-def test_rising_is_false_before_the_start(run: Evaluator) -> None:
-    assert run("rising", *P, *P) == ([True, False, False, True], [2.0, -2.0, -1.0, 0.0])
-
-
-def test_falling_is_true_before_the_start(run: Evaluator) -> None:
-    assert run("falling", *P, *P) == ([False, True, False, False], [-2.0, 0.0, 0.0, -1.0])
-
-
-def test_edges_negate_the_opposite_bound(run: Evaluator) -> None:
-    # The middle sample is undefined: pessimistically false, optimistically true. Neither edge may be claimed.
-    low = ([False, False, True], [-1.0, -INF, 1.0])
-    high = ([False, True, True], [-1.0, INF, 1.0])
-    assert run("rising", *low, *high) == ([False, False, False], [-1.0, -INF, -INF])
-    assert run("rising", *high, *low) == ([False, True, True], [-1.0, 1.0, 1.0])
-    assert run("falling", *low, *high) == ([True, False, False], [1.0, -INF, -INF])
-    assert run("falling", *high, *low) == ([True, False, False], [1.0, -1.0, -1.0])
-
-
 def test_zeros_come_out_positive(run: Evaluator) -> None:
     zero = ([False] * 4, [-0.0] * 4)
     window = (0.0, 1.0, False)
@@ -143,8 +125,6 @@ def test_zeros_come_out_positive(run: Evaluator) -> None:
         run("eventually", *zero, window=(None, None, False)),
         run("until", *zero, *zero, window=window),
         run("shift", *zero, step=1, weak=True),
-        run("rising", *zero, *zero),
-        run("falling", [True] * 4, [0.0] * 4, [True] * 4, [0.0] * 4),
     ]
     assert all(math.copysign(1.0, value) == 1.0 for _, margin in values for value in margin)
 

@@ -12,8 +12,8 @@ from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.program import Judged, Memory, Rated
-from trackmarshal.runtime.verdict import VERDICTS, RuleResult, Truth, Witness
+from trackmarshal.runtime.program import NOTHING, Judged, Memory, Rated
+from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult, Truth, Witness
 
 if TYPE_CHECKING:
     from trackmarshal.runtime.decision import Decision
@@ -30,14 +30,25 @@ class CaseValues(Values, Protocol):
     def geometry_fault(self, formula: ir.Formula) -> str | None: ...
 
 
+class Outcomes(NamedTuple):
+    """The outcome of all rules on one frame, and the values of formulas there, made when they are asked for."""
+
+    rated: Rated
+    values: Callable[[], CaseValues]
+
+
 class Stateless(ABC):
-    """A program whose rules remember nothing: it rates every frame by itself."""
+    """A program whose rules remember nothing: it rates every frame by itself.
+
+    leaves: formulas besides those of the rules whose values are asked for.
+    """
 
     backend = ""
 
-    def __init__(self, spec: Spec, rules: Sequence[RuleInfo]) -> None:
+    def __init__(self, spec: Spec, rules: Sequence[RuleInfo], leaves: Sequence[ir.Formula] = ()) -> None:
         self.spec = spec
         self.rules: Sequence[RuleInfo] = [rule for rule in rules if rule.formula is not None]
+        self.leaves = leaves
 
     @property
     def identity(self) -> Mapping[str, Any]:
@@ -45,8 +56,21 @@ class Stateless(ABC):
         return {"fingerprint": self.spec.fingerprint, "backend": self.backend, "rules": names}
 
     @abstractmethod
-    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+    def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
         """Rate frames that are cases, or seen by one candidate; in order."""
+
+    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+        """The same without values."""
+        return [found.rated for found in self.outcomes(frames)]
+
+    def start(self) -> Memory:
+        return NOTHING
+
+    def missed(self, memory: Memory) -> Memory:
+        return memory
+
+    def end(self, memory: Memory) -> dict[str, tuple[About, ...]]:
+        return {}
 
     def judge(self, memory: Memory, frame: Frame) -> Judged:
         return self.judge_all([frame])[0]
@@ -56,7 +80,7 @@ class Stateless(ABC):
         rated = iter(self.rate_all([one for each in seen for _, one in each]))
         return [Judged(frame, {name: next(rated) for name, _ in each}) for frame, each in zip(frames, seen)]
 
-    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+    def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         return memory
 
 

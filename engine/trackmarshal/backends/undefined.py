@@ -93,7 +93,7 @@ def _lines(parts: list[ir.AnyNode], frame: Frame) -> str:
 
 def _flag(node: ir.Flag, env: Env, frame: Frame) -> object:
     if node.axis is None:
-        return frame.flag(node.signal, node.field or "")
+        return frame.flag(node.signal, node.field or "", node.offset)
     index = max(0, env[node.axis.level] + node.offset)
     return frame.columns[node.signal].listed(node.field or "")[index]
 
@@ -164,6 +164,8 @@ def _called(node: ir.AnyNode, env: Env, frame: Frame) -> str:
         case ir.Param():
             return node.name.rpartition(".")[2]
         case ir.Flag():
+            if node.axis is None and node.field and frame.columns[node.signal].count != 1:
+                return f"{node.signal}.{'first' if node.offset == 0 else 'last'}.{node.field}"
             if node.axis is None:
                 return f"{node.signal}.{node.field}" if node.field else node.signal
             name = frame.columns[node.signal].name(max(0, env[node.axis.level] + node.offset))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import NamedTuple, Protocol, assert_never
 
 from trackmarshal.ir import nodes as ir
@@ -62,10 +63,6 @@ class Values(Protocol):
     def name(self, axis: ir.Axis, index: int) -> int | str: ...
 
 
-#: A choice of where to go on: the formula, its environment, and the margin it contributes.
-Branch = tuple[ir.Formula, Env, float]
-
-
 class Descent:
     """Finds the deciding comparison of formulas of one case."""
 
@@ -118,11 +115,14 @@ class Descent:
             case ir.Until():
                 return self._until(node, env)
             case ir.Shift():
-                sample = env[node.axis.level] + node.step
-                inside = 0 <= sample < self._values.count(node.axis)
-                return (node.operand, {**env, node.axis.level: sample}) if inside else None
-            case ir.Edge():
-                return self._edge(node, env)
+                level = node.axis.level
+                return (
+                    None
+                    if self._outside(node, env)
+                    else (node.operand, {**env, level: env[level] + node.step})
+                )
+            case ir.OverRun():
+                return None
             case _:
                 assert_never(node)
 
@@ -140,38 +140,36 @@ class Descent:
         margin = self._values.truth(node, env).margin
         return Witness(binders, margin, unit, node.span, shown, _places(node, env))
 
-    def _pick(
-        self,
-        node: ir.Formula,
-        env: Env,
-        pick: Callable[..., Branch],
-        branches: Iterable[tuple[ir.Formula, Env, int]],
-    ) -> tuple[ir.Formula, Env] | None:
-        """The branch with the verdict of the whole (negated ones count reversed) and the deciding margin."""
+    def _pick(self, node: ir.Connective, env: Env, extreme: Extreme) -> tuple[ir.Formula, Env] | None:
+        """The side with the verdict of the whole and the deciding margin; of equal ones the first that is about an input."""
         wanted = self._verdict(node, env)
-        fitting: list[Branch] = []
-        for child, inner, sign in branches:
-            value = self._values.truth(child, inner)
-            verdict = value.verdict if sign > 0 else _NEGATED[value.verdict]
-            if verdict == wanted:
-                fitting.append((child, inner, 0.0 if verdict == "undefined" else sign * value.margin))
+        fitting: list[tuple[float, bool, ir.Formula]] = []
+        for child in (node.left, node.right):
+            value = self._values.truth(child, env)
+            if value.verdict == wanted:
+                margin = 0.0 if wanted == "undefined" else value.margin
+                weight = margin if extreme is Extreme.LEAST else -margin
+                fitting.append((weight, self._outside(child, env), child))
         if not fitting:
             return None
-        child, inner, _ = pick(fitting, key=lambda branch: branch[2])
-        return child, inner
+        return min(fitting, key=lambda side: side[:2])[2], env
+
+    def _outside(self, node: ir.Formula, env: Env) -> bool:
+        """Whether a formula is that of a sample which is not there: of what was before the first one, nothing decides."""
+        if not isinstance(node, ir.Shift):
+            return False
+        return not 0 <= env[node.axis.level] + node.step < self._values.count(node.axis)
 
     def _connective(self, node: ir.Connective, env: Env) -> tuple[ir.Formula, Env] | None:
-        left, right = (node.left, env, 1), (node.right, env, 1)
         match node.op:
             case "and":
-                return self._pick(node, env, min, (left, right))
+                return self._pick(node, env, Extreme.LEAST)
             case "or":
-                return self._pick(node, env, max, (left, right))
-            case "implies":
-                return self._pick(node, env, max, ((node.left, env, -1), right))
+                return self._pick(node, env, Extreme.GREATEST)
             case "xor" | "iff":
-                undefined = [b for b in (left, right) if self._verdict(b[0], env) == "undefined"]
-                return (undefined or [left])[0][:2]
+                sides = (node.left, node.right)
+                undefined = [side for side in sides if self._verdict(side, env) == "undefined"]
+                return (undefined or sides)[0], env
             case _:
                 assert_never(node.op)
 
@@ -233,29 +231,29 @@ class Descent:
             return node.right, {**env, level: at}
         return None if before is None else (node.left, {**env, level: before})
 
-    def _edge(self, node: ir.Edge, env: Env) -> tuple[ir.Formula, Env] | None:
-        level = node.axis.level
-        now, sign = (node.operand, env), 1 if node.rising else -1
-        if env[level] == 0:
-            return now
-        before = {**env, level: env[level] - 1}
-        return self._pick(node, env, min, ((node.operand, before, -sign), (node.operand, env, sign))) or now
-
 
 def _places(node: ir.Formula, env: Env) -> tuple[tuple[str, int], ...]:
     """The samples and elements that a comparison reads, by signal and number (-1: the last), in order."""
-    found: set[tuple[str, int]] = set()
+    bound, fixed = _reads(node)
+    found = {(signal, max(0, env[level] + offset)) for signal, level, offset in bound if level in env}
+    return tuple(sorted(found | fixed))
+
+
+@lru_cache(maxsize=4096)
+def _reads(node: ir.Formula) -> tuple[set[tuple[str, int, int]], set[tuple[str, int]]]:
+    """What a comparison reads: signal, level of the axis, offset; and what stands at one place, signal and number."""
+    bound: set[tuple[str, int, int]] = set()
+    fixed: set[tuple[str, int]] = set()
     for part in ir.below(node):
         match part:
-            case ir.Column() if part.axis.level in env:
-                found.add((part.axis.signal, max(0, env[part.axis.level] + part.offset)))
-            case ir.Flag() if part.axis is not None and part.axis.level in env:
-                found.add((part.signal, max(0, env[part.axis.level] + part.offset)))
+            case ir.Column():
+                bound.add((part.axis.signal, part.axis.level, part.offset))
+            case ir.Flag() if part.axis is not None:
+                bound.add((part.signal, part.axis.level, part.offset))
             case ir.Sample():
-                found.add((part.signal, part.index))
+                fixed.add((part.signal, part.index))
+            case ir.Flag() if part.offset:
+                fixed.add((part.signal, part.offset))
             case _:
                 continue
-    return tuple(sorted(found))
-
-
-_NEGATED = {"satisfied": "violated", "violated": "satisfied", "undefined": "undefined"}
+    return bound, fixed

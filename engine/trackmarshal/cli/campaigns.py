@@ -32,12 +32,14 @@ class Prepared:
 
     def fingerprint(self, number: int) -> str:
         """Of what the outcome of a fault depends on now; empty where it cannot be put in."""
+        from trackmarshal.runtime.cycle import Limits
         from trackmarshal.scenarios.faults.campaign import fingerprint
 
         fault = self.campaign.faults[number]
         if self.evaluator is None or fault.open:
             return ""
-        return fingerprint(self.campaign, fault, self.source_hash, self.evaluator.spec.fingerprint)
+        spec = self.evaluator.spec
+        return fingerprint(self.campaign, fault, self.source_hash, spec.fingerprint, Limits.of(spec))
 
 
 def prepare(root: Path, project: Project, broken: bool, shared: dict[object, Evaluator]) -> list[Prepared]:

@@ -136,7 +136,7 @@ def _process(
             "no Supervisor can be made of this spec, so it cannot be a process",
             help="leave out --process",
         )
-    made = Emitted(source, asdict(limits_of(args)))
+    made = Emitted(source, asdict(limits_of(args, source.plan.spec)))
     return made.files | link(), made.sizes
 
 

@@ -3,6 +3,8 @@
 The exit status is 1 when a case is not safe, 2 when a line could not be read.
 
 trackmarshal eval specs/supervisor --data cases.jsonl --rule friction --format jsonl
+
+With --run, lines are the cycles of one run, each with its stamp: {"t": 0.1, "signals": {...}}. Rules over the run then remember.
 """
 
 from __future__ import annotations
@@ -11,16 +13,17 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.options import choose_backend, choose_rules
-from trackmarshal.cli.output import dump, rule_json, say, table
+from trackmarshal.cli.output import about_json, dump, rule_json, say, table
 from trackmarshal.cli.project import optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import open_regular
+from trackmarshal.runtime.verdict import UNSAFE, About
 from trackmarshal.units import written
 
 if TYPE_CHECKING:
@@ -35,6 +38,15 @@ _HELP = 'a case is one line, such as {"id": 1, "signals": {"plan": {"t": [0, 0.1
 
 CODES = {
     "D101": ("a line that is not JSON", "Data is JSON Lines: one JSON object a line, UTF-8."),
+    "D206": (
+        "a cycle without its time",
+        "Rules over the run go by the stamps of its cycles: every line of a run has a `t`, in s, later than the one before.",
+    ),
+    "E407": (
+        "a rule over the run, and cases by themselves",
+        "The rule speaks of other cycles than the present one. Cases that are none of a run say nothing about those; what would be evaluated is the first "
+        "cycle of a run, again and again.",
+    ),
     "D103": (
         "no cases",
         "The data holds no case at all. Nothing was evaluated, so nothing is known to be safe.",
@@ -56,16 +68,28 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--series", action="store_true", help="for rules along a timeline: the value at every sample"
     )
+    parser.add_argument(
+        "--run", action="store_true", help="lines are the cycles of one run, each with its stamp `t`"
+    )
     parser.add_argument("--format", choices=("text", "jsonl"), default="text")
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.backends.over_run.program import remembers
     from trackmarshal.evaluation import CHUNK, Evaluator, load
 
     project = optional_project(args)
     spec = load([Path(args.spec)], [Path(p) for p in args.settings], project)
     within = project if args.project is not None else project_of(Path(args.spec).parent) or project
     evaluator = Evaluator(spec, args.rule, args.backend, lambda: _declared(spec, within))
+    if args.run:
+        return _run(evaluator, args)
+    over = next((rule for rule in evaluator.rules if remembers(rule)), None)
+    if over is not None:
+        raise TrackmarshalError(
+            "E407", f"`{over.name}` is a rule over the run", file=over.span.file.path, line=over.span.line,
+            help="give the cycles of one run with --run, or choose other rules with --rule",
+        )  # fmt: skip
     status = 0
     pending: list[tuple[object, Frame | TrackmarshalError]] = []
     read = 0
@@ -77,6 +101,44 @@ def run(args: argparse.Namespace) -> int:
     if read == 0:
         raise TrackmarshalError("D103", "there is no case in the data", file=args.data, help=_HELP)
     return max(status, _flush(pending, evaluator, args))
+
+
+def _run(evaluator: Evaluator, args: argparse.Namespace) -> int:
+    """Evaluate and print the cycles of one run, then what was open after the last one."""
+    going, status, read = evaluator.over_run(), 0, 0
+    for read, (identity, case) in enumerate(_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
+        try:
+            if isinstance(case, TrackmarshalError):
+                raise case
+            result = going.step(case)
+        except TrackmarshalError as error:
+            going.missed()
+            error.file = error.file or args.data
+            status = 2
+            say(*_error_lines(identity, error, args.format))
+            continue
+        say(*([_json_line(result)] if args.format == "jsonl" else _text(result)))
+        status = max(status, 0 if result.safe else 1)
+    if read == 0:
+        raise TrackmarshalError("D103", "there is no cycle in the data", file=args.data, help=_HELP)
+    left = going.end()
+    if left:
+        say(*_end_lines(left, args.format))
+    if any(about.verdict in UNSAFE for each in left.values() for about in each):
+        status = max(status, 1)
+    return status
+
+
+def _end_lines(left: Mapping[str, Sequence[About]], format_: str) -> list[str]:
+    """What is said of the cycles that were open after the last one."""
+    if format_ == "jsonl":
+        return [dump({"end": {name: [about_json(one) for one in each] for name, each in left.items()}})]
+    rows = [
+        [name, str(one.cycle), one.verdict, f"{one.margin:.6g}"]
+        for name, each in left.items()
+        for one in each
+    ]
+    return ["after the last cycle", *table(rows, ["rule", "cycle", "verdict", "margin"])]
 
 
 def _declared(spec: Spec, project: Path | None) -> frozenset[str]:

@@ -142,7 +142,8 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
 
     rows: list[tuple[str, str]] = []
     if isinstance(node, ir.Compare):
-        for name, side in (("left side", node.left), ("right side", node.right)):
+        _, left, right = node.written
+        for name, side in (("left side", left), ("right side", right)):
             rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     if isinstance(node, ir.SweptInside | ir.SweptClear):
         rows.append(("swept", _way(node, env, values)))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
+    from trackmarshal.ir.spec import Spec
     from trackmarshal.runtime.cycle import Limits
 
 
@@ -43,12 +44,12 @@ def choose_limits(parser: argparse.ArgumentParser) -> None:
     """`--limit`: what the Supervisor holds cycles and itself to."""
     parser.add_argument(
         "--limit", action="append", default=[], metavar="NAME=VALUE",
-        help="a limit of the Supervisor or a capacity (`budget=0.03`, `samples=128`; repeatable; default: those of docs/supervisor.md)",
+        help="a limit of the Supervisor or a capacity (`budget=0.03`, `samples=128`; repeatable; default: the project's, those of docs/supervisor.md)",
     )  # fmt: skip
 
 
-def limits_of(args: argparse.Namespace) -> Limits:
-    """The limits that were chosen; raises E481 for a name or a value that is none."""
+def limits_of(args: argparse.Namespace, spec: Spec) -> Limits:
+    """The limits that a spec declares, with those that were chosen; raises E481 for a name or a value that is none."""
     from trackmarshal.diagnostics.base import close_matches
     from trackmarshal.runtime.cycle import Limits
 
@@ -70,4 +71,4 @@ def limits_of(args: argparse.Namespace) -> Limits:
                 f"`{text}` is no number for the limit `{name}`",
                 help=f"such as {name}={defaults[name]}",
             ) from error
-    return Limits(**{**defaults, **chosen})
+    return Limits.of(spec, **chosen)

@@ -11,7 +11,7 @@ from time import monotonic
 from typing import Any, TextIO, TypeVar
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.runtime.verdict import About, RuleResult
 from trackmarshal.units import written
 
 
@@ -39,10 +39,22 @@ def rule_json(result: RuleResult) -> dict[str, Any]:
         entry["decides"] = {"margin": number(witness.margin), "unit": witness.unit, "shown": shown}
     if result.reason:
         entry["reason"] = result.reason
+    if result.about:
+        entry["about"] = [about_json(one) for one in result.about]
     if result.series is not None:
         verdicts, margins = result.series
         entry["series"] = {"verdict": verdicts, "margin": [number(m) for m in margins]}
     return entry
+
+
+def about_json(about: About) -> dict[str, Any]:
+    """What a rule over the run says of one cycle."""
+    return {
+        "cycle": about.cycle,
+        "verdict": about.verdict,
+        "margin": number(about.margin),
+        "final": about.final,
+    }
 
 
 def dump(value: object) -> str:

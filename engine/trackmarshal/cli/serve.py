@@ -67,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
         raise TrackmarshalError(
             "E477", "no Supervisor can be made of this spec", help="it needs `plan`; see E482"
         )
-    built = build(spec, Evaluator(spec, args.rule, "reference").rules, limits_of(args))
+    built = build(spec, Evaluator(spec, args.rule, "reference").rules, limits_of(args, spec))
     if args.describe:
         Path(args.describe).write_text(text_of(built.layout.said), encoding="utf-8")
     if args.build:

@@ -1,1 +1,1 @@
-"""The typed intermediate representation: closed sets of nodes, dimensions checked and gone."""
+"""The core: the closed set of nodes that evaluators run, dimensions checked and gone; and compiled specs."""

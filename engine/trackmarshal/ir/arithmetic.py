@@ -163,10 +163,6 @@ def compare(op: ComparisonOp, a: float, b: float) -> bool:
             return a < b
         case "<=":
             return a <= b
-        case ">":
-            return a > b
-        case ">=":
-            return a >= b
         case "==":
             return a == b
         case "!=":
@@ -179,10 +175,8 @@ def margin(op: ComparisonOp, a: float, b: float) -> float:
     """How far inside a comparison is: positive inside, negative outside."""
     measure = COMPARISONS[op].measure
     match measure:
-        case Measure.ROOM_ABOVE:
+        case Measure.ROOM:
             return b - a
-        case Measure.ROOM_BELOW:
-            return a - b
         case Measure.NEARNESS:
             return -abs(a - b)
         case Measure.DISTANCE:

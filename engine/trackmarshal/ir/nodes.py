@@ -11,17 +11,17 @@ from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, Literal, NamedTuple, ParamSpec, TypeAlias, TypeVar, cast
 
 from trackmarshal.ir.operators import (
-    EDGES,
+    OVER_RUN,
     QUANTIFIERS,
     TEMPORAL,
     UNTIL,
     ArithmeticOp,
     ComparisonOp,
     ConnectiveOp,
-    EdgeOp,
     Extreme,
     FunctionName,
     Quantifier,
+    RunOp,
     TemporalOp,
     UntilOp,
 )
@@ -190,6 +190,10 @@ class StationGap(IR):
     end: Num
 
 
+#: What is written of a comparison that was turned round.
+_TURNED: dict[str, str] = {"<": ">", "<=": ">="}
+
+
 # Formulas: something true, false or undefined, with a margin --------------------------------------------------
 
 
@@ -200,7 +204,10 @@ class Truth(IR):
 
 
 class Flag(IR):
-    """A Boolean of the input: an event (no field), a field of a record, or of the variable of an axis."""
+    """A Boolean of the input: an event (no field), a field of a record, or of the variable of an axis.
+
+    offset: from the first bound sample; without an axis, of which sample of a timeline (0: the first, -1: the last).
+    """
 
     signal: str
     field: str | None
@@ -210,7 +217,10 @@ class Flag(IR):
 
 
 class Compare(IR):
-    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI)."""
+    """A comparison; `unit` is the SI unit of its margin, `shown` the one in which its limit is written ("": in SI).
+
+    turned: it is written the other way round, `right > left`, which only what shows it has to know.
+    """
 
     op: ComparisonOp
     left: Num
@@ -218,6 +228,12 @@ class Compare(IR):
     unit: str
     span: Span
     shown: str = ""
+    turned: bool = False
+
+    @property
+    def written(self) -> tuple[str, Num, Num]:
+        """Operator and sides as they are written."""
+        return (_TURNED[self.op], self.right, self.left) if self.turned else (self.op, self.left, self.right)
 
 
 # Geometric predicates: the margin is a signed distance in metres, and they hold where that is not negative.
@@ -262,11 +278,13 @@ class InArea(IR):
 
 
 class Not(IR):
+    """The denial of a formula."""
+
     operand: Formula
 
 
 class Connective(IR):
-    """and, or, implies, iff, xor."""
+    """and, or, iff, xor."""
 
     op: ConnectiveOp
     left: Formula
@@ -336,24 +354,31 @@ class Shift(IR):
     weak: bool
 
 
-class Edge(IR):
-    """rising, falling."""
-
-    op: EdgeOp
-    axis: Axis
-    operand: Formula
-
-    @property
-    def rising(self) -> bool:
-        return EDGES[self.op]
-
-
 class First(IR):
     """The value at the first sample of the timeline."""
 
     axis: Axis
     name: str
     operand: Formula
+
+
+class OverRun(IR):
+    """A temporal operator over the run, cycle by cycle; its history is that of the elements which its operands are about.
+
+    operands: one, or two of `until` and `since`. lower, upper: the bounds of its window, in whole nanoseconds; None: from now, to the
+    end (start) of the run. weak: `next` and `previous` that hold where there is no such cycle.
+    """
+
+    op: RunOp
+    operands: tuple[Formula, ...]
+    lower: int | None
+    upper: int | None
+    weak: bool
+    span: Span
+
+    @property
+    def past(self) -> bool:
+        return OVER_RUN[self.op]
 
 
 #: What a projection of a point onto a line gives.
@@ -368,11 +393,11 @@ Num: TypeAlias = (
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea
 #: Formulas along a timeline.
-Timed: TypeAlias = Temporal | Until | Shift | Edge
+Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
     Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
-    | Temporal | Until | Shift | Edge | First
+    | Temporal | Until | Shift | First | OverRun
 )  # fmt: skip
 #: Any node.
 AnyNode: TypeAlias = Num | Formula | Axis | Line | Area
@@ -415,7 +440,7 @@ class Interner:
             assert len(rest) == len(named), f"{rest} are to be given, not {[*named]}"
             whole = (*parts, *(named[name] for name in rest))
         # repr tells -0.0 from 0.0 and joins equal NaNs; children are interned, so identity is equality.
-        key = (kind, *(part if not isinstance(part, float) else repr(part) for part in whole))
+        key = (kind, *[repr(part) if type(part) is float else part for part in whole])
         known = self._known.get(key)
         if known is None:
             known = self._known[key] = cast("type[IR]", kind)(*whole)

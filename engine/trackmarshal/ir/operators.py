@@ -1,4 +1,5 @@
-"""The operators of the language: one table, which semantics, every evaluator and the search for witnesses go by.
+"""The operators of the core: one table, which semantics, every evaluator and the search for witnesses go by. What is written in
+other words (`typed.base`) is rewritten to these by `lowering`.
 
 What an operator is called is a `Literal`: a `match` over it ends in `assert_never`, so that mypy names the evaluator
 that forgets one. What the evaluators would otherwise each know of it by name stands in its entry.
@@ -11,12 +12,12 @@ from enum import Enum
 from typing import Literal, NamedTuple, TypeVar
 
 ArithmeticOp = Literal["+", "-", "*", "/"]
-ComparisonOp = Literal["<", "<=", ">", ">=", "==", "!="]
-ConnectiveOp = Literal["and", "or", "implies", "iff", "xor"]
+ComparisonOp = Literal["<", "<=", "==", "!="]
+ConnectiveOp = Literal["and", "or", "iff", "xor"]
 Quantifier = Literal["for all", "exists"]
 TemporalOp = Literal["always", "eventually", "historically", "once"]
 UntilOp = Literal["until", "since"]
-EdgeOp = Literal["rising", "falling"]
+RunOp = Literal["always", "eventually", "historically", "once", "until", "since", "next", "previous"]
 FunctionName = Literal[
     "abs", "sign", "sqrt", "hypot", "floor", "ceil", "round", "min", "max", "pow", "exp", "log",
     "sin", "cos", "tan", "asin", "acos", "atan2", "tanh",
@@ -26,8 +27,7 @@ FunctionName = Literal[
 class Measure(Enum):
     """The margin of a comparison of `left` and `right`: how far inside it is."""
 
-    ROOM_ABOVE = "right - left"
-    ROOM_BELOW = "left - right"
+    ROOM = "right - left"
     NEARNESS = "-|left - right|"
     DISTANCE = "|left - right|"
 
@@ -82,14 +82,13 @@ class Function(NamedTuple):
 
 #: Comparisons of two numbers.
 COMPARISONS: dict[ComparisonOp, Comparison] = {
-    "<": Comparison(Measure.ROOM_ABOVE, False), "<=": Comparison(Measure.ROOM_ABOVE, True),
-    ">": Comparison(Measure.ROOM_BELOW, False), ">=": Comparison(Measure.ROOM_BELOW, True),
+    "<": Comparison(Measure.ROOM, False), "<=": Comparison(Measure.ROOM, True),
     "==": Comparison(Measure.NEARNESS, True), "!=": Comparison(Measure.DISTANCE, False),
 }  # fmt: skip
 #: Arithmetic; dimensions are added for `*`, subtracted for `/`, equal for the other two.
 ARITHMETIC: tuple[ArithmeticOp, ...] = ("+", "-", "*", "/")
 #: Connectives of two formulas.
-CONNECTIVES: tuple[ConnectiveOp, ...] = ("and", "or", "implies", "iff", "xor")
+CONNECTIVES: tuple[ConnectiveOp, ...] = ("and", "or", "iff", "xor")
 #: Quantifiers, by what the elements become.
 QUANTIFIERS: dict[Quantifier, Extreme] = {"for all": Extreme.LEAST, "exists": Extreme.GREATEST}
 #: Temporal operators over one formula.
@@ -99,8 +98,11 @@ TEMPORAL: dict[TemporalOp, Window] = {
 }  # fmt: skip
 #: Temporal operators over two formulas, by whether they look into the past.
 UNTIL: dict[UntilOp, bool] = {"until": False, "since": True}
-#: Edges, by what the formula becomes with them.
-EDGES: dict[EdgeOp, bool] = {"rising": True, "falling": False}
+#: Operators over the run, by whether they look into the past.
+OVER_RUN: dict[RunOp, bool] = {
+    "always": False, "eventually": False, "until": False, "next": False,
+    "historically": True, "once": True, "since": True, "previous": True,
+}  # fmt: skip
 
 _PLAIN, _KEPT = Dimensions.PLAIN, Dimensions.KEPT
 #: Functions of numbers.

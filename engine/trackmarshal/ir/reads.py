@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import assert_never
 
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import sets
 
 
 def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
@@ -33,8 +34,10 @@ def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass
-            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
+            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                 pass
+            case ir.OverRun():
+                result |= {(axis.signal, "id") for axis in sets(node)}  # by which elements are known again
             case _:
                 assert_never(node)
     return frozenset(result)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from trackmarshal.ir.nodes import IR, Axis, Formula
 from trackmarshal.node import Node
 from trackmarshal.source import Span
+
+if TYPE_CHECKING:
+    from trackmarshal.typed import Rule
 
 
 class FieldType(Node):
@@ -117,6 +120,8 @@ class RuleInfo(Node):
     reads: frozenset[tuple[str, str]]
     fingerprint: str
     span: Span
+    #: What it means, as written, of which `formula` is made; None where there is no formula.
+    typed: Rule | None = None
     #: The rule as it is written, and what it calls the values in it.
     text: str = ""
     names: tuple[Called, ...] = ()

@@ -51,7 +51,7 @@ def build(
             "E473", "a generated Supervisor has the places of its spec", help="put them into the spec"
         )
     source = generate(spec, rules, doored=True)
-    held = {name: float(value) for name, value in asdict(limits or Limits()).items()}
+    held = {name: float(value) for name, value in asdict(limits or Limits.of(spec)).items()}
     made = Emitted(source, held, settings)
     path = program(source, made.files, UNITS, made.sizes)
     return Built(path, Layout(made.description))

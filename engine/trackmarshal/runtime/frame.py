@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
+from trackmarshal.runtime.contract import FOLLOWED, ID, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.cycle import EMERGENCY
 from trackmarshal.runtime.faults import UNUSABLE, Fault, name_of
 from trackmarshal.runtime.lines import Line
@@ -160,6 +160,10 @@ class Frame:
     #: Columns (signal, field) of curvatures that a case does not have: what would follow them goes straight.
     straight: frozenset[tuple[str, str]] = frozenset()
     arena: Arena | None = None
+    #: The stamp [s]; None of a case that is in no run.
+    t: float | None = None
+    #: What its cycle is called in a run: its number, or the case's own name.
+    number: object = None
 
     def of(self, candidate: str) -> Frame:
         """The frame as rules see it that rate a candidate: with its `plan`, its own faults and those of what all share."""
@@ -171,7 +175,7 @@ class Frame:
         ]
         return Frame(
             candidate, self.settings, columns, {**self.events, IS_EMERGENCY: int(candidate == EMERGENCY)}, self.lines, self.closed, {},
-            faults, self.orders,
+            faults, self.orders, t=self.t, number=self.number,
         )  # fmt: skip
 
     def seen(self) -> list[tuple[str, Frame]]:
@@ -188,10 +192,10 @@ class Frame:
         """A number of a record."""
         return float(self.columns[signal].listed(name)[0])
 
-    def flag(self, signal: str, name: str) -> bool | None:
-        """An event (of no field), or a Boolean of a record; None where it is missing."""
+    def flag(self, signal: str, name: str, index: int = 0) -> bool | None:
+        """An event (of no field), or a Boolean of a record, or of a sample (-1: the last); None where it is missing."""
         if name:
-            found: bool | None = self.columns[signal].listed(name)[0]
+            found: bool | None = self.columns[signal].listed(name)[index]
             return found
         event = self.events[signal]
         return None if event < 0 else event == 1
@@ -210,7 +214,7 @@ class Frame:
             name = name_of(fault)
             # How samples are ordered, and which of them belong together, counts for every rule.
             whole = name in _WHOLE or (fault.signal, fault.field) in self.orders
-            if whole or name in UNUSABLE or (fault.signal, fault.field) in self.lines:
+            if whole or name in UNUSABLE or fault.field == ID or (fault.signal, fault.field) in self.lines:
                 for signal, field_ in reads:
                     if signal == fault.signal and (whole or fault.field in ("", field_)):
                         return fault

@@ -41,8 +41,6 @@ def connect(op: ConnectiveOp, a: Truth, b: Truth) -> Truth:
             return Truth(least(a.worst, b.worst), least(a.best, b.best))
         case "or":
             return Truth(greatest(a.worst, b.worst), greatest(a.best, b.best))
-        case "implies":
-            return connect("or", negate(a), b)
         case "xor":
             return _differ(a, b)
         case "iff":

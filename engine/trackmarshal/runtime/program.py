@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult
+from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, About, RuleResult
 
 if TYPE_CHECKING:
     import numpy as np
@@ -47,7 +47,7 @@ class Judged(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """What rules remember from one cycle to the next: nothing, as long as no rule speaks of earlier ones."""
+    """What rules remember from one cycle to the next: nothing, where no rule speaks of other cycles; programs derive their own."""
 
 
 NOTHING = Memory()
@@ -67,11 +67,20 @@ class Program(Protocol):
     def identity(self) -> Mapping[str, Any]:
         """What verdicts depend on besides frames, for the record: `backend`, the spec's `fingerprint`, the rules."""
 
+    def start(self) -> Memory:
+        """What is remembered before the first cycle of a run."""
+
     def judge(self, memory: Memory, frame: Frame) -> Judged:
         """The outcome of all rules for every candidate of a frame, or for a case."""
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
-        """The same of many frames, each without memory; cheaper than one by one."""
+        """The same of many frames, each as the first cycle of a run; cheaper than one by one."""
 
-    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
-        """What is remembered of a cycle, once it is decided what is driven."""
+    def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
+        """What is remembered of a cycle, once it is decided what is driven; None: a case, in which nothing is decided."""
+
+    def missed(self, memory: Memory) -> Memory:
+        """What is remembered of a cycle that was refused before it became a frame, or did not come: that there is a gap."""
+
+    def end(self, memory: Memory) -> Mapping[str, tuple[About, ...]]:
+        """By rule, what is said of the cycles that were open after the last cycle of a run: nothing is to come."""

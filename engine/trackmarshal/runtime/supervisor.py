@@ -100,7 +100,7 @@ class Supervisor:
         self.limits = Limits.of(spec) if limits is None else limits
         self.program = program
         self.held = Held()
-        self.memory: Memory = NOTHING
+        self.memory: Memory = program.start()
         #: The input contract of its cycles.
         self.contract = of_cycles(spec, program.rules)
         self.door = Door(self.contract, self.limits, settings)
@@ -164,14 +164,12 @@ class Supervisor:
         held = self.held
         decision = self._decide(opened, closing, plans)
         try:
-            if admission is not None:
-                self.memory = self.program.commit(self.memory, admission.frame, decision)
-                if not isinstance(self.memory, Memory):
-                    raise TypeError("what rules remember was not kept")
+            self.memory = self._remembered(opened, decision)
         except Exception as error:
             # As if the cycle had never been safe: what it would have stored is not driven either.
-            self.held, self.memory, closing.late = held, NOTHING, [*closing.late, internal(error)]
+            self.held, closing.late = held, [*closing.late, internal(error)]
             decision = self._decide(opened, closing, None)
+            self.memory = self._gap(closing)
         if self.recorder is not None:
             try:
                 frame = None if admission is None else admission.frame
@@ -179,6 +177,27 @@ class Supervisor:
             except Exception as error:
                 self.record_error = f"{type(error).__name__}: {error}"
         return decision
+
+    def _remembered(self, opened: Opened, decision: Decision) -> Memory:
+        """What rules remember of the step: the cycle as it was decided, or a gap where the door refused it, or it did not come."""
+        accepted = not opened.faults and opened.admission is not None
+        memory = (
+            self.program.commit(self.memory, opened.admission.frame, decision)  # type: ignore[union-attr]
+            if accepted
+            else self.program.missed(self.memory)
+        )
+        if not isinstance(memory, Memory):
+            raise TypeError("what rules remember was not kept")
+        return memory
+
+    def _gap(self, closing: _Closing) -> Memory:
+        """What they remember of a step in which remembering failed: that there is a gap. Where even that fails, no rule that remembers
+        can be judged any more."""
+        try:
+            return self.program.missed(self.memory)
+        except Exception as error:
+            closing.late.append(internal(error))
+            return NOTHING
 
     def close(self) -> None:
         """End the record, where there is one."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from trackmarshal.source import Span
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
-#: Verdicts that make a trajectory unsafe. `open` is decided later; until then it does not make it safe either.
-UNSAFE = ("violated", "undefined", "open")
+#: Verdicts that make a trajectory unsafe. What is `open` is decided in a later cycle, which it makes unsafe if it turns out violated.
+UNSAFE = ("violated", "undefined")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +63,16 @@ class Witness:
 
 
 @dataclass(frozen=True, slots=True)
+class About:
+    """What a rule says about one cycle of a run, by the cycle's name. final: nothing to come can change the margin; the verdict is open, or stands."""
+
+    cycle: object
+    verdict: str
+    margin: float
+    final: bool
+
+
+@dataclass(frozen=True, slots=True)
 class RuleResult:
     """The outcome of one rule for one case."""
 
@@ -76,6 +86,8 @@ class RuleResult:
     series: tuple[list[str], list[float]] | None = None
     #: The unit in which the limit that decided is written; "" for `unit`.
     shown: str = ""
+    #: Of a rule over the run: what it says of this cycle, and of earlier ones that were decided in it.
+    about: tuple[About, ...] = ()
 
     @property
     def unsafe(self) -> bool:

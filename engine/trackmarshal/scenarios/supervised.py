@@ -7,15 +7,16 @@ from dataclasses import replace
 from itertools import islice
 from typing import Any
 
+from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
-from trackmarshal.runtime.door.door import Admission
+from trackmarshal.runtime.door.door import Admission, Door
 from trackmarshal.runtime.door.lines import line as line_of
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.program import Judged, Memory
+from trackmarshal.runtime.program import NOTHING, Judged, Memory
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.scenarios.fields import check_track, further_names, own_names
@@ -68,8 +69,11 @@ def supervised(
     box = rulebox(evaluator, recording.params, tables)
     clock = _Clock()
     supervisor = box.supervisor(Limits.open_loop(), clock.read)
-    ahead = _Ahead(supervisor)
     given = list(cycles(recording, further_names(recording, evaluator)))
+    if any(map(remembers, evaluator.rules)):
+        yield from _in_step(supervisor, clock, watch(given))
+        return
+    ahead = _Ahead(supervisor)
     for chunk in watch([given[i : i + _CHUNK] for i in range(0, len(given), _CHUNK)]):
         found = ahead.prepare(chunk, evaluator)
         for cycle, judged in zip(chunk, found):
@@ -84,6 +88,34 @@ def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, An
     for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1):
         frame = door.admit(-1, cycle, cycle.t).frame  # what came before counts
     return shown(frame)
+
+
+def _in_step(
+    supervisor: Supervisor, clock: _Clock, given: Iterable[Cycle]
+) -> Iterator[tuple[float, Judged, Decision]]:
+    """Cycle by cycle: what is remembered of one depends on what was decided in it."""
+    door, program = _Seen(supervisor.door), supervisor.program
+    supervisor.door = door  # type: ignore[assignment]
+    for cycle in given:
+        clock.now, memory = cycle.t, supervisor.memory
+        decision = supervisor.step(cycle)
+        judged = decision.judged
+        if judged is None:
+            judged = program.judge(memory, shown(door.admitted.frame))
+        yield cycle.t, judged, decision
+
+
+class _Seen:
+    """A door, with the last cycle that it was shown."""
+
+    admitted: Admission
+
+    def __init__(self, door: Door) -> None:
+        self._door = door
+
+    def admit(self, about: int, cycle: Cycle, now: float) -> Admission:
+        self.admitted = self._door.admit(about, cycle, now)
+        return self.admitted
 
 
 class _Ahead:
@@ -110,7 +142,13 @@ class _Ahead:
     def judge(self, memory: Memory, frame: Frame) -> Judged:
         return next(judged for judged in self._judged if judged.about is frame)
 
-    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+    def start(self) -> Memory:
+        return NOTHING
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
+        return memory
+
+    def missed(self, memory: Memory) -> Memory:
         return memory
 
 

@@ -1,1 +1,1 @@
-"""Meaning: names, dimensions and types; syntax tree to IR."""
+"""Meaning: names, dimensions and types; syntax tree to typed tree."""

@@ -8,12 +8,10 @@ from __future__ import annotations
 import re
 from typing import assert_never
 
+from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic
-from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.spec import SignalType
 from trackmarshal.semantics import errors
 from trackmarshal.semantics.errors import BareAngle, ExactlyEqual, WrongDimension
-from trackmarshal.semantics.values import NumberValue
 from trackmarshal.source import Span
 from trackmarshal.units import NUMBER, show
 
@@ -38,87 +36,93 @@ def warnings() -> set[str]:
 class Advice:
     """Looks at numbers that are put together; `units` are the declared ones of parameters and of the results of tables."""
 
-    def __init__(self, signals: dict[str, SignalType]) -> None:
-        self._signals = signals
+    def __init__(self) -> None:
         self.units: dict[str, str] = {}
-        #: What was found of numbers, which formulas share: written out, they can be far more than they are.
-        self._angles: dict[ir.Num, bool] = {}
-        self._measured: dict[ir.Num, bool] = {}
+        #: What was found of numbers, which names share: written out, they can be far more than they are.
+        self._angles: dict[typed.Number, bool] = {}
+        self._measured: dict[typed.Number, bool] = {}
+        self._bare: dict[typed.Number, bool] = {}
 
-    def compared(self, op: str, left: NumberValue, right: NumberValue, span: Span) -> ExactlyEqual | None:
+    def compared(self, op: str, left: typed.Number, right: typed.Number, span: Span) -> ExactlyEqual | None:
         """What is to be said of a comparison of two numbers of one dimension."""
-        if op not in ("==", "!=") or not (self.measured(left.node) or self.measured(right.node)):
+        if op not in ("==", "!=") or not (self.measured(left) or self.measured(right)):
             return None
         a, b, within = _text(left), _text(right), "<=" if op == "==" else ">"
-        whole = isinstance(right.node, ir.Const) and right.node.value == 0.0
+        whole = typed.literal(right) == 0.0
         difference = a if whole else f"{_operand(a, _LEFT)} - {_operand(b, _RIGHT)}"
         unit = "" if left.dimension == NUMBER else f" {show(left.dimension)}"
         return ExactlyEqual(span, op, f"abs({difference}) {within} ...{unit}")
 
-    def joined(self, left: NumberValue, right: NumberValue) -> BareAngle | None:
+    def joined(self, left: typed.Number, right: typed.Number) -> BareAngle | None:
         """What is to be said of two numbers that are compared, added or chosen between."""
         for number, other in ((left, right), (right, left)):
-            if left.dimension == NUMBER and self._bare(number) and self.angle(other.node):
+            if left.dimension == NUMBER and self._uncounted(number) and self.angle(other):
                 return self.bare(number, other.span)
         return None
 
     def in_unit(
-        self, value: NumberValue, unit: str, what: str, declared: Span | None
+        self, value: typed.Number, unit: str, what: str, declared: Span | None
     ) -> BareAngle | WrongDimension | None:
         """What is to be said of a plain number where one in a unit is declared.
 
         A literal without a unit is refused where it is one in % or deg, a hundredth of what it looks like; 1 and rad are the same number.
         """
-        if value.bare and unit not in ("1", "rad") and value.dimension == NUMBER:
+        if value.dimension == NUMBER and unit not in ("1", "rad") and self.is_bare(value):
             wanted, hint = f"a number in {unit}", f"write the unit: `{_text(value)} {unit}`"
             return WrongDimension(value.span, declared, what, wanted, "a bare number", hint)
-        return self.bare(value, declared) if unit in ANGLES and self._bare(value) else None
+        return self.bare(value, declared) if unit in ANGLES and self._uncounted(value) else None
 
-    def bare(self, value: NumberValue, other: Span | None) -> BareAngle:
+    def bare(self, value: typed.Number, other: Span | None) -> BareAngle:
         text = _text(value)
         hint = (
             f"write `{text} deg` or `{text} rad`"
-            if value.bare and text[-1:].isdigit()
+            if self.is_bare(value) and text[-1:].isdigit()
             else "give it the unit rad or deg where it is declared"
         )
         return BareAngle(value.span, other, hint)
 
-    def _bare(self, value: NumberValue) -> bool:
+    def _uncounted(self, value: typed.Number) -> bool:
         """Whether nothing says what a number counts: a literal without a unit, or a parameter whose unit is 1."""
-        node = value.node.operand if isinstance(value.node, ir.Neg) else value.node
-        return value.bare or (isinstance(node, ir.Param) and self.units.get(node.name) == "1")
+        number = _behind(value)
+        if isinstance(number, typed.Negative):
+            number = _behind(number.operand)
+        return self.is_bare(value) or (
+            isinstance(number, typed.Parameter) and self.units.get(number.symbol.qualified) == "1"
+        )
 
-    def angle(self, node: ir.Num) -> bool:
+    def is_bare(self, number: typed.Number) -> bool:
+        """Whether a number is a literal other than 0 without a unit, or arithmetic on such literals."""
+        if number not in self._bare:
+            self._bare[number] = self._is_bare(number)
+        return self._bare[number]
+
+    def angle(self, node: typed.Number) -> bool:
         """Whether a plain number is an angle by the units that were declared."""
         if node not in self._angles:
             self._angles[node] = self._is_angle(node)
         return self._angles[node]
 
-    def measured(self, node: ir.Num) -> bool:
+    def measured(self, node: typed.Number) -> bool:
         """Whether a number comes from measurements: from fields with a unit, or by arithmetic that leaves whole numbers."""
         if node not in self._measured:
             self._measured[node] = self._is_measured(node)
         return self._measured[node]
 
-    def _is_angle(self, node: ir.Num) -> bool:
+    def _is_angle(self, node: typed.Number) -> bool:
         match node:
-            case ir.Column():
-                return self._unit(node.axis.signal, node.field) in ANGLES
-            case ir.Sample() | ir.Scalar():
-                return self._unit(node.signal, node.field) in ANGLES
-            case ir.Param():
-                return self.units.get(node.name) in ANGLES
-            case ir.Lookup():
-                return self.units.get(node.table) in ANGLES
-            case ir.Neg():
+            case typed.Field():
+                return self._unit(node) in ANGLES
+            case typed.Parameter() | typed.TableValue():
+                return self.units.get(node.symbol.qualified) in ANGLES
+            case typed.Negative():
                 return self.angle(node.operand)
-            case ir.Choose():
+            case typed.Choice():
                 return self.angle(node.then) or self.angle(node.otherwise)
-            case ir.Func():
+            case typed.Function():
                 return node.name in _GIVE_ANGLES or (
-                    node.name in _GIVE_ON and any(map(self.angle, node.args))
+                    node.name in _GIVE_ON and any(map(self.angle, node.arguments))
                 )
-            case ir.Arith():
+            case typed.Arithmetic():
                 left, right = self.angle(node.left), self.angle(node.right)
                 return (
                     left or right
@@ -127,46 +131,84 @@ class Advice:
                     if node.op == "*"
                     else left and not right
                 )
-            case ir.Direction():
-                return True
-            case ir.Station() | ir.Offset() | ir.Distance() | ir.StationGap() | ir.Const():
+            case typed.Power():  # a product: of an odd number of angles
+                whole = typed.whole_exponent(node.exponent)
+                return whole is not None and whole > 0 and whole % 2 == 1 and self.angle(node.base)
+            case typed.OnLine():
+                return node.function == "direction"
+            case typed.CalledNumber():
+                return self.angle(node.body)
+            case typed.NamedNumber():
+                return node.value is not None and self.angle(node.value)
+            case typed.StationGap() | typed.Literally() | typed.Pi():
                 return False
             case _:
                 assert_never(node)
 
-    def _is_measured(self, node: ir.Num) -> bool:
+    def _is_measured(self, node: typed.Number) -> bool:
         match node:
-            case ir.Column():
-                return self._unit(node.axis.signal, node.field) != "1"
-            case ir.Sample() | ir.Scalar():
-                return self._unit(node.signal, node.field) != "1"
-            case ir.Const() | ir.Param():
+            case typed.Field():
+                return self._unit(node) != "1"
+            case typed.Literally() | typed.Pi() | typed.Parameter():
                 return False
-            case ir.Neg():
+            case typed.Negative():
                 return self.measured(node.operand)
-            case ir.Choose():
+            case typed.Choice():
                 return self.measured(node.then) or self.measured(node.otherwise)
-            case ir.Func():
+            case typed.Function():
                 if node.name in _GIVE_WHOLE:
                     return False
-                return any(map(self.measured if node.name in _GIVE_ON else _reads, node.args))
-            case ir.Arith():
+                return any(map(self.measured if node.name in _GIVE_ON else _reads, node.arguments))
+            case typed.Arithmetic():
                 of = _reads if node.op == "/" else self.measured
                 return of(node.left) or of(node.right)
-            case ir.Lookup():
+            case typed.Power():
+                whole = typed.whole_exponent(node.exponent)
+                if whole is not None and whole > 0:
+                    return self.measured(node.base)
+                return _reads(node.base) or _reads(node.exponent)
+            case typed.TableValue():
                 return _reads(node.argument)
-            case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+            case typed.OnLine() | typed.StationGap():
                 return True
+            case typed.CalledNumber():
+                return self.measured(node.body)
+            case typed.NamedNumber():
+                return node.value is not None and self.measured(node.value)
             case _:
                 assert_never(node)
 
-    def _unit(self, signal: str, field: str) -> str:
-        kind = self._signals[signal].field(field)
-        assert kind is not None
-        return kind.unit
+    def _is_bare(self, number: typed.Number) -> bool:
+        match number:
+            case typed.Literally():
+                return not number.unit and number.value != 0.0
+            case typed.Arithmetic():
+                return self.is_bare(number.left) and self.is_bare(number.right)
+            case typed.Negative():
+                return typed.literal(number.operand) is not None and self.is_bare(number.operand)
+            case typed.NamedNumber():
+                return number.value is not None and self.is_bare(number.value)
+            case _:  # whatever else it is, says what it counts
+                return False
+
+    def _unit(self, field: typed.Field) -> str:
+        """The unit in which a field is declared; "1" for that of a parameter that nothing is given for."""
+        kind = None if field.record.signal is None else field.record.signal.field(field.name)
+        return "1" if kind is None else kind.unit
 
 
-def _text(value: NumberValue) -> str:
+def _behind(number: typed.Number) -> typed.Number:
+    """A number without the names that it goes by."""
+    while True:
+        if isinstance(number, typed.NamedNumber) and number.value is not None:
+            number = number.value
+        elif isinstance(number, typed.CalledNumber):
+            number = number.body
+        else:
+            return number
+
+
+def _text(value: typed.Number) -> str:
     """What the author wrote, on one line."""
     return " ".join(value.span.text.split())
 
@@ -175,6 +217,9 @@ def _operand(text: str, loose: re.Pattern[str]) -> str:
     return f"({text})" if loose.search(text) else text
 
 
-def _reads(node: ir.Num) -> bool:
+def _reads(node: typed.Number) -> bool:
     """Whether a number depends on an input."""
-    return any(isinstance(part, (ir.Column, ir.Sample, ir.Scalar, ir.Along)) for part in ir.below(node))
+    return any(isinstance(part, _READING) for part in typed.below(node))
+
+
+_READING = (typed.Field, typed.OnLine, typed.StationGap, typed.RegionNode, typed.InZone)

@@ -1,16 +1,16 @@
-"""Calls: built-in functions, tables, geometry, and definitions written out where they are used."""
+"""Calls: built-in functions, tables, geometry, and definitions, whose bodies are checked wherever they are used."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
 from itertools import pairwise
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, Literal, assert_never
 
+from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
-from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import EDGES, FUNCTIONS, Dimensions, known
+from trackmarshal.ir.operators import FUNCTIONS, Dimensions, known
 from trackmarshal.semantics.errors import (
     Recursive,
     TooLarge,
@@ -19,22 +19,19 @@ from trackmarshal.semantics.errors import (
     WrongDimension,
     WrongKind,
 )
-from trackmarshal.semantics.scope import Symbol, spoken
+from trackmarshal.semantics.scope import spoken
 from trackmarshal.semantics.shapes import SHAPES
 from trackmarshal.semantics.values import (
-    AreaValue,
-    FormulaValue,
-    LineValue,
-    NumberValue,
+    Local,
     Poison,
-    RecordValue,
-    RegionValue,
-    SignalValue,
-    Value,
     common,
     own_unit,
+    same_record,
+    sample_of,
+    span_of,
     written_unit,
-)  # fmt: skip
+)
+from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import LENGTH, NUMBER, SPEED, Dimension, name, over, parse_unit, power, quantity, show
@@ -61,12 +58,14 @@ DEEPEST = 50
 #: What a sample needs for what is swept along a curve.
 _CURVED: dict[str, Dimension | None] = {**SHAPES["pose"], "kappa": over(NUMBER, LENGTH)}
 #: Numbers that are read off a line at a point.
-_ON_LINE: dict[str, tuple[Callable[[ir.Line, ir.Num, ir.Num], ir.Num], Dimension]] = {
-    "station": (ir.Station, LENGTH),
-    "offset": (ir.Offset, LENGTH),
-    "direction": (ir.Direction, NUMBER),
-    "distance_to": (ir.Distance, LENGTH),
+_ON_LINE: dict[typed.LineFunction, Dimension] = {
+    "station": LENGTH,
+    "offset": LENGTH,
+    "direction": NUMBER,
+    "distance_to": LENGTH,
 }
+#: Ways of a sample from the one before it.
+_SWEPT: tuple[Literal["swept_footprint", "swept_hull"], ...] = ("swept_footprint", "swept_hull")
 
 
 def built_in_names() -> set[str]:
@@ -79,10 +78,11 @@ def call(
     function: str,
     args: tuple[ast.Expr, ...],
     names: tuple[str, ...],
+    infix: bool,
     span: Span,
     ctx: Context,
-) -> Value:
-    """A call of anything by its name."""
+) -> typed.Value:
+    """A call of anything by its name; infix: `a f b`."""
     if any(names):
         self.fail(
             UnknownReference(
@@ -106,12 +106,12 @@ def call(
         raise Poison
     if isinstance(item, ast.Table):
         return _table(self, found, item, values, span)
-    return expand(self, found, item, values, span, ctx)
+    return expand(self, found, item, values, infix, span, ctx)
 
 
 def _declared(
     self: Expressions, function: str, args: tuple[ast.Expr, ...], at: Span, ctx: Context
-) -> tuple[Symbol, ast.Table | ast.Define]:
+) -> tuple[typed.Symbol, ast.Table | ast.Define]:
     """What a call calls; where that is nothing, the errors of its arguments are reported all the same."""
     try:
         found = self.look_up(function, at, "function", built_in_names(), ctx)
@@ -133,8 +133,14 @@ def _name_of_call(function: str, args: tuple[ast.Expr, ...], span: Span) -> Span
 
 
 def expand(
-    self: Expressions, symbol: Symbol, item: ast.Define, args: list[Value], span: Span, ctx: Context
-) -> Value:
+    self: Expressions,
+    symbol: typed.Symbol,
+    item: ast.Define,
+    args: list[typed.Value],
+    infix: bool,
+    span: Span,
+    ctx: Context,
+) -> typed.Number | typed.Formula:
     """A definition written out with its arguments in place of its parameters."""
     if symbol.qualified in ctx.stack:
         cycle = " -> ".join(
@@ -149,17 +155,26 @@ def expand(
     if self.expansions > MOST_EXPANSIONS:
         self.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
     bound = self.all(*(lambda p=p, v=v: _argument(self, p, v) for p, v in zip(item.parameters, args)))
+    return _body(self, symbol, item, (tuple(args), tuple(bound)), infix, span, ctx)
+
+
+def _body(
+    self: Expressions,
+    symbol: typed.Symbol,
+    item: ast.Define,
+    args: tuple[tuple[typed.Value, ...], tuple[Local, ...]],
+    infix: bool,
+    span: Span,
+    ctx: Context,
+) -> typed.Number | typed.Formula:
+    """What a definition comes to with these arguments: as they are, and as its body sees them."""
+    given, bound = args
     local = {p.name: value for p, value in zip(item.parameters, bound)}
-    for called, value in local.items():
-        self.remember(value, called, own=False)
     scope = self.scopes[symbol.module]
     inner = type(ctx)(scope, local, ctx.level, ctx.timeline, ctx.site or span, (*ctx.stack, symbol.qualified))
     if item.keyword == "predicate":
-        holds = FormulaValue(self.formula(item.body, inner).node, span)
-        self.remember(holds, item.name)
-        return holds
+        return typed.CalledFormula(symbol, given, infix, self.formula(item.body, inner), span)
     value = self.number(item.body, inner)
-    self.remember(value, item.name)
     if item.result is not None:
         wanted = parse_unit(item.result)[2]
         if value.dimension != wanted:
@@ -168,53 +183,48 @@ def expand(
                 WrongDimension(value.span, item.span.head, what, quantity(wanted), quantity(value.dimension))
             )
         self.advise(self.advice.in_unit(value, item.result, f"the value of `{item.name}`", item.span.head))
-    return NumberValue(value.node, value.dimension, span, written=value.written or own_unit(item.result))
+    written = value.written or own_unit(item.result)
+    return typed.CalledNumber(value.dimension, written, symbol, given, infix, value, span)
 
 
-def check_definition(self: Expressions, symbol: Symbol, item: ast.Define, ctx: Context) -> None:
-    """Check the body of a definition that may never be called, with placeholders for its arguments."""
-    args = [_placeholder(self, p) for p in item.parameters]
-    expand(self, symbol, item, args, item.span, ctx)
+def check_definition(self: Expressions, symbol: typed.Symbol, item: ast.Define, ctx: Context) -> None:
+    """Check the body of a definition that may never be called: nothing is given for its parameters."""
+    bound = tuple(_open(p) for p in item.parameters)
+    _body(self, symbol, item, ((), bound), False, item.span, ctx)
 
 
-def _placeholder(self: Expressions, parameter: ast.Parameter) -> Value:
-    kind, span = parameter.type, parameter.span
+def _open(parameter: ast.Parameter) -> Local:
+    """A parameter that nothing is given for."""
+    kind, name, span = parameter.type, parameter.name, parameter.span
     if kind in SHAPES:
-        return RecordValue(
-            f"`{parameter.name}`, a {kind}",
-            None,
-            SHAPES[kind],
-            lambda f, at: self.make(ir.Const, 0.0),
-            None,
-            span,
-        )
+        return typed.NamedRecord(SHAPES[kind], None, name, None, kind, span)
     if kind in ("trajectory", "polyline"):
-        return LineValue(self.make(ir.Line, "place", "", ""), span)
+        return typed.NamedLine(name, None, span)
     if kind == "corridor":
-        return AreaValue(self.make(ir.Area, "corridor", ""), span)
-    return NumberValue(self.make(ir.Param, f"{parameter.name}"), parse_unit(kind)[2], span)
+        return typed.NamedArea(name, None, span)
+    return typed.NamedNumber(parse_unit(kind)[2], "", name, None, span)
 
 
-def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Value:
+def _argument(self: Expressions, parameter: ast.Parameter, value: typed.Value) -> Local:
     """The argument as the body sees it: of the declared dimension, or through the declared shape."""
-    kind, span = parameter.type, value.__dict__["span"]
+    kind, name, span = parameter.type, parameter.name, span_of(value)
     if kind in SHAPES:
-        wanted_fields = f"something with {', '.join(SHAPES[kind])} for `{parameter.name}: {kind}`"
-        if not isinstance(value, RecordValue):
-            self.fail(WrongKind(span, wanted_fields, value.spoken))
+        wanted_fields = f"something with {', '.join(SHAPES[kind])} for `{name}: {kind}`"
+        if not isinstance(value, typed.RecordNode):
+            self.fail(WrongKind(span, wanted_fields, value_spoken(value)))
         lacking = _lacking(value, SHAPES[kind])
         if lacking:
-            self.fail(WrongKind(span, wanted_fields, value.spoken, lacking))
-        return RecordValue(value.what, value.signal, SHAPES[kind], value.read, value.previous, span)
+            self.fail(WrongKind(span, wanted_fields, value_spoken(value), lacking))
+        return typed.NamedRecord(SHAPES[kind], value.signal, name, value, kind, span)
     if kind in ("trajectory", "polyline"):
-        return LineValue(line(self, value, span), span)
+        return typed.NamedLine(name, line(self, value, span), span)
     if kind == "corridor":
-        return AreaValue(_area(self, value, span), span)
-    if not isinstance(value, NumberValue):
-        self.fail(WrongKind(span, f"a number for `{parameter.name}`", value.spoken))
+        return typed.NamedArea(name, _area(self, value, span), span)
+    if not isinstance(value, typed.NumberNode):
+        self.fail(WrongKind(span, f"a number for `{name}`", value_spoken(value)))
     wanted = parse_unit(kind)[2]
     if value.dimension != wanted:
-        what = f"argument `{parameter.name}`"
+        what = f"argument `{name}`"
         self.fail(
             WrongDimension(
                 span,
@@ -225,11 +235,13 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: Value) -> Valu
                 unit_hint(value, wanted),
             )
         )
-    self.advise(self.advice.in_unit(value, kind, f"argument `{parameter.name}`", parameter.span))
-    return value
+    self.advise(self.advice.in_unit(value, kind, f"argument `{name}`", parameter.span))
+    return typed.NamedNumber(value.dimension, value.written, name, value, span)
 
 
-def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:
+def _numeric(
+    self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context
+) -> typed.Value:
     called = known(function, FUNCTIONS)
     wanted, dimensions, _, more = FUNCTIONS[called]
     fits = len(args) == wanted or (more and len(args) > wanted)
@@ -248,22 +260,16 @@ def _numeric(self: Expressions, function: str, args: tuple[ast.Expr, ...], span:
     values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))
     if not fits:
         raise Poison
-    numbers = [v for v in values if isinstance(v, NumberValue)]
+    numbers: tuple[typed.Number, ...] = tuple(values)
     dimension = _dimension(self, function, dimensions, numbers)
     if function in ("sin", "cos", "tan"):
         self.advise(self.advice.in_unit(numbers[0], "rad", "the angle", None))
     kept = common(*numbers) if dimensions is Dimensions.KEPT else ""
-    if not more:
-        made = self.make(ir.Func, called, tuple(v.node for v in numbers))
-        return NumberValue(made, dimension, span, written=kept)
-    node = numbers[0].node
-    for other in numbers[1:]:
-        node = self.make(ir.Func, called, (node, other.node))
-    return NumberValue(node, dimension, span, written=kept)
+    return typed.Function(dimension, kept, called, numbers, span)
 
 
 def _dimension(
-    self: Expressions, function: str, dimensions: Dimensions, numbers: list[NumberValue]
+    self: Expressions, function: str, dimensions: Dimensions, numbers: tuple[typed.Number, ...]
 ) -> Dimension:
     """The dimension of a function's value; fails for arguments of wrong ones."""
     first = numbers[0]
@@ -285,103 +291,89 @@ def _dimension(
             assert_never(dimensions)
 
 
-def _table(self: Expressions, symbol: Symbol, item: ast.Table, values: list[Value], span: Span) -> Value:
+def _table(
+    self: Expressions, symbol: typed.Symbol, item: ast.Table, values: list[typed.Value], span: Span
+) -> typed.Number:
     value = values[0]
     argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
-    if not isinstance(value, NumberValue) or value.dimension != argument:
+    if not isinstance(value, typed.NumberNode) or value.dimension != argument:
         what = f"the argument of `{item.name}`"
-        hint = unit_hint(value, argument) if isinstance(value, NumberValue) else ""
+        hint = unit_hint(value, argument) if isinstance(value, typed.NumberNode) else ""
         declared = item.span.head.word(item.unit)
-        self.fail(
-            WrongDimension(value.__dict__["span"], declared, what, quantity(argument), _spoken(value), hint)
-        )
+        self.fail(WrongDimension(span_of(value), declared, what, quantity(argument), _spoken(value), hint))
     unit = written_unit((row for _, row in item.rows), item.result)
-    return NumberValue(self.make(ir.Lookup, symbol.qualified, value.node), result, span, written=unit)
+    return typed.TableValue(result, unit, symbol, value, span)
 
 
-def _special(self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context) -> Value:
+def _special(
+    self: Expressions, function: str, args: tuple[ast.Expr, ...], span: Span, ctx: Context
+) -> typed.Value:
     counts, wanted = _SPECIAL[function]
     fits = len(args) in counts
     if not fits:
         at = _name_of_call(function, args, span)
         comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
         self.found.append(WrongArity(at, function, wanted, _given(len(args)), None, comma))
-    if function in EDGES:
+    if function in typed.EDGES:
         operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))
-        axis = self.timeline(f"`{function}`", _name_of_call(function, args, span), ctx)
         if not fits:
             raise Poison
-        assert isinstance(operands[0], FormulaValue)
-        return FormulaValue(self.make(ir.Edge, known(function, EDGES), axis, operands[0].node), span)
-    values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
+        return typed.Edge(known(function, typed.EDGES), ctx.timeline, operands[0], span)
+    values: list[typed.Value] = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
     if not fits:
         raise Poison
     spans: list[Span] = [arg.__dict__["span"] for arg in args]
+    if function == "footprint" and len(values) == 1:
+        return typed.Footprint(shaped(self, values[0], "body", spans[0]), span)
     if function == "footprint":
-        return _footprint(self, values, spans, span, ctx)
-    if function in ("swept_footprint", "swept_hull"):
-        sample = values[0]
-        if not isinstance(sample, RecordValue) or sample.previous is None:
-            self.fail(WrongKind(spans[0], "a sample of a trajectory", sample.spoken))
-        before = RecordValue(sample.what, sample.signal, sample.shape, sample.previous, None, sample.span)
-        start, end = _pose(self, before, spans[0], ctx), _pose(self, sample, spans[0], ctx)
-        curved = function == "swept_footprint"
-        bend = tuple(_curvature(self, at, spans[0], ctx) for at in (before, sample)) if curved else ()
-        return RegionValue(start, end, _length(self, values[1]), _length(self, values[2]), bend, span)
+        pose = shaped(self, values[0], "pose", spans[0])
+        return typed.FootprintAt(pose, _length(self, values[1]), _length(self, values[2]), span)
+    if function in _SWEPT:
+        sample, way = values[0], known(function, _SWEPT)
+        if not isinstance(sample, typed.RecordNode) or sample_of(sample) is None:
+            self.fail(WrongKind(spans[0], "a sample of a trajectory", value_spoken(sample)))
+        shaped(self, sample, "pose", spans[0])
+        if way == "swept_footprint":
+            _check_curved(self, sample, spans[0])
+        return typed.SweptSample(way, sample, _length(self, values[1]), _length(self, values[2]), span)
     if function == "swept":
-        start, end = _pose(self, values[0], spans[0], ctx), _pose(self, values[1], spans[1], ctx)
-        return RegionValue(start, end, _length(self, values[2]), _length(self, values[3]), (), span)
+        start, end = shaped(self, values[0], "pose", spans[0]), shaped(self, values[1], "pose", spans[1])
+        return typed.Swept(start, end, _length(self, values[2]), _length(self, values[3]), span)
     if function == "inside":
-        hull = _region(self, values[0], spans[0])
-        inside = self.make(
-            ir.SweptInside,
-            start=hull.start, end=hull.end, length=hull.length, width=hull.width, bend=hull.bend,
-            area=_area(self, values[1], spans[1]), span=ctx.site or span,
-        )  # fmt: skip
-        return FormulaValue(inside, span)
+        region = _region(self, values[0], spans[0])
+        return typed.Inside(region, _area(self, values[1], spans[1]), span)
     if function == "clear_of":
-        hull, box = _region(self, values[0], spans[0]), _region(self, values[1], spans[1])
-        if box.start != box.end or box.bend:
+        region, other = _region(self, values[0], spans[0]), _region(self, values[1], spans[1])
+        if not _at_rest(other):
             self.fail(WrongKind(spans[1], "a footprint at rest", "a swept footprint", "swap the two sides"))
-        clear = self.make(
-            ir.SweptClear,
-            start=hull.start, end=hull.end, length=hull.length, width=hull.width,
-            box=box.start, box_length=box.length, box_width=box.width, bend=hull.bend, span=ctx.site or span,
-        )  # fmt: skip
-        return FormulaValue(clear, span)
+        return typed.ClearOf(region, other, span)
     if function in _ON_LINE:
-        x, y = fields(self, values[0], "point", spans[0], ctx)
-        kind, dimension = _ON_LINE[function]
-        return NumberValue(self.make(kind, line(self, values[1], spans[1]), x, y), dimension, span)
+        point, called = shaped(self, values[0], "point", spans[0]), known(function, _ON_LINE)
+        return typed.OnLine(_ON_LINE[called], "", called, point, line(self, values[1], spans[1]), span)
     if function == "station_gap":
         first, second = (_length(self, v) for v in values[1:])
-        gap = self.make(ir.StationGap, line(self, values[0], spans[0]), first, second)
-        return NumberValue(gap, LENGTH, span)
+        return typed.StationGap(LENGTH, "", line(self, values[0], spans[0]), first, second, span)
     if function == "centre":
         area = _area(self, values[0], spans[0])
-        if area.kind != "corridor":
+        if not _is_corridor(area):
             self.fail(WrongKind(spans[0], "a corridor", "a zone"))
-        return LineValue(self.make(ir.Line, "centre", area.name, ""), span)
+        return typed.CalledLine("centre", typed.Centre(area, spans[0]), span)
     if function == "path":
-        return LineValue(line(self, values[0], spans[0]), span)
+        return typed.CalledLine("path", line(self, values[0], spans[0]), span)
     raise AssertionError(f"unknown function {function}")
 
 
-def fields(self: Expressions, value: Value, shape: str, span: Span, ctx: Context) -> tuple[ir.Num, ...]:
-    """The numbers of a record that a shape names."""
-    if not isinstance(value, RecordValue):
-        self.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value.spoken))
-    nodes = []
-    for field, dimension in SHAPES[shape].items():
-        node = value.read(field, ctx.site or span) if value.shape.get(field, "missing") == dimension else None
-        if not isinstance(node, ir.Num):
-            hint = _lacking(value, SHAPES[shape])
-            self.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value.spoken, hint))
-        nodes.append(node)
-    return tuple(nodes)
+def shaped(self: Expressions, value: typed.Value, shape: str, span: Span) -> typed.Record:
+    """A value that is a record with the fields that a shape names."""
+    if not isinstance(value, typed.RecordNode):
+        self.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value_spoken(value)))
+    hint = _lacking(value, SHAPES[shape])
+    if hint:
+        self.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value_spoken(value), hint))
+    return value
 
 
-def _lacking(value: RecordValue, shape: Mapping[str, Dimension | None]) -> str:
+def _lacking(value: typed.Record, shape: Mapping[str, Dimension | None]) -> str:
     """Why a record does not fit a shape; empty when it does."""
     for field, dimension in shape.items():
         wanted = dimension or NUMBER
@@ -395,77 +387,77 @@ def _lacking(value: RecordValue, shape: Mapping[str, Dimension | None]) -> str:
     return ""
 
 
-def line(self: Expressions, value: Value, span: Span) -> ir.Line:
+def line(self: Expressions, value: typed.Value, span: Span) -> typed.Line:
     """The polyline that a value is, or has: a line, the path of a trajectory, the centre line of a corridor."""
-    if isinstance(value, LineValue):
-        return value.line
-    if isinstance(value, SignalValue) and value.signal.kind == "trajectory" and not value.signal.many:
+    if isinstance(value, typed.LineNode):
+        return value
+    if isinstance(value, typed.SignalNode) and value.signal.kind == "trajectory" and not value.signal.many:
         for column in SHAPES["point"]:
             field = value.signal.field(column)
             if field is None or field.kind != "number" or parse_unit(field.unit)[2] != LENGTH:
-                self.fail(
-                    WrongKind(
-                        span, "a trajectory with a path", value.spoken, f"declare its column `{column}: m`"
-                    )
-                )
-        return self.make(ir.Line, "path", value.signal.name, "")
-    if isinstance(value, AreaValue) and value.area.kind == "corridor":
-        return self.make(ir.Line, "centre", value.area.name, "")
-    if isinstance(value, SignalValue) and value.signal.kind == "corridor":
-        return self.make(ir.Line, "centre", value.signal.name, "")
-    self.fail(WrongKind(span, "a line, a trajectory or a corridor", value.spoken))
+                spoken_, hint = value_spoken(value), f"declare its column `{column}: m`"
+                self.fail(WrongKind(span, "a trajectory with a path", spoken_, hint))
+        return typed.Path(value, span)
+    if isinstance(value, typed.SignalNode) and value.signal.kind == "corridor":
+        return typed.Centre(typed.Corridor(value, span), span)
+    if isinstance(value, typed.AreaNode) and _is_corridor(value):
+        return typed.Centre(value, span)
+    self.fail(WrongKind(span, "a line, a trajectory or a corridor", value_spoken(value)))
 
 
-def _area(self: Expressions, value: Value, span: Span) -> ir.Area:
-    if isinstance(value, AreaValue):
-        return value.area
-    if isinstance(value, SignalValue) and value.signal.kind == "corridor":
-        return self.make(ir.Area, "corridor", value.signal.name)
-    self.fail(WrongKind(span, "a zone or a corridor", value.spoken))
+def _area(self: Expressions, value: typed.Value, span: Span) -> typed.Area:
+    if isinstance(value, typed.AreaNode):
+        return value
+    if isinstance(value, typed.SignalNode) and value.signal.kind == "corridor":
+        return typed.Corridor(value, span)
+    self.fail(WrongKind(span, "a zone or a corridor", value_spoken(value)))
 
 
-def _region(self: Expressions, value: Value, span: Span) -> RegionValue:
-    if not isinstance(value, RegionValue):
-        self.fail(
-            WrongKind(span, "a footprint", value.spoken, "write footprint(...) or swept_footprint(...)")
-        )
+def _is_corridor(area: typed.Area) -> bool:
+    """Whether an area is a corridor, as parameters always are."""
+    while isinstance(area, typed.NamedArea) and area.value is not None:
+        area = area.value
+    return not isinstance(area, typed.Zone)
+
+
+def _region(self: Expressions, value: typed.Value, span: Span) -> typed.Region:
+    if not isinstance(value, typed.RegionNode):
+        hint = "write footprint(...) or swept_footprint(...)"
+        self.fail(WrongKind(span, "a footprint", value_spoken(value), hint))
     return value
 
 
-def _footprint(
-    self: Expressions, values: list[Value], spans: list[Span], span: Span, ctx: Context
-) -> RegionValue:
-    if len(values) == 1:
-        x, y, heading, length, width = fields(self, values[0], "body", spans[0], ctx)
-        return RegionValue(ir.Pose(x, y, heading), ir.Pose(x, y, heading), length, width, (), span)
-    pose = _pose(self, values[0], spans[0], ctx)
-    return RegionValue(pose, pose, _length(self, values[1]), _length(self, values[2]), (), span)
+def _at_rest(region: typed.Region) -> bool:
+    """Whether a footprint is that of something that stands."""
+    match region:
+        case typed.Footprint() | typed.FootprintAt():
+            return True
+        case typed.Swept():
+            return same_record(region.start, region.end)
+        case typed.SweptSample():
+            return False
+        case typed.NamedRegion():
+            return _at_rest(region.value)
+        case _:
+            assert_never(region)
 
 
-def _pose(self: Expressions, value: Value, span: Span, ctx: Context) -> ir.Pose:
-    return ir.Pose(*fields(self, value, "pose", span, ctx))
+def _check_curved(self: Expressions, sample: typed.Record, span: Span) -> None:
+    """Refuse a sample without a curvature: nothing says how the way goes from one to the next."""
+    if sample.shape.get("kappa") != _CURVED["kappa"]:
+        lacking = _lacking(sample, _CURVED)
+        hint = f"{lacking}, or write swept_hull(...), which goes straight from sample to sample"
+        wanted = f"something with {', '.join(_CURVED)}"
+        self.fail(WrongKind(span, wanted, value_spoken(sample), hint))
 
 
-def _curvature(self: Expressions, value: RecordValue, span: Span, ctx: Context) -> ir.Num:
-    """The curvature of a sample: without it, nothing says how the way goes from one to the next."""
-    node = value.read("kappa", ctx.site or span) if value.shape.get("kappa") == _CURVED["kappa"] else None
-    if not isinstance(node, ir.Num):
-        hint = (
-            f"{_lacking(value, _CURVED)}, or write swept_hull(...), which goes straight from sample to sample"
-        )
-        self.fail(WrongKind(span, f"something with {', '.join(_CURVED)}", value.spoken, hint))
-    return node
-
-
-def _length(self: Expressions, value: Value) -> ir.Num:
-    if not isinstance(value, NumberValue) or value.dimension != LENGTH:
-        hint = unit_hint(value, LENGTH) if isinstance(value, NumberValue) else ""
+def _length(self: Expressions, value: typed.Value) -> typed.Number:
+    if not isinstance(value, typed.NumberNode) or value.dimension != LENGTH:
+        hint = unit_hint(value, LENGTH) if isinstance(value, typed.NumberNode) else ""
         self.fail(
-            WrongDimension(
-                value.__dict__["span"], None, "this argument", quantity(LENGTH), _spoken(value), hint
-            )
+            WrongDimension(span_of(value), None, "this argument", quantity(LENGTH), _spoken(value), hint)
         )
-    return value.node
+    return value
 
 
 def _count(number: int) -> str:
@@ -488,10 +480,10 @@ def decimal_comma(*spans: Span) -> str:
     return ""
 
 
-def unit_hint(value: NumberValue, wanted: Dimension) -> str:
+def unit_hint(value: typed.Number, wanted: Dimension) -> str:
     """How a literal gets the dimension that is wanted; empty for what is no literal, or has no such unit."""
     literal, unit = _LITERAL.fullmatch(value.span.text.strip()), show(wanted)
-    if literal is None or not isinstance(value.node, ir.Const) or "*" in unit or "(" in unit:
+    if literal is None or typed.literal(value) is None or "*" in unit or "(" in unit:
         return ""
     if wanted == NUMBER:
         return f"leave the unit out: `{literal[1]}`"
@@ -502,5 +494,5 @@ def unit_hint(value: NumberValue, wanted: Dimension) -> str:
     return f"write a unit of {name(wanted)}, such as `{literal[1]} {unit}`"
 
 
-def _spoken(value: Value) -> str:
-    return quantity(value.dimension) if isinstance(value, NumberValue) else value.spoken
+def _spoken(value: typed.Value) -> str:
+    return quantity(value.dimension) if isinstance(value, typed.NumberNode) else value_spoken(value)

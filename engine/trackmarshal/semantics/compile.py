@@ -1,4 +1,4 @@
-"""Modules to a Spec: every declaration checked, every rule lowered, every error found."""
+"""Modules to a Spec: every declaration checked, every rule typed and lowered, every error found."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
+from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -24,20 +25,22 @@ from trackmarshal.ir.spec import (
     TableInfo,
     track_of,
 )
+from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal_problem, settled
 from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.errors import BadValue, Duplicate, SignalConflict, WrongDimension
-from trackmarshal.semantics.expressions import Context, Expressions
+from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.modules import Library
 from trackmarshal.semantics.rulebooks import check_rulebook, check_signal, check_state, check_test_target
-from trackmarshal.semantics.rules import RuleBuilder, describe
-from trackmarshal.semantics.scope import KINDS, Scope, Symbol
+from trackmarshal.semantics.rules import RuleBuilder
+from trackmarshal.semantics.scope import KINDS, Scope
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
+from trackmarshal.typed import Symbol
 from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, to_si
 
 T = TypeVar("T", bound=ast.Item)
@@ -98,7 +101,8 @@ class _Compiler:
         self.tables: dict[str, TableInfo] = {}
         self.places: dict[str, PlaceInfo] = {}
         self.constraints: list[ConstraintInfo] = []
-        self.x = Expressions(ir.Interner(), self.signals, self.found)
+        self.interner = ir.Interner()
+        self.x = Expressions(self.signals, self.found)
         self.scopes = self.x.scopes
         self.elsewhere = Elsewhere(library)
 
@@ -180,7 +184,7 @@ class _Compiler:
                 self.scopes[module].incomplete = True
 
     def _context(self, module: str) -> Context:
-        return Context(self.scopes[module], {}, 0, None, None, ())
+        return Context(self.scopes[module], {}, 0, typed.TheRun(), None, ())
 
     def _own(self, module: str, kind: type[T]) -> list[T]:
         """A module's declarations of a kind; those that were declared twice too, for the errors in them."""
@@ -324,7 +328,7 @@ class _Compiler:
             self.x.fail(WrongDimension(value.span, declared, what, wanted, quantity(value.dimension), hint))
         what = f"parameter `{item.name}`"
         self.x.advise(self.x.advice.in_unit(value, item.unit, what, item.span.word(item.unit)))
-        return self._constant(value.node, value.span, module)
+        return self._constant(Lowering(self.interner).number(value), value.span, module)
 
     def _constant(self, node: ir.Num, span: Span, module: str) -> float:
         """The value of a number made of literals and parameters declared before."""
@@ -420,8 +424,7 @@ class _Compiler:
 
     def _definitions(self, module: str) -> None:
         # A definition may use the rule's timeline, and a state's conditions range over the run: check them with one at hand.
-        timeline = self.x.make(ir.Axis, "", "samples", 1, 0)
-        ctx = self._context(module).bind({}, 1, timeline)
+        ctx = self._context(module).bind({}, 1, any_timeline(NOWHERE))
         for item in self._own(module, ast.Define):
             seen: dict[str, Span] = {}
             for parameter in item.parameters:
@@ -446,7 +449,8 @@ class _Compiler:
                 self.x.attempt(lambda item=item: self._constraint(item, module), item.span.head)  # type: ignore[misc]
 
     def _constraint(self, item: ast.Constrain, module: str) -> None:
-        formula = self.x.formula(item.condition, self._context(module)).node
+        condition = self.x.formula(item.condition, self._context(module))
+        formula = Lowering(self.interner).formula(condition)
         if not settled(formula):
             at = item.condition.__dict__["span"]
             hint = "what the input must fulfil is an `assume` with a `monitor`, or a `rule`"
@@ -469,7 +473,7 @@ class _Compiler:
                     self.found.append(
                         Duplicate(item.span.head, first[item.name].__dict__["span"].head, kind, item.name)
                     )
-                rule = RuleBuilder(self.x, self._context(module)).build(item, assumptions)
+                rule = RuleBuilder(self.x, self._context(module), self.interner).build(item, assumptions)
                 if rule is not None and item.name not in first:
                     rules.append(rule)
                 first.setdefault(item.name, item)
@@ -487,4 +491,4 @@ def _inside(value: float, lower: float | None, upper: float | None) -> bool:
     return (lower is None or value >= lower) and (upper is None or value <= upper) and not math.isnan(value)
 
 
-__all__ = ["Compiled", "compile_paths", "compile_text", "describe"]
+__all__ = ["Compiled", "compile_paths", "compile_text"]

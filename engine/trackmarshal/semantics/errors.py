@@ -258,12 +258,28 @@ class RunAxis(Diagnostic):
     label = "ranges over the run"
     remedy = "{hint}"
     explanation = (
-        "Temporal operators in a rule without `along SIGNAL as NAME`, `within` after `whenever`, and `state` range over the run, cycle by "
-        "cycle. They parse, but this version has no evaluator for them, and refuses instead of leaving a rule out."
+        "A `state` ranges over the run, cycle by cycle. It parses, but this version has no evaluator for it, and refuses instead of "
+        "leaving a rule out."
     )
 
     span: Span
     what: str
+    hint: str = ""
+
+
+class OverRunProblem(Diagnostic):
+    code = "E223"
+    title = "a formula over the run that has no meaning"
+    text = "{problem}"
+    remedy = "{hint}"
+    explanation = (
+        "Temporal operators in a rule without `along SIGNAL as NAME` range over the run, cycle by cycle. What they speak of has to be there in "
+        "every cycle: the elements of a set have ids, by which they are known again; the samples of a trajectory have none. Whatever they say "
+        "about a cycle has to be decided some time: operators that look ahead have a bound."
+    )
+
+    span: Span
+    problem: str
     hint: str = ""
 
 

@@ -1,24 +1,15 @@
-"""Expressions: names resolved, dimensions checked, lowered to the IR. All errors of an expression are found."""
+"""Expressions: names resolved, dimensions checked; syntax tree to typed tree. All errors of an expression are found."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any, NoReturn
 
+from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
-from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import (
-    ARITHMETIC,
-    COMPARISONS,
-    CONNECTIVES,
-    QUANTIFIERS,
-    TEMPORAL,
-    UNTIL,
-    known,
-)
-from trackmarshal.ir.spec import Called, SignalType
+from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, known
+from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
 from trackmarshal.semantics.advice import Advice
@@ -34,23 +25,19 @@ from trackmarshal.semantics.errors import (
     UnusedVariable,
     WrongKind,
 )
-from trackmarshal.semantics.scope import Scope, Symbol, spoken
+from trackmarshal.semantics.scope import Scope, spoken
 from trackmarshal.semantics.values import (
-    AreaValue,
     Broken,
-    FormulaValue,
-    LineValue,
-    NumberValue,
+    Local,
     Poison,
-    RecordValue,
-    SignalValue,
-    Value,
     common,
-    of_limit,
     own_unit,
     product,
+    record_spoken,
+    span_of,
     written_unit,
-)  # fmt: skip
+)
+from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import (
@@ -69,18 +56,20 @@ from trackmarshal.units import (
 
 
 class Context(Node):
-    """Where an expression stands: the names it sees, how deep it is nested, which timeline it lives on."""
+    """Where an expression stands: the names it sees, how deep it is nested, what its temporal operators range over."""
 
     scope: Scope
-    local: dict[str, Value]
+    local: dict[str, Local]
     level: int
-    timeline: ir.Axis | None
+    timeline: typed.TimeAxis
     #: The call in the rule's own file, while a definition is written out.
     site: Span | None
     #: Definitions being written out, outermost first.
     stack: tuple[str, ...]
 
-    def bind(self, names: dict[str, Value], levels: int = 0, timeline: ir.Axis | None = None) -> Context:
+    def bind(
+        self, names: Mapping[str, Local], levels: int = 0, timeline: typed.TimeAxis | None = None
+    ) -> Context:
         """This context with more local names, and `levels` more axes in use."""
         return Context(
             self.scope,
@@ -92,35 +81,32 @@ class Context(Node):
         )
 
 
+def any_timeline(span: Span) -> typed.TimeAxis:
+    """A timeline where only the axis is missing: for definitions, which may use that of a rule, and for what follows an error."""
+    domain = typed.Signal(SignalType("", "series", False, (), span), span)
+    return typed.Range(domain, ("",), 0, span)
+
+
 #: What to do instead of remembering something.
 STATE_HINT = "write what the rule needs from the signals of one cycle"
 
 
 class Expressions:
-    """Lowers expressions; `signals` maps the names of signals to their types, `found` collects diagnostics."""
+    """Makes typed nodes of expressions; `signals` maps the names of signals to their types, `found` collects diagnostics."""
 
-    def __init__(
-        self, interner: ir.Interner, signals: dict[str, SignalType], found: list[Diagnostic]
-    ) -> None:
-        self.make = interner.make
+    def __init__(self, signals: dict[str, SignalType], found: list[Diagnostic]) -> None:
         self.signals = signals
         self.found = found
         self.scopes: dict[str, Scope] = {}
         #: Names of tables -> (dimension of the argument, of the result).
         self.tables: dict[str, tuple[Dimension, Dimension]] = {}
         self.params: dict[str, Dimension] = {}
-        self.advice = Advice(signals)
+        self.advice = Advice()
+        self._shapes: dict[str, dict[str, Dimension | None]] = {}
         #: Definitions (qualified names) whose bodies have errors: nothing more is said about their uses.
         self.failed: set[str] = set()
         #: How many definitions were written out for the declaration at hand.
         self.expansions = 0
-        #: What the declaration at hand calls numbers and formulas.
-        self.names: dict[ir.IR, Called] = {}
-
-    def remember(self, value: Value, name: str, own: bool = True) -> None:
-        """Note what a number or a formula is called; the outermost name of its own counts."""
-        if isinstance(value, (NumberValue, FormulaValue)) and (own or value.node not in self.names):
-            self.names[value.node] = Called(value.node, name, own)
 
     def attempt(self, step: Callable[[], None], span: Span) -> bool:
         """Check one declaration, or one clause: whether it has a meaning; what keeps it from one was reported."""
@@ -161,25 +147,25 @@ class Expressions:
             raise Poison
         return values
 
-    def number(self, expr: ast.Expr, ctx: Context) -> NumberValue:
+    def number(self, expr: ast.Expr, ctx: Context) -> typed.Number:
         value = self.value(expr, ctx)
-        if not isinstance(value, NumberValue):
+        if not isinstance(value, typed.NumberNode):
             hint = (
                 "`if FORMULA then 1 else 0` makes a number of a formula"
-                if isinstance(value, FormulaValue)
+                if isinstance(value, typed.FormulaNode)
                 else ""
             )
-            self.fail(WrongKind(_span(expr), "a number", value.spoken, hint))
+            self.fail(WrongKind(_span(expr), "a number", value_spoken(value), hint))
         return value
 
-    def formula(self, expr: ast.Expr, ctx: Context) -> FormulaValue:
+    def formula(self, expr: ast.Expr, ctx: Context) -> typed.Formula:
         value = self.value(expr, ctx)
-        if not isinstance(value, FormulaValue):
-            hint = "compare it with something" if isinstance(value, NumberValue) else ""
-            self.fail(WrongKind(_span(expr), "a formula", value.spoken, hint))
+        if not isinstance(value, typed.FormulaNode):
+            hint = "compare it with something" if isinstance(value, typed.NumberNode) else ""
+            self.fail(WrongKind(_span(expr), "a formula", value_spoken(value), hint))
         return value
 
-    def value(self, expr: ast.Expr, ctx: Context) -> Value:
+    def value(self, expr: ast.Expr, ctx: Context) -> typed.Value:
         span = _span(expr)
         match expr:
             case ast.Number():
@@ -187,40 +173,31 @@ class Expressions:
                 if problem:
                     self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
                 value = to_si(float(expr.text), expr.unit or "1")
-                bare, unit = not expr.unit and value != 0.0, own_unit(expr.unit)
-                dimension = parse_unit(expr.unit or "1")[2]
-                return NumberValue(self.make(ir.Const, value), dimension, span, bare, unit)
+                dimension, unit = parse_unit(expr.unit or "1")[2], own_unit(expr.unit)
+                return typed.Literally(dimension, unit, expr.text, expr.unit, value, span)
             case ast.Boolean():
-                return FormulaValue(self.make(ir.Truth, expr.value), span)
+                return typed.Boolean(expr.value, span)
             case ast.Name():
                 return self._name(expr, ctx)
             case ast.Attribute():
                 return self._attribute(expr, ctx)
             case ast.Call():
-                return calls.call(self, expr.function, expr.args, expr.names, span, ctx)
+                return calls.call(self, expr.function, expr.args, expr.names, False, span, ctx)
             case ast.Infix():
-                return calls.call(self, expr.predicate, (expr.left, expr.right), ("", ""), span, ctx)
+                return calls.call(self, expr.predicate, (expr.left, expr.right), ("", ""), True, span, ctx)
             case ast.Unary():
                 if expr.op == "not":
-                    return FormulaValue(self.make(ir.Not, self.formula(expr.operand, ctx).node), span)
+                    return typed.Not(self.formula(expr.operand, ctx), span)
                 operand = self.number(expr.operand, ctx)
-                if isinstance(operand.node, ir.Const):
-                    node: ir.Num = self.make(ir.Const, -operand.node.value)
-                    return NumberValue(node, operand.dimension, span, operand.bare, operand.written)
-                node = self.make(ir.Neg, operand.node)
-                return NumberValue(node, operand.dimension, span, False, operand.written)
+                return typed.Negative(operand.dimension, operand.written, operand, span)
             case ast.Binary():
                 return self._binary(expr, ctx)
             case ast.IfElse():
                 return self._if_else(expr, ctx)
             case ast.Within():
-                return self._chained(
-                    (expr.lower, expr.value, expr.upper), ("<=", "<="), (span, span), span, ctx
-                )
+                return self._within(expr, ctx)
             case ast.Chained():
-                ends = zip(expr.operands, expr.operands[1:])
-                spans = tuple(_span(left).to(_span(right)) for left, right in ends)
-                return self._chained(expr.operands, expr.ops, spans, span, ctx)
+                return self._chained(expr, ctx)
             case ast.InZone():
                 return self._in_zone(expr, ctx)
             case ast.Temporal():
@@ -234,57 +211,50 @@ class Expressions:
 
     # Names ------------------------------------------------------------------------------------------------
 
-    def _name(self, expr: ast.Name, ctx: Context) -> Value:
+    def _name(self, expr: ast.Name, ctx: Context) -> typed.Value:
         if expr.name in ctx.local:
             value = ctx.local[expr.name]
             if isinstance(value, Broken):
                 raise Poison  # the error is where the name was bound
-            return type(value)(**{**value.__dict__, "span": expr.span})  # messages point to the use
+            return value.at(expr.span)  # messages point to the use
         if expr.name == "pi" and ctx.scope.find("pi") is None:
-            return NumberValue(self.make(ir.Const, math.pi), NUMBER, expr.span)
+            return typed.Pi(NUMBER, "", expr.span)
         return self._symbol(
             self.look_up(expr.name, expr.span, "name", {*ctx.local, "pi"}, ctx), expr.span, ctx
         )
 
-    def look_up(self, name: str, span: Span, what: str, extra: set[str], ctx: Context) -> Symbol:
+    def look_up(self, name: str, span: Span, what: str, extra: set[str], ctx: Context) -> typed.Symbol:
         """A declared name; fails with what is wrong with it."""
         found = ctx.scope.look_up(name, span, what, extra)
-        if isinstance(found, Symbol):
+        if isinstance(found, typed.Symbol):
             return found
         if isinstance(found, Diagnostic):
             self.fail(found)
         raise Poison  # reported with the declaration
 
-    def _symbol(self, symbol: Symbol, span: Span, ctx: Context) -> Value:
+    def _symbol(self, symbol: typed.Symbol, span: Span, ctx: Context) -> typed.Value:
         item = symbol.item
         match item:
             case ast.Signal():
                 signal = self.signals[item.name]
                 if signal.kind == "state":
-                    return self.record(
-                        signal,
-                        f"the state `{signal.name}`",
-                        span,
-                        lambda f: self.make(ir.Scalar, signal.name, f),
-                    )
+                    return typed.State(self._shape(signal), signal, span)
                 if signal.kind == "polyline":
-                    return LineValue(self.make(ir.Line, "signal", signal.name, ""), span)
-                return SignalValue(signal, span)
+                    return typed.SignalLine(signal, span)
+                return typed.Signal(signal, span)
             case ast.Event():
-                return FormulaValue(self.make(ir.Flag, item.name, None, None, 0, ctx.site or span), span)
+                return typed.Event(symbol, span)
             case ast.Param():
                 if symbol.qualified not in self.params:
                     raise Poison  # its declaration was reported
-                param = self.make(ir.Param, symbol.qualified)
-                return NumberValue(
-                    param, self.params[symbol.qualified], span, written=written_unit((item.value,), item.unit)
-                )
+                unit = written_unit((item.value,), item.unit)
+                return typed.Parameter(self.params[symbol.qualified], unit, symbol, span)
             case ast.Place():
                 if item.kind == "zone":
-                    return AreaValue(self.make(ir.Area, "zone", symbol.qualified), span)
-                return LineValue(self.make(ir.Line, "place", symbol.qualified, ""), span)
+                    return typed.Zone(symbol, span)
+                return typed.PlacedLine(symbol, span)
             case ast.Define() if not item.parameters:
-                return calls.expand(self, symbol, item, [], span, ctx)
+                return calls.expand(self, symbol, item, [], False, span, ctx)
             case ast.Define() | ast.Table():
                 self.fail(
                     WrongKind(span, "a value", f"the function `{item.name}`", f"call it: `{item.name}(...)`")
@@ -296,76 +266,66 @@ class Expressions:
             case _:
                 raise AssertionError(f"unknown symbol {type(item).__name__}")
 
-    def record(
-        self, signal: SignalType, what: str, span: Span, number: Callable[[str], ir.Num],
-        axis: ir.Axis | None = None, offset: int = 0, previous: Callable[[str], ir.Num] | None = None,
-    ) -> RecordValue:  # fmt: skip
-        """A record of a signal; `number` makes the node that reads one of its fields."""
+    def _shape(self, signal: SignalType) -> dict[str, Dimension | None]:
+        """What can be read of a record of a signal."""
+        shape = self._shapes.get(signal.name)
+        if shape is None:
+            shape = self._shapes[signal.name] = {
+                f.name: None if f.kind == "bool" else parse_unit(f.unit)[2]
+                for f in signal.fields_
+                if f.kind != "polyline"
+            }
+        return shape
 
-        def reader(make: Callable[[str], ir.Num]) -> Callable[[str, Span], ir.Num | ir.Formula]:
-            def read(name: str, at: Span) -> ir.Num | ir.Formula:
-                field = signal.field(name)
-                if field is not None and field.kind == "bool":
-                    return self.make(ir.Flag, signal.name, name, axis, offset, at)
-                return make(name)
-
-            return read
-
-        shape = {
-            f.name: None if f.kind == "bool" else parse_unit(f.unit)[2]
-            for f in signal.fields_
-            if f.kind != "polyline"
-        }
-        return RecordValue(what, signal, shape, reader(number), reader(previous) if previous else None, span)
-
-    def _attribute(self, expr: ast.Attribute, ctx: Context) -> Value:
+    def _attribute(self, expr: ast.Attribute, ctx: Context) -> typed.Value:
         value = self.value(expr.value, ctx)
         span = expr.span
-        if isinstance(value, RecordValue):
+        if isinstance(value, typed.RecordNode):
             if expr.name not in value.shape:
                 hint = close_matches(expr.name, value.shape)
                 if not hint and value.signal is not None and value.signal.field(expr.name) is not None:
                     hint = "the definition asks for a shape without it"
                 elif not hint:
                     hint = "only what a signal's declaration lists can be read"
-                self.fail(UnknownField(span, value.what, expr.name, ", ".join(value.shape), hint))
-            node = value.read(expr.name, ctx.site or span)
+                listed = ", ".join(value.shape)
+                self.fail(UnknownField(span, record_spoken(value), expr.name, listed, hint))
             dimension = value.shape[expr.name]
-            if isinstance(node, ir.Formula):
-                return FormulaValue(node, span)
-            assert dimension is not None
+            if dimension is None:
+                return typed.BooleanField(value, expr.name, span)
             field = None if value.signal is None else value.signal.field(expr.name)
-            return NumberValue(node, dimension, span, written="" if field is None else own_unit(field.unit))
-        if isinstance(value, SignalValue):
+            return typed.Field(
+                dimension, "" if field is None else own_unit(field.unit), value, expr.name, span
+            )
+        if isinstance(value, typed.SignalNode):
             signal = value.signal
-            if signal.sequence and expr.name in ("first", "last"):
-                index = 0 if expr.name == "first" else -1
-                what = f"the {expr.name} sample of `{signal.name}`"
-                return self.record(signal, what, span, lambda f: self.make(ir.Sample, signal.name, f, index))
+            if signal.sequence and expr.name == "first":
+                return typed.Sample(self._shape(signal), signal, value, 0, span)
+            if signal.sequence and expr.name == "last":
+                return typed.Sample(self._shape(signal), signal, value, -1, span)
             field = signal.field(expr.name)
             if field is not None and field.kind == "polyline" and not signal.many:
-                return LineValue(self.make(ir.Line, "signal", signal.name, expr.name), span)
-            known = (
+                return typed.Border(value, expr.name, span)
+            fitting = (
                 ["first", "last"]
                 if signal.sequence
                 else [f.name for f in signal.fields_ if f.kind == "polyline"]
             )
-            hint, shown = close_matches(expr.name, known), ", ".join(known)
+            hint, shown = close_matches(expr.name, fitting), ", ".join(fitting)
             if signal.sequence or signal.many:
                 parts = f"{'samples' if signal.sequence else 'elements'} with {', '.join(f.name for f in signal.fields_)}"
                 shown = f"{shown}, and {parts}" if shown else parts
             if signal.field(expr.name) is not None:
                 hint = f"bind a variable first: `for all x in {signal.name}`"
-            self.fail(UnknownField(span, value.spoken, expr.name, shown or "nothing to read", hint))
-        self.fail(WrongKind(_span(expr.value), "a record", value.spoken))
+            self.fail(UnknownField(span, value_spoken(value), expr.name, shown or "nothing to read", hint))
+        self.fail(WrongKind(_span(expr.value), "a record", value_spoken(value)))
 
     # Arithmetic and logic -----------------------------------------------------------------------------------
 
-    def _binary(self, expr: ast.Binary, ctx: Context) -> Value:
+    def _binary(self, expr: ast.Binary, ctx: Context) -> typed.Value:
         op, span = expr.op, expr.span
-        if op in CONNECTIVES:
+        if op in typed.CONNECTIVES:
             a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
-            return FormulaValue(self.make(ir.Connective, known(op, CONNECTIVES), a.node, b.node), span)
+            return typed.Connective(known(op, typed.CONNECTIVES), a, b, span)
         if op == "^":
             return self._power(expr, ctx)
         left, right = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
@@ -373,54 +333,44 @@ class Expressions:
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
             )
-            bare = left.bare and right.bare
-            arith = self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node)
-            return NumberValue(arith, dimension, span, bare, product(op, left, right))
-        if op in COMPARISONS:
-            return self._compare(op, left, right, span, ctx)
+            written = product(op, left, right)
+            return typed.Arithmetic(dimension, written, known(op, ARITHMETIC), left, right, span)
+        if op in typed.COMPARISONS:
+            self._compare(op, left, right, span)
+            return typed.Comparison(known(op, typed.COMPARISONS), left, right, span)
         self.same("add" if op == "+" else "subtract", left, right)
-        bare = left.bare and right.bare
-        return NumberValue(
-            self.make(ir.Arith, known(op, ARITHMETIC), left.node, right.node),
-            left.dimension,
-            span,
-            bare,
-            common(left, right),
-        )
+        written = common(left, right)
+        return typed.Arithmetic(left.dimension, written, known(op, ARITHMETIC), left, right, span)
 
-    def _chained(
-        self,
-        operands: tuple[ast.Expr, ...],
-        ops: tuple[str, ...],
-        spans: tuple[Span, ...],
-        span: Span,
-        ctx: Context,
-    ) -> FormulaValue:
-        """Neighbours compared, and all of it joined by `and`; every operand stands for one number, however often it is compared."""
-        numbers = self.all(*(lambda o=operand: self.number(o, ctx) for operand in operands))
-        compared = self.all(
+    def _within(self, expr: ast.Within, ctx: Context) -> typed.Formula:
+        lower, value, upper = self.all(
+            lambda: self.number(expr.lower, ctx),
+            lambda: self.number(expr.value, ctx),
+            lambda: self.number(expr.upper, ctx),
+        )
+        self.all(
+            lambda: self._compare("<=", lower, value, expr.span),
+            lambda: self._compare("<=", value, upper, expr.span),
+        )
+        return typed.Within(value, lower, upper, expr.span)
+
+    def _chained(self, expr: ast.Chained, ctx: Context) -> typed.Formula:
+        numbers = self.all(*(lambda o=operand: self.number(o, ctx) for operand in expr.operands))
+        self.all(
             *(
-                lambda op=op, left=left, right=right, at=at: self._compare(op, left, right, at, ctx)
-                for op, left, right, at in zip(ops, numbers, numbers[1:], spans)
+                lambda op=op, left=left, right=right: self._compare(op, left, right, left.span.to(right.span))
+                for op, left, right in zip(expr.ops, numbers, numbers[1:])
             )
         )
-        node = compared[0].node
-        for other in compared[1:]:
-            node = self.make(ir.Connective, "and", node, other.node)
-        return FormulaValue(node, span)
+        ops = tuple([known(op, typed.COMPARISONS) for op in expr.ops])
+        return typed.Chained(tuple(numbers), ops, expr.span)
 
-    def _compare(
-        self, op: str, left: NumberValue, right: NumberValue, span: Span, ctx: Context
-    ) -> FormulaValue:
+    def _compare(self, op: str, left: typed.Number, right: typed.Number, span: Span) -> None:
+        """Check a comparison of two numbers."""
         self.same("compare", left, right)
         self.advise(self.advice.compared(op, left, right, span))
-        unit, shown = show(left.dimension), of_limit(left, right)
-        node = self.make(
-            ir.Compare, known(op, COMPARISONS), left.node, right.node, unit, ctx.site or span, shown
-        )
-        return FormulaValue(node, span)
 
-    def same(self, action: str, left: NumberValue, right: NumberValue) -> None:
+    def same(self, action: str, left: typed.Number, right: typed.Number) -> None:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
             self.advise(self.advice.joined(left, right))
@@ -439,22 +389,15 @@ class Expressions:
             )
         )
 
-    def _power(self, expr: ast.Binary, ctx: Context) -> Value:
+    def _power(self, expr: ast.Binary, ctx: Context) -> typed.Value:
         base, exponent = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
         if exponent.dimension != NUMBER:
             self.fail(
                 BadValue(exponent.span, f"an exponent is a plain number, not {quantity(exponent.dimension)}")
             )
-        constant = exponent.node.value if isinstance(exponent.node, ir.Const) else None
-        if constant is not None and constant == int(constant) and 1 <= abs(constant) <= 8:
-            node = base.node
-            for _ in range(
-                int(abs(constant)) - 1
-            ):  # defined as repeated multiplication, not as a library's pow
-                node = self.make(ir.Arith, "*", node, base.node)
-            if constant < 0:
-                node = self.make(ir.Arith, "/", self.make(ir.Const, 1.0), node)
-            return NumberValue(node, power(base.dimension, Fraction(int(constant))), expr.span)
+        constant, whole = typed.literal(exponent), typed.whole_exponent(exponent)
+        if whole is not None:
+            return typed.Power(power(base.dimension, Fraction(whole)), "", base, exponent, expr.span)
         if base.dimension != NUMBER:
             hint = (
                 "use sqrt(...) for a root"
@@ -467,72 +410,62 @@ class Expressions:
             self.fail(
                 BadValue(exponent.span, problem, base.span, hint, f"this is {quantity(base.dimension)}")
             )
-        return NumberValue(self.make(ir.Func, "pow", (base.node, exponent.node)), NUMBER, expr.span)
+        return typed.Power(NUMBER, "", base, exponent, expr.span)
 
-    def _if_else(self, expr: ast.IfElse, ctx: Context) -> Value:
+    def _if_else(self, expr: ast.IfElse, ctx: Context) -> typed.Value:
         condition, then, otherwise = self.all(
             lambda: self.formula(expr.condition, ctx),
             lambda: self.number(expr.then, ctx),
             lambda: self.number(expr.otherwise, ctx),
         )
         self.same("choose between", then, otherwise)
-        node = self.make(ir.Choose, condition.node, then.node, otherwise.node)
-        return NumberValue(node, then.dimension, expr.span, written=common(then, otherwise))
+        return typed.Choice(then.dimension, common(then, otherwise), condition, then, otherwise, expr.span)
 
-    def _in_zone(self, expr: ast.InZone, ctx: Context) -> Value:
+    def _in_zone(self, expr: ast.InZone, ctx: Context) -> typed.Value:
         at = Span(expr.span.file, _span(expr.value).end, expr.span.end).word(expr.zone)
         found = self.look_up(expr.zone, at, "zone", set(), ctx)
         if not isinstance(found.item, ast.Place) or found.item.kind != "zone":
             self.fail(WrongKind(at, "a zone", f"the {spoken(found.item)} `{expr.zone}`"))
-        area = self.make(ir.Area, "zone", found.qualified)
-        x, y = calls.fields(self, self.value(expr.value, ctx), "point", _span(expr.value), ctx)
-        return FormulaValue(self.make(ir.InArea, x, y, area, ctx.site or expr.span), expr.span)
+        point = calls.shaped(self, self.value(expr.value, ctx), "point", _span(expr.value))
+        return typed.InZone(point, typed.Zone(found, at), expr.span)
 
     # Time and quantifiers -----------------------------------------------------------------------------------
 
-    def timeline(self, what: str, span: Span, ctx: Context) -> ir.Axis:
-        if ctx.timeline is None:
-            self.fail(
-                RunAxis(
-                    ctx.site or span, what, "for the planned horizon, add `along SIGNAL as NAME` to the rule"
-                )
-            )
-        return ctx.timeline
-
-    def _temporal(self, expr: ast.Temporal, ctx: Context) -> Value:
-        axis, operands, (lower, upper) = self._over_time(expr, (expr.operand,), expr.window, ctx)
-        if expr.op in ("next", "previous"):
-            shift = self.make(ir.Shift, axis, operands[0], 1 if expr.op == "next" else -1, expr.weak)
-            return FormulaValue(shift, expr.span)
-        op = known(expr.op, TEMPORAL)
-        return FormulaValue(self.make(ir.Temporal, op, axis, operands[0], lower, upper), expr.span)
+    def _temporal(self, expr: ast.Temporal, ctx: Context) -> typed.Formula:
+        (operand,), window = self._over_time((expr.operand,), expr.window, ctx)
+        axis = ctx.timeline
+        if expr.op in typed.STEPS:
+            return typed.Step(known(expr.op, typed.STEPS), expr.weak, axis, operand, expr.span)
+        return typed.Temporal(known(expr.op, TEMPORAL), axis, window, operand, expr.span)
 
     def _over_time(
-        self,
-        expr: ast.Temporal | ast.Until,
-        operands: tuple[ast.Expr, ...],
-        window: ast.Window | None,
-        ctx: Context,
-    ) -> tuple[ir.Axis, list[ir.Formula], tuple[float | None, float | None]]:
-        """Timeline, operands and window of a temporal operator; the errors of all of them are reported."""
-        start = expr.span.start if isinstance(expr, ast.Temporal) else _span(expr.left).end
-        at = Span(expr.span.file, start, expr.span.end).word(expr.op)
-        axis, bounds, *formulas = self.all(
-            lambda: self.timeline(f"`{expr.op}`", at, ctx),
+        self, operands: tuple[ast.Expr, ...], window: ast.Window | None, ctx: Context
+    ) -> tuple[list[typed.Formula], typed.Window | None]:
+        """Operands and window of a temporal operator; the errors of all of them are reported."""
+        bounds, *formulas = self.all(
             lambda: self._window(window, ctx),
-            *(lambda o=operand: self.formula(o, ctx).node for operand in operands),
+            *(lambda o=operand: self.formula(o, ctx) for operand in operands),
         )
-        return axis, formulas, bounds
+        return formulas, bounds
 
-    def _until(self, expr: ast.Until, ctx: Context) -> Value:
-        axis, (left, right), (lower, upper) = self._over_time(expr, (expr.left, expr.right), expr.window, ctx)
-        op = known(expr.op, UNTIL)
-        return FormulaValue(self.make(ir.Until, op, axis, left, right, lower, upper), expr.span)
+    def _until(self, expr: ast.Until, ctx: Context) -> typed.Formula:
+        (left, right), window = self._over_time((expr.left, expr.right), expr.window, ctx)
+        return typed.Until(known(expr.op, UNTIL), ctx.timeline, window, left, right, expr.span)
 
-    def _window(self, window: ast.Window | None, ctx: Context) -> tuple[float | None, float | None]:
+    def deadline(self, limit: ast.Expr, span: Span, ctx: Context) -> typed.Deadline:
+        """How long after a cycle something has to happen: a literal time."""
+        number, seconds = self._bound(limit, ctx)
+        if seconds < 0.0:
+            problem = f"a deadline is not before the cycle that it counts from, at {in_full(seconds, 's')}"
+            self.fail(BadValue(_span(limit), problem))
+        return typed.Deadline(number, seconds, span)
+
+    def _window(self, window: ast.Window | None, ctx: Context) -> typed.Window | None:
         if window is None:
-            return None, None
-        low, high = self.all(lambda: self._bound(window.lower, ctx), lambda: self._bound(window.upper, ctx))
+            return None
+        (lower, low), (upper, high) = self.all(
+            lambda: self._bound(window.lower, ctx), lambda: self._bound(window.upper, ctx)
+        )
         if low < 0:
             past = "`once`, `historically` and `since` look back"
             hint = f"windows count away from the current sample; {past}"
@@ -541,15 +474,16 @@ class Expressions:
         if high < low:
             problem = f"a window runs from low to high, not from {in_full(low, 's')} to {in_full(high, 's')}"
             self.fail(BadValue(window.span, problem, None, "swap the bounds"))
-        return low, high
+        return typed.Window(lower, upper, (low, high), window.span)
 
-    def _bound(self, bound: ast.Expr, ctx: Context) -> float:
-        """A bound of a window: a literal time, in s."""
+    def _bound(self, bound: ast.Expr, ctx: Context) -> tuple[typed.Number, float]:
+        """A bound of a window: a literal time, and its value in s."""
         value = self.number(bound, ctx)
         if value.dimension != TIME:
             problem = f"the window of a temporal operator is a time, not {quantity(value.dimension)}"
             self.fail(BadValue(value.span, problem, None, calls.unit_hint(value, TIME)))
-        if not isinstance(value.node, ir.Const):
+        seconds = typed.literal(value)
+        if seconds is None:
             self.fail(
                 BadValue(
                     value.span,
@@ -558,15 +492,15 @@ class Expressions:
                     "write a number with a unit of time",
                 )
             )
-        return value.node.value
+        return value, seconds
 
     def axis(
         self, domain: ast.Expr, names: tuple[str, ...], consecutive: bool, span: Span, ctx: Context
-    ) -> tuple[ir.Axis, dict[str, Value]]:
-        """The axis of a quantifier and its variables."""
+    ) -> tuple[typed.Range, dict[str, Local]]:
+        """What a quantifier ranges over, and its variables."""
         value = self.value(domain, ctx)
-        if not isinstance(value, SignalValue) or not (value.signal.sequence or value.signal.many):
-            self.fail(WrongKind(_span(domain), "a timeline or a set", value.spoken))
+        if not isinstance(value, typed.SignalNode) or not (value.signal.sequence or value.signal.many):
+            self.fail(WrongKind(_span(domain), "a timeline or a set", value_spoken(value)))
         signal = value.signal
         if len(names) > 1 and not consecutive:
             hint = f"write `consecutive {', '.join(names)}`, or a quantifier for each"
@@ -585,55 +519,39 @@ class Expressions:
                     span, "`consecutive` binds two or more samples", "add a variable, or remove `consecutive`"
                 )
             )
-        axis = self.make(
-            ir.Axis, signal.name, "samples" if signal.sequence else "elements", len(names), ctx.level
-        )
-        variables: dict[str, Value] = {}
+        range_, shape = typed.Range(value, names, ctx.level, span), self._shape(signal)
+        variables: dict[str, Local] = {}
         for offset, name in enumerate(names):
             if name in variables:
                 self.fail(UnknownReference(span, f"`{name}` is bound twice", "give each its own name"))
             self.check_new(name, span, ctx)
-            variables[name] = self._variable(signal, axis, offset, name, span)
-        return axis, variables
+            variables[name] = typed.Variable(shape, signal, name, range_, offset, span)
+        return range_, variables
 
     def check_new(self, name: str, span: Span, ctx: Context) -> None:
         """Report a variable that would hide another one: it is not said which of the two is meant."""
         known = ctx.local.get(name)
         if known is not None and not isinstance(known, Broken):
-            self.found.append(Duplicate(span.word(name), known.__dict__["span"].head, "variable", name))
+            self.found.append(Duplicate(span.word(name), span_of(known).head, "variable", name))
         else:
             ctx.scope.check_bound(name, span.word(name), "variable")
 
-    def _variable(self, signal: SignalType, axis: ir.Axis, offset: int, name: str, span: Span) -> RecordValue:
-        what = f"`{name}` ({'a sample' if signal.sequence else 'an element'} of `{signal.name}`)"
-
-        def number(field: str) -> ir.Num:
-            return self.make(ir.Column, axis, field, offset)
-
-        def previous(field: str) -> ir.Num:
-            return self.make(ir.Column, axis, field, offset - 1)
-
-        return self.record(signal, what, span, number, axis, offset, previous if signal.sequence else None)
-
-    def _quantified(self, expr: ast.Quantified, ctx: Context) -> Value:
-        axis, variables = self.range_of(expr, ctx)
+    def _quantified(self, expr: ast.Quantified, ctx: Context) -> typed.Formula:
+        range_, variables = self.range_of(expr, ctx)
         inner = ctx.bind(variables, 1)
         self.check_used(expr.names, (expr.where, expr.body), expr.span.head)
         guard, body = self.all(
-            lambda: self.formula(expr.where, inner).node if expr.where is not None else None,
-            lambda: self.formula(expr.body, inner).node,
+            lambda: self.formula(expr.where, inner) if expr.where is not None else None,
+            lambda: self.formula(expr.body, inner),
         )
-        if axis is None:
+        if range_ is None:
             raise Poison
-        return FormulaValue(
-            self.make(ir.Quantify, known(expr.quantifier, QUANTIFIERS), axis, guard, body, expr.names),
-            expr.span,
-        )
+        return typed.Quantified(known(expr.quantifier, QUANTIFIERS), range_, guard, body, expr.span)
 
     def range_of(
         self, bind: ast.Bind | ast.Quantified, ctx: Context
-    ) -> tuple[ir.Axis | None, dict[str, Value]]:
-        """The axis and the variables of a quantifier; where its range has an error, no axis and broken variables."""
+    ) -> tuple[typed.Range | None, dict[str, Local]]:
+        """The range and the variables of a quantifier; where its range has an error, none and broken variables."""
         try:
             return self.axis(bind.domain, bind.names, bind.consecutive, bind.span.head, ctx)
         except Poison:

@@ -1,41 +1,50 @@
-"""Rules and assumptions: their clauses to one formula, and what they trace to."""
+"""Rules and assumptions: what their clauses mean, and what they trace to."""
 
 from __future__ import annotations
 
 import hashlib
-from typing import assert_never
+from typing import Literal
 
+from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.description import describe
+from trackmarshal.ir.margins import margin_unit
 from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import RuleInfo, SignalType
+from trackmarshal.lowering.rules import lower_rule
 from trackmarshal.semantics.advice import warnings
 from trackmarshal.semantics.errors import (
     AllowsNothing,
     Ambiguous,
     ClauseProblem,
-    RunAxis,
     UnknownName,
     UnknownReference,
     UnusedVariable,
 )  # fmt: skip
-from trackmarshal.semantics.expressions import Context, Expressions
-from trackmarshal.semantics.scope import Symbol
-from trackmarshal.semantics.values import Broken, FormulaValue, Poison, SignalValue
+from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
+from trackmarshal.semantics.overrun import misused
+from trackmarshal.semantics.values import Broken, Local, Poison, named, span_of
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import TIME, parse_unit
 
 SEVERITIES = ("minor", "major", "critical")
+_KEYWORDS: tuple[Literal["require", "monitor"], ...] = ("require", "monitor")
+
+
+#: The clauses that set the scene for a rule's condition.
+_SCENE = (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.WithinTime)
 
 
 class RuleBuilder:
     """Turns one declaration into a RuleInfo; what is wrong goes to the expressions' diagnostics."""
 
-    def __init__(self, expressions: Expressions, ctx: Context) -> None:
+    def __init__(self, expressions: Expressions, ctx: Context, interner: ir.Interner) -> None:
         self.x = expressions
         self.ctx = ctx
+        self.interner = interner
 
     def build(self, item: ast.Rule | ast.Assume, assumptions: set[str]) -> RuleInfo | None:
         """The rule; None where an error keeps it from having a meaning."""
@@ -83,8 +92,7 @@ class RuleBuilder:
                     or f"declare it: `assume {name}`, or add a `use` of its module"
                 )
                 self.x.found.append(UnknownReference(span, problem, hint))
-        self.x.names.clear()
-        formula, active, along = self._formula(item)
+        rule = self._rule(item)
         if any(
             isinstance(d, UnknownName) for d in self.x.found[before:]
         ):  # which may be the variable, misspelt
@@ -92,12 +100,19 @@ class RuleBuilder:
         self._allow(item, before)
         if any(d.level == "error" for d in self.x.found[before:]):
             return None
-        if formula is None and kind == "rule":
+        if rule is None and kind == "rule":
+            return None
+        core = None if rule is None else lower_rule(rule, self.interner)
+        formula, active, along = (core.formula, core.active, core.along) if core else (None, None, None)
+        over_run = misused(formula, active) if along is None else None
+        if over_run is not None:
+            self.x.found.append(over_run)
             return None
         return RuleInfo(
             item.name, kind, item.title, self.ctx.scope.module, formula, active, along, margin_unit(formula), tuple(satisfies),
             tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], reads(formula),
-            fingerprint(item, formula), item.span.head, item.span.text.rstrip(), tuple(self.x.names.values()),
+            fingerprint(item, formula), item.span.head, rule, item.span.text.rstrip(),
+            () if core is None else core.names,
         )  # fmt: skip
 
     def _allow(self, item: ast.Rule | ast.Assume, before: int) -> None:
@@ -145,7 +160,7 @@ class RuleBuilder:
             )
         if kind == "assume" and not requires:
             for clause in item.clauses:
-                if isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever)):
+                if isinstance(clause, _SCENE):
                     self._problem(
                         clause,
                         "there is no `monitor` that this clause would be about",
@@ -176,20 +191,17 @@ class RuleBuilder:
                     "put a `for all` before it, or use `whenever`",
                 )
             elif isinstance(clause, ast.WithinTime):
-                self.x.found.append(
-                    RunAxis(
-                        clause.span,
-                        "`within`",
-                        "for the planned horizon, write `along` and `eventually[0 s, ...]`",
+                if not any(isinstance(c, ast.Whenever) for c in item.clauses):
+                    hint = "add a `whenever` before it"
+                    self._problem(clause, "`within` is the deadline of a `whenever`", hint)
+                if any(isinstance(c, ast.Along) for c in item.clauses):
+                    hint = "along a timeline, write `eventually[0 s, ...]`"
+                    self._problem(
+                        clause, "`within` counts the cycles of the run, not the samples of a timeline", hint
                     )
-                )
             elif isinstance(clause, ast.Whenever) and bound:
                 self._problem(clause, "`whenever` comes before the quantifiers", "move it up, or use `where`")
-            if (
-                requires
-                and clause is not requires[0]
-                and isinstance(clause, (ast.Bind, ast.Let, ast.Except, ast.Along, ast.Whenever))
-            ):
+            if requires and clause is not requires[0] and isinstance(clause, _SCENE):
                 if clause.__dict__["span"].start > requires[0].span.start:
                     self._problem(
                         clause,
@@ -205,7 +217,7 @@ class RuleBuilder:
             return clause.locator
         name, span, scope = clause.reference.name, clause.reference.span, self.ctx.scope
         symbol = scope.look_up(name, span, "reference", set())
-        if isinstance(symbol, Symbol) and isinstance(symbol.item, ast.Reference):
+        if isinstance(symbol, typed.Symbol) and isinstance(symbol.item, ast.Reference):
             return f"{symbol.item.text}, {clause.locator}" if clause.locator else symbol.item.text
         if isinstance(symbol, Ambiguous) or (isinstance(symbol, UnknownName) and symbol.modules):
             self.x.found.append(symbol)
@@ -219,55 +231,50 @@ class RuleBuilder:
             )
         return ""
 
-    def _formula(
-        self, item: ast.Rule | ast.Assume
-    ) -> tuple[ir.Formula | None, ir.Formula | None, ir.Axis | None]:
-        """The whole formula, where the rule applies, and its timeline. Errors of all clauses are reported."""
-        steps: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]] = []
-        ctx, body, failed = self.ctx, None, False
-        clauses = [
-            c
-            for c in item.clauses
-            if isinstance(c, (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.Require))
-        ]
+    def _rule(self, item: ast.Rule | ast.Assume) -> typed.Rule | None:
+        """What the rule means; None where it has no condition, or an error. Errors of all clauses are reported."""
+        made: list[typed.Clause] = []
+        ctx, failed = self.ctx, False
+        quantifier: typed.ForEach | None = None
+        clauses = [c for c in item.clauses if isinstance(c, (*_SCENE, ast.Require))]
         for position, clause in enumerate(clauses):
             self.x.expansions = 0
             try:
                 match clause:
                     case ast.Along():
-                        signal = self.x.value(clause.signal, ctx)
-                        if (
-                            not isinstance(signal, SignalValue)
-                            or not signal.signal.sequence
-                            or not _has_time(signal.signal)
-                        ):
-                            hint = "a timeline is a trajectory or a series with a column `t: s increasing`"
-                            self.x.fail(
-                                ClauseProblem(
-                                    clause.signal.span, f"`{clause.signal.name}` is no timeline", hint
-                                )
-                            )
-                        bound, names = self.x.axis(clause.signal, (clause.name,), False, clause.span, ctx)
-                        ctx = ctx.bind(names, 1, bound)
-                        steps.append((clause, bound, None))
+                        range_, names = self._timeline(clause, ctx)
+                        ctx = ctx.bind(names, 1, range_)
+                        made.append(typed.Along(range_, clause.span))
                     case ast.Bind():
-                        axis, names = self.x.range_of(clause, ctx)
-                        failed |= axis is None
+                        over, names = self.x.range_of(clause, ctx)
+                        failed |= over is None
                         ctx = ctx.bind(names, 1)
                         self.x.check_used(
                             clause.names, (clause.where, *clauses[position + 1 :]), clause.span.head
                         )
-                        guard = self.x.formula(clause.where, ctx).node if clause.where is not None else None
-                        steps.append((clause, axis, guard))
-                    case ast.Except() | ast.Whenever():
-                        steps.append((clause, None, self.x.formula(clause.condition, ctx).node))
+                        guard = self.x.formula(clause.where, ctx) if clause.where is not None else None
+                        if over is not None:
+                            word = known(clause.quantifier, QUANTIFIERS)
+                            quantifier = typed.ForEach(word, over, guard, clause.span)
+                            made.append(quantifier)
+                    case ast.Except():
+                        condition = self.x.formula(clause.condition, ctx)
+                        if quantifier is not None:  # else it was reported with the clauses' places
+                            made.append(typed.Except(quantifier, condition, clause.reason, clause.span))
+                    case ast.Whenever():
+                        made.append(typed.Whenever(self.x.formula(clause.condition, ctx), clause.span))
+                    case ast.WithinTime():
+                        made.append(self.x.deadline(clause.bound, clause.span, ctx))
                     case ast.Let():
                         self.x.check_new(clause.name, clause.span, ctx)
                         value = self.x.value(clause.value, ctx)
-                        self.x.remember(value, clause.name)
-                        ctx = ctx.bind({clause.name: value})
+                        ctx = ctx.bind({clause.name: named(clause.name, value, span_of(value))})
+                        made.append(typed.Let(clause.name, value, clause.span))
                     case ast.Require():
-                        body = self.x.formula(clause.condition, ctx).node
+                        keyword = known(clause.keyword, _KEYWORDS)
+                        made.append(
+                            typed.Require(keyword, self.x.formula(clause.condition, ctx), clause.span)
+                        )
             except (Poison, RecursionError) as error:
                 failed = True
                 if isinstance(error, RecursionError):
@@ -275,47 +282,22 @@ class RuleBuilder:
                 if isinstance(
                     clause, (ast.Let, ast.Along)
                 ):  # a broken name, so that the clauses below are still checked
-                    timeline = (
-                        self.x.make(ir.Axis, "", "samples", 1, 0) if isinstance(clause, ast.Along) else None
-                    )
+                    timeline = any_timeline(clause.span) if isinstance(clause, ast.Along) else None
                     ctx = ctx.bind({clause.name: Broken()}, 0, timeline)
-        if failed or body is None:
-            return None, None, None
-        # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
-        steps.sort(key=lambda step: not isinstance(step[0], ast.Along))
-        return self._nest(_with_exceptions(steps, self.x), body)
+        if failed or not any(isinstance(clause, typed.Require) for clause in made):
+            return None
+        return typed.Rule(item.name, item.title, tuple(made), item.span)
 
-    def _nest(
-        self, steps: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]], body: ir.Formula
-    ) -> tuple[ir.Formula, ir.Formula | None, ir.Axis | None]:
-        make = self.x.make
-        active: ir.Formula | None = None
-        along: ir.Axis | None = None
-        for clause, axis, guard in reversed(steps):
-            if isinstance(clause, ast.Bind):
-                assert axis is not None
-                body = make(
-                    ir.Quantify, known(clause.quantifier, QUANTIFIERS), axis, guard, body, clause.names
-                )
-                # An empty `for all` demands nothing; an empty `exists` has not found what it demands, and an
-                # element whose own demand is empty is found: whatever lies below an `exists`, it is never idle.
-                if clause.quantifier == "for all":
-                    active = make(
-                        ir.Quantify, "exists", axis, guard, active or make(ir.Truth, True), clause.names
-                    )
-                else:
-                    active = None
-            elif isinstance(clause, ast.Whenever):
-                assert guard is not None
-                body = make(ir.Guarded, guard, body)
-                active = guard if active is None else make(ir.Connective, "and", guard, active)
-            elif isinstance(clause, ast.Along):
-                assert axis is not None
-                body, along = make(ir.First, axis, clause.name, body), axis
-                active = make(ir.First, axis, clause.name, active) if active is not None else None
-            else:
-                raise AssertionError(f"unknown clause {type(clause).__name__}")
-        return body, active, along
+    def _timeline(self, clause: ast.Along, ctx: Context) -> tuple[typed.Range, dict[str, Local]]:
+        signal = self.x.value(clause.signal, ctx)
+        if (
+            not isinstance(signal, typed.SignalNode)
+            or not signal.signal.sequence
+            or not _has_time(signal.signal)
+        ):
+            hint = "a timeline is a trajectory or a series with a column `t: s increasing`"
+            self.x.fail(ClauseProblem(clause.signal.span, f"`{clause.signal.name}` is no timeline", hint))
+        return self.x.axis(clause.signal, (clause.name,), False, clause.span, ctx)
 
 
 def _has_time(signal: SignalType) -> bool:
@@ -329,66 +311,6 @@ def _has_time(signal: SignalType) -> bool:
     )
 
 
-def _with_exceptions(
-    steps: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]], x: Expressions
-) -> list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]]:
-    """Each `except` joined to the guard of the quantifier before it."""
-    result: list[tuple[ast.Clause, ir.Axis | None, ir.Formula | None]] = []
-    for clause, axis, guard in steps:
-        if isinstance(clause, ast.Except):
-            place = max((i for i, step in enumerate(result) if isinstance(step[0], ast.Bind)), default=None)
-            if place is None:
-                continue  # reported with the clauses' places
-            bind, bound, before = result[place]
-            assert guard is not None
-            allowed = x.make(ir.Not, guard)
-            result[place] = (
-                bind,
-                bound,
-                allowed if before is None else x.make(ir.Connective, "and", before, allowed),
-            )
-        else:
-            result.append((clause, axis, guard))
-    return result
-
-
-def margin_unit(formula: ir.Formula | None) -> str:
-    """The unit of all of a formula's comparisons; "mixed" where they differ, "1" where there are none."""
-    units = set() if formula is None else margin_units(formula)
-    if not units:
-        return "1"
-    return units.pop() if len(units) == 1 else "mixed"
-
-
-def margin_units(formula: ir.Formula) -> set[str]:
-    """The units of a formula's comparisons, one of which is that of its margin."""
-    atoms = formula_atoms(formula)
-    units = {n.unit for n in atoms if isinstance(n, ir.Compare)}
-    return units | {"m" for n in atoms if isinstance(n, ir.Geometry)}
-
-
-def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
-    """The comparisons, flags and geometric predicates that decide a formula (guards choose, they don't decide)."""
-    atoms: list[ir.Formula] = []
-    stack: list[ir.Formula] = [formula]
-    while stack:
-        node = stack.pop()
-        match node:
-            case ir.Compare() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
-                atoms.append(node)
-            case ir.Truth():
-                pass
-            case ir.Quantify() | ir.Guarded():
-                stack.append(node.body)
-            case ir.Connective() | ir.Until():
-                stack += [node.left, node.right]
-            case ir.Not() | ir.Temporal() | ir.Shift() | ir.Edge() | ir.First():
-                stack.append(node.operand)
-            case _:
-                assert_never(node)
-    return atoms
-
-
 def fingerprint(item: ast.Item, formula: ir.Formula | None) -> str:
     """A hash of what the rule says: its syntax tree (so layout and comments don't count) and all it is made of."""
     digest = hashlib.sha256(repr(item).encode())
@@ -397,47 +319,9 @@ def fingerprint(item: ast.Item, formula: ir.Formula | None) -> str:
     return digest.hexdigest()
 
 
-def describe(root: ir.IR) -> str:
-    """A formula's structure as text, each shared node once: equal texts, equal meanings."""
-    numbers: dict[int, int] = {}
-    lines: list[str] = []
-
-    def visit(node: ir.IR) -> int:
-        if id(node) in numbers:
-            return numbers[id(node)]
-        parts = []
-        for name in node.compared:
-            value = node.__dict__[name]
-            if name == "shown":
-                continue  # how a margin is shown is no part of what a formula means
-            if isinstance(value, ir.IR):
-                parts.append(f"#{visit(value)}")
-            elif isinstance(value, tuple):
-                parts.append(
-                    "(" + " ".join(f"#{visit(v)}" if isinstance(v, ir.IR) else repr(v) for v in value) + ")"
-                )
-            else:
-                parts.append(repr(value))
-        numbers[id(node)] = len(numbers)
-        lines.append(f"{type(node).__name__} {' '.join(parts)}")
-        return numbers[id(node)]
-
-    visit(root)
-    return "\n".join(lines)
-
-
 def _last_word(span: Span, word: str) -> Span:
     """Where the word stands that ends a clause."""
     return Span(span.file, span.end - len(word), span.end) if span.text.endswith(word) else span.head
 
 
-__all__ = [
-    "FormulaValue",
-    "RuleBuilder",
-    "describe",
-    "fingerprint",
-    "formula_atoms",
-    "margin_unit",
-    "margin_units",
-    "reads",
-]
+__all__ = ["SEVERITIES", "RuleBuilder", "fingerprint"]

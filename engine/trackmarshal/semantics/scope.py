@@ -6,10 +6,10 @@ import re
 from collections.abc import Callable
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
-from trackmarshal.node import Node
 from trackmarshal.semantics.errors import Ambiguous, Duplicate, Hides, UnknownName
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
+from trackmarshal.typed import Symbol
 from trackmarshal.units import UNIT_PATTERN, UNITS
 
 #: Declarations that put a name into the module's scope, and what messages call them.
@@ -21,14 +21,6 @@ KINDS: dict[type[ast.Item], str] = {
 
 #: Names that mean something without being declared, and what.
 BUILT_IN = {"pi": "number", "inf": "number", "nan": "number"}
-
-
-class Symbol(Node):
-    """A declared name: its declaration and the module it stands in."""
-
-    item: ast.Item
-    module: str
-    qualified: str
 
 
 class Scope:

@@ -1,66 +1,139 @@
-"""What an expression can stand for while it is checked; only numbers and formulas reach the IR."""
+"""Values while they are checked: what messages call them, and the units in which they are written."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from typing import TypeAlias, assert_never
 
-from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.spec import SignalType
+from trackmarshal import typed
 from trackmarshal.node import Node
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, Dimension, name
+from trackmarshal.units import NUMBER, name
 
 
 class Poison(Exception):
     """An error was reported; what depends on the expression is not checked further."""
 
 
-class Value(Node):
-    """Anything an expression can stand for."""
-
-    @property
-    def spoken(self) -> str:
-        raise NotImplementedError(type(self).__name__)
+class Broken(Node):
+    """What a name stands for whose own declaration has an error: nothing is said about its uses."""
 
 
-class NumberValue(Value):
-    """A number with a dimension; `written` is the unit in which it stands in the spec, "" where it is in none of its own."""
-
-    node: ir.Num
-    dimension: Dimension
-    span: Span
-    #: Whether it is a literal other than 0 without a unit, or arithmetic on such literals.
-    bare: bool = False
-    #: The unit in which it is written, where it has one of its own.
-    written: str = ""
-
-    @property
-    def spoken(self) -> str:
-        return name(self.dimension)
+#: What a local name stands for.
+Local: TypeAlias = (
+    typed.Variable | typed.NamedNumber | typed.NamedFormula | typed.NamedSignal | typed.NamedRecord | typed.NamedLine
+    | typed.NamedArea | typed.NamedRegion | Broken
+)  # fmt: skip
 
 
-def common(*values: NumberValue) -> str:
+def named(called: str, value: typed.Value, span: Span) -> Local:
+    """What a `let` makes of a value: the same by a name."""
+    match value:
+        case typed.NumberNode():
+            return typed.NamedNumber(value.dimension, value.written, called, value, span)
+        case typed.FormulaNode():
+            return typed.NamedFormula(called, value, span)
+        case typed.RecordNode():
+            return typed.NamedRecord(value.shape, value.signal, called, value, "", span)
+        case typed.SignalNode():
+            return typed.NamedSignal(value.signal, called, value, span)
+        case typed.LineNode():
+            return typed.NamedLine(called, value, span)
+        case typed.AreaNode():
+            return typed.NamedArea(called, value, span)
+        case typed.RegionNode():
+            return typed.NamedRegion(called, value, span)
+        case _:
+            assert_never(value)
+
+
+def span_of(node: typed.Typed | Broken) -> Span:
+    """Where a node is written."""
+    span: Span = node.__dict__["span"]
+    return span
+
+
+def spoken(value: typed.Value) -> str:
+    """What messages call a value."""
+    match value:
+        case typed.NumberNode():
+            return name(value.dimension)
+        case typed.FormulaNode():
+            return "a formula"
+        case typed.RecordNode():
+            return record_spoken(value)
+        case typed.SignalNode():
+            signal = value.signal
+            return f"the {'set' if signal.many else signal.kind} `{signal.name}`"
+        case typed.LineNode():
+            return "a line"
+        case typed.AreaNode():
+            return "an area"
+        case typed.RegionNode():
+            return "a footprint"
+        case _:
+            assert_never(value)
+
+
+def record_spoken(record: typed.Record) -> str:
+    """What messages call a record: the thing itself, whatever its name is here."""
+    match record:
+        case typed.State():
+            return f"the state `{record.signal.name}`"
+        case typed.Sample():
+            return f"the {'first' if record.index == 0 else 'last'} sample of `{record.signal.name}`"
+        case typed.Variable():
+            part = "a sample" if record.signal.sequence else "an element"
+            return f"`{record.name}` ({part} of `{record.signal.name}`)"
+        case typed.NamedRecord():
+            return (
+                f"`{record.name}`, a {record.kind}" if record.value is None else record_spoken(record.value)
+            )
+        case _:
+            assert_never(record)
+
+
+def sample_of(record: typed.Record) -> typed.Variable | None:
+    """The sample of a timeline that a record is, whatever its name is here; None for any other record."""
+    while isinstance(record, typed.NamedRecord) and record.value is not None:
+        record = record.value
+    return record if isinstance(record, typed.Variable) and record.signal.sequence else None
+
+
+def same_record(one: typed.Record, other: typed.Record) -> bool:
+    """Whether two records are one thing; of parameters that nothing is given for, any two may be."""
+    return _identity(one) == _identity(other)
+
+
+def _identity(record: typed.Record) -> tuple[object, ...]:
+    match record:
+        case typed.State():
+            return (record.signal.name,)
+        case typed.Sample():
+            return record.signal.name, record.index
+        case typed.Variable():
+            over = record.range
+            return record.signal.name, len(over.names), over.depth, record.offset
+        case typed.NamedRecord():
+            return () if record.value is None else _identity(record.value)
+        case _:
+            assert_never(record)
+
+
+def common(*values: typed.Number) -> str:
     """The unit in which several numbers are written; "" where they disagree."""
     units = {value.written for value in values} - {""}
     return units.pop() if len(units) == 1 else ""
 
 
-def product(op: str, left: NumberValue, right: NumberValue) -> str:
+def product(op: str, left: typed.Number, right: typed.Number) -> str:
     """The unit in which a product or a quotient is written: that of the quantity which a plain factor scales."""
     if right.dimension == NUMBER and (left.dimension != NUMBER or not right.written):
         return left.written
     if op == "*" and left.dimension == NUMBER and (right.dimension != NUMBER or not left.written):
         return right.written
     return ""
-
-
-def of_limit(left: NumberValue, right: NumberValue) -> str:
-    """The unit in which a comparison's limit is written: that of the side which depends on no input, else of the right one."""
-    for side in (right, left):
-        if all(isinstance(node, _FIXED) for node in ir.below(side.node)):
-            return side.written
-    return right.written or left.written
 
 
 def own_unit(unit: str | None) -> str:
@@ -76,90 +149,3 @@ def written_unit(values: Iterable[ast.Expr], declared: str) -> str:
         units.add(own_unit(literal.unit) if isinstance(literal, ast.Number) else "")
     unit = units.pop() if len(units) == 1 else ""
     return unit or own_unit(declared)
-
-
-_FIXED = (ir.Const, ir.Param, ir.Arith, ir.Neg, ir.Func)
-
-
-class FormulaValue(Value):
-    """A formula."""
-
-    node: ir.Formula
-    span: Span
-
-    @property
-    def spoken(self) -> str:
-        return "a formula"
-
-
-class RecordValue(Value):
-    """Something with fields: the state of the car, an object, one sample of a trajectory."""
-
-    what: str
-    signal: SignalType | None
-    #: Dimension of a number field, None for a Boolean one.
-    shape: dict[str, Dimension | None]
-    read: Callable[[str, Span], ir.Num | ir.Formula]
-    #: For a sample of a timeline: the same sample's predecessor (itself for the first one).
-    previous: Callable[[str, Span], ir.Num | ir.Formula] | None
-    span: Span
-
-    @property
-    def spoken(self) -> str:
-        return self.what
-
-
-class SignalValue(Value):
-    """A whole signal: a timeline, a set, a corridor, a polyline."""
-
-    signal: SignalType
-    span: Span
-
-    @property
-    def spoken(self) -> str:
-        return f"the {'set' if self.signal.many else self.signal.kind} `{self.signal.name}`"
-
-
-class LineValue(Value):
-    """A polyline."""
-
-    line: ir.Line
-    span: Span
-
-    @property
-    def spoken(self) -> str:
-        return "a line"
-
-
-class AreaValue(Value):
-    """A zone or a corridor."""
-
-    area: ir.Area
-    span: Span
-
-    @property
-    def spoken(self) -> str:
-        return "an area"
-
-
-class Broken(Value):
-    """What a name stands for whose own declaration has an error: nothing is said about its uses."""
-
-    @property
-    def spoken(self) -> str:
-        return "something with an error of its own"
-
-
-class RegionValue(Value):
-    """A footprint: what a box covers between two poses, straight or, where `bend` has curvatures, along a curve."""
-
-    start: ir.Pose
-    end: ir.Pose
-    length: ir.Num
-    width: ir.Num
-    bend: tuple[ir.Num, ...]
-    span: Span
-
-    @property
-    def spoken(self) -> str:
-        return "a footprint"

@@ -6,10 +6,13 @@ import math
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
+from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.margins import margin_units
 from trackmarshal.ir.spec import FieldType, ParamInfo, RuleInfo, SignalType
+from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 from trackmarshal.runtime.settings import check_table
 from trackmarshal.semantics import calls
@@ -18,7 +21,6 @@ from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
 from trackmarshal.semantics.errors import BareAngle
 from trackmarshal.semantics.expressions import Context
-from trackmarshal.semantics.rules import margin_units
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -96,7 +98,8 @@ class _Preparation:
         self._spec = compiled.spec
         self._scope = compiled.scopes[module]
         self._x = compiled.expressions
-        self._ctx = Context(self._scope, {}, 0, None, None, ())
+        self._lowering = Lowering(ir.Interner())
+        self._ctx = Context(self._scope, {}, 0, typed.TheRun(), None, ())
         self._found = found
         self._kind: type[BadGiven | BadExpectation] = BadGiven
 
@@ -402,9 +405,13 @@ class _Preparation:
             problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
             self.fail(_span(value), problem, calls.unit_hint(checked, wanted))
         params = self._spec.params
-        if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(checked.node)):
+        plain = typed.literal(checked)
+        if plain is not None:
+            return plain, checked.dimension
+        core = self._lowering.number(checked)
+        if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(core)):
             raise Poison  # a parameter whose declaration was reported
-        number = constant_value(checked.node, lambda qualified: params[qualified].value)
+        number = constant_value(core, lambda qualified: params[qualified].value)
         if number is None:
             self.fail(_span(value), "this depends on an input", "a test gives constants")
         return number, checked.dimension

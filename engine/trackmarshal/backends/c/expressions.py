@@ -48,17 +48,13 @@ def called(name: FunctionName) -> tuple[str, frozenset[str]]:
             assert_never(name)
 
 
-def compared(op: ComparisonOp) -> str:
-    """The C function of a comparison."""
+def compared(op: ComparisonOp, turned: bool) -> str:
+    """The C function of a comparison as it is written; `turned`: the other way round."""
     match op:
         case "<":
-            return "less"
+            return "greater" if turned else "less"
         case "<=":
-            return "at_most"
-        case ">":
-            return "greater"
-        case ">=":
-            return "at_least"
+            return "at_least" if turned else "at_most"
         case "==":
             return "equal"
         case "!=":
@@ -324,8 +320,8 @@ class Writer:
                         node,
                         f"sample {node.index} of `{node.signal}`; the C generator knows the first and the last",
                     )
-                last = c.Binary("-", c.Member(self.input(node.signal), "count", False), c.Literal("1u"))
-                return c.Element(self.field(node.signal, node.field), _ZERO if node.index == 0 else last)
+                at_index = _ZERO if node.index == 0 else self._last(node.signal)
+                return c.Element(self.field(node.signal, node.field), at_index)
             case ir.Scalar():
                 return self.field(node.signal, node.field)
             case ir.Arith() if (
@@ -357,6 +353,10 @@ class Writer:
                 return self._on_line("gap", node.line, self.number(node.start, at), self.number(node.end, at))
             case _:
                 assert_never(node)
+
+    def _last(self, signal: str) -> c.Expr:
+        """The index of a timeline's last sample."""
+        return c.Binary("-", c.Member(self.input(signal), "count", False), c.Literal("1u"))
 
     def field(self, signal: str, name: str) -> c.Expr:
         """A field of a record, or a column."""
@@ -424,9 +424,10 @@ class Writer:
             case ir.Flag():
                 return self.over("flagged", self._flag(node, at))
             case ir.Compare():
-                left = self.number(node.left, at, "left", _LONG_SIDE)
-                right = self.number(node.right, at, "right", _LONG_SIDE)
-                return self.over(compared(node.op), left, right)
+                _, one, other = node.written
+                left = self.number(one, at, "left", _LONG_SIDE)
+                right = self.number(other, at, "right", _LONG_SIDE)
+                return self.over(compared(node.op, node.turned), left, right)
             case ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 return self.over("apart_by", self._geometry(node, at))
             case ir.Not():
@@ -439,8 +440,10 @@ class Writer:
                 return self.over(
                     "whenever", self.formula(node.guard, at, "guard"), self.formula(node.body, at)
                 )
-            case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+            case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.timed(node, at)
+            case ir.OverRun():
+                raise self.refuse(node, "generated C does not remember yet")
             case ir.First():
                 first = at.open(None)
                 first.binds[node.axis] = _ZERO
@@ -461,16 +464,17 @@ class Writer:
         if node.axis is not None:
             return self.column(node, at)
         source = self.plan.input(node.signal)
-        return (
-            self.input(node.signal) if source.kind == "event" else self.field(node.signal, node.field or "")
-        )
+        if source.kind == "event":
+            return self.input(node.signal)
+        field = self.field(node.signal, node.field or "")
+        if source.kind != "columns":
+            return field
+        return c.Element(field, _ZERO if node.offset == 0 else self._last(node.signal))
 
     def _connect(self, op: ConnectiveOp, left: c.Expr, right: c.Expr) -> c.Expr:
         match op:
             case "and" | "or" | "xor":
                 return self.over(op, left, right)
-            case "implies":
-                return self.over("or", self.over("not", left), right)
             case "iff":
                 return self.over("not", self.over("xor", left, right))
             case _:

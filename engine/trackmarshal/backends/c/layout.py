@@ -8,6 +8,7 @@ from typing import assert_never
 
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.backends.c.usage import Facts
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 
@@ -125,8 +126,13 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass
                     case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not() | ir.Connective():
                         pass
-                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.Edge() | ir.First():
+                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                         pass
+                    case ir.OverRun():
+                        raise TrackmarshalError(
+                            "E470", f"rule `{rule.name}`: generated C does not remember yet: `{node.op}` over the run",
+                            file=node.span.file.path, line=node.span.line, help="choose rules with --rule, or another backend",
+                        )  # fmt: skip
                     case _:
                         assert_never(node)
     for name in whole:

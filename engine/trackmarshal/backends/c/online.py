@@ -22,7 +22,7 @@ from trackmarshal.ir.spec import FieldType, RuleInfo
 CAPACITY = 1024
 _POINTWISE = (
     ir.Const, ir.Param, ir.Column, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Truth, ir.Flag, ir.Compare, ir.Not,
-    ir.Connective, ir.Guarded, ir.Temporal, ir.Until, ir.Shift, ir.Edge, ir.Axis,
+    ir.Connective, ir.Guarded, ir.Temporal, ir.Until, ir.Shift, ir.Axis,
 )  # fmt: skip
 
 
@@ -161,8 +161,8 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
             if isinstance(node, ir.Until):
                 kept += [c.Address(_part("stack", stacks + k)) for k in range(2)]
                 stacks += 2
-            flow, opposite = c.Address(_part("flow", 2 * number + side)), _stream(inputs[0][1 - side])
-            step = _step(node, number, flow, kept, time, given, opposite, _stream(output[side]))
+            flow = c.Address(_part("flow", 2 * number + side))
+            step = _step(node, number, flow, kept, time, given, _stream(output[side]))
             writer.add(writer.root, c.Evaluate(step))
         stays = "true" if isinstance(node, (ir.Temporal, ir.Until)) and node.upper is None else "false"
         oldest.append(f"tm_online_oldest(&m->flow[{2 * number}], {stays})")
@@ -232,7 +232,7 @@ def _stage(
 
 
 def _step(
-    node: ir.Timed, number: int, flow: c.Expr, kept: list[c.Expr], time: str, given: list[c.Expr], opposite: c.Expr, target: c.Expr
+    node: ir.Timed, number: int, flow: c.Expr, kept: list[c.Expr], time: str, given: list[c.Expr], target: c.Expr
 ) -> c.Expr:  # fmt: skip
     have = _part("given", number)
     finished = c.Member(_M, "finished", True)
@@ -255,8 +255,6 @@ def _step(
                 "tm_online_shift",
                 (flow, have, finished, truth(node.step > 0), truth(node.weak), *given, target),
             )
-        case ir.Edge():
-            return c.Call("tm_online_edge", (flow, have, truth(node.rising), *given, opposite, target))
         case _:
             assert_never(node)
 

@@ -17,7 +17,7 @@ from trackmarshal.backends.c.places import PlaceSetter
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
-from trackmarshal.backends.results import Stateless, rated
+from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
@@ -82,9 +82,10 @@ class CProgram(Stateless):
         self._places: PlaceSetter | None = None
         self._numpy: NumpyProgram | None = None
 
-    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+    def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
         """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
         verdicts, margins = self.run(frames)
+        views = _Views(self._numpy_program, frames)
         width = len(self.rules)
         found = []
         for index, frame in enumerate(frames):
@@ -93,8 +94,9 @@ class CProgram(Stateless):
             for place, rule in enumerate(self.rules):
                 if frame.faults and frame.unusable(rule.reads) is not None:
                     codes[place], own[place] = _UNDEFINED, math.nan
-            one = rated(self.rules, frame, partial(self._values, frame), bytes(codes), own)
-            found.append(Rated(one.verdicts, one.margins, self._explained(one, frame)))
+            values = partial(views.of, index)
+            one = rated(self.rules, frame, values, bytes(codes), own)
+            found.append(Outcomes(Rated(one.verdicts, one.margins, self._explained(one, frame)), values))
         return found
 
     def run(self, frames: Sequence[Frame]) -> tuple[array[int], array[float]]:
@@ -119,11 +121,10 @@ class CProgram(Stateless):
 
         return explain
 
-    def _values(self, frame: Frame) -> CaseView:
-        """The values of all formulas on a frame, as numpy computes them."""
+    def _numpy_program(self) -> NumpyProgram:
         if self._numpy is None:
             self._numpy = NumpyProgram(self.spec, self.rules)
-        return CaseView(self._numpy.run([frame]), 0)
+        return self._numpy
 
     def number(self, rule: RuleInfo) -> int:
         """The place of a rule among the results."""
@@ -237,6 +238,24 @@ class CProgram(Stateless):
                     len(knots),
                 ):
                     raise TrackmarshalError("E473", f"the program refuses table `{name}`")
+
+
+class _Views:
+    """The values of all formulas on frames, as numpy computes them: once for all rules of a frame, and once for all frames as soon as a
+    second one is asked about, since who explains two of them explains most."""
+
+    def __init__(self, program: Callable[[], NumpyProgram], frames: Sequence[Frame]) -> None:
+        self._program, self._frames = program, frames
+        self._known: dict[int, CaseView] = {}
+
+    def of(self, place: int) -> CaseView:
+        """Of the frame at a place."""
+        if place not in self._known:
+            # The first one is looked at alone: of many frames often one is asked about, that which is unsafe.
+            frames = {place: self._frames[place]} if not self._known else dict(enumerate(self._frames))
+            run = self._program().run(list(frames.values()))
+            self._known = {place: CaseView(run, index) for index, place in enumerate(frames)}
+        return self._known[place]
 
 
 def _column(frame: Frame, signal: str, field: str) -> Any:

@@ -24,8 +24,10 @@ def margins_read(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
                 stack.append(node.body)  # a guard chooses
             case ir.Connective() | ir.Until():
                 stack += [node.left, node.right]
-            case ir.Not() | ir.Temporal() | ir.Shift() | ir.Edge() | ir.First():
+            case ir.Not() | ir.Temporal() | ir.Shift() | ir.First():
                 stack.append(node.operand)
+            case ir.OverRun():
+                stack += node.operands
             case _:
                 assert_never(node)
     return found

@@ -51,7 +51,7 @@ def _written(self: Writer, node: ir.Timed, operands: list[ir.Formula], home: c.S
         sources.append(slots)
     result = [_slot(self) for _ in range(sides)]
     for side, target in enumerate(result):
-        call = _call(self, node, [s[side] for s in sources], [s[-1 - side] for s in sources], target)
+        call = _call(self, node, [s[side] for s in sources], target)
         self.add(home, c.Evaluate(call))
     return result
 
@@ -61,8 +61,8 @@ def _slot(self: Writer) -> c.Expr:
     return c.Slot(self.slots)
 
 
-def _call(self: Writer, node: ir.Timed, own: list[c.Expr], other: list[c.Expr], target: c.Expr) -> c.Expr:
-    """The pass over the timeline; `other` are the operands' opposite sides."""
+def _call(self: Writer, node: ir.Timed, own: list[c.Expr], target: c.Expr) -> c.Expr:
+    """The pass over the timeline."""
     total, context = self.count(node.axis), self.name("context")
     match node:
         case ir.Temporal() | ir.Until():
@@ -86,8 +86,6 @@ def _call(self: Writer, node: ir.Timed, own: list[c.Expr], other: list[c.Expr], 
             return self.call("tm_extreme", *window, truth(node.extreme is Extreme.LEAST), *own, target)
         case ir.Shift():
             return self.call("tm_shift", context, total, truth(node.step > 0), truth(node.weak), *own, target)
-        case ir.Edge():
-            return self.call("tm_edge", context, total, truth(node.rising), *own, *other, target)
         case _:
             assert_never(node)
 

@@ -46,7 +46,7 @@ class Facts:
                 return inner - {node.axis}
             case ir.First():
                 return self.free(node.operand) - {node.axis}
-            case ir.Temporal() | ir.Shift() | ir.Edge():
+            case ir.Temporal() | ir.Shift():
                 return self.free(node.operand) | {node.axis}
             case ir.Until():
                 return self.free(node.left) | self.free(node.right) | {node.axis}
@@ -113,7 +113,7 @@ class Same:
 
 
 #: What is told about a formula, and is no part of what it says.
-_TOLD = ("span", "unit", "shown")
+_TOLD = ("span", "unit", "shown", "turned")
 
 
 class Usage:

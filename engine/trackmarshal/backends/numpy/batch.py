@@ -71,9 +71,9 @@ class Batch:
         """A field of every case's record."""
         return self.numbers(self.table(signal, field)[:, 0].tolist())
 
-    def event(self, signal: str, field: str) -> Any:
-        """A Boolean of every case as 1, 0 and NaN for a missing value."""
-        return self.per_case(_codes([case.flag(signal, field) for case in self.cases]))
+    def event(self, signal: str, field: str, index: int) -> Any:
+        """A Boolean of every case, of one sample where it is that of a timeline, as 1, 0 and NaN for a missing value."""
+        return self.per_case(_codes([case.flag(signal, field, index) for case in self.cases]))
 
     def curve(self, name: str) -> Callable[[Any], Any]:
         """A table: one function where all cases have the same."""

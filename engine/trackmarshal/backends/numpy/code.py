@@ -284,7 +284,7 @@ class Code:
                 self._line(node, f"{own.worst} = {own.best} = {'inf' if node.value else '-inf'}")
                 return own._replace(says=BOTH)
             case ir.Flag():
-                codes = f"b.event({node.signal!r}, {node.field or ''!r})"
+                codes = f"b.event({node.signal!r}, {node.field or ''!r}, {node.offset})"
                 if node.axis is not None and node.field is not None:
                     codes = self._column("flags", node.axis, node.field, node.offset)
                 self._line(node, f"{both} = flagged({codes})")
@@ -320,7 +320,7 @@ class Code:
                 return self._quantifier(node, number, *parts)
             case ir.Guarded():
                 return self._guarded(node, number, *parts)
-            case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+            case ir.Temporal() | ir.Until() | ir.Shift():
                 values = _tuple(part.value for part in parts)
                 return self._given(node, number, f"temporal(b, {self._hold(node)}, {values})")
             case ir.First():
@@ -333,6 +333,8 @@ class Code:
                     lambda best: f"first({body.margin(best)}, {index})",
                     lambda best: f"first({body.sat(best)}, {index})",
                 )  # fmt: skip
+            case ir.OverRun():
+                raise AssertionError("one cycle does not say what a formula over the run comes to")
             case _:
                 assert_never(node)
 
@@ -371,12 +373,6 @@ class Code:
                     node, number, [left, right], left.says & right.says,
                     lambda best: f"{extreme}({left.margin(best)}, {right.margin(best)})",
                     lambda best: f"{left.sat(best)} {joined} {right.sat(best)}",
-                )  # fmt: skip
-            case "implies":
-                return self._sides(
-                    node, number, [left, right], _denied(left.says) & right.says,
-                    lambda best: f"maximum(-{left.margin(not best)}, {right.margin(best)})",
-                    lambda best: f"~{left.sat(not best)} | {right.sat(best)}",
                 )  # fmt: skip
             case "xor":
                 return self._given(node, number, f"differ({left.value}, {right.value})")

@@ -14,7 +14,7 @@ from trackmarshal.backends.numpy.code import Code
 from trackmarshal.backends.numpy.curves import Curve
 from trackmarshal.backends.numpy.logic import AT_LEAST, NEITHER, Side, Value, value
 from trackmarshal.backends.numpy.views import CaseView
-from trackmarshal.backends.results import Stateless, rated
+from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
@@ -32,12 +32,12 @@ class NumpyProgram(Stateless):
 
     backend = "numpy"
 
-    def __init__(self, spec: Spec, rules: Sequence[RuleInfo]) -> None:
-        super().__init__(spec, rules)
+    def __init__(self, spec: Spec, rules: Sequence[RuleInfo], leaves: Sequence[ir.Formula] = ()) -> None:
+        super().__init__(spec, rules, leaves)
         self.rows = {rule.name: row for row, rule in enumerate(self.rules)}
         formulas = [rule.formula for rule in self.rules if rule.formula is not None]
         ranges = [rule.active for rule in self.rules if rule.active is not None]
-        self.code = Code(formulas, ranges)
+        self.code = Code([*formulas, *leaves], ranges)
         self._fixed, self._varying = self.code.functions()
         outputs = {name: place for place, name in enumerate(self.code.outputs)}
         #: By formula: what its margins say, and where they and whether it holds are among the values of a run.
@@ -61,8 +61,11 @@ class NumpyProgram(Stateless):
             # numpy takes arrays without axes faster than numbers.
             self._left = tuple(map(_without_axes, self._fixed(self._batch(()))))
 
-    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
-        return self.run(frames).rated() if frames else []
+    def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
+        if not frames:
+            return []
+        run = self.run(frames)
+        return [Outcomes(one, partial(CaseView, run, index)) for index, one in enumerate(run.rated())]
 
     def run(self, cases: Sequence[Frame]) -> Run:
         """Evaluate all rules on all frames, cases or seen by one candidate."""
@@ -173,6 +176,8 @@ class Run:
         """(rules, frames) codes of verdicts, their places in VERDICTS, and margins."""
         program, values, size = self.program, self._values, self.batch.size
         rules = len(program.rules)
+        if not rules:  # leaves of other rules alone
+            return np.zeros((0, size), dtype=np.uint8), np.zeros((0, size))
         sat, margins = program.settled.read(values, size)
         occupied = sat[rules:]
         sat, margins = sat[:rules], margins[:rules]

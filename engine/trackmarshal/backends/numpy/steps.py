@@ -74,10 +74,8 @@ def _function(name: FunctionName) -> Callable[..., Any]:
 
 def _measured(measure: Measure) -> str:
     match measure:
-        case Measure.ROOM_ABOVE:
+        case Measure.ROOM:
             return "{y} - {x}"
-        case Measure.ROOM_BELOW:
-            return "{x} - {y}"
         case Measure.NEARNESS:
             return "-abs({x} - {y})"
         case Measure.DISTANCE:

@@ -19,27 +19,23 @@ Pair = tuple[Any, Any]
 
 def operator(batch: Batch, node: ir.Timed, operands: Sequence[Value]) -> Value:
     """The value of a temporal formula at every sample of every case."""
-    pairs = [(value.worst, value.best) for value in operands]
-    single = all(worst is best for worst, best in pairs)
+    single = all(value.worst is value.best for value in operands)
     timed = isinstance(node, (ir.Temporal, ir.Until))
     # Where the structure of a signal is broken, its times have not been looked at; a rule that reads it has no verdict then.
     blocked = [timed and case.unusable([(node.axis.signal, "")]) is not None for case in batch.cases]
-    worst = _side(batch, node, [w for w, _ in pairs], [b for _, b in pairs], blocked, False)
+    worst = _side(batch, node, [value.worst for value in operands], blocked, False)
     if single and not any(blocked):
         return Value(worst, worst)
-    return Value(worst, _side(batch, node, [b for _, b in pairs], [w for w, _ in pairs], blocked, True))
+    return Value(worst, _side(batch, node, [value.best for value in operands], blocked, True))
 
 
-def _side(
-    batch: Batch, node: ir.Timed, sides: list[Side], others: list[Side], blocked: list[bool], best: bool
-) -> Side:  # fmt: skip
+def _side(batch: Batch, node: ir.Timed, sides: list[Side], blocked: list[bool], best: bool) -> Side:
     axis = 1 + node.axis.level
     size = batch.count(node.axis)
     lengths = batch.lengths(node.axis.signal)
     shape = np.broadcast_shapes(*(s.sat.shape for s in sides), (batch.size,) + (1,) * (batch.rank - 1))
     shape = (*shape[:axis], size, *shape[axis + 1 :])
     inputs = [_last(side, shape, axis) for side in sides]
-    opposite = [_last(side, shape, axis) for side in others] if isinstance(node, ir.Edge) else []
     rows: list[Pair] = []
     for index in range(batch.size):
         n = int(lengths[index])
@@ -48,8 +44,7 @@ def _side(
             rows.append((np.full(unknown.shape, best), np.full(unknown.shape, np.inf if best else -np.inf)))
             continue
         cut = [(sat[index, ..., :n], margin[index, ..., :n]) for sat, margin in inputs]
-        cut_other = [(sat[index, ..., :n], margin[index, ..., :n]) for sat, margin in opposite]
-        rows.append(_kernel(batch, node, index, n, cut, cut_other))
+        rows.append(_kernel(batch, node, index, n, cut))
     if batch.size == 1:
         sat, margin = rows[0][0][None], rows[0][1][None]
     else:
@@ -69,9 +64,7 @@ def _last(side: Side, shape: tuple[int, ...], axis: int) -> Pair:
     )
 
 
-def _kernel(
-    batch: Batch, node: ir.Timed, index: int, n: int, sides: list[Pair], others: list[Pair]
-) -> Pair:  # fmt: skip
+def _kernel(batch: Batch, node: ir.Timed, index: int, n: int, sides: list[Pair]) -> Pair:
     match node:
         case ir.Temporal():
             windows = temporal.windows(_times(batch, node, index, n), node.lower, node.upper, node.past)
@@ -83,9 +76,6 @@ def _kernel(
             return held(*sides[0], *sides[1], windows)
         case ir.Shift():
             return temporal.shift(*sides[0], node.step, node.weak)
-        case ir.Edge():
-            edge = temporal.rising if node.rising else temporal.falling
-            return edge(*sides[0], *others[0])
         case _:
             assert_never(node)
 

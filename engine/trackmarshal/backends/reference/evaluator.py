@@ -9,15 +9,15 @@ from typing import assert_never
 
 from trackmarshal.backends import witness
 from trackmarshal.backends.reference import geometry, temporal
-from trackmarshal.backends.results import Stateless, rated
+from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import Spec
+from trackmarshal.node import Node
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, known, least, negate
 from trackmarshal.runtime.lines import Point
-from trackmarshal.runtime.program import Rated
 from trackmarshal.runtime.verdict import Bound, Truth
 
 #: The index of the variable of each axis that is bound, by the axis's level.
@@ -42,20 +42,21 @@ class Reference:
         """The number that a node stands for; NaN where it has none."""
         if isinstance(node, (ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar)):
             return self._number(node, env)
-        bound = [level for level in env if level in self._read(node)]
-        if len(bound) == len(env):
+        read = self._read(node)
+        if env.keys() <= read:
             return self._number(node, env)
-        key = (id(node), tuple((level, env[level]) for level in bound))
+        key = (id(node), tuple((level, index) for level, index in env.items() if level in read))
         if key not in self._numbers:
             self._numbers[key] = self._number(node, env)
         return self._numbers[key]
 
-    def _read(self, node: ir.Num) -> frozenset[int]:
+    def _read(self, node: Node) -> frozenset[int]:
         """The levels of the axes that a node reads."""
-        if id(node) not in self._levels:
-            below = ir.below(node)
-            self._levels[id(node)] = frozenset(n.level for n in below if isinstance(n, ir.Axis))
-        return self._levels[id(node)]
+        found = self._levels.get(id(node))
+        if found is None:
+            own = (node.level,) if isinstance(node, ir.Axis) else ()
+            found = self._levels[id(node)] = frozenset(own).union(*map(self._read, node.children()))
+        return found
 
     def _number(self, node: ir.Num, env: Env) -> float:
         match node:
@@ -170,10 +171,12 @@ class Reference:
                 return Truth(
                     body.worst if guard.best.sat else TRUE.worst, body.best if guard.worst.sat else TRUE.best
                 )
-            case ir.Temporal() | ir.Until() | ir.Shift() | ir.Edge():
+            case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.series(node, env)[env[node.axis.level]]
             case ir.First():
                 return self.truth(node.operand, {**env, node.axis.level: 0})
+            case ir.OverRun():
+                raise AssertionError("one cycle does not say what a formula over the run comes to")
             case _:
                 assert_never(node)
 
@@ -183,7 +186,7 @@ class Reference:
             column = self.frame.columns[node.signal].listed(node.field)
             value = column[max(0, env[node.axis.level] + node.offset)]
         else:
-            value = self.frame.flag(node.signal, node.field or "")
+            value = self.frame.flag(node.signal, node.field or "", node.offset)
         if value is None:
             return UNDEFINED
         return TRUE if value else FALSE
@@ -279,10 +282,6 @@ class Reference:
                 return _both(
                     lambda side: temporal.shift(side(operand)[0], side(operand)[1], node.step, node.weak)
                 )
-            case ir.Edge():
-                operand = self.along(node.operand, axis, env)
-                edge = temporal.rising if node.rising else temporal.falling
-                return _both(lambda side: edge(*side(operand), *_OTHER[side](operand)))
             case _:
                 assert_never(node)
 
@@ -320,8 +319,9 @@ class ReferenceProgram(Stateless):
 
     backend = "reference"
 
-    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
-        return [rated(self.rules, frame, cache(partial(Reference, self.spec, frame))) for frame in frames]
+    def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
+        made = [(frame, cache(partial(Reference, self.spec, frame))) for frame in frames]
+        return [Outcomes(rated(self.rules, frame, values), values) for frame, values in made]
 
 
 def _worst(values: list[Truth]) -> tuple[list[bool], list[float]]:
@@ -334,7 +334,6 @@ def _best(values: list[Truth]) -> tuple[list[bool], list[float]]:
 
 Sides = tuple[list[bool], list[float]]
 Pick = Callable[[list[Truth]], Sides]
-_OTHER: dict[Pick, Pick] = {_worst: _best, _best: _worst}
 
 
 def _both(kernel: Callable[[Pick], Sides]) -> list[Truth]:

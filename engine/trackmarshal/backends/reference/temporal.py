@@ -151,33 +151,3 @@ def shift(sat: Sequence[bool], margin: Sequence[float], step: int, weak: bool) -
             for k in range(n)
         ],
     )
-
-
-def rising(
-    sat: Sequence[bool],
-    margin: Sequence[float],
-    opposite_sat: Sequence[bool],
-    opposite_margin: Sequence[float],
-) -> Bound:
-    """min(-p[k-1], p[k]) with p[-1] = -inf (False); p[k-1], negated, comes from the opposite bound."""
-    before_sat, before = shift(opposite_sat, opposite_margin, -1, weak=False)
-    n = len(sat)
-    return (
-        [not before_sat[k] and sat[k] for k in range(n)],
-        [min(-before[k], margin[k]) + 0.0 for k in range(n)],
-    )
-
-
-def falling(
-    sat: Sequence[bool],
-    margin: Sequence[float],
-    opposite_sat: Sequence[bool],
-    opposite_margin: Sequence[float],
-) -> Bound:
-    """min(p[k-1], -p[k]) with p[-1] = +inf (True); p[k], negated, comes from the opposite bound."""
-    before_sat, before = shift(sat, margin, -1, weak=True)
-    n = len(sat)
-    return (
-        [before_sat[k] and not opposite_sat[k] for k in range(n)],
-        [min(before[k], -opposite_margin[k]) + 0.0 for k in range(n)],
-    )

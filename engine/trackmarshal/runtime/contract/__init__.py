@@ -6,6 +6,7 @@ from trackmarshal.runtime.contract.signals import (
     EGO,
     EVENT,
     FOLLOWED,
+    ID,
     IS_EMERGENCY,
     LINES,
     PLAN,
@@ -21,6 +22,6 @@ from trackmarshal.runtime.contract.signals import (
 )
 
 __all__ = [
-    "EGO", "EVENT", "FOLLOWED", "IS_EMERGENCY", "KINDS", "LINES", "PLAN", "RECORD", "SET", "TIMELINE", "Check", "Condition", "Contract", "Field",
+    "EGO", "EVENT", "FOLLOWED", "ID", "IS_EMERGENCY", "KINDS", "LINES", "PLAN", "RECORD", "SET", "TIMELINE", "Check", "Condition", "Contract", "Field",
     "Kind", "Signal", "of_cases", "of_cycles", "supervised",
 ]  # fmt: skip

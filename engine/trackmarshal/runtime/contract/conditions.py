@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any
 
 from trackmarshal.node import Node
@@ -52,15 +53,20 @@ class Condition(Node):
 
     def function(self, *names: str) -> Callable[..., Any]:
         """A function of these names, in order: of numbers, or, where it calls no function but fabs, of arrays of them."""
-        if not self.names <= set(names):
-            raise ValueError(f"`{self.text}` speaks of {', '.join(sorted(self.names - set(names)))}")
-        self.c({name: name for name in names})  # nothing but what C has too
-        made: Callable[..., Any] = eval(f"lambda {', '.join(names)}: {self.text}", dict(_FUNCTIONS))
-        return made
+        return _function(self, names)
 
     def c(self, names: Mapping[str, str]) -> str:
         """C of it, with what names stand for there."""
         return _print(self._tree, names)
+
+
+@cache  # every door that is made asks for the same few
+def _function(condition: Condition, names: tuple[str, ...]) -> Callable[..., Any]:
+    if not condition.names <= set(names):
+        raise ValueError(f"`{condition.text}` speaks of {', '.join(sorted(condition.names - set(names)))}")
+    condition.c({name: name for name in names})  # nothing but what C has too
+    made: Callable[..., Any] = eval(f"lambda {', '.join(names)}: {condition.text}", dict(_FUNCTIONS))
+    return made
 
 
 def _print(node: ast.expr, names: Mapping[str, str]) -> str:

@@ -20,6 +20,8 @@ _PLAN_FIELDS = {"t": "s", "x": "m", "y": "m", "heading": "rad", "v": "m/s"}
 _EGO_FIELDS = {"x": "m", "y": "m", "heading": "rad"}
 _EGO_OPTIONAL = {"age": "s", "v": "m/s"}
 
+#: What elements of a set are called, in data and among what rules read.
+ID = "id"
 TIMELINE, SET, RECORD, LINES, EVENT = "timeline", "set", "record", "lines", "event"
 
 
@@ -45,7 +47,8 @@ class Signal(Node):
     """A signal or event. form: timeline and set (columns), record (one value a field), lines, event (one Boolean).
 
     fields: those that are wanted, in the order of their declaration; a line that is the signal itself has the name "". checks:
-    those of its length. declared: the names of all fields that it may have.
+    those of its length. declared: the names of all fields that it may have. named: whether elements of a set have to say what they are
+    called, since rules know them again in other cycles.
     """
 
     name: str
@@ -53,6 +56,7 @@ class Signal(Node):
     fields_: tuple[Field, ...]
     checks: tuple[Check, ...]
     declared: frozenset[str]
+    named: bool = False
 
     @property
     def numbers(self) -> tuple[Field, ...]:
@@ -93,7 +97,11 @@ def of_cases(spec: Spec, reads: Iterable[tuple[str, str]], places: Places = ()) 
     wanted: dict[str, set[str]] = {}
     for name, field in reads:
         wanted.setdefault(name, set()).add(field)
-    signals = [_signal(info, wanted[name]) for name, info in spec.signals.items() if name in wanted]
+    signals = [
+        _signal(info, wanted[name], ID in wanted[name])
+        for name, info in spec.signals.items()
+        if name in wanted
+    ]
     events = [_event(name) for name in spec.events if name in wanted]
     return Contract(None, (*signals, *events), False, False, _names(spec), places, corridors_of(spec))
 
@@ -106,7 +114,10 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
     spec = supervised(spec)
     read = {signal for rule in rules for signal, _ in rule.reads} | {EGO}
     own = {PLAN, FOLLOWED}
-    signals = [_signal(info, None) for name, info in spec.signals.items() if name in read - own]
+    named = {signal for rule in rules for signal, field in rule.reads if field == ID}
+    signals = [
+        _signal(info, None, name in named) for name, info in spec.signals.items() if name in read - own
+    ]
     events = [_event(name) for name in spec.events if name in read and name != IS_EMERGENCY]
     plan = _signal(spec.signals[PLAN], None)
     tells = IS_EMERGENCY in read and IS_EMERGENCY in spec.events
@@ -145,7 +156,7 @@ def _event(name: str) -> Signal:
     return Signal(name, EVENT, (_field(kind),), (), frozenset())
 
 
-def _signal(info: SignalType, wanted: set[str] | None) -> Signal:
+def _signal(info: SignalType, wanted: set[str] | None, named: bool = False) -> Signal:
     """A signal with the fields of these names, or with all, and those that are needed in any case: orders and borders."""
     form = SET if info.many else TIMELINE if info.sequence else RECORD if info.kind == "state" else LINES
     kinds = [
@@ -159,7 +170,7 @@ def _signal(info: SignalType, wanted: set[str] | None) -> Signal:
         kinds += [_line(name, info.span) for name in missing if name not in given]
     fields = tuple(_field(kind, wanted is None or kind.name in wanted or form == LINES) for kind in kinds)
     checks = () if form == LINES else checks_of(info)
-    return Signal(info.name, form, fields, checks, frozenset(kind.name for kind in info.fields_))
+    return Signal(info.name, form, fields, checks, frozenset(kind.name for kind in info.fields_), named)
 
 
 def _line(name: str, span: Span) -> FieldType:

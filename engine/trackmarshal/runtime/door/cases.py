@@ -19,7 +19,7 @@ from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.settings import SettingsReader
 
 #: What a case may hold.
-KEYS = frozenset({"id", "params", "tables", "places", "signals"})
+KEYS = frozenset({"id", "t", "params", "tables", "places", "signals"})
 _SETTINGS = ("params", "tables", "places")
 #: Cases that are checked together; as many as are evaluated together, so that evaluation finds their numbers in one array.
 AT_ONCE = 500
@@ -115,7 +115,13 @@ class CasesReader:
             raise TrackmarshalError(
                 "D202", f"`signals` is an object, not {values.worded(signals)}", help=help_
             )
-        frame = Frame(raw.get("id"), self.settings(raw), orders=self.orders)
+        frame = Frame(
+            raw.get("id"),
+            self.settings(raw),
+            orders=self.orders,
+            t=_stamp(raw.get("t")),
+            number=raw.get("id"),
+        )
         given = signals if type(signals) is dict else dict(signals)
         if not given.keys() <= self.contract.known:
             self.reader.refuse_unknown(given, frame.faults, self.contract.known)
@@ -145,6 +151,16 @@ class CasesReader:
                     if fine:
                         passed[place].add(name)
         return passed
+
+
+def _stamp(raw: object) -> float | None:
+    """The stamp of a case that is a cycle of a run [s]; raises D202 for what is no number."""
+    t = None if raw is None else values.number(raw)
+    if t is None and raw is not None:
+        raise TrackmarshalError(
+            "D202", f"`t` is a number, not {values.worded(raw)}", help="it is the cycle's stamp, in s"
+        )
+    return t
 
 
 def _refuse(fault: Fault) -> None:

@@ -117,7 +117,7 @@ class ColumnsReader:
         if self.signal.form != SET:
             return ()
         if "id" not in raw:
-            return self._counted(count)
+            return None if self.signal.named else self._counted(count)
         ids = raw["id"]
         fits = type(ids) is list and {str}.issuperset(map(type, ids)) and ids == self._last_ids
         return self._ids if fits else None
@@ -217,6 +217,9 @@ class ColumnsReader:
             elif name in data or name not in self._defaults:
                 read |= self._one(name, column, needed, faults, lambda c: values.numbers(c, self._spelt))
         ids = self._read_ids(data.get("id"), faults) if self.signal.form == SET else None
+        if ids is None and self.signal.named and data.get("id") is None and any(map(_some, data.values())):
+            why = "it is not there: rules know elements again by their ids"
+            faults.append(fault("missing", self.label, "id", None, why))
         lengths = self._lengths(data, read, ids)
         count = self._agree(lengths, faults) if lengths or self.signal.form == SET else 1
         if not count and self.signal.form == TIMELINE:
@@ -336,14 +339,24 @@ class ColumnsReader:
                 faults.append(fault("missing", self.label, name, lacking[0], f"it is not there{more}"))
                 columns.setdefault(name, [None] * len(records))
         named = columns.get("id")
-        if named is not None:
+        if self.signal.named and named is not None and None in named:
+            del columns["id"]
+        elif named is not None:
             columns["id"] = [str(i) if name is None else name for i, name in enumerate(named)]
-        elif not columns:
+        elif not columns and not self.signal.named:
             columns["id"] = [str(i) for i in range(len(records))]
         for name in (*self.names.numbers, *self._flags):
             if name not in self._defaults:
                 columns.setdefault(name, [])  # of no records
         return columns, {name: places for name, places in left_out.items() if places}
+
+
+def _some(column: Any) -> bool:
+    """Whether a column has an entry, or is none."""
+    try:
+        return len(column) > 0
+    except TypeError:
+        return True
 
 
 def rows_of(places: list[int]) -> slice | Ints:

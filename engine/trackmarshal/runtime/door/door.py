@@ -100,7 +100,7 @@ class Door:
             self._fit(frame, faults)
         before = len(faults)
         self._checker.check_signals(frame, found, faults)
-        frame.faults = faults
+        frame.faults, frame.t, frame.number = faults, stamp.t, stamp.number
         pose = None
         if in_order and stamp.t is not None and not any(f.signal in (EGO, "signals") for f in faults):
             pose = _pose(frame, stamp.t)

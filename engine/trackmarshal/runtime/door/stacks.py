@@ -182,7 +182,7 @@ class Stacks:
         if self._form != SET:
             return ()
         if given is None:
-            return tuple(map(str, range(count)))
+            return None if self._reader.signal.named and count else tuple(map(str, range(count)))
         if type(given) is not list or not _TEXTS.issuperset(map(type, given)):
             return None
         if given != self._last_ids:

@@ -10,15 +10,19 @@ from trackmarshal.runtime.geometry.arrays import LIMIT, Bools, Floats, Ints
 from trackmarshal.runtime.geometry.sweep import Sweeps, usable_bodies
 
 #: A way is cut into so many pieces at most.
-MOST = 8
+MOST = 32
 #: A way is cut until the hull of a piece exceeds what is swept by no more than this for turning, or into `MOST` pieces [m].
-WANTED = 0.03
+WANTED = 0.007
+#: Into one piece more for each of these that the way of a corner exceeds [m].
+STEPS = 2.0 * WANTED * np.arange(1, MOST)
 #: A square of a way's length that is one of no direction [m^2].
 NOWHERE = 1e-12
 #: What is added to a way is left out where it is less than this: that is rounding [m].
 ROUNDING = 1e-9
 #: How much less the ends of a way that bends both ways count, for pieces of the whole: of 1, all but 0.26 (docs/geometry.md).
 EVEN = 0.74
+#: By how much the slope of a clothoid grows unevenly, of its lean times the square of what it turns (docs/geometry.md).
+WINDING = 0.03125
 
 
 class Pieces(NamedTuple):
@@ -32,11 +36,12 @@ class Curves:
     """N ways, from pose to pose, with the curvatures at both.
 
     `count`: into how many pieces each is cut; `more`: how far beyond the pieces' hulls the vehicle may reach [m]; `reach`: how far
-    it, or the hull of a piece, may be beyond the hull of the two footprints at the ends, with `more` [m]. (N,) each.
+    it, or the hull of a piece, may be beyond the hull of the two footprints at the ends, with `more` [m]; `short`: how
+    much farther than that hull from anything what is taken for swept may be (docs/geometry.md) [m]. (N,) each.
     """
 
     __slots__ = (
-        "_ends", "_shape", "count", "length", "more", "poses", "reach", "size", "units", "usable", "width"
+        "_ends", "_shape", "count", "length", "more", "poses", "reach", "short", "size", "units", "usable", "width"
     )  # fmt: skip
 
     def __init__(self, poses: Floats, bends: Floats, length: float | Floats, width: float | Floats) -> None:
@@ -71,15 +76,14 @@ class Curves:
         bent = bends * way * (grow * np.sqrt(grow))
         turn = slope[1] - slope[0]
         lean = 0.5 * (bent[0] - bent[1])
-        off = np.abs(0.5 * (bent[0] + bent[1]) - turn)
         sway = -3.0 * (slope[0] + slope[1])
         slip = np.abs(lean - sway)
+        even = np.abs(0.5 * (bent[0] + bent[1]) - turn)
         turn, sway, leaning = np.abs(turn), np.abs(sway), np.abs(lean)
         steep = turn + leaning
+        off = even + WINDING * leaning * (steep * steep)
         wanted = corner * steep
-        count = np.ones(self.size, dtype=np.intp)
-        for cut in range(1, MOST):
-            count += 2.0 * WANTED * cut < wanted
+        count = 1 + STEPS.searchsorted(wanted)
         turning = corner * (2.0 * leaning + steep * steep)
         bulge = way * (turn + sway * (1.0 - EVEN / count)) + turning
         more = bulge / (8.0 * count * count) + (0.0625 * (off + slip) * way + 0.5 * corner * off)
@@ -87,10 +91,12 @@ class Curves:
         if not fits.all():
             more = np.where(fits, more, self._at_random(way, corner))
             count[~fits] = 1
-            whole[~fits] = 0.0
+        whole[count == 1] = 0.0  # such a way is that hull, and `more` around it
         more[~(more > ROUNDING)] = 0.0
         self.count, self.more = count, more
-        self.reach = more + 0.125 * whole
+        whole *= 0.125
+        self.reach = more + whole
+        self.short = np.where(count == 1, -more, whole + 0.5 * corner * turn)
         #: What the poses between both ends are made of: dx, dy, slopes at both ends, lean, the sign of the way.
         self._shape = np.stack([*move, *slope, lean, np.copysign(1.0, along[0])])
 

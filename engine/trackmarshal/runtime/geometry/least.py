@@ -100,19 +100,20 @@ class _Search:
         """Bounds on the distance of hulls from the border; infinite for those that are not the nearest of their group, NaN for those
         of which nothing is known."""
         long, wide = (side if isinstance(side, float) else side[part] for side in self.sizes)
-        usable, groups, beyond = None, None, None
+        curves = None
         if self.bends is None:
             sweeps = Sweeps(self.poses[:, part], long, wide)
-            usable, groups = sweeps.usable, np.arange(sweeps.size) // size
+            usable = sweeps.usable
         else:
-            # A hull that is not the nearest of its group may be that of the way that reaches farthest: each has its own bound.
             curves = Curves(self.poses[:, part], self.bends[:, part], long, wide)
-            sweeps, usable, beyond = curves.straight(), curves.usable, curves.reach
+            sweeps, usable = curves.straight(), curves.usable
         low, high, _ = boxes = sweeps.boxes()
         counted = self.counted[part]
         if usable is not None:
             counted = counted & usable
-        rows, k, nearest = self.region.candidates(sweeps, boxes, groups, counted)
+        rows, k, nearest = self.region.candidates(
+            sweeps, boxes, np.arange(sweeps.size) // size, counted, curves
+        )
         margin = self.margin[part]
         margin.fill(np.inf)
         if rows.size:
@@ -121,8 +122,8 @@ class _Search:
             beside[np.isnan(nearest)] = np.nan
             hulls = rows.take(starts)
             margin[hulls] = np.minimum.reduceat(beside, starts)
-            if beyond is not None:
-                margin[hulls] -= beyond.take(hulls)
+            if curves is not None:
+                margin[hulls] -= curves.reach.take(hulls)
         if usable is not None:
             margin[~usable] = np.nan
 

@@ -33,6 +33,8 @@ POINTS_AT_ONCE = 6000
 FEW = 16
 #: How far from a region's points its bounding box is drawn [m].
 AROUND = 1e-3
+#: More than one, by more than a sum of three numbers is rounded.
+ROUNDED = 1.0 + 1e-15
 #: Where the place of a segment that is none lies.
 FAR = 1e15
 
@@ -154,12 +156,14 @@ class Region:
         return margin
 
     def candidates(
-        self, sweeps: Sweeps, boxes: tuple[Floats, ...], groups: Ints | None = None, counted: Bools | None = None
+        self, sweeps: Sweeps, boxes: tuple[Floats, ...],
+        groups: Ints | None = None, counted: Bools | None = None, curves: Curves | None = None,
     ) -> tuple[Ints, Ints, Singles]:  # fmt: skip
         """Hulls and segments in pairs: at least all that may make up a hull's distance from the border, or enter it.
 
         With each a distance that is at most `slack` greater than theirs; NaN where nothing is known. Where `groups` numbers the
-        hulls, ascending: at least all that may make up the distance of the nearest hull of each group, of those that are `counted`.
+        hulls, ascending: at least all that may make up the distance of the nearest hull of each group, of those that are `counted`;
+        or the least margin of the ways along `curves` whose hulls they are.
         """
         middle = sweeps.position + sweeps.middle
         rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius, sweeps.inner)
@@ -170,7 +174,7 @@ class Region:
         if rows.size:
             of = rows if groups is None else groups.take(rows)
             k = self.cells.tiles.take(tiles, axis=1)
-            rows, k, nearest = self._culled(sweeps, boxes, rows, k, of)
+            rows, k, nearest = self._culled(sweeps, boxes, rows, k, of, curves)
         if unknown is None:
             return rows, k, nearest
         rows, k, order = self._with_unknown(rows, k, unknown, middle, sweeps.radius)
@@ -199,8 +203,8 @@ class Region:
         return rows[order], k[order], order
 
     def _culled(
-        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, k: Ints, groups: Ints
-    ) -> tuple[Ints, Ints, Singles]:
+        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, k: Ints, groups: Ints, curves: Curves | None
+    ) -> tuple[Ints, Ints, Singles]:  # fmt: skip
         """Of segments k (place in tile, tile) for hulls by tile, in groups: those that may be nearest to a hull of their group, as far
         as the boxes around the hulls tell."""
         low, high, excess = boxes
@@ -225,10 +229,17 @@ class Region:
         # How near does its middle come for sure, and how near can a segment come to the box at best?
         sure, best = np.abs(seen)
         limit = np.minimum.reduce(sure, axis=0)
-        limit += (excess + self.slack).take(rows)
+        excess = excess + self.slack
+        if curves is None:
+            limit += excess.take(rows)
+        else:  # in double precision: ways may reach far
+            limit = limit + (excess + curves.short).take(rows)
         runs = starts_of(groups)
         if runs.size < rows.size:
             limit = np.minimum.reduceat(limit, runs).repeat(counts_of(runs, rows.size))
+        if curves is not None:
+            limit += (curves.reach * ROUNDED).take(rows)
+            limit = np.minimum(limit, FAR).astype(np.float32)
         kept = (best <= limit).T.ravel().nonzero()[0]
         tile = kept >> SHIFT
         place = (kept & (WIDTH - 1)) * rows.size + tile

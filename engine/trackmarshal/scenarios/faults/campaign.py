@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, fields, replace
 
 from trackmarshal.errors import TrackmarshalError
@@ -16,6 +16,7 @@ from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.machine import DRIVE
 from trackmarshal.runtime.program import Judged, Memory, Program
+from trackmarshal.runtime.verdict import About
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.fields import check_track
@@ -47,24 +48,21 @@ class Outcome:
     wrong: str
 
 
-def fingerprint(
-    campaign: Campaign, fault: Fault, source_hash: str, spec: str, limits: Limits | None = None
-) -> str:
+def fingerprint(campaign: Campaign, fault: Fault, source_hash: str, spec: str, limits: Limits) -> str:
     """sha256 of all that an outcome depends on: the fault as declared, the recording, rules and values, the limits."""
-    limits = Limits() if limits is None else limits
     held = [(field.name, value) for field, value in zip(fields(limits), astuple(limits))]
     made_of = [fault.digest, campaign.lead, source_hash, spec, held]
     return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
 
 
 class Bench:
-    """A recording and its rules, ready for faults."""
+    """A recording and its rules, ready for faults; with the limits of the rules' spec, unless others are given."""
 
     def __init__(self, recording: Recording, evaluator: Evaluator, limits: Limits | None = None) -> None:
         check_track(recording, evaluator)
         tables, _ = known_tables(recording, evaluator.spec)
         self._box = rulebox(evaluator, recording.params, tables)
-        self._limits = Limits() if limits is None else limits
+        self._limits = Limits.of(evaluator.spec) if limits is None else limits
         self._cycles = list(cycles(recording))
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
@@ -159,8 +157,17 @@ class _Saboteur:
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         return self._program.judge_all(frames)
 
-    def commit(self, memory: Memory, frame: Frame, decision: Decision) -> Memory:
+    def start(self) -> Memory:
+        return self._program.start()
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         return self._program.commit(memory, frame, decision)
+
+    def missed(self, memory: Memory) -> Memory:
+        return self._program.missed(memory)
+
+    def end(self, memory: Memory) -> Mapping[str, tuple[About, ...]]:
+        return self._program.end(memory)
 
 
 def _outcome(fault: Fault, said: list[tuple[float, Decision]]) -> Outcome:

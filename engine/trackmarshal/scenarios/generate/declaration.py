@@ -16,6 +16,7 @@ from trackmarshal.scenarios.generate.motion import Move
 from trackmarshal.scenarios.generate.planner import Mistake
 from trackmarshal.scenarios.generate.road import Road, Widening
 from trackmarshal.scenarios.generate.static_truth import Zone
+from trackmarshal.scenarios.generate.takeup_truth import Takeup
 
 MAX_CYCLES = 20_000
 
@@ -60,6 +61,7 @@ class Declaration:
     points: int
     horizon: float
     braking: Braking
+    takeup: Takeup | None
     mistakes: list[Mistake]
     pose_error: list[list[float]]
     obstacles: list[Obstacle]
@@ -80,7 +82,7 @@ def load(path: Path, shown: str) -> Declaration:
         ("format", "version", "name", "track", "duration", "step", "vehicle", "ego", "plan", "emergency"),
         (
             *("notes", "others", "object_age", "params", "tables", "use"),
-            *("widenings", "obstacles", "limits", "mistakes", "pose_error"),
+            *("widenings", "obstacles", "limits", "mistakes", "pose_error", "takeup"),
         ),
     )
     road.expect(fields, "trackmarshal-scenario")
@@ -114,7 +116,8 @@ def load(path: Path, shown: str) -> Declaration:
         points=plan["points"].count(2, 1000),
         horizon=plan["horizon"].number(0.1, 60.0),
         braking=_braking(fields["emergency"], vehicle),
-        mistakes=[_mistake(item) for item in _list(fields, "mistakes")],
+        takeup=_takeup(fields["takeup"]) if "takeup" in fields else None,
+        mistakes=[_mistake(item, vehicle) for item in _list(fields, "mistakes")],
         pose_error=fields["pose_error"].rows() if "pose_error" in fields else [[0.0, 0.0]],
         obstacles=[_obstacle(item) for item in _list(fields, "obstacles")],
         zones=[_zone(item) for item in _list(limits, "zones")],
@@ -174,10 +177,10 @@ def _moves(items: Iterator[Item]) -> list[Move]:
     return moves
 
 
-def _mistake(item: Item) -> Mistake:
-    fields = item.fields(("begin", "end"), ("acceleration", "moves"))
+def _mistake(item: Item, vehicle: Vehicle) -> Mistake:
+    fields = item.fields(("begin", "end"), ("acceleration", "moves", "deceleration"))
     if len(fields) == 2:
-        raise item.wrong("nothing is planned otherwise", "give acceleration, moves or both")
+        raise item.wrong("nothing is planned otherwise", "give acceleration, moves, deceleration, or several")
     begin, end = fields["begin"].number(0.0), fields["end"].number(0.0)
     if end < begin:
         raise item.wrong(f"it ends at {end:g} s, before it begins", "begin is the first cycle, end the last")
@@ -186,6 +189,7 @@ def _mistake(item: Item) -> Mistake:
         end,
         fields["acceleration"].rows() if "acceleration" in fields else None,
         _moves(fields["moves"].items()) if "moves" in fields else None,
+        fields["deceleration"].number(0.5, vehicle.brake) if "deceleration" in fields else None,
         item,
     )
 
@@ -229,6 +233,11 @@ def _widening(item: Item) -> Widening:
     if end <= begin:
         raise item.wrong(f"from {begin:g} m to {end:g} m", "it ends behind its begin, on the same lap")
     return Widening(side, begin, end, fields["by"].number(0.1, 100.0), fields["taper"].number(1.0, 1000.0))
+
+
+def _takeup(item: Item) -> Takeup:
+    fields = item.fields(("window", "beyond"))
+    return Takeup(fields["window"].number(0.0, 5.0), fields["beyond"].number(0.0, 50.0))
 
 
 def _braking(item: Item, vehicle: Vehicle) -> Braking:

@@ -19,13 +19,15 @@ class Mistake(NamedTuple):
     """In the cycles from begin to end, s, the planner plans otherwise than is driven; times count from the cycle.
 
     With moves, it leaves the path that is driven: they begin at the car's place. Without, it keeps the path. With an
-    acceleration (rows of s, m/s^2), it drives its own speeds; without, those that are driven.
+    acceleration (rows of s, m/s^2), it drives its own speeds; without, those that are driven. With a deceleration, m/s^2, its
+    emergency trajectory brakes with at most that.
     """
 
     begin: float
     end: float
     acceleration: list[list[float]] | None
     moves: list[Move] | None
+    deceleration: float | None
     item: Item
 
 
@@ -51,6 +53,8 @@ class Planner:
         """Both candidates of the cycle at t; raises D152 for what cannot be laid out at all."""
         braking = self._braking._replace(points=emergency_points)
         mistake = self.mistake(t)
+        if mistake is not None and mistake.deceleration is not None:
+            braking = braking._replace(deceleration=mistake.deceleration)
         if mistake is None:
             own, motion, begin, kappa = None, self._motion, t, self._kappa
         elif mistake.moves is None:

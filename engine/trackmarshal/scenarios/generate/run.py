@@ -15,6 +15,7 @@ from trackmarshal.scenarios.generate.motion import Motion, Profile, State
 from trackmarshal.scenarios.generate.planner import Planner
 from trackmarshal.scenarios.generate.road import Backwards
 from trackmarshal.scenarios.generate.static_truth import Scene, static_truth
+from trackmarshal.scenarios.generate.takeup_truth import takeup_truth
 from trackmarshal.scenarios.ground_truth import LaneState, encounter, worst
 from trackmarshal.scenarios.recording import COLUMNS, Columns, Cycle, Recording
 from trackmarshal.scenarios.trajectory import wrap
@@ -56,9 +57,11 @@ def run(declared: Declaration, shown: str) -> Recording:
         except TrackmarshalError as error:
             raise _placed(error, declared.ego.item if mistake is None else mistake.item) from error
         aside = linear(declared.pose_error, t)
-        static.append(
-            worst([static_truth(plans.values(), whole.values(), scene), _misplaced(aside, vehicle)])
-        )
+        truths = [static_truth(plans.values(), whole.values(), scene), _misplaced(aside, vehicle)]
+        if declared.takeup is not None:
+            driven, fallback = (plan.columns for plan in whole.values())
+            truths.append(takeup_truth(driven, fallback, vehicle, declared.takeup))
+        static.append(worst(truths))
         objects = [other.reported(i) for other in others]
         candidates = {name: _columns(plan.columns) for name, plan in plans.items()}
         cycles.append(Cycle(t, _rounded(_ego(state, aside)), objects, candidates))

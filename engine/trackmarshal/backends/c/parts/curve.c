@@ -33,11 +33,11 @@ static void tm_curve_of(double kappa0, double kappa1, double length, double widt
     const double bent1 = (kappa1 * way) * (grow1 * sqrt(grow1));
     const double turn = slope1 - slope0;
     const double lean = 0.5 * (bent0 - bent1);
-    const double off = fabs((0.5 * (bent0 + bent1)) - turn);
     const double sway = -3.0 * (slope0 + slope1);
     const double slip = fabs(lean - sway);
     const double steep = fabs(turn) + fabs(lean);
-    while ((curve->count < TM_PIECES) && ((0.06 * (double)curve->count) < (corner * steep))) {
+    const double off = fabs((0.5 * (bent0 + bent1)) - turn) + ((0.03125 * fabs(lean)) * (steep * steep));
+    while ((curve->count < TM_PIECES) && ((0.014 * (double)curve->count) < (corner * steep))) {
       ++curve->count;
     }
     const double count = (double)curve->count;
@@ -93,9 +93,9 @@ static inline double tm_curve_reach(double du, double dv, double cosine0, double
   const double bent = 0.85 * ((q0 * fabs(b0)) + (q1 * fabs(b1)));
   const double turn = fabs(a1 - a0) + cubes;
   const double lean = (0.5 * fabs(b0 - b1)) + bent;
-  const double off = fabs((0.5 * (b0 + b1)) - (a1 - a0)) + (cubes + bent);
   const double sway = 3.0 * (fabs(a0 + a1) + cubes);
   const double steep = turn + lean;
+  const double off = fabs((0.5 * (b0 + b1)) - (a1 - a0)) + ((cubes + bent) + ((0.03125 * lean) * (steep * steep)));
   const double bulge = (way * (turn + (0.26 * sway))) + (corner * ((2.0 * lean) + (steep * steep)));
   /* Half of the bulge is that of the way; the other half is more than that of its pieces. */
   const double more = (((0.0625 * (off + (lean + sway))) * way) + ((0.5 * corner) * off)) + (0.25 * bulge);
@@ -119,6 +119,7 @@ static double tm_curve_far(double dx, double dy, double bx, double by, double si
   const double bent = (3.0 * way) * tm_greatest(fabs(kappa0), fabs(kappa1)); /* slopes are 1 at most */
   const double steep = 2.0 + bent;
   const double bulge = (8.0 * way) + (corner * ((2.0 * bent) + (steep * steep)));
-  const double more = (0.125 * bulge) + (((0.0625 * (8.0 + (2.0 * bent))) * way) + ((0.5 * corner) * (2.0 + bent)));
+  const double off = (2.0 + bent) + ((0.03125 * bent) * (steep * steep));
+  const double more = (0.125 * bulge) + (((0.0625 * ((6.0 + bent) + off)) * way) + ((0.5 * corner) * off));
   return ((sqrt((mx * mx) + (my * my)) - (0.75 * way)) - (corner + (0.5 * box_size))) - (1.001 * more);
 }

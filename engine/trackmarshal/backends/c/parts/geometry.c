@@ -1199,7 +1199,7 @@ static double tm_curved_clear(double x0, double y0, double heading0, double x1, 
   tm_curve curve;
   double ahead;
   double aside;
-  double best = TM_INF;
+  double least;
   if (!tm_usable(x0) || !tm_usable(y0) || !tm_usable(heading0) || !tm_usable(x1) || !tm_usable(y1) || !tm_usable(heading1) ||
       !tm_usable(box_x) || !tm_usable(box_y) || !tm_usable(box_heading) || !tm_usable(kappa0) || !tm_usable(kappa1) ||
       !tm_sized(length, width) || !tm_sized(box_length, box_width)) {
@@ -1213,10 +1213,19 @@ static double tm_curved_clear(double x0, double y0, double heading0, double x1, 
   tm_curve_of(kappa0, kappa1, length, width, &curve);
   ahead = cos(box_heading);
   aside = sin(box_heading);
+  least = tm_curve_limit(&curve, bound);
   for (size_t j = 0u; j < curve.count; ++j) {
-    best = tm_least(best, tm_piece_clear(&curve, j, length, width, box_x, box_y, ahead, aside, box_length, box_width));
+    const double dx = curve.x[j + 1u] - curve.x[j];
+    const double dy = curve.y[j + 1u] - curve.y[j];
+    const double mx = (box_x - curve.x[j]) - (0.5 * dx);
+    const double my = (box_y - curve.y[j]) - (0.5 * dy);
+    /* Length and width together are no less than twice the way to a corner, and more than that by more than rounding. */
+    const double around = 0.5 * (sqrt((dx * dx) + (dy * dy)) + ((length + width) + (box_length + box_width)));
+    if ((sqrt((mx * mx) + (my * my)) - around) <= tm_greatest(least, 0.0)) {
+      least = tm_least(least, tm_piece_clear(&curve, j, length, width, box_x, box_y, ahead, aside, box_length, box_width));
+    }
   }
-  return best - curve.more;
+  return least - curve.more;
 }
 
 /** Station, offset and direction of a point beside one segment; whether the line goes on before and after it. */

@@ -232,21 +232,6 @@ static void tm_online_shift(tm_flow *f, size_t have, bool finished, bool ahead, 
   }
 }
 
-/** rising, falling: from one side of the operand's value and the opposite one, which is the negated sample's. */
-static void tm_online_edge(tm_flow *f, size_t have, bool rising, const tm_stream *x, const tm_stream *z, tm_stream *y) {
-  while (f->next < have) {
-    const tm_stream *before = rising ? z : x;
-    const bool first = f->next == 0u;
-    const size_t k = tm_ring(f->next);
-    const size_t last = first ? 0u : tm_ring(f->next - 1u);
-    const bool before_sat = first ? !rising : before->sat[last];
-    const double before_margin = (first ? (rising ? -TM_INF : TM_INF) : before->margin[last]) + 0.0;
-    y->sat[k] = rising ? (!before_sat && x->sat[k]) : (before_sat && !z->sat[k]);
-    y->margin[k] = (rising ? tm_least(-before_margin, x->margin[k]) : tm_least(before_margin, -z->margin[k])) + 0.0;
-    ++f->next;
-  }
-}
-
 /** The oldest sample that an operator still needs. */
 static size_t tm_online_oldest(const tm_flow *f, bool stays) {
   const size_t from = stays ? f->end : f->begin;

@@ -175,23 +175,3 @@ static void tm_shift(tm_context *c, size_t n, bool ahead, bool weak, size_t from
     y->margin[k] = (inside ? x->margin[at] : (weak ? TM_INF : -TM_INF)) + 0.0;
   }
 }
-
-/** rising, falling: from one side of the operand's value and the opposite one, which is the negated sample's. */
-static void tm_edge(tm_context *c, size_t n, bool rising, size_t from, size_t opposite, size_t to) {
-  const tm_series *x = &c->series[from];
-  const tm_series *z = &c->series[opposite];
-  tm_series *y = &c->series[to];
-  for (size_t k = 0u; k < n; ++k) {
-    const tm_series *before = rising ? z : x;
-    const bool before_sat = (k > 0u) ? before->sat[k - 1u] : !rising;
-    const double edge = rising ? -TM_INF : TM_INF;
-    const double before_margin = ((k > 0u) ? before->margin[k - 1u] : edge) + 0.0;
-    if (rising) {
-      y->sat[k] = !before_sat && x->sat[k];
-      y->margin[k] = tm_least(-before_margin, x->margin[k]) + 0.0;
-    } else {
-      y->sat[k] = before_sat && !z->sat[k];
-      y->margin[k] = tm_least(before_margin, -z->margin[k]) + 0.0;
-    }
-  }
-}

@@ -2,7 +2,7 @@
 
 from trackmarshal.backends.numpy.temporal.carrier import Bound
 from trackmarshal.backends.numpy.temporal.extrema import always, eventually
-from trackmarshal.backends.numpy.temporal.shifts import falling, rising, shift
+from trackmarshal.backends.numpy.temporal.shifts import shift
 from trackmarshal.backends.numpy.temporal.until import since, until
 from trackmarshal.backends.numpy.temporal.windows import BoolArray, FloatArray, Windows, windows
 
@@ -13,8 +13,6 @@ __all__ = [
     "Windows",
     "always",
     "eventually",
-    "falling",
-    "rising",
     "shift",
     "since",
     "until",

@@ -1,4 +1,4 @@
-"""next, previous, rising and falling: operators that look at the neighbouring sample."""
+"""next and previous: operators that look at the neighbouring sample."""
 
 from __future__ import annotations
 
@@ -23,21 +23,3 @@ def shift(sat: BoolArray, margin: FloatArray, step: int, weak: bool) -> Bound:
         moved_sat[..., 1:] = sat[..., :-1]
         np.add(margin[..., :-1], 0.0, out=moved[..., 1:])
     return moved_sat, moved
-
-
-def rising(sat: BoolArray, margin: FloatArray, opposite_sat: BoolArray, opposite_margin: FloatArray) -> Bound:
-    """min(-p[k-1], p[k]) with p[-1] = -inf (False), all arrays (..., n).
-
-    p[k-1], which is negated, comes from the opposite bound: the optimistic one when the pessimistic is asked
-    for. Where p is defined everywhere, both bounds are p itself.
-    """
-    before_sat, before = shift(opposite_sat, opposite_margin, -1, weak=False)
-    return sat & ~before_sat, np.minimum(-before, margin) + 0.0
-
-
-def falling(
-    sat: BoolArray, margin: FloatArray, opposite_sat: BoolArray, opposite_margin: FloatArray
-) -> Bound:
-    """min(p[k-1], -p[k]) with p[-1] = +inf (True); here p[k] is negated and from the opposite bound."""
-    before_sat, before = shift(sat, margin, -1, weak=True)
-    return before_sat & ~opposite_sat, np.minimum(before, -opposite_margin) + 0.0

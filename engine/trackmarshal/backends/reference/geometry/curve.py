@@ -12,15 +12,17 @@ from typing import NamedTuple
 from trackmarshal.backends.reference.geometry.points import Pose, sized, usable
 
 #: A way is cut into so many pieces at most.
-MOST = 8
+MOST = 32
 #: A way is cut until the hull of a piece exceeds what is swept by no more than this for turning, or into `MOST` pieces [m].
-WANTED = 0.03
+WANTED = 0.007
 #: A square of a way's length that is one of no direction [m^2].
 NOWHERE = 1e-12
 #: What is added to a way is left out where it is less than this: that is rounding [m].
 ROUNDING = 1e-9
 #: How much less the ends of a way that bends both ways count, for pieces of the whole: of 1, all but 0.26 (docs/geometry.md).
 EVEN = 0.74
+#: By how much the slope of a clothoid grows unevenly, of its lean times the square of what it turns (docs/geometry.md).
+WINDING = 0.03125
 
 
 class Placed(NamedTuple):
@@ -76,15 +78,15 @@ def curve(first: Placed, second: Placed, bend: Sequence[float], length: float, w
     bent1 = bend[1] * way * (grow1 * math.sqrt(grow1))
     turn = slope1 - slope0
     lean = 0.5 * (bent0 - bent1)
-    off = 0.5 * (bent0 + bent1) - turn
     sway = -3.0 * (slope0 + slope1)
-    slip = lean - sway
+    slip = abs(lean - sway)
     steep = abs(turn) + abs(lean)
+    off = abs(0.5 * (bent0 + bent1) - turn) + WINDING * abs(lean) * (steep * steep)
     count = 1
     while count < MOST and 2.0 * WANTED * count < corner * steep:
         count += 1
     bulge = way * (abs(turn) + abs(sway) * (1.0 - EVEN / count)) + corner * (2.0 * abs(lean) + steep * steep)
-    more = bulge / (8.0 * count * count) + (0.0625 * (abs(off) + abs(slip)) * way + 0.5 * corner * abs(off))
+    more = bulge / (8.0 * count * count) + (0.0625 * (off + slip) * way + 0.5 * corner * off)
     poses = [first]
     for j in range(1, count):
         t = j / count

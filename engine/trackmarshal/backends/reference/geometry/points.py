@@ -63,9 +63,14 @@ def square(s: Segment) -> float:
 
 def distance(x: float, y: float, s: Segment) -> float:
     """The distance of a point from a segment: to its line where the foot lies within, else to the nearer end."""
-    if 0.0 < along(s, x, y) < square(s):
-        return abs(side(s, x, y)) / math.sqrt(square(s))
-    return min(between(x, y, s.ax, s.ay), between(x, y, s.bx, s.by))
+    # `along`, `square`, `side` and `between`, written out: nothing is asked for as often.
+    ax, ay, bx, by, ex, ey = s
+    px, py = x - ax, y - ay
+    squared = ex * ex + ey * ey
+    if 0.0 < ex * px + ey * py < squared:
+        return abs(ex * py - ey * px) / math.sqrt(squared)
+    qx, qy = x - bx, y - by
+    return math.sqrt(min(px * px + py * py, qx * qx + qy * qy))
 
 
 def between(x0: float, y0: float, x1: float, y1: float) -> float:

@@ -1,0 +1,174 @@
+"""What formulas that look back remember: per operator a cell, for the run, or for each element of a set while it is there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, assert_never
+
+from trackmarshal.backends.over_run.history import looks_ahead, parts_of, sets_of
+from trackmarshal.backends.over_run.now import Now
+from trackmarshal.backends.over_run.windows import Item, Sliding, folding
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
+from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, least, negate
+from trackmarshal.runtime.verdict import Bound, Truth
+
+#: What variables of sets stand for, by the level of their axes: ids.
+Ids = Mapping[int, str]
+Key = tuple[str, ...]
+
+
+def looks_back(node: ir.Formula) -> bool:
+    """Whether a formula says nothing of cycles after its own."""
+    return not looks_ahead(node)
+
+
+def cells_of(
+    formulas: Iterable[ir.Formula], which: Callable[[ir.Formula], bool] = looks_back
+) -> list[ir.OverRun]:
+    """The operators of some formulas that look back alone, or others, those inside others before them."""
+    found: dict[ir.OverRun, None] = {}
+    stack: list[tuple[ir.Formula, bool]] = [(formula, False) for formula in formulas]
+    seen: set[ir.Formula] = set()
+    while stack:
+        node, ready = stack.pop()
+        if ready:
+            if isinstance(node, ir.OverRun) and which(node):
+                found[node] = None
+            continue
+        if node in seen:
+            continue
+        seen.add(node)
+        stack.append((node, True))
+        stack.extend((part, False) for part in parts_of(node) or ())
+    return list(found)
+
+
+class Cells:
+    """The memory of some operators. Cycles are looked at with `at`, and then remembered, or missed."""
+
+    def __init__(self, nodes: Sequence[ir.OverRun]) -> None:
+        self._nodes = nodes
+        self._held: dict[ir.OverRun, dict[Key, Any]] = {node: {} for node in nodes}
+        #: The last stamp, None before the first, and how many cycles were missed since.
+        self._last: int | None = None
+        self._missed = 0
+
+    def at(self, now: Now) -> Present:
+        """The present cycle, after all that is remembered."""
+        return Present(self, now)
+
+    def missed(self) -> None:
+        """A gap, unless nothing came before it."""
+        self._missed += self._last is not None
+
+    def gap(self, now: Now) -> tuple[int, int] | None:
+        """The first and the last nanosecond of what lies between the last cycle and this one, where cycles were missed."""
+        return None if not self._missed or self._last is None else (self._last + 1, now.t - 1)
+
+    def value(self, node: ir.OverRun, key: Key, now: Now, values: tuple[Truth, ...]) -> Truth:
+        """The value of an operator in the present cycle, for which `values` are its operands."""
+        held = self._held[node].get(key)
+        if node.op == "previous":
+            return (TRUE if node.weak else FALSE) if held is None else UNDEFINED if self._missed else held
+        known: Sliding[Any] = _empty(node) if held is None else held
+        return known.value(now.t, self._items(node, now, values, held is not None))
+
+    def remember(self, now: Now, present: Present) -> None:
+        """The present cycle is past. All values are looked at before anything is changed."""
+        found = [
+            (node, [(key, present.operands(node, key)) for key in now.combinations(sets_of(node))])
+            for node in self._nodes
+        ]
+        for node, values in found:
+            held, kept = self._held[node], dict[Key, Any]()
+            for key, operands in values:
+                if node.op == "previous":
+                    kept[key] = operands[0]
+                    continue
+                known = held.get(key)
+                items = self._items(node, now, operands, known is not None)
+                kept[key] = _empty(node) if known is None else known
+                kept[key].add(now.t, items)
+            self._held[node] = kept
+        self._last, self._missed = now.t, 0
+
+    def _items(self, node: ir.OverRun, now: Now, values: tuple[Truth, ...], before: bool) -> list[Item[Any]]:
+        fold = folding(node)
+        items = [Item(now.t, now.t, fold.item(values))]
+        gap = self.gap(now) if before else None
+        return items if gap is None else [Item(*gap, fold.item((UNDEFINED,) * len(values))), *items]
+
+
+def _empty(node: ir.OverRun) -> Sliding[Any]:
+    return Sliding(folding(node), node.lower or 0, node.upper)
+
+
+@dataclass(slots=True)
+class Present:
+    """The values of formulas that look back, in the present cycle."""
+
+    cells: Cells
+    now: Now
+    _known: dict[tuple[ir.Formula, Key], Truth] = field(default_factory=dict)
+
+    def leaf(self, node: ir.Formula, key: Key) -> Truth:
+        """The value of a formula for elements of the sets that its variables are of."""
+        known = self._known.get((node, key))
+        if known is None:
+            known = self._known[node, key] = self._value(node, key)
+        return known
+
+    def operands(self, node: ir.OverRun, key: Key) -> tuple[Truth, ...]:
+        """The operands of an operator in this cycle."""
+        ids = _ids(node, key)
+        return tuple(self._of(operand, ids) for operand in node.operands)
+
+    def _of(self, node: ir.Formula, ids: Ids) -> Truth:
+        return self.leaf(node, tuple(ids[axis.level] for axis in sets_of(node)))
+
+    def _value(self, node: ir.Formula, key: Key) -> Truth:
+        if parts_of(node) is None:
+            return self.now.leaf(node, key)
+        ids = _ids(node, key)
+        match node:
+            case ir.OverRun():
+                return self.cells.value(node, key, self.now, self.operands(node, key))
+            case ir.Not():
+                return negate(self._of(node.operand, ids))
+            case ir.Connective():
+                return connect(node.op, self._of(node.left, ids), self._of(node.right, ids))
+            case ir.Guarded():
+                guard, body = self._of(node.guard, ids), self._of(node.body, ids)
+                worst = body.worst if guard.best.sat else TRUE.worst
+                return Truth(worst, body.best if guard.worst.sat else TRUE.best)
+            case ir.Quantify():
+                return self._quantify(node, ids)
+            case _:
+                raise AssertionError(f"{type(node).__name__} is no formula over the run")
+
+    def _quantify(self, node: ir.Quantify, ids: Ids) -> Truth:
+        """Elements that may be in range count in the worst case of `for all` and in the best of `exists`; those that surely are, in the other."""
+        match node.extreme:
+            case Extreme.LEAST:
+                join = least
+            case Extreme.GREATEST:
+                join = greatest
+            case _:
+                assert_never(node.extreme)
+        worst = best = Bound(*node.extreme.neutral)
+        for name in self.now.ids[node.axis.signal]:
+            inner = {**ids, node.axis.level: name}
+            guard = TRUE if node.guard is None else self._of(node.guard, inner)
+            body = self._of(node.body, inner)
+            surely, possibly = guard.worst.sat, guard.best.sat
+            if possibly if join is least else surely:
+                worst = join(worst, body.worst)
+            if surely if join is least else possibly:
+                best = join(best, body.best)
+        return Truth(worst, best)
+
+
+def _ids(node: ir.Formula, key: Key) -> dict[int, str]:
+    return {axis.level: name for axis, name in zip(sets_of(node), key)}

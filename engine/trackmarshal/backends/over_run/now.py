@@ -1,0 +1,52 @@
+"""The present cycle as rules over the run see it: when it is, which elements there are, and what the leaves come to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import product
+
+from trackmarshal.backends.results import CaseValues
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import nanoseconds, sets
+from trackmarshal.ir.reads import reads
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.kleene import UNDEFINED
+from trackmarshal.runtime.verdict import Truth
+
+
+@dataclass(slots=True)
+class Now:
+    """One cycle. t: its stamp [ns]; name: what it is called; ids: which elements of each set are there, by signal."""
+
+    t: int
+    name: object
+    ids: Mapping[str, tuple[str, ...]]
+    frame: Frame
+    values: CaseValues
+    _known: dict[tuple[ir.Formula, tuple[str, ...]], Truth] = field(default_factory=dict)
+
+    def combinations(self, axes: tuple[ir.Axis, ...]) -> list[tuple[str, ...]]:
+        """What variables of some sets can stand for: one of nothing where there are none."""
+        return list(product(*(self.ids[axis.signal] for axis in axes)))
+
+    def leaf(self, node: ir.Formula, ids: tuple[str, ...]) -> Truth:
+        """The value of a formula about this cycle alone, for elements of the sets that its variables are of."""
+        key = node, ids
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = self._leaf(node, ids)
+        return known
+
+    def _leaf(self, node: ir.Formula, ids: tuple[str, ...]) -> Truth:
+        if self.frame.unusable(reads(node)) is not None:
+            return UNDEFINED
+        env = {axis.level: self.ids[axis.signal].index(name) for axis, name in zip(sets(node), ids)}
+        return self.values.truth(node, env)
+
+
+def happening(frame: Frame, values: CaseValues) -> Now:
+    """A frame with a stamp, as it happens."""
+    assert frame.t is not None, "a cycle of a run has a stamp"
+    ids = {name: columns.ids for name, columns in frame.columns.items()}
+    return Now(nanoseconds(frame.t), frame.number, ids, frame, values)

@@ -1,0 +1,152 @@
+"""Programs whose rules remember: each cycle's leaves from an evaluator, what they come to over the run from an engine with a memory."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+from trackmarshal.backends.over_run.now import Now, happening
+from trackmarshal.backends.over_run.outcome import Outcome
+from trackmarshal.backends.results import CaseValues, Outcomes, Stateless, rule_result
+from trackmarshal.ir.overrun import leaves, over_run
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.driven import as_driven, in_doubt
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.program import Judged, Memory, Rated
+from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
+
+if TYPE_CHECKING:
+    from trackmarshal.runtime.decision import Decision
+
+
+class Engine(Protocol):
+    """What rules over the run come to, cycle by cycle. A state is a value: a step gives another one, and leaves it as it is."""
+
+    def start(self) -> Any:
+        """Before the first cycle."""
+
+    def judge(self, state: Any, now: Now) -> Sequence[Outcome]:
+        """What each rule says in a cycle."""
+
+    def commit(self, state: Any, now: Now) -> Any:
+        """After a cycle, with the leaves as they are of what was decided to be driven."""
+
+    def missed(self, state: Any) -> Any:
+        """After a cycle that was refused, or did not come."""
+
+    def end(self, state: Any) -> Sequence[tuple[About, ...]]:
+        """What each rule says of the cycles that were left open, after the last one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Remembered(Memory):
+    """What an engine remembers."""
+
+    state: Any
+
+
+class Remembering:
+    """A program of rules some of which are over the run. Raises AssertionError for frames without a stamp."""
+
+    def __init__(
+        self, spec: Spec, rules: Sequence[RuleInfo], program: Callable[..., Stateless],
+        engine: Callable[[Sequence[RuleInfo]], Engine],
+    ) -> None:  # fmt: skip
+        self.spec = spec
+        self.rules: Sequence[RuleInfo] = [rule for rule in rules if rule.formula is not None]
+        self._over = [rule for rule in self.rules if remembers(rule)]
+        formulas = [
+            formula for rule in self._over for formula in (rule.formula, rule.active) if formula is not None
+        ]
+        found = dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula))
+        self.inner = program(spec, [rule for rule in self.rules if not remembers(rule)], tuple(found))
+        self._engine = engine(self._over)
+        #: Of each rule its place among those over the run, or among the others.
+        self._places = _places(self.rules)
+
+    @property
+    def identity(self) -> Mapping[str, Any]:
+        names = [rule.name for rule in self.rules]
+        return {**self.inner.identity, "rules": names}
+
+    def start(self) -> Memory:
+        return Remembered(self._engine.start())
+
+    def judge(self, memory: Memory, frame: Frame) -> Judged:
+        assert isinstance(memory, Remembered)
+        seen = frame.seen()
+        outcomes = self.inner.outcomes([one for _, one in seen])
+        return Judged(
+            frame, {name: self._rated(memory.state, one, each) for (name, one), each in zip(seen, outcomes)}
+        )
+
+    def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
+        """Each frame as the first and only cycle of a run."""
+        return [self.judge(self.start(), frame) for frame in frames]
+
+    def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
+        assert isinstance(memory, Remembered)
+        if in_doubt(frame, decision):
+            return self.missed(memory)
+        driven = as_driven(frame, decision)
+        (outcome,) = self.inner.outcomes([driven])
+        return Remembered(self._engine.commit(memory.state, happening(driven, outcome.values())))
+
+    def missed(self, memory: Memory) -> Memory:
+        assert isinstance(memory, Remembered)
+        return Remembered(self._engine.missed(memory.state))
+
+    def end(self, memory: Memory) -> dict[str, tuple[About, ...]]:
+        assert isinstance(memory, Remembered)
+        return {rule.name: found for rule, found in zip(self._over, self._engine.end(memory.state)) if found}
+
+    def _rated(self, state: Any, frame: Frame, inner: Outcomes) -> Rated:
+        plain, values = inner.rated, inner.values
+        found = [
+            _blocked(frame) if frame.unusable(rule.reads) is not None else outcome
+            for rule, outcome in zip(self._over, self._engine.judge(state, happening(frame, values())))
+        ]
+        verdicts, margins = bytearray(), []
+        for over, place in self._places:
+            verdicts.append(VERDICTS.index(found[place].verdict) if over else plain.verdicts[place])
+            margins.append(found[place].margin if over else float(plain.margins[place]))
+
+        def explain(number: int, series: bool = False) -> RuleResult:
+            over, place = self._places[number]
+            return (
+                _explained(self._over[place], frame, values(), found[place])
+                if over
+                else plain.explain(place, series)
+            )
+
+        return Rated(bytes(verdicts), margins, explain)
+
+
+def remembers(rule: RuleInfo) -> bool:
+    """Whether what a rule says of a cycle depends on others."""
+    return over_run(rule.formula) or over_run(rule.active)
+
+
+def _places(rules: Sequence[RuleInfo]) -> list[tuple[bool, int]]:
+    counts = {True: 0, False: 0}
+    places = []
+    for rule in rules:
+        over = remembers(rule)
+        places.append((over, counts[over]))
+        counts[over] += 1
+    return places
+
+
+def _blocked(frame: Frame) -> Outcome:
+    return Outcome("undefined", math.nan, (About(frame.number, "undefined", math.nan, True),), ())
+
+
+def _explained(rule: RuleInfo, frame: Frame, values: CaseValues, outcome: Outcome) -> RuleResult:
+    blocked = frame.unusable(rule.reads)
+    if blocked is not None:
+        return replace(rule_result(rule, frame, values, ("undefined", math.nan)), about=outcome.about)
+    unit = rule.unit if rule.unit != "mixed" else "1"
+    reason = "nothing in its range" if outcome.verdict == "inactive" else ""
+    return RuleResult(rule.name, outcome.verdict, outcome.margin, unit, None, reason, None, "", outcome.about)

@@ -1,0 +1,158 @@
+"""Rules over the run in memory that does not grow: what looks back in cells, what looks ahead as far as it still can change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from trackmarshal.backends.over_run.cells import Cells, Present, cells_of
+from trackmarshal.backends.over_run.history import (
+    Earlier,
+    History,
+    Leaf,
+    Past,
+    looks_ahead,
+    parts_ahead,
+    sets_of,
+    values_of,
+)
+from trackmarshal.backends.over_run.now import Now
+from trackmarshal.backends.over_run.outcome import ALWAYS, Known, Outcome, Pending, outcome
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import back, leaves
+from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.runtime.verdict import About, Truth
+
+
+@dataclass(slots=True)
+class _Kept:
+    """What is remembered. taken: whether a later state has taken it over."""
+
+    cells: Cells
+    #: The cycles that may still matter to what looks ahead, and how many came before them.
+    cycles: list[Past]
+    dropped: int
+    missed: int
+    pending: list[tuple[Pending, ...]]
+    #: What operators without a bound, over what looks ahead, make of the cycles that are dropped.
+    earlier: Earlier
+    taken: bool = False
+
+
+class Streaming:
+    """An `Engine` that keeps what it needs. A state can be used once: whatever follows it takes its memory over."""
+
+    def __init__(self, rules: Sequence[RuleInfo]) -> None:
+        self._rules = rules
+        by_rule = [
+            [formula for formula in (rule.formula, rule.active) if formula is not None] for rule in rules
+        ]
+        self._nodes = cells_of(formula for formulas in by_rule for formula in formulas)
+        #: Which rules may still change what they say of a cycle when it is past.
+        self._ahead = [any(map(looks_ahead, formulas)) for formulas in by_rule]
+        of_ahead = [formula for formulas, ahead in zip(by_rule, self._ahead) if ahead for formula in formulas]
+        self._leaves = tuple(
+            dict.fromkeys(leaf for formula in of_ahead for leaf in leaves(formula, parts_ahead))
+        )
+        self._unbounded = [
+            node
+            for node in cells_of(of_ahead, looks_ahead)
+            if node.past and node.op != "previous" and node.upper is None
+        ]
+        #: How far back from the oldest open cycle anything is looked at: nanoseconds, and cycles.
+        reaches = [back(formula) for formula in of_ahead]
+        self._back = (
+            max((reach for reach, _ in reaches), default=0),
+            max((steps for _, steps in reaches), default=0),
+        )
+
+    def start(self) -> _Kept:
+        return _Kept(Cells(self._nodes), [], 0, 0, [() for _ in self._rules], {})
+
+    def judge(self, state: _Kept, now: Now) -> list[Outcome]:
+        present = self._fresh(state).cells.at(now)
+        return self._outcomes(state, [*state.cycles, self._past(state, now, present)], present)
+
+    def commit(self, state: _Kept, now: Now) -> _Kept:
+        present = self._fresh(state).cells.at(now)
+        known = {
+            (leaf, ids): present.leaf(leaf, ids)
+            for leaf in self._leaves
+            for ids in now.combinations(sets_of(leaf))
+        }
+        cycles = (
+            [*state.cycles, Past(now.t, now.name, now.ids, _looked_up(known), state.missed)]
+            if self._leaves
+            else []
+        )
+        found = self._outcomes(state, cycles, present)
+        state.cells.remember(now, present)
+        state.taken = True
+        pending = [one.pending for one in found]
+        old = self._too_old(cycles, state.dropped, pending)
+        history = History(cycles, False, parts_ahead, state.earlier)
+        earlier = history.folded(self._unbounded, old)
+        return _Kept(state.cells, cycles[old:], state.dropped + old, 0, pending, earlier)
+
+    def missed(self, state: _Kept) -> _Kept:
+        self._fresh(state).taken = True
+        state.cells.missed()
+        missed = state.missed + 1 if state.cycles else 0
+        return _Kept(state.cells, state.cycles, state.dropped, missed, state.pending, state.earlier)
+
+    def end(self, state: _Kept) -> list[tuple[About, ...]]:
+        values = values_of(History(self._fresh(state).cycles, True, parts_ahead, state.earlier))
+        placed = [tuple(_placed(one, -state.dropped) for one in pending) for pending in state.pending]
+        return [
+            outcome(rule, pending[:-1], pending[-1], values).about if pending else ()
+            for rule, pending in zip(self._rules, placed)
+        ]
+
+    def _outcomes(self, state: _Kept, cycles: list[Past], present: Present) -> list[Outcome]:
+        history = History(cycles, False, parts_ahead, state.earlier)
+        ahead, place = values_of(history), len(cycles) - 1
+        now = Pending(place, present.now.name, False)
+
+        def settled(rule: RuleInfo, _: int) -> tuple[Known, Known]:
+            assert rule.formula is not None
+            active = ALWAYS if rule.active is None else Known(present.leaf(rule.active, ()), True)
+            return Known(present.leaf(rule.formula, ()), True), active
+
+        found = []
+        for rule, open_, pending in zip(self._rules, self._ahead, state.pending):
+            one = outcome(
+                rule, [_placed(p, -state.dropped) for p in pending], now, ahead if open_ else settled
+            )
+            found.append(
+                Outcome(
+                    one.verdict, one.margin, one.about, tuple(_placed(p, state.dropped) for p in one.pending)
+                )
+            )
+        return found
+
+    def _past(self, state: _Kept, now: Now, present: Present) -> Past:
+        return Past(now.t, now.name, now.ids, present.leaf, state.missed)
+
+    def _fresh(self, state: _Kept) -> _Kept:
+        if state.taken:
+            raise RuntimeError("the memory of an earlier cycle was taken over by a later one")
+        return state
+
+    def _too_old(self, cycles: list[Past], dropped: int, pending: list[tuple[Pending, ...]]) -> int:
+        """How many cycles nothing that is open, or is to come, looks at any more."""
+        reach, steps = self._back
+        oldest = min((one.place - dropped for each in pending for one in each), default=len(cycles))
+        first = oldest
+        limit = cycles[min(oldest, len(cycles) - 1)].t - reach if cycles else 0
+        while first > 0 and cycles[first - 1].t >= limit:
+            first -= 1
+        # One more, so that a gap before the first is seen, and as many as steps go back.
+        return max(0, first - steps - 1)
+
+
+def _looked_up(known: dict[tuple[ir.Formula, tuple[str, ...]], Truth]) -> Leaf:
+    return lambda leaf, ids: known[leaf, ids]
+
+
+def _placed(pending: Pending, by: int) -> Pending:
+    return Pending(pending.place + by, pending.name, pending.decided)

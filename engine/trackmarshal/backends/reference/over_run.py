@@ -1,0 +1,75 @@
+"""Rules over the run with every cycle kept: the engine that others are held against."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from trackmarshal.backends.over_run.history import History, Past, sets_of, values_of
+from trackmarshal.backends.over_run.now import Now
+from trackmarshal.backends.over_run.outcome import Outcome, Pending, outcome
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import leaves
+from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.runtime.verdict import About, Truth
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """The cycles so far, how many were missed since the last one, and by rule the cycles about which it may still change."""
+
+    cycles: tuple[Past, ...]
+    missed: int
+    pending: tuple[tuple[Pending, ...], ...]
+
+
+class KeepingAll:
+    """An `Engine` over histories."""
+
+    def __init__(self, rules: Sequence[RuleInfo]) -> None:
+        self._rules = rules
+        formulas = [
+            formula for rule in rules for formula in (rule.formula, rule.active) if formula is not None
+        ]
+        self._leaves = tuple(dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula)))
+
+    def start(self) -> Kept:
+        return Kept((), 0, ((),) * len(self._rules))
+
+    def judge(self, state: Kept, now: Now) -> list[Outcome]:
+        return self._outcomes(History((*state.cycles, _past(state, now))), state, now)
+
+    def commit(self, state: Kept, now: Now) -> Kept:
+        known = self._all_of(now)
+        this = Past(now.t, now.name, now.ids, lambda leaf, ids: known[leaf, ids], state.missed)
+        cycles = (*state.cycles, this)
+        found = self._outcomes(History(cycles), state, now)
+        return Kept(cycles, 0, tuple(one.pending for one in found))
+
+    def missed(self, state: Kept) -> Kept:
+        # What comes before the first cycle is no gap: nothing was remembered yet.
+        return Kept(state.cycles, state.missed + 1 if state.cycles else 0, state.pending)
+
+    def end(self, state: Kept) -> list[tuple[About, ...]]:
+        history = History(state.cycles, ended=True)
+        return [
+            outcome(rule, pending[:-1], pending[-1], values_of(history)).about if pending else ()
+            for rule, pending in zip(self._rules, state.pending)
+        ]
+
+    def _outcomes(self, history: History, state: Kept, now: Now) -> list[Outcome]:
+        this = Pending(len(history.cycles) - 1, now.name, False)
+        values = values_of(history)
+        return [outcome(rule, pending, this, values) for rule, pending in zip(self._rules, state.pending)]
+
+    def _all_of(self, now: Now) -> dict[tuple[ir.Formula, tuple[str, ...]], Truth]:
+        """The values of all leaves for all elements that are there."""
+        found: dict[tuple[ir.Formula, tuple[str, ...]], Truth] = {}
+        for leaf in self._leaves:
+            for ids in now.combinations(sets_of(leaf)):
+                found[leaf, ids] = now.leaf(leaf, ids)
+        return found
+
+
+def _past(state: Kept, now: Now) -> Past:
+    return Past(now.t, now.name, now.ids, now.leaf, state.missed)

@@ -1,0 +1,37 @@
+"""A formula's structure as text, which fingerprints are made of."""
+
+from __future__ import annotations
+
+from trackmarshal.ir import nodes as ir
+
+
+def describe(root: ir.IR) -> str:
+    """A formula's structure as text, each shared node once: equal texts, equal meanings."""
+    numbers: dict[int, int] = {}
+    lines: list[str] = []
+
+    def visit(node: ir.IR) -> int:
+        if id(node) in numbers:
+            return numbers[id(node)]
+        parts = []
+        said = node.__dict__
+        if isinstance(node, ir.Compare):  # told as written: what is kept rests on fingerprints
+            said = {**said, **dict(zip(("op", "left", "right"), node.written))}
+        for name in node.compared:
+            value = said[name]
+            if name in ("shown", "turned"):
+                continue  # how a comparison is shown is no part of what a formula means
+            if isinstance(value, ir.IR):
+                parts.append(f"#{visit(value)}")
+            elif isinstance(value, tuple):
+                parts.append(
+                    "(" + " ".join(f"#{visit(v)}" if isinstance(v, ir.IR) else repr(v) for v in value) + ")"
+                )
+            else:
+                parts.append(repr(value))
+        numbers[id(node)] = len(numbers)
+        lines.append(f"{type(node).__name__} {' '.join(parts)}")
+        return numbers[id(node)]
+
+    visit(root)
+    return "\n".join(lines)

@@ -1,0 +1,46 @@
+"""The units of a formula's margin."""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+from trackmarshal.ir import nodes as ir
+
+
+def margin_unit(formula: ir.Formula | None) -> str:
+    """The unit of all of a formula's comparisons; "mixed" where they differ, "1" where there are none."""
+    units = set() if formula is None else margin_units(formula)
+    if not units:
+        return "1"
+    return units.pop() if len(units) == 1 else "mixed"
+
+
+def margin_units(formula: ir.Formula) -> set[str]:
+    """The units of a formula's comparisons, one of which is that of its margin."""
+    atoms = formula_atoms(formula)
+    units = {n.unit for n in atoms if isinstance(n, ir.Compare)}
+    return units | {"m" for n in atoms if isinstance(n, ir.Geometry)}
+
+
+def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
+    """The comparisons, flags and geometric predicates that decide a formula (guards choose, they don't decide)."""
+    atoms: list[ir.Formula] = []
+    stack: list[ir.Formula] = [formula]
+    while stack:
+        node = stack.pop()
+        match node:
+            case ir.Compare() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
+                atoms.append(node)
+            case ir.Truth():
+                pass
+            case ir.Quantify() | ir.Guarded():
+                stack.append(node.body)
+            case ir.Connective() | ir.Until():
+                stack += [node.left, node.right]
+            case ir.Not() | ir.Temporal() | ir.Shift() | ir.First():
+                stack.append(node.operand)
+            case ir.OverRun():
+                stack += node.operands
+            case _:
+                assert_never(node)
+    return atoms

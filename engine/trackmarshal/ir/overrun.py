@@ -1,0 +1,98 @@
+"""Formulas over the run: what they are made of, and how far they look ahead.
+
+A formula over the run is put together, by connectives, guards, quantifiers over sets and temporal operators, from leaves: formulas
+that speak of one cycle alone. Whoever knows the leaves of every cycle knows the formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from trackmarshal.ir import nodes as ir
+
+
+def nanoseconds(seconds: float) -> int:
+    """A time in whole nanoseconds, to the nearest: so that thirty times 0.1 s are 3 s. Raises ValueError or OverflowError where it is none."""
+    return round(seconds * 1e9)
+
+
+def over_run(formula: ir.Formula | None) -> bool:
+    """Whether a formula speaks of other cycles than the present one."""
+    return formula is not None and any(isinstance(node, ir.OverRun) for node in ir.below(formula))
+
+
+def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
+    """The formulas of which a formula over the run is put together; None for a leaf."""
+    if not over_run(node):
+        return None
+    match node:
+        case ir.OverRun():
+            return node.operands
+        case ir.Not():
+            return (node.operand,)
+        case ir.Connective():
+            return node.left, node.right
+        case ir.Guarded():
+            return node.guard, node.body
+        case ir.Quantify():
+            return (node.body,) if node.guard is None else (node.guard, node.body)
+        case _:
+            raise AssertionError(f"{type(node).__name__} is put together from no formulas over the run")
+
+
+def leaves(
+    formula: ir.Formula, taken_apart: Callable[[ir.Formula], tuple[ir.Formula, ...] | None] = parts
+) -> Iterator[ir.Formula]:
+    """The formulas about one cycle alone from which a formula is put together, each once, in order; or whatever is not `taken_apart`."""
+    seen: set[ir.Formula] = set()
+    stack = [formula]
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        below = taken_apart(node)
+        if below is None:
+            yield node
+        else:
+            stack.extend(reversed(below))
+
+
+def sets(node: ir.Formula) -> tuple[ir.Axis, ...]:
+    """The axes of variables that are free in a formula, the outermost first."""
+    found: set[ir.Axis] = set()
+    bound: set[ir.Axis] = set()
+    for part in ir.below(node):
+        if isinstance(part, (ir.Column, ir.Flag, ir.Temporal, ir.Until, ir.Shift)) and part.axis is not None:
+            found.add(part.axis)
+        elif isinstance(part, (ir.Quantify, ir.First)):
+            bound.add(part.axis)
+    return tuple(sorted(found - bound, key=lambda axis: axis.level))
+
+
+def ahead(node: ir.Formula) -> int | None:
+    """How many nanoseconds after a cycle a formula about it can still change; None: for ever. Cycles that `next` waits for are not counted."""
+    below = parts(node)
+    if below is None:
+        return 0
+    reaches = [ahead(part) for part in below]
+    own = 0 if not isinstance(node, ir.OverRun) or node.past or node.op == "next" else node.upper
+    if own is None or None in reaches:
+        return None
+    return own + max(reach for reach in reaches if reach is not None)
+
+
+def back(node: ir.Formula) -> tuple[int, int]:
+    """How far before a cycle the operators over others that look ahead look for a formula about it: nanoseconds, and cycles of `previous`.
+
+    Those that look back alone do not count: what they say is settled in its own cycle. Of those without a bound, what they make of earlier
+    cycles is kept.
+    """
+    below = parts(node)
+    if below is None or not any(isinstance(part, ir.OverRun) and not part.past for part in ir.below(node)):
+        return 0, 0
+    inside = [back(part) for part in below]
+    reach, steps = max(reach for reach, _ in inside), max(steps for _, steps in inside)
+    if isinstance(node, ir.OverRun) and node.past:
+        return reach + (node.upper or 0), steps + (node.op == "previous")
+    return reach, steps

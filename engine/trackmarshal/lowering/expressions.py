@@ -1,0 +1,326 @@
+"""Numbers and formulas of the typed tree to the core, which knows few operators: the others are rewritten by their definitions.
+
+A rewriting keeps verdicts, margins to the bit, and what decided. `iff` and `xor` are no minimum or maximum of what they join, so they stay.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, assert_never
+
+from trackmarshal import typed
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import FUNCTIONS
+from trackmarshal.ir.overrun import nanoseconds
+from trackmarshal.ir.spec import Called
+from trackmarshal.lowering.things import Things, nothing_given
+from trackmarshal.source import Span
+from trackmarshal.syntax import ast
+from trackmarshal.units import show
+
+#: Numbers that no input changes, and what they are made of.
+_FIXED = (ir.Const, ir.Param, ir.Arith, ir.Neg, ir.Func)
+
+
+class Lowering:
+    """Makes core nodes of typed ones. `site` is the call in a rule's own file, inside a definition: there, messages point to it."""
+
+    def __init__(self, interner: ir.Interner) -> None:
+        self.make = interner.make
+        self.things = Things(interner)
+        #: What names stand for: each is lowered once, where it gets its name.
+        self._numbers: dict[typed.Number, ir.Num] = {}
+        self._formulas: dict[typed.Formula, ir.Formula] = {}
+        #: What the rule calls values, for whoever shows them; of a value with names of its own, the outermost.
+        self.names: dict[ir.IR, Called] = {}
+
+    def bind(self, value: typed.Value, site: Span | None) -> None:
+        """Lower what a name stands for; whatever is no number or formula is looked at where it is used."""
+        if isinstance(value, typed.NumberNode):
+            self._numbers[value] = self.number(value, site)
+        elif isinstance(value, typed.FormulaNode):
+            self._formulas[value] = self.formula(value, site)
+
+    def named(self, value: typed.Value, name: str) -> None:
+        """Note what a `let` calls a number or a formula that is bound."""
+        if isinstance(value, typed.NumberNode):
+            self._call(self._numbers[value], name)
+        elif isinstance(value, typed.FormulaNode):
+            self._call(self._formulas[value], name)
+
+    def _call(self, node: ir.Num | ir.Formula, name: str, own: bool = True) -> None:
+        if own or node not in self.names:
+            self.names[node] = Called(node, name, own)
+
+    def number(self, node: typed.Number, site: Span | None = None) -> ir.Num:
+        """The core of a number."""
+        make = self.make
+        match node:
+            case typed.NamedNumber():
+                if node.value is None:
+                    raise nothing_given(node.name)
+                return self._numbers[node.value]
+            case typed.Field():
+                return self.things.column(node.record, node.name)
+            case typed.Literally():
+                return make(ir.Const, node.value)
+            case typed.Arithmetic():
+                return make(ir.Arith, node.op, self.number(node.left, site), self.number(node.right, site))
+            case typed.CalledNumber():
+                inner = self._enter(node, site)
+                value = self.number(node.body, inner)
+                self._call(value, node.symbol.name)
+                return value
+            case typed.Parameter():
+                return make(ir.Param, node.symbol.qualified)
+            case typed.Function():
+                return self._function(node, site)
+            case typed.Power():
+                return self._power(node, site)
+            case typed.Choice():
+                condition = self.formula(node.condition, site)
+                return make(
+                    ir.Choose, condition, self.number(node.then, site), self.number(node.otherwise, site)
+                )
+            case typed.Negative():
+                operand = self.number(node.operand, site)
+                if isinstance(operand, ir.Const):
+                    return make(ir.Const, -operand.value)
+                return make(ir.Neg, operand)
+            case typed.TableValue():
+                return make(ir.Lookup, node.symbol.qualified, self.number(node.argument, site))
+            case typed.OnLine():
+                return self._on_line(node)
+            case typed.StationGap():
+                start, end = self.number(node.start, site), self.number(node.end, site)
+                return make(ir.StationGap, self.things.line(node.line), start, end)
+            case typed.Pi():
+                return make(ir.Const, math.pi)
+            case _:
+                assert_never(node)
+
+    def formula(self, node: typed.Formula, site: Span | None = None) -> ir.Formula:
+        """The core of a formula."""
+        make = self.make
+        match node:
+            case typed.Comparison():
+                left, right = self.number(node.left, site), self.number(node.right, site)
+                return self._compare(node.op, (node.left, left), (node.right, right), site or node.span)
+            case typed.Connective():
+                left_, right_ = self.formula(node.left, site), self.formula(node.right, site)
+                if node.op == "implies":
+                    return make(ir.Connective, "or", make(ir.Not, left_), right_)
+                return make(ir.Connective, node.op, left_, right_)
+            case typed.CalledFormula():
+                inner = self._enter(node, site)
+                holds = self.formula(node.body, inner)
+                self._call(holds, node.symbol.name)
+                return holds
+            case typed.NamedFormula():
+                return self._formulas[node.value]
+            case typed.Not():
+                return make(ir.Not, self.formula(node.operand, site))
+            case typed.Chained():
+                return self._chained(node, site)
+            case typed.Within():
+                numbers = [(part, self.number(part, site)) for part in (node.value, node.lower, node.upper)]
+                value, lower, upper = numbers
+                at = site or node.span
+                return self._and(
+                    [self._compare("<=", lower, value, at), self._compare("<=", value, upper, at)]
+                )
+            case typed.Quantified():
+                axis = self.things.axis(node.range)
+                guard = None if node.where is None else self.formula(node.where, site)
+                body = self.formula(node.body, site)
+                return make(ir.Quantify, node.quantifier, axis, guard, body, node.range.names)
+            case typed.BooleanField():
+                return self.things.flag(node.record, node.name, site or node.span)
+            case typed.Event():
+                return make(ir.Flag, node.symbol.name, None, None, 0, site or node.span)
+            case typed.Boolean():
+                return make(ir.Truth, node.value)
+            case typed.Inside() | typed.ClearOf() | typed.InZone():
+                return self._geometry(node, site)
+            case typed.Temporal() | typed.Until() | typed.Step() | typed.Edge():
+                return self._timed(node, site)
+            case _:
+                assert_never(node)
+
+    def _enter(self, call: typed.CalledNumber | typed.CalledFormula, site: Span | None) -> Span:
+        """Name the arguments of a call, as the caller means them; where messages about its body point."""
+        for argument in call.arguments:
+            self.bind(argument, site)
+        item = call.symbol.item
+        assert isinstance(item, ast.Define)
+        for parameter, argument in zip(item.parameters, call.arguments):
+            if isinstance(argument, typed.NumberNode):
+                self._call(self._numbers[argument], parameter.name, own=False)
+        return site or call.span
+
+    # Numbers ----------------------------------------------------------------------------------------------------
+
+    def _function(self, node: typed.Function, site: Span | None) -> ir.Num:
+        numbers = tuple([self.number(argument, site) for argument in node.arguments])
+        if not FUNCTIONS[node.name].more:
+            return self.make(ir.Func, node.name, numbers)
+        first, *others = numbers
+        for other in others:
+            first = self.make(ir.Func, node.name, (first, other))
+        return first
+
+    def _power(self, node: typed.Power, site: Span | None) -> ir.Num:
+        base, whole = self.number(node.base, site), typed.whole_exponent(node.exponent)
+        if whole is None:
+            return self.make(ir.Func, "pow", (base, self.number(node.exponent, site)))
+        product = base
+        for _ in range(abs(whole) - 1):  # defined as repeated multiplication, not as a library's pow
+            product = self.make(ir.Arith, "*", product, base)
+        return product if whole > 0 else self.make(ir.Arith, "/", self.make(ir.Const, 1.0), product)
+
+    def _on_line(self, node: typed.OnLine) -> ir.Num:
+        (x, y), line = self.things.point(node.point), self.things.line(node.line)
+        match node.function:
+            case "station":
+                return self.make(ir.Station, line, x, y)
+            case "offset":
+                return self.make(ir.Offset, line, x, y)
+            case "direction":
+                return self.make(ir.Direction, line, x, y)
+            case "distance_to":
+                return self.make(ir.Distance, line, x, y)
+            case _:
+                assert_never(node.function)
+
+    # Formulas -----------------------------------------------------------------------------------------------------
+
+    def _compare(
+        self,
+        op: typed.Comparing,
+        left: tuple[typed.Number, ir.Num],
+        right: tuple[typed.Number, ir.Num],
+        span: Span,
+    ) -> ir.Formula:
+        """A comparison: `a > b` is `b < a`, whose margin is the same difference a - b; `turned`, for who shows its sides."""
+        (written, a), (_, b) = left, right
+        unit, shown = show(written.dimension), _of_limit(left, right)
+        match op:
+            case "<" | "<=" | "==" | "!=":
+                return self.make(ir.Compare, op, a, b, unit, span, shown, False)
+            case ">":
+                return self.make(ir.Compare, "<", b, a, unit, span, shown, True)
+            case ">=":
+                return self.make(ir.Compare, "<=", b, a, unit, span, shown, True)
+            case _:
+                assert_never(op)
+
+    def _chained(self, node: typed.Chained, site: Span | None) -> ir.Formula:
+        """Neighbours compared, and all of it joined by `and`; every operand is one number, however often it is compared."""
+        numbers = [(operand, self.number(operand, site)) for operand in node.operands]
+        return self._and(
+            [
+                self._compare(op, left, right, site or left[0].span.to(right[0].span))
+                for op, left, right in zip(node.ops, numbers, numbers[1:])
+            ]
+        )
+
+    def _and(self, formulas: list[ir.Formula]) -> ir.Formula:
+        first, *others = formulas
+        for other in others:
+            first = self.make(ir.Connective, "and", first, other)
+        return first
+
+    def _geometry(
+        self, node: typed.Inside | typed.ClearOf | typed.InZone, site: Span | None
+    ) -> ir.Formula:  # fmt: skip
+        at, number = site or node.span, lambda part: self.number(part, site)
+        match node:
+            case typed.InZone():
+                return self.make(ir.InArea, *self.things.point(node.point), self.things.area(node.zone), at)
+            case typed.Inside():
+                swept = self.things.region(node.region, number)
+                return self.make(
+                    ir.SweptInside,
+                    start=swept.start, end=swept.end, length=swept.length, width=swept.width, bend=swept.bend,
+                    area=self.things.area(node.area), span=at,
+                )  # fmt: skip
+            case typed.ClearOf():
+                swept, box = self.things.region(node.region, number), self.things.region(node.other, number)
+                return self.make(
+                    ir.SweptClear,
+                    start=swept.start, end=swept.end, length=swept.length, width=swept.width,
+                    box=box.start, box_length=box.length, box_width=box.width, bend=swept.bend, span=at,
+                )  # fmt: skip
+            case _:
+                assert_never(node)
+
+    def _timed(
+        self, node: typed.Temporal | typed.Until | typed.Step | typed.Edge, site: Span | None
+    ) -> ir.Formula:  # fmt: skip
+        if isinstance(node.axis, typed.TheRun):
+            return self._over_run(node, site or node.span, site)
+        make, axis = self.make, self.things.axis(node.axis)
+        match node:
+            case typed.Temporal():
+                operand = self.formula(node.operand, site)
+                return make(ir.Temporal, node.op, axis, operand, *_bounds(node.window))
+            case typed.Until():
+                left, right = self.formula(node.left, site), self.formula(node.right, site)
+                return make(ir.Until, node.op, axis, left, right, *_bounds(node.window))
+            case typed.Step():
+                step: Literal[1, -1] = 1 if node.op == "next" else -1
+                return make(ir.Shift, axis, self.formula(node.operand, site), step, node.weak)
+            case typed.Edge():
+                # Before the first sample, what rises counts as false and what falls as true: there, only now counts.
+                now = self.formula(node.operand, site)
+                denied = make(ir.Not, now)
+                before, now = (denied, now) if node.op == "rising" else (now, denied)
+                return make(ir.Connective, "and", make(ir.Shift, axis, before, -1, True), now)
+            case _:
+                assert_never(node)
+
+    def _over_run(
+        self, node: typed.Temporal | typed.Until | typed.Step | typed.Edge, at: Span, site: Span | None
+    ) -> ir.Formula:
+        """The same of the run, whose times are whole nanoseconds."""
+        make = self.make
+        match node:
+            case typed.Temporal():
+                low, high = _in_nanoseconds(node.window)
+                return make(ir.OverRun, node.op, (self.formula(node.operand, site),), low, high, False, at)
+            case typed.Until():
+                low, high = _in_nanoseconds(node.window)
+                sides = self.formula(node.left, site), self.formula(node.right, site)
+                return make(ir.OverRun, node.op, sides, low, high, False, at)
+            case typed.Step():
+                return make(
+                    ir.OverRun, node.op, (self.formula(node.operand, site),), None, None, node.weak, at
+                )
+            case typed.Edge():
+                now = self.formula(node.operand, site)
+                denied = make(ir.Not, now)
+                before, now = (denied, now) if node.op == "rising" else (now, denied)
+                return make(
+                    ir.Connective, "and", make(ir.OverRun, "previous", (before,), None, None, True, at), now
+                )
+            case _:
+                assert_never(node)
+
+
+def _in_nanoseconds(window: typed.Window | None) -> tuple[int | None, int | None]:
+    if window is None:
+        return None, None
+    low, high = window.seconds
+    return nanoseconds(low), nanoseconds(high)
+
+
+def _bounds(window: typed.Window | None) -> tuple[float | None, float | None]:
+    return (None, None) if window is None else window.seconds
+
+
+def _of_limit(left: tuple[typed.Number, ir.Num], right: tuple[typed.Number, ir.Num]) -> str:
+    """The unit in which a comparison's limit is written: that of the side which depends on no input, else of the right one."""
+    for number, core in (right, left):
+        if all(isinstance(node, _FIXED) for node in ir.below(core)):
+            return number.written
+    return right[0].written or left[0].written

@@ -1,0 +1,102 @@
+"""The clauses of a rule to one formula."""
+
+from __future__ import annotations
+
+from typing import assert_never
+
+from trackmarshal import typed
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import nanoseconds
+from trackmarshal.ir.spec import Called
+from trackmarshal.lowering.expressions import Lowering
+from trackmarshal.node import Node
+
+
+class Lowered(Node):
+    """A rule's formula; `active` holds where the rule applies at all (None: always); `along` is its timeline."""
+
+    formula: ir.Formula
+    active: ir.Formula | None
+    along: ir.Axis | None
+    #: What the rule calls the values in it.
+    names: tuple[Called, ...] = ()
+
+
+class _Level(Node):
+    """A clause that the condition stands under: its axis, and its guard, both where it has them."""
+
+    clause: typed.Along | typed.Whenever | typed.ForEach
+    axis: ir.Axis | None
+    guard: ir.Formula | None
+
+
+def lower_rule(rule: typed.Rule, interner: ir.Interner) -> Lowered:
+    """The core of a rule."""
+    lowering = Lowering(interner)
+    levels: list[_Level] = []
+    body: ir.Formula | None = None
+    deadline: typed.Deadline | None = None
+    for clause in rule.clauses:
+        match clause:
+            case typed.Let():
+                lowering.bind(clause.value, None)
+                lowering.named(clause.value, clause.name)
+            case typed.Along():
+                levels.append(_Level(clause, lowering.things.axis(clause.range), None))
+            case typed.Whenever():
+                levels.append(_Level(clause, None, lowering.formula(clause.condition)))
+            case typed.ForEach():
+                guard = None if clause.where is None else lowering.formula(clause.where)
+                levels.append(_Level(clause, lowering.things.axis(clause.range), guard))
+            case typed.Except():
+                place, level = next((i, one) for i, one in enumerate(levels) if one.clause is clause.of)
+                allowed: ir.Formula = interner.make(ir.Not, lowering.formula(clause.condition))
+                if level.guard is not None:
+                    allowed = interner.make(ir.Connective, "and", level.guard, allowed)
+                levels[place] = _Level(level.clause, level.axis, allowed)
+            case typed.Deadline():
+                deadline = clause
+            case typed.Require():
+                body = lowering.formula(clause.condition)
+                if deadline is not None:
+                    window = (0, nanoseconds(deadline.seconds))
+                    body = interner.make(ir.OverRun, "eventually", (body,), *window, False, deadline.span)
+            case _:
+                assert_never(clause)
+    assert body is not None
+    # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
+    levels.sort(key=lambda level: not isinstance(level.clause, typed.Along))
+    core = _nested(levels, body, interner)
+    return Lowered(core.formula, core.active, core.along, tuple(lowering.names.values()))
+
+
+def _nested(levels: list[_Level], body: ir.Formula, interner: ir.Interner) -> Lowered:
+    make = interner.make
+    active: ir.Formula | None = None
+    along: ir.Axis | None = None
+    for level in reversed(levels):
+        clause, axis, guard = level.clause, level.axis, level.guard
+        match clause:
+            case typed.ForEach():
+                assert axis is not None
+                names = clause.range.names
+                body = make(ir.Quantify, clause.quantifier, axis, guard, body, names)
+                # An empty `for all` demands nothing; an empty `exists` has not found what it demands, and an
+                # element whose own demand is empty is found: whatever lies below an `exists`, it is never idle.
+                if clause.quantifier == "for all":
+                    inner = active or make(ir.Truth, True)
+                    active = make(ir.Quantify, "exists", axis, guard, inner, names)
+                else:
+                    active = None
+            case typed.Whenever():
+                assert guard is not None
+                body = make(ir.Guarded, guard, body)
+                active = guard if active is None else make(ir.Connective, "and", guard, active)
+            case typed.Along():
+                assert axis is not None
+                name = clause.range.names[0]
+                body, along = make(ir.First, axis, name, body), axis
+                active = None if active is None else make(ir.First, axis, name, active)
+            case _:
+                assert_never(clause)
+    return Lowered(body, active, along)

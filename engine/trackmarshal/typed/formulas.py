@@ -1,0 +1,191 @@
+"""Formulas as written."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+from trackmarshal.ir.operators import Quantifier, TemporalOp, UntilOp
+from trackmarshal.source import Span
+from trackmarshal.typed.base import Changing, Comparing, Joining, Stepping, Typed
+from trackmarshal.typed.numbers import Number
+from trackmarshal.typed.symbol import Symbol
+from trackmarshal.typed.things import Area, Range, Record, Region, TimeAxis, Zone
+
+if TYPE_CHECKING:
+    from trackmarshal.typed import Value
+
+
+class FormulaNode(Typed):
+    """Something true, false or undefined."""
+
+
+class Boolean(FormulaNode):
+    """`true`, `false`."""
+
+    value: bool
+    span: Span
+
+
+class Event(FormulaNode):
+    """An `event` of the input."""
+
+    symbol: Symbol
+    span: Span
+
+
+class BooleanField(FormulaNode):
+    """`o.braking`."""
+
+    record: Record
+    name: str
+    span: Span
+
+
+class Comparison(FormulaNode):
+    """Two numbers of one dimension compared."""
+
+    op: Comparing
+    left: Number
+    right: Number
+    span: Span
+
+
+class Chained(FormulaNode):
+    """`0 m <= a <= b`: neighbours compared, all in one direction; one operand more than operators."""
+
+    operands: tuple[Number, ...]
+    ops: tuple[Comparing, ...]
+    span: Span
+
+
+class Within(FormulaNode):
+    """`x in [a, b]`, both ends included."""
+
+    value: Number
+    lower: Number
+    upper: Number
+    span: Span
+
+
+class InZone(FormulaNode):
+    """`p in zone pit_lane`."""
+
+    point: Record
+    zone: Zone
+    span: Span
+
+
+class Inside(FormulaNode):
+    """`inside(footprint, area)`."""
+
+    region: Region
+    area: Area
+    span: Span
+
+
+class ClearOf(FormulaNode):
+    """`clear_of(footprint, other)`, of which the other one is at rest."""
+
+    region: Region
+    other: Region
+    span: Span
+
+
+class Not(FormulaNode):
+    """`not p`."""
+
+    operand: Formula
+    span: Span
+
+
+class Connective(FormulaNode):
+    """`p and q` and its like."""
+
+    op: Joining
+    left: Formula
+    right: Formula
+    span: Span
+
+
+class Quantified(FormulaNode):
+    """`for all p in plan where c: body` inside a formula."""
+
+    quantifier: Quantifier
+    range: Range
+    where: Formula | None
+    body: Formula
+    span: Span
+
+
+class Window(Typed):
+    """`[0 s, 0.5 s]`, with the bounds in s."""
+
+    lower: Number
+    upper: Number
+    seconds: tuple[float, float]
+    span: Span
+
+
+class Temporal(FormulaNode):
+    """always, eventually, historically, once; without a window to the axis's end."""
+
+    op: TemporalOp
+    axis: TimeAxis
+    window: Window | None
+    operand: Formula
+    span: Span
+
+
+class Until(FormulaNode):
+    """`p until[a, b] q`, `p since[a, b] q`."""
+
+    op: UntilOp
+    axis: TimeAxis
+    window: Window | None
+    left: Formula
+    right: Formula
+    span: Span
+
+
+class Step(FormulaNode):
+    """`next p`, `previous p`; weak ones hold outside the axis."""
+
+    op: Stepping
+    weak: bool
+    axis: TimeAxis
+    operand: Formula
+    span: Span
+
+
+class Edge(FormulaNode):
+    """`rising(p)`, `falling(p)`."""
+
+    op: Changing
+    axis: TimeAxis
+    operand: Formula
+    span: Span
+
+
+class CalledFormula(FormulaNode):
+    """A call of a `predicate`, and what that comes to with these arguments; infix: `a f b`."""
+
+    symbol: Symbol
+    arguments: tuple[Value, ...]
+    infix: bool
+    body: Formula
+    span: Span
+
+
+class NamedFormula(FormulaNode):
+    """A formula by the name that a `let` gave it."""
+
+    name: str
+    value: Formula
+    span: Span
+
+
+#: A formula.
+Formula: TypeAlias = (
+    Boolean | Event | BooleanField | Comparison | Chained | Within | InZone | Inside | ClearOf | Not | Connective | Quantified
+    | Temporal | Until | Step | Edge | CalledFormula | NamedFormula
+)  # fmt: skip

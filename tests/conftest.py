@@ -1,0 +1,37 @@
+"""What all tests share: how generated C is compiled that they ask for, with the optimization that ships, or, every day, mostly with none."""
+
+from __future__ import annotations
+
+import gc
+import os
+from collections.abc import Iterator
+
+import pytest
+
+from trackmarshal.backends.c import build
+
+
+def pytest_collection_finish() -> None:
+    """Thousands of tests stay to the end: whoever collects garbage need not look at them each time."""
+    gc.collect()
+    gc.freeze()
+
+
+#: Those that hold generated C as it ships against the other evaluators: the shipped rules on cases and recordings, Supervisors on runs and
+#: faults, the numeric kernel, and some of the specs that are made up.
+AS_SHIPPED = (
+    "acceptance/test_oracles_rss.py", "acceptance/test_recordings.py", "differential/test_c_generated.py", "differential/test_c_kernel.py",
+    "differential/test_c_shipped.py", "differential/test_c_supervisor.py", "differential/test_process_decisions.py",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module", autouse=True)
+def optimization(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Nothing that a test of another file compares depends on it, and without it a compiler takes a quarter of the time.
+
+    `make acceptance` (TRACKMARSHAL_OPTIMIZED=1) compiles all as it ships. Commands in a process of their own always do.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        if os.environ.get("TRACKMARSHAL_OPTIMIZED") != "1" and not str(request.path).endswith(AS_SHIPPED):
+            patch.setattr(build, "FAST", ("-O0", *build.FAST[1:]))
+        yield

@@ -1,0 +1,175 @@
+"""A Supervisor whose rules remember: what was is what was decided to be driven, and what was refused is a gap."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from trackmarshal.evaluation import loads
+from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.runtime.supervisor import Supervisor
+from trackmarshal.supervision import supervisor
+
+SIGNALS = """module m
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s in [-10, 150] }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+signal objects : set of object { x: m }
+event flag
+"""
+BACKENDS = ("reference", "numpy")
+
+
+class Rig:
+    """One Supervisor, its clock, and cycles every tenth of a second in which the car drives on straight."""
+
+    def __init__(self, rules: str, backend: str) -> None:
+        self.now, self.number = 0.0, -1
+        self.supervisor: Any = supervisor(loads(SIGNALS + rules), None, backend, Limits(), lambda: self.now)
+        assert isinstance(self.supervisor, Supervisor)
+
+    def step(self, v: float = 10.0, emergency: float = 10.0, **signals: Any) -> Any:
+        """A cycle whose candidates begin at these speeds."""
+        self.now, self.number = round(self.now + 0.1, 9), self.number + 1
+        at = self.now * 10.0
+        given = {
+            "ego": {"x": at, "y": 0.0, "heading": 0.0, "v": 10.0},
+            "objects": {"id": [], "x": []},
+            "flag": False,
+        }
+        return self.supervisor.step(
+            Cycle(self.number, self.now, _plan(at, v), _plan(at, emergency), {**given, **signals})
+        )
+
+    def missed(self) -> Any:
+        self.now, self.number = round(self.now + 0.1, 9), self.number + 1
+        return self.supervisor.step(None)
+
+
+def _plan(x: float, v: float) -> dict[str, list[float]]:
+    t = [0.0, 1.0, 2.0, 4.0]
+    along = [x, x + 10.0, x + 20.0, x + 25.0]
+    return {"t": t, "x": along, "y": [0.0] * 4, "heading": [0.0] * 4, "v": [v, 10.0, 5.0, 0.0]}
+
+
+def names(decision: Any) -> list[tuple[str, str, str]]:
+    return [(one.rule, one.candidate, one.verdict) for one in decision.violations]
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_it_remembers_what_was_seen(backend: str) -> None:
+    rig = Rig('rule once_flagged "" require not once[0.05 s, 0.25 s] flag\n', backend)
+    assert rig.step(flag=True).safe
+    assert names(rig.step()) == [
+        ("once_flagged", "driving", "violated"),
+        ("once_flagged", "emergency", "violated"),
+    ]
+    assert not rig.step().safe
+    assert rig.step().safe
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_both_candidates_see_what_was_driven(backend: str) -> None:
+    """The plan of an earlier cycle is the one that was decided on: the driving trajectory where the cycle was safe, else the stored one."""
+    rig = Rig(
+        'rule slow "" require plan.first.v <= 11 m/s\n'
+        'rule was_driven "" require not previous plan.first.v > 10.5 m/s\n', backend,
+    )  # fmt: skip
+    assert rig.step(v=10.8, emergency=10.7).safe
+    # Both rules look at what was driven, 10.8 m/s: neither candidate of this cycle was.
+    assert names(rig.step()) == [
+        ("was_driven", "driving", "violated"),
+        ("was_driven", "emergency", "violated"),
+    ]
+    # What is driven now is the stored emergency trajectory of 10.7 m/s, from its last due sample on.
+    assert names(rig.step()) == [
+        ("was_driven", "driving", "violated"),
+        ("was_driven", "emergency", "violated"),
+    ]
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_what_was_not_driven_is_not_remembered(backend: str) -> None:
+    rig = Rig(
+        'rule slow "" require plan.first.v <= 11 m/s\nrule was "" require not once[0.05 s, 1 s] plan.first.v > 11 m/s\n',
+        backend,
+    )
+    assert rig.step().safe
+    assert names(rig.step(v=11.2, emergency=10.9)) == [("slow", "driving", "violated")]
+    assert rig.step().safe
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("refused", ["missed", "broken"])
+def test_a_refused_cycle_is_a_gap(backend: str, refused: str) -> None:
+    rig = Rig('rule f "" require not once[0.05 s, 0.25 s] flag\n', backend)
+    assert rig.step().safe
+    broken = rig.missed() if refused == "missed" else rig.step(ego={"x": 0.0})
+    assert not broken.safe
+    assert broken.faults
+    if refused == "missed":
+        assert rig.step().faults  # its number, and its time, say that one is missing
+    # The gap ends with the stamp of the next accepted cycle, and lies in the windows of all that begin before.
+    for _ in range(3):
+        decision = rig.step()
+        assert not decision.faults
+        assert {verdict for _, _, verdict in names(decision)} == {"undefined"}
+    assert rig.step().safe
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_where_nothing_was_driven_the_plan_is_undefined(backend: str) -> None:
+    rig = Rig(
+        'rule slow "" require plan.first.v <= 11 m/s\nrule f "" require weak previous plan.first.v <= 11 m/s\n',
+        backend,
+    )
+    assert rig.step(v=11.2, emergency=10.9).driven is None
+    assert {one[::2] for one in names(rig.step())} == {("f", "undefined")}
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_late_violation_makes_its_cycle_unsafe(backend: str) -> None:
+    rig = Rig('rule reacts "" whenever flag within 0.2 s require ego.v < 5 m/s\n', backend)
+    assert rig.step(flag=True).safe
+    assert rig.step().safe
+    late = rig.step()
+    assert names(late) == [("reacts", "driving", "violated"), ("reacts", "emergency", "violated")]
+    about = late.violations[0].explain().about
+    assert [(one.cycle, one.verdict, one.final) for one in about] == [
+        (2, "inactive", True),
+        (0, "violated", True),
+    ]
+    assert rig.step().safe
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_objects_have_ids(backend: str) -> None:
+    rig = Rig('rule f "" for all o in objects require weak previous o.x < 5 m\n', backend)
+    assert not rig.step(objects={"x": [1.0]}).safe
+    assert rig.step(objects={"id": ["a"], "x": [6.0]}).safe
+    assert names(rig.step(objects={"id": ["a"], "x": [1.0]}))
+    assert rig.step(objects={"id": ["b"], "x": [6.0]}).safe
+    assert rig.step(objects={"id": ["a"], "x": [1.0]}).safe
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_memory_that_is_lost_makes_nothing_safe(backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = Rig('rule f "" require weak previous ego.v < 50 m/s\n', backend)
+    assert rig.step().safe
+    engine = rig.supervisor.program._engine
+
+    def fails(*_: Any) -> Any:
+        raise OSError("no room")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(engine, "commit", fails)
+        assert not rig.step().safe
+    # That is a gap: the cycle after it does not know what came before.
+    assert {verdict for _, _, verdict in names(rig.step())} == {"undefined"}
+    assert rig.step().safe
+    with monkeypatch.context() as patch:
+        patch.setattr(engine, "commit", fails)
+        patch.setattr(engine, "missed", fails)
+        assert not rig.step().safe
+    assert not rig.step().safe
+    assert not rig.step().safe
