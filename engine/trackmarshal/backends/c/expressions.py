@@ -324,7 +324,7 @@ class Writer:
                 first = at.open("")
                 first.binds[node.axis] = "0u"
                 return self._carried(self.formula(node.operand, first), at, first)
-            case ir.OverRun():
+            case ir.OverRun() | ir.Counted():
                 raise self.refuse(node, "generated C does not remember yet")
             case _:
                 assert_never(node)
