@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -23,6 +24,7 @@ AS_SHIPPED = (
     "acceptance/test_oracles_rss.py", "acceptance/test_recordings.py", "differential/test_c_generated.py", "differential/test_c_kernel.py",
     "differential/test_c_shipped.py", "differential/test_c_supervisor.py", "differential/test_process_decisions.py",
 )  # fmt: skip
+assert all((Path(__file__).parent / file).is_file() for file in AS_SHIPPED)
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -59,7 +59,7 @@ def test_a_number(tmp_path: Path) -> None:
     )  # fmt: skip
     assert found == {
         "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/expressions.py", "backends/c/layout.py",
-        "backends/undefined.py", "semantics/constants.py", "ir/reads.py",
+        "backends/undefined.py", "ir/constants.py", "ir/reads.py",
     }  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 from hypothesis import given, settings
@@ -73,3 +74,73 @@ def test_what_looks_back_is_decided_at_once(formula: str, cycles: list[dict[str,
         verdict, margin, about = one
         assert verdict != "open"
         assert [each[1:] for each in about] in ([], [(verdict, margin, True)])
+
+
+@given(
+    st.lists(
+        st.tuples(st.booleans(), st.booleans(), st.sampled_from([0.1, 0.2, 0.4])), min_size=1, max_size=30
+    ),
+    st.sampled_from(["reference", "numpy"]),
+    st.integers(0, 12),
+)
+@settings(max_examples=150, deadline=None)
+def test_counts_are_those_of_a_loop(
+    cycles: list[tuple[bool, bool, float]], backend: str, tenths: int
+) -> None:
+    """Where everything is known: how often a flag was seen in all, in the last seconds, and since another one."""
+    spec = loads(
+        "module m\nevent seen\nevent anew\n"
+        'rule all "" require count(seen) <= 5\n'
+        f'rule last "" require count(seen, last: {tenths / 10!r} s) <= 5\n'
+        'rule fresh "" require count(seen, reset: anew) <= 5\n'
+    )
+    evaluator = Evaluator(spec, backend=backend)
+    run, stamps, found, fresh = evaluator.over_run(), list[int](), list[bool](), 0
+    tick = 0
+    for number, (seen, anew, step) in enumerate(cycles):
+        tick += round(step * 10)
+        stamps.append(tick)
+        found.append(seen)
+        fresh = int(seen) + (0 if anew else fresh)
+        rules = run.step(
+            evaluator.read({"id": number, "t": tick / 10, "signals": {"seen": seen, "anew": anew}})
+        ).rules
+        recent = sum(one for one, at in zip(found, stamps) if tick - at <= tenths)
+        counts = {"all": sum(found), "last": recent, "fresh": fresh}
+        assert {name: rules[name].margin for name in counts} == {
+            name: 5.0 - count for name, count in counts.items()
+        }
+        assert {name: rules[name].verdict for name in counts} == {
+            name: "satisfied" if count <= 5 else "violated" for name, count in counts.items()
+        }
+
+
+@given(
+    st.lists(st.sampled_from([True, False, None]), min_size=1, max_size=12),
+    st.sampled_from(["reference", "numpy"]),
+)
+@settings(max_examples=80, deadline=None)
+def test_counts_with_gaps_are_those_of_every_way_to_fill_them(
+    cycles: list[bool | None], backend: str
+) -> None:
+    """A verdict is that of all runs that a gap may stand for, where they agree, and else undefined."""
+    text = 'module m\nevent seen\nrule f "" require count(seen, last: 0.4 s) <= 2\n'
+    evaluator = Evaluator(loads(text), backend=backend)
+    run = evaluator.over_run()
+    known = False
+    for number, seen in enumerate(cycles):
+        if seen is None:
+            run.missed()
+            continue
+        result = run.step(evaluator.read({"id": number, "t": number / 10, "signals": {"seen": seen}})).rules[
+            "f"
+        ]
+        seen_at = [i for i, one in enumerate(cycles[: number + 1]) if one is not None]
+        sure = sum(cycles[i] is True for i in seen_at if i >= number - 4)
+        # A gap that reaches into the window counts as a whole; before the first cycle, nothing was.
+        missed = sum(end - begin - 1 for begin, end in pairwise(seen_at) if end > number - 4)
+        possible = sure + missed
+        wanted = "satisfied" if possible <= 2 else "violated" if sure > 2 else "undefined"
+        assert result.verdict == wanted, (number, cycles)
+        known = True
+    assert known or all(one is None for one in cycles)

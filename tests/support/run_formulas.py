@@ -16,6 +16,9 @@ _PAST = ("once", "historically")
 _AHEAD = ("eventually", "always")
 _BOUNDS = st.tuples(st.integers(0, 8), st.integers(0, 12)).map(lambda ab: (ab[0] / 10, (ab[0] + ab[1]) / 10))
 
+_COMPARED = st.sampled_from(["<", "<=", ">", ">=", "==", "!="])
+_LAST = st.integers(0, 12).map(lambda tenths: tenths / 10)
+
 
 def _window(bounds: tuple[float, float]) -> str:
     return f"[{bounds[0]!r} s, {bounds[1]!r} s]"
@@ -46,6 +49,20 @@ def formulas(inside: bool = False, ahead: bool = True, depth: int = 3) -> st.Sea
         st.builds(lambda w, p, q: f"({p} since{w} {q})", windows | st.just(""), one, one),
         st.builds(lambda op, p: f"({op} {p})", st.sampled_from(["previous", "weak previous"]), one),
         st.builds(lambda op, p: f"{op}({p})", st.sampled_from(["rising", "falling"]), one),
+    ]
+    back = formulas(inside, False, depth - 1)
+    kinds += [
+        st.builds(lambda p, op, n: f"(count({p}) {op} {n})", back, _COMPARED, st.integers(0, 4)),
+        st.builds(
+            lambda p, b, op, n: f"({n} {op} count({p}, last: {b!r} s))",
+            one,
+            _LAST,
+            _COMPARED,
+            st.integers(0, 4),
+        ),
+        st.builds(
+            lambda p, q, op, n: f"(count({p}, reset: {q}) {op} {n})", back, back, _COMPARED, st.integers(0, 4)
+        ),
     ]
     if ahead:
         kinds += [

@@ -10,6 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from trackmarshal.runtime.geometry import Corridor, least
+from trackmarshal.runtime.geometry.curve import MOST, Curves
+from trackmarshal.runtime.geometry.region import Region
 
 Floats = NDArray[np.float64]
 
@@ -78,10 +80,78 @@ def test_along_curves(course: Corridor) -> None:
         assert np.isinf(found[1]).mean() > 0.4  # not even bounds are worked out
 
 
-def test_along_a_curve_in_one_piece_as_near_to_both_borders_all_the_time(course: Corridor) -> None:
-    found = judged(course, [trip(0.02 * k, 100.0, 0.0, 1.0) for k in range(200)], 0.01)
+@pytest.mark.parametrize(("step", "pieces"), [(0.5, 1), (1.0, 2), (2.0, 4), (6.0, 11)])
+def test_along_a_curve_as_near_to_both_borders_all_the_time(
+    course: Corridor, step: float, pieces: int
+) -> None:
+    """Ways are as near as one another, up to what a bound of the whole leaves open: bounded by piece, most are not worked out."""
+    trips = [trip(0.02 * k, 100.0, 0.0, step) for k in range(200)]
+    first = np.concatenate([trips[0][:, 1], trips[0][:, 2]])[:, None]
+    assert Curves(first, np.full((2, 1), 0.01), *BODY).count[0] == pieces
+    found = judged(course, trips, 0.01)
     agreed(*found)
     assert found[2].mean() < 0.2
+
+
+def test_in_tight_bends_few_ways_are_worked_out() -> None:
+    """Of up to as many pieces as there are, now and then beside what the curvatures say; as often in a bend as not."""
+    generator = np.random.default_rng(3)
+    course = Corridor(ring(10.0), ring(22.0), closed=True)
+    drawn = [generator.uniform(*ends, 100) for ends in ((0, 6), (14, 18), (-0.05, 0.05), (0.1, 3.0))]
+    trips = [trip(*values) for values in zip(*drawn)]
+    sizes = []
+    looked_at = Region.margin_along
+
+    def noted(region: Region, curves: Curves) -> Floats:
+        sizes.append(curves.size)
+        return looked_at(region, curves)
+
+    for kappa in (1 / 16, 0.05):
+        truth = judged(course, trips, kappa)[0]
+        sizes.clear()
+        with mock.patch.object(Region, "margin_along", noted):
+            found = judged(course, trips, kappa)
+        agreed(*found)
+        assert np.array_equal(found[0], truth)
+        assert sizes[0] == truth.size  # the truth itself
+        assert sum(sizes[1:]) == found[2].sum() < 0.2 * truth.size
+
+
+@pytest.mark.parametrize("kappa", [0.01, 0.012, -0.03])
+@pytest.mark.parametrize("step", [0.5, 1.0, 3.0, 9.0])
+def test_no_bound_is_above_the_margin_and_those_by_piece_are_close(step: float, kappa: float) -> None:
+    """Also where curvatures contradict the way, which is then wide."""
+    course = Corridor(ring(94.0), ring(106.0), closed=True)
+    generator = np.random.default_rng(4)
+    drawn = [generator.uniform(*ends, 40) for ends in ((0, 6), (97, 103))]
+    poses = np.concatenate([trip(angle, radius, 0.0, step) for angle, radius in zip(*drawn)], axis=1)
+    ways = np.concatenate([poses[:, :-1], poses[:, 1:]])
+    ways = ways[:, np.arange(1, ways.shape[1] + 1) % COUNT != 0]  # none from one trip to the next
+    count = ways.shape[1]
+    region, bends = course._region, np.full((2, count), kappa)
+    assert region is not None
+    truth = region.margin_along(Curves(ways, bends, *BODY))
+    inside = truth > 0.0
+    assert inside.mean() > 0.5
+    margin, exact = np.empty(count), np.zeros(count, dtype=np.bool_)
+    search = least._Search(region, ways, *BODY, bends, 1, np.ones(count, dtype=np.bool_), margin, exact)
+    assert not exact.any()
+    assert (margin <= truth)[inside].all()
+    rough = margin.copy()
+    search._bound(np.arange(count), MOST)
+    assert (margin <= truth)[inside].all()
+    assert (margin >= rough)[inside].all()
+    assert (truth - margin)[inside].max() < 0.003
+    several = Curves(ways, bends, *BODY).count > least.FEW
+    if several.any():
+        assert (truth - rough)[inside & several].min() > 0.003
+
+
+def test_along_curves_that_leave_the_course(course: Corridor) -> None:
+    trips = [trip(0.1 * k, 100.0, (0.02 - 0.04 * (k % 2)) * k, 1.0 + 0.1 * k) for k in range(60)]
+    found = judged(course, trips, 0.01)
+    agreed(*found)
+    assert (found[0] < 0.0).any(axis=1).sum() > 20
 
 
 def test_as_near_to_both_borders_all_the_time(course: Corridor) -> None:

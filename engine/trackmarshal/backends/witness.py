@@ -121,7 +121,7 @@ class Descent:
                     if self._outside(node, env)
                     else (node.operand, {**env, level: env[level] + node.step})
                 )
-            case ir.OverRun():
+            case ir.OverRun() | ir.Counted():
                 return None
             case _:
                 assert_never(node)

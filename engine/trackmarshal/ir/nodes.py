@@ -381,6 +381,24 @@ class OverRun(IR):
         return OVER_RUN[self.op]
 
 
+class Counted(IR):
+    """In how many cycles of the run a formula held, up to now, compared with a number that no input changes.
+
+    operands: what is counted and, where there is such, what the count starts anew with. upper: how far back, in whole nanoseconds; None: from the
+    start of the run. turned: the number stands at the left.
+    """
+
+    op: ComparisonOp
+    operands: tuple[Formula, ...]
+    upper: int | None
+    limit: Num
+    turned: bool
+    span: Span
+
+    past: ClassVar[bool] = True
+    lower: ClassVar[None] = None
+
+
 #: What a projection of a point onto a line gives.
 Projected: TypeAlias = Station | Offset | Direction
 #: Numbers read off a line.
@@ -392,12 +410,14 @@ Num: TypeAlias = (
 )  # fmt: skip
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea
+#: Formulas over the run.
+Remembered: TypeAlias = OverRun | Counted
 #: Formulas along a timeline.
 Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
     Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
-    | Temporal | Until | Shift | First | OverRun
+    | Temporal | Until | Shift | First | OverRun | Counted
 )  # fmt: skip
 #: Any node.
 AnyNode: TypeAlias = Num | Formula | Axis | Line | Area

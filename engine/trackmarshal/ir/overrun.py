@@ -18,7 +18,7 @@ def nanoseconds(seconds: float) -> int:
 
 def over_run(formula: ir.Formula | None) -> bool:
     """Whether a formula speaks of other cycles than the present one."""
-    return formula is not None and any(isinstance(node, ir.OverRun) for node in ir.below(formula))
+    return formula is not None and any(isinstance(node, ir.Remembered) for node in ir.below(formula))
 
 
 def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
@@ -26,7 +26,7 @@ def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
     if not over_run(node):
         return None
     match node:
-        case ir.OverRun():
+        case ir.OverRun() | ir.Counted():
             return node.operands
         case ir.Not():
             return (node.operand,)
@@ -93,6 +93,6 @@ def back(node: ir.Formula) -> tuple[int, int]:
         return 0, 0
     inside = [back(part) for part in below]
     reach, steps = max(reach for reach, _ in inside), max(steps for _, steps in inside)
-    if isinstance(node, ir.OverRun) and node.past:
-        return reach + (node.upper or 0), steps + (node.op == "previous")
+    if isinstance(node, ir.Remembered) and node.past:
+        return reach + (node.upper or 0), steps + (isinstance(node, ir.OverRun) and node.op == "previous")
     return reach, steps

@@ -36,7 +36,7 @@ def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                 pass
-            case ir.OverRun():
+            case ir.OverRun() | ir.Counted():
                 result |= {(axis.signal, "id") for axis in sets(node)}  # by which elements are known again
             case _:
                 assert_never(node)

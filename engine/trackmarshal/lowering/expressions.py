@@ -111,6 +111,8 @@ class Lowering:
                 if node.op == "implies":
                     return make(ir.Connective, "or", make(ir.Not, left_), right_)
                 return make(ir.Connective, node.op, left_, right_)
+            case typed.CountComparison():
+                return self._counted(node, site)
             case typed.CalledFormula():
                 inner = self._enter(node, site)
                 holds = self.formula(node.body, inner)
@@ -278,6 +280,24 @@ class Lowering:
                 return make(ir.Connective, "and", make(ir.Shift, axis, before, -1, True), now)
             case _:
                 assert_never(node)
+
+    def _counted(self, node: typed.CountComparison, site: Span | None) -> ir.Formula:
+        """A count against a number: `count > 3` is `3 < count`."""
+        count = node.count
+        operands = [self.formula(count.counted, site)]
+        if count.reset is not None:
+            operands.append(self.formula(count.reset, site))
+        _, upper = _in_nanoseconds(count.window)
+        limit, at = self.number(node.limit, site), site or node.span
+        match node.op:
+            case "<" | "<=" | "==" | "!=":
+                return self.make(ir.Counted, node.op, tuple(operands), upper, limit, node.turned, at)
+            case ">":
+                return self.make(ir.Counted, "<", tuple(operands), upper, limit, not node.turned, at)
+            case ">=":
+                return self.make(ir.Counted, "<=", tuple(operands), upper, limit, not node.turned, at)
+            case _:
+                assert_never(node.op)
 
     def _over_run(
         self, node: typed.Temporal | typed.Until | typed.Step | typed.Edge, at: Span, site: Span | None

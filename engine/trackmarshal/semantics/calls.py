@@ -39,6 +39,8 @@ from trackmarshal.units import LENGTH, NUMBER, SPEED, Dimension, name, over, par
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions import Context, Expressions
 
+#: What counts cycles.
+COUNT = "count"
 #: Built-in functions that are not plain functions of numbers: how many arguments, and which, for messages.
 _SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
     "rising": ((1,), "1 argument (a formula)"), "falling": ((1,), "1 argument (a formula)"),
@@ -70,7 +72,7 @@ _SWEPT: tuple[Literal["swept_footprint", "swept_hull"], ...] = ("swept_footprint
 
 def built_in_names() -> set[str]:
     """Every function that needs no declaration."""
-    return {*FUNCTIONS, *_SPECIAL}
+    return {*FUNCTIONS, *_SPECIAL, COUNT}
 
 
 def call(
@@ -83,6 +85,8 @@ def call(
     ctx: Context,
 ) -> typed.Value:
     """A call of anything by its name; infix: `a f b`."""
+    if function == COUNT and COUNT not in ctx.scope.names():
+        return _count_of_cycles(self, args, names, span, ctx)
     if any(names):
         self.fail(
             UnknownReference(
@@ -107,6 +111,31 @@ def call(
     if isinstance(item, ast.Table):
         return _table(self, found, item, values, span)
     return expand(self, found, item, values, infix, span, ctx)
+
+
+def _count_of_cycles(
+    self: Expressions, args: tuple[ast.Expr, ...], names: tuple[str, ...], span: Span, ctx: Context
+) -> typed.Count:
+    """`count(p)`, with `last: 10 s` or `reset: q`."""
+    given = dict(zip(names, args))
+    wrong = next((arg for name, arg in zip(names, args) if name not in ("", "last", "reset")), None)
+    if len(given) != len(args) or "" not in given or wrong is not None or names[0] or len(args) > 2:
+        hint = "write `count(p)`, `count(p, last: 10 s)` or `count(p, reset: q)`"
+        at = span if wrong is None else wrong.__dict__["span"]
+        self.fail(UnknownReference(at, "`count` takes a formula, and `last` or `reset`", hint))
+    if not isinstance(ctx.timeline, typed.TheRun):
+        hint = "along a timeline, count with `once`, `historically` and `since`"
+        self.fail(
+            UnknownReference(
+                ctx.site or span, "`count` counts cycles of the run, not samples of a timeline", hint
+            )
+        )
+    counted, window, reset = self.all(
+        lambda: self.formula(given[""], ctx),
+        lambda: self.last(given["last"], ctx) if "last" in given else None,
+        lambda: self.formula(given["reset"], ctx) if "reset" in given else None,
+    )
+    return typed.Count(counted, window, reset, span)
 
 
 def _declared(

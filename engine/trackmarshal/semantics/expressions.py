@@ -23,6 +23,7 @@ from trackmarshal.semantics.errors import (
     UnknownField,
     UnknownReference,
     UnusedVariable,
+    WrongDimension,
     WrongKind,
 )
 from trackmarshal.semantics.scope import Scope, spoken
@@ -148,20 +149,22 @@ class Expressions:
         return values
 
     def number(self, expr: ast.Expr, ctx: Context) -> typed.Number:
-        value = self.value(expr, ctx)
-        if not isinstance(value, typed.NumberNode):
-            hint = (
-                "`if FORMULA then 1 else 0` makes a number of a formula"
-                if isinstance(value, typed.FormulaNode)
-                else ""
-            )
-            self.fail(WrongKind(_span(expr), "a number", value_spoken(value), hint))
-        return value
+        return self._numeric(self.value(expr, ctx), expr)
+
+    def _numeric(self, value: typed.Value, expr: ast.Expr) -> typed.Number:
+        if isinstance(value, typed.NumberNode):
+            return value
+        hint = ""
+        if isinstance(value, typed.FormulaNode):
+            hint = "`if FORMULA then 1 else 0` makes a number of a formula"
+        elif isinstance(value, typed.Count):
+            hint = "compare it with a number: `count(...) <= 3`"
+        self.fail(WrongKind(_span(expr), "a number", value_spoken(value), hint))
 
     def formula(self, expr: ast.Expr, ctx: Context) -> typed.Formula:
         value = self.value(expr, ctx)
         if not isinstance(value, typed.FormulaNode):
-            hint = "compare it with something" if isinstance(value, typed.NumberNode) else ""
+            hint = "compare it with something" if isinstance(value, (typed.NumberNode, typed.Count)) else ""
             self.fail(WrongKind(_span(expr), "a formula", value_spoken(value), hint))
         return value
 
@@ -328,6 +331,8 @@ class Expressions:
             return typed.Connective(known(op, typed.CONNECTIVES), a, b, span)
         if op == "^":
             return self._power(expr, ctx)
+        if op in typed.COMPARISONS:
+            return self._comparison(expr, ctx)
         left, right = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
         if op in ("*", "/"):
             dimension = (
@@ -335,12 +340,39 @@ class Expressions:
             )
             written = product(op, left, right)
             return typed.Arithmetic(dimension, written, known(op, ARITHMETIC), left, right, span)
-        if op in typed.COMPARISONS:
-            self._compare(op, left, right, span)
-            return typed.Comparison(known(op, typed.COMPARISONS), left, right, span)
         self.same("add" if op == "+" else "subtract", left, right)
         written = common(left, right)
         return typed.Arithmetic(left.dimension, written, known(op, ARITHMETIC), left, right, span)
+
+    def _comparison(self, expr: ast.Binary, ctx: Context) -> typed.Formula:
+        """Two numbers, or a count and a number that no input changes."""
+        op, span = known(expr.op, typed.COMPARISONS), expr.span
+        left, right = self.all(
+            lambda: self._compared(expr.left, ctx), lambda: self._compared(expr.right, ctx)
+        )
+        if isinstance(left, typed.Count) and not isinstance(right, typed.Count):
+            return typed.CountComparison(op, left, self._limit(right), False, span)
+        if isinstance(right, typed.Count) and not isinstance(left, typed.Count):
+            return typed.CountComparison(op, right, self._limit(left), True, span)
+        if isinstance(left, typed.Count) or isinstance(right, typed.Count):
+            self.fail(WrongKind(right.span, "a number", value_spoken(right)))
+        self._compare(expr.op, left, right, span)
+        return typed.Comparison(op, left, right, span)
+
+    def _compared(self, expr: ast.Expr, ctx: Context) -> typed.Number | typed.Count:
+        value = self.value(expr, ctx)
+        return value if isinstance(value, typed.Count) else self._numeric(value, expr)
+
+    def _limit(self, number: typed.Number) -> typed.Number:
+        """What a count is compared with: a plain number made of literals and parameters."""
+        if number.dimension != NUMBER:
+            what = "what a count is compared with"
+            self.fail(WrongDimension(number.span, None, what, "a plain number", quantity(number.dimension)))
+        inputs = (typed.Field, typed.Choice, typed.TableValue, typed.OnLine, typed.StationGap)
+        if any(isinstance(node, inputs) for node in typed.below(number)):
+            problem = "a count is compared with a number that no input changes"
+            self.fail(BadValue(number.span, problem, None, "use literals and parameters"))
+        return number
 
     def _within(self, expr: ast.Within, ctx: Context) -> typed.Formula:
         lower, value, upper = self.all(
@@ -451,6 +483,16 @@ class Expressions:
     def _until(self, expr: ast.Until, ctx: Context) -> typed.Formula:
         (left, right), window = self._over_time((expr.left, expr.right), expr.window, ctx)
         return typed.Until(known(expr.op, UNTIL), ctx.timeline, window, left, right, expr.span)
+
+    def last(self, bound: ast.Expr, ctx: Context) -> typed.Window:
+        """The window of a count: so long until now."""
+        number, seconds = self._bound(bound, ctx)
+        if seconds < 0.0:
+            self.fail(
+                BadValue(_span(bound), f"a window starts at zero or later, not at {in_full(seconds, 's')}")
+            )
+        zero = typed.Literally(TIME, "s", "0", "s", 0.0, _span(bound))
+        return typed.Window(zero, number, (0.0, seconds), _span(bound))
 
     def deadline(self, limit: ast.Expr, span: Span, ctx: Context) -> typed.Deadline:
         """How long after a cycle something has to happen: a literal time."""

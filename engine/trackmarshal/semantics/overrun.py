@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import sets
+from trackmarshal.ir.overrun import ahead, sets
 from trackmarshal.semantics.errors import OverRunProblem
 
 #: The longest window over the run [ns]: a thousand hours.
@@ -14,22 +14,35 @@ def misused(*formulas: ir.Formula | None) -> OverRunProblem | None:
     """The first thing that is wrong with temporal operators over the run in some formulas; None where nothing is."""
     for formula in formulas:
         for node in ir.below(formula) if formula is not None else ():
-            problem = _of_operator(node) if isinstance(node, ir.OverRun) else _of_other(node)
+            problem = _of_operator(node) if isinstance(node, ir.Remembered) else _of_other(node)
             if problem is not None:
                 return problem
     return None
 
 
-def _of_operator(node: ir.OverRun) -> OverRunProblem | None:
+def _called(node: ir.Remembered) -> str:
+    return node.op if isinstance(node, ir.OverRun) else "count"
+
+
+def _of_operator(node: ir.Remembered) -> OverRunProblem | None:
     samples = next((axis for axis in sets(node) if axis.kind == "samples"), None)
     if samples is not None:
-        hint = f"put the quantifier inside: `{node.op} (for all ... in {samples.signal}: ...)`, or live `along` the timeline"
+        hint = f"put the quantifier inside: `{_called(node)} (for all ... in {samples.signal}: ...)`, or live `along` the timeline"
         return OverRunProblem(
             node.span,
-            f"`{node.op}` would need to know a sample of `{samples.signal}` again in another cycle",
+            f"`{_called(node)}` would need to know a sample of `{samples.signal}` again in another cycle",
             hint,
         )
-    if not node.past and node.op != "next" and node.upper is None:
+    if (
+        isinstance(node, ir.Counted)
+        and node.upper is None
+        and any(ahead(part) != 0 for part in node.operands)
+    ):
+        hint = "give it a window: `count(p, last: 10 s)`"
+        return OverRunProblem(
+            node.span, "`count` over what looks ahead would have to remember the whole run", hint
+        )
+    if isinstance(node, ir.OverRun) and not node.past and node.op != "next" and node.upper is None:
         hint = f"give it a window: `{node.op}[0 s, 5 s]`"
         return OverRunProblem(node.span, f"`{node.op}` without a bound is never decided over the run", hint)
     if node.upper is not None and node.upper > LONGEST:
@@ -46,10 +59,10 @@ def _of_other(node: ir.AnyNode) -> OverRunProblem | None:
         return None
     for child in ir.operands(node) if isinstance(node, (ir.Num, ir.Formula)) else ():
         for part in ir.below(child):
-            if isinstance(part, ir.OverRun):
+            if isinstance(part, ir.Remembered):
                 what = "a sample" if isinstance(node, ir.Quantify) else "a number"
                 hint = (
                     "only formulas, and quantifiers over sets, can be put together from what was or will be"
                 )
-                return OverRunProblem(part.span, f"`{part.op}` over the run cannot decide {what}", hint)
+                return OverRunProblem(part.span, f"`{_called(part)}` over the run cannot decide {what}", hint)
     return None

@@ -22,7 +22,7 @@ class Broken(Node):
 
 #: What a local name stands for.
 Local: TypeAlias = (
-    typed.Variable | typed.NamedNumber | typed.NamedFormula | typed.NamedSignal | typed.NamedRecord | typed.NamedLine
+    typed.Variable | typed.NamedNumber | typed.Count | typed.NamedFormula | typed.NamedSignal | typed.NamedRecord | typed.NamedLine
     | typed.NamedArea | typed.NamedRegion | Broken
 )  # fmt: skip
 
@@ -34,6 +34,8 @@ def named(called: str, value: typed.Value, span: Span) -> Local:
             return typed.NamedNumber(value.dimension, value.written, called, value, span)
         case typed.FormulaNode():
             return typed.NamedFormula(called, value, span)
+        case typed.Count():
+            return value
         case typed.RecordNode():
             return typed.NamedRecord(value.shape, value.signal, called, value, "", span)
         case typed.SignalNode():
@@ -61,6 +63,8 @@ def spoken(value: typed.Value) -> str:
             return name(value.dimension)
         case typed.FormulaNode():
             return "a formula"
+        case typed.Count():
+            return "a count of cycles"
         case typed.RecordNode():
             return record_spoken(value)
         case typed.SignalNode():

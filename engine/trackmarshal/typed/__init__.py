@@ -29,6 +29,8 @@ from trackmarshal.typed.formulas import (
     ClearOf,
     Comparison,
     Connective,
+    Count,
+    CountComparison,
     Edge,
     Event,
     Formula,
@@ -105,12 +107,12 @@ from trackmarshal.typed.things import (
 )
 
 #: Anything an expression can stand for.
-Value: TypeAlias = Number | Formula | WholeSignal | Record | Line | Area | Region
+Value: TypeAlias = Number | Count | Formula | WholeSignal | Record | Line | Area | Region
 
 __all__ = [
     "COMPARISONS", "CONNECTIVES", "EDGES", "STEPS", "Along", "Area", "AreaNode", "Arithmetic", "Boolean", "BooleanField", "Border",
     "CalledFormula", "CalledLine", "CalledNumber", "Centre", "Chained", "Changing", "Choice", "Clause", "ClearOf", "Comparing",
-    "Comparison", "Connective", "Corridor", "Deadline", "Edge", "Event", "Except", "Field", "Footprint", "FootprintAt", "ForEach", "Formula",
+    "Comparison", "Connective", "Corridor", "Count", "CountComparison", "Deadline", "Edge", "Event", "Except", "Field", "Footprint", "FootprintAt", "ForEach", "Formula",
     "FormulaNode", "Function", "InZone", "Inside", "Joining", "Let", "Line", "LineFunction", "LineNode", "Literally", "NamedArea",
     "NamedFormula", "NamedLine", "NamedNumber", "NamedRecord", "NamedRegion", "NamedSignal", "Negative", "Not", "Number",
     "NumberNode", "OnLine", "Parameter", "Path", "Pi", "PlacedLine", "Power", "Quantified", "Range", "Record", "RecordNode",

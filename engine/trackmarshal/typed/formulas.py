@@ -166,6 +166,29 @@ class Edge(FormulaNode):
     span: Span
 
 
+class Count(Typed):
+    """`count(p)`, `count(p, last: 10 s)`, `count(p, reset: q)`: in how many cycles of the run p held, up to now.
+
+    window: only those; reset: only those since the last cycle in which this held, that one included. It is compared, and nothing else: a
+    cycle of which nothing is known makes it a range of numbers.
+    """
+
+    counted: Formula
+    window: Window | None
+    reset: Formula | None
+    span: Span
+
+
+class CountComparison(FormulaNode):
+    """`count(p) <= 3`; turned: `3 >= count(p)`."""
+
+    op: Comparing
+    count: Count
+    limit: Number
+    turned: bool
+    span: Span
+
+
 class CalledFormula(FormulaNode):
     """A call of a `predicate`, and what that comes to with these arguments; infix: `a f b`."""
 
@@ -187,5 +210,5 @@ class NamedFormula(FormulaNode):
 #: A formula.
 Formula: TypeAlias = (
     Boolean | Event | BooleanField | Comparison | Chained | Within | InZone | Inside | ClearOf | Not | Connective | Quantified
-    | Temporal | Until | Step | Edge | CalledFormula | NamedFormula
+    | Temporal | Until | Step | Edge | CountComparison | CalledFormula | NamedFormula
 )  # fmt: skip

@@ -128,9 +128,9 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass
                     case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                         pass
-                    case ir.OverRun():
+                    case ir.OverRun() | ir.Counted():
                         raise TrackmarshalError(
-                            "E470", f"rule `{rule.name}`: generated C does not remember yet: `{node.op}` over the run",
+                            "E470", f"rule `{rule.name}`: generated C does not remember what was, or waits for what will be",
                             file=node.span.file.path, line=node.span.line, help="choose rules with --rule, or another backend",
                         )  # fmt: skip
                     case _:

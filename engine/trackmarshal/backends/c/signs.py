@@ -26,7 +26,7 @@ def margins_read(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
                 stack += [node.left, node.right]
             case ir.Not() | ir.Temporal() | ir.Shift() | ir.First():
                 stack.append(node.operand)
-            case ir.OverRun():
+            case ir.OverRun() | ir.Counted():
                 stack += node.operands
             case _:
                 assert_never(node)

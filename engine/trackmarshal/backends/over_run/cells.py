@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, assert_never
 
+from trackmarshal.backends.over_run.counts import Range, compared
 from trackmarshal.backends.over_run.history import looks_ahead, parts_of, sets_of
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.windows import Item, Sliding, folding
@@ -26,15 +27,15 @@ def looks_back(node: ir.Formula) -> bool:
 
 def cells_of(
     formulas: Iterable[ir.Formula], which: Callable[[ir.Formula], bool] = looks_back
-) -> list[ir.OverRun]:
+) -> list[ir.Remembered]:
     """The operators of some formulas that look back alone, or others, those inside others before them."""
-    found: dict[ir.OverRun, None] = {}
+    found: dict[ir.Remembered, None] = {}
     stack: list[tuple[ir.Formula, bool]] = [(formula, False) for formula in formulas]
     seen: set[ir.Formula] = set()
     while stack:
         node, ready = stack.pop()
         if ready:
-            if isinstance(node, ir.OverRun) and which(node):
+            if isinstance(node, ir.Remembered) and which(node):
                 found[node] = None
             continue
         if node in seen:
@@ -48,9 +49,9 @@ def cells_of(
 class Cells:
     """The memory of some operators. Cycles are looked at with `at`, and then remembered, or missed."""
 
-    def __init__(self, nodes: Sequence[ir.OverRun]) -> None:
+    def __init__(self, nodes: Sequence[ir.Remembered]) -> None:
         self._nodes = nodes
-        self._held: dict[ir.OverRun, dict[Key, Any]] = {node: {} for node in nodes}
+        self._held: dict[ir.Remembered, dict[Key, Any]] = {node: {} for node in nodes}
         #: The last stamp, None before the first, and how many cycles were missed since.
         self._last: int | None = None
         self._missed = 0
@@ -67,10 +68,10 @@ class Cells:
         """The first and the last nanosecond of what lies between the last cycle and this one, where cycles were missed."""
         return None if not self._missed or self._last is None else (self._last + 1, now.t - 1)
 
-    def value(self, node: ir.OverRun, key: Key, now: Now, values: tuple[Truth, ...]) -> Truth:
+    def value(self, node: ir.Remembered, key: Key, now: Now, values: tuple[Truth, ...]) -> Any:
         """The value of an operator in the present cycle, for which `values` are its operands."""
         held = self._held[node].get(key)
-        if node.op == "previous":
+        if isinstance(node, ir.OverRun) and node.op == "previous":
             return (TRUE if node.weak else FALSE) if held is None else UNDEFINED if self._missed else held
         known: Sliding[Any] = _empty(node) if held is None else held
         return known.value(now.t, self._items(node, now, values, held is not None))
@@ -84,7 +85,7 @@ class Cells:
         for node, values in found:
             held, kept = self._held[node], dict[Key, Any]()
             for key, operands in values:
-                if node.op == "previous":
+                if isinstance(node, ir.OverRun) and node.op == "previous":
                     kept[key] = operands[0]
                     continue
                 known = held.get(key)
@@ -94,14 +95,16 @@ class Cells:
             self._held[node] = kept
         self._last, self._missed = now.t, 0
 
-    def _items(self, node: ir.OverRun, now: Now, values: tuple[Truth, ...], before: bool) -> list[Item[Any]]:
+    def _items(
+        self, node: ir.Remembered, now: Now, values: tuple[Truth, ...], before: bool
+    ) -> list[Item[Any]]:
         fold = folding(node)
         items = [Item(now.t, now.t, fold.item(values))]
         gap = self.gap(now) if before else None
-        return items if gap is None else [Item(*gap, fold.item((UNDEFINED,) * len(values))), *items]
+        return items if gap is None else [Item(*gap, fold.gap(len(values), self._missed)), *items]
 
 
-def _empty(node: ir.OverRun) -> Sliding[Any]:
+def _empty(node: ir.Remembered) -> Sliding[Any]:
     return Sliding(folding(node), node.lower or 0, node.upper)
 
 
@@ -120,7 +123,7 @@ class Present:
             known = self._known[node, key] = self._value(node, key)
         return known
 
-    def operands(self, node: ir.OverRun, key: Key) -> tuple[Truth, ...]:
+    def operands(self, node: ir.Remembered, key: Key) -> tuple[Truth, ...]:
         """The operands of an operator in this cycle."""
         ids = _ids(node, key)
         return tuple(self._of(operand, ids) for operand in node.operands)
@@ -134,7 +137,11 @@ class Present:
         ids = _ids(node, key)
         match node:
             case ir.OverRun():
-                return self.cells.value(node, key, self.now, self.operands(node, key))
+                value: Truth = self.cells.value(node, key, self.now, self.operands(node, key))
+                return value
+            case ir.Counted():
+                count: Range = self.cells.value(node, key, self.now, self.operands(node, key))
+                return compared(node, count, self.now.number(node.limit))
             case ir.Not():
                 return negate(self._of(node.operand, ids))
             case ir.Connective():

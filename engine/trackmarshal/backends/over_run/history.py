@@ -12,6 +12,7 @@ from functools import cache
 from itertools import product, zip_longest
 from typing import assert_never
 
+from trackmarshal.backends.over_run.counts import Range, compared
 from trackmarshal.backends.over_run.outcome import ALWAYS, Known
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
@@ -37,6 +38,8 @@ class Past:
     name: object
     ids: Mapping[str, tuple[str, ...]]
     leaf: Leaf
+    #: A number that no input changes.
+    number: Callable[[ir.Num], float]
     missed: int = 0
 
 
@@ -47,6 +50,8 @@ class Element:
     values: tuple[Truth, ...]
     inside: bool
     final: bool = True
+    #: How many cycles this may be: of a gap, those that were missed.
+    cycles: int = 1
 
 
 parts_of = cache(parts)
@@ -61,7 +66,7 @@ def parts_ahead(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
 @cache
 def looks_ahead(node: ir.Formula) -> bool:
     """Whether a formula says something of cycles after its own."""
-    return any(isinstance(part, ir.OverRun) and not part.past for part in ir.below(node))
+    return any(isinstance(part, ir.Remembered) and not part.past for part in ir.below(node))
 
 
 #: What operators make of cycles that are no longer there, with what has to hold since then.
@@ -95,6 +100,8 @@ class History:
         match node:
             case ir.OverRun():
                 return self._over_run(node, k, ids)
+            case ir.Counted():
+                return self._counted(node, k, ids)
             case ir.Not():
                 operand = self.value(node.operand, k, ids)
                 return Known(negate(operand.value), operand.final)
@@ -153,6 +160,21 @@ class History:
                 assert_never(node.op)
         return Known(value, all(element.final for element in given))
 
+    def _counted(self, node: ir.Counted, k: int, ids: Ids) -> Known:
+        """From cycle k backwards, up to the last one in which the count starts anew: that it surely does, or that it may."""
+        given = list(self._elements(node, k, ids))
+        sure = possible = 0
+        surely_on = possibly_on = True
+        for element in given:
+            counted, *resets = element.values
+            if element.inside:
+                sure += surely_on * counted.worst.sat
+                possible += possibly_on * counted.best.sat * element.cycles
+            for reset in resets:
+                surely_on, possibly_on = surely_on and not reset.best.sat, possibly_on and not reset.worst.sat
+        limit = self.cycles[k].number(node.limit)
+        return Known(compared(node, Range(sure, possible), limit), all(element.final for element in given))
+
     def folded(self, nodes: Sequence[ir.OverRun], count: int) -> Earlier:
         """What operators make of the first cycles, when these are dropped: their values about the last of them, by element."""
         if not count:
@@ -165,7 +187,7 @@ class History:
                 found[node, key] = self.value(node, last, ids).value
         return found
 
-    def _elements(self, node: ir.OverRun, k: int, ids: Ids) -> Iterator[Element]:
+    def _elements(self, node: ir.Remembered, k: int, ids: Ids) -> Iterator[Element]:
         """What there is from cycle k outwards, as far as the window reaches: cycles, gaps between them, and what is to come."""
         lower, upper = node.lower or 0, math.inf if node.upper is None else node.upper
         t = self.cycles[k].t
@@ -191,10 +213,16 @@ class History:
             for later in between:
                 if self.cycles[later].missed:
                     begin, end = self.cycles[later - 1].t, self.cycles[later].t
-                    yield Element(unknown, begin < high and end > low)
+                    yield Element(unknown, begin < high and end > low, cycles=self.cycles[later].missed)
         if open_ and not node.past and self.cycles[-1].t < high:
             yield Element(unknown, True, False)
-        if node.past and members[0] == 0 and node.upper is None and node.op != "previous":
+        if (
+            isinstance(node, ir.OverRun)
+            and node.past
+            and members[0] == 0
+            and node.upper is None
+            and node.op != "previous"
+        ):
             earlier = self.earlier.get((node, tuple(ids[axis.level] for axis in sets_of(node))))
             if earlier is not None:
                 if self.cycles[0].missed:
@@ -202,7 +230,7 @@ class History:
                 # What `since` came to there is what it comes to from there on, as long as its left side holds.
                 yield Element((TRUE, earlier)[-len(node.operands) :], True)
 
-    def _members(self, node: ir.OverRun, ids: Ids, k: int) -> tuple[Sequence[int], bool]:
+    def _members(self, node: ir.Remembered, ids: Ids, k: int) -> tuple[Sequence[int], bool]:
         """The cycles of the life, around cycle k, of what an operator is about, and whether it may go on."""
         members: Sequence[int] = range(len(self.cycles))
         open_ = not self.ended

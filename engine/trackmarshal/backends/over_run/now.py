@@ -8,6 +8,7 @@ from itertools import product
 
 from trackmarshal.backends.results import CaseValues
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.constants import constant_value
 from trackmarshal.ir.overrun import nanoseconds, sets
 from trackmarshal.ir.reads import reads
 from trackmarshal.runtime.frame import Frame
@@ -37,6 +38,13 @@ class Now:
         if known is None:
             known = self._known[key] = self._leaf(node, ids)
         return known
+
+    def number(self, node: ir.Num) -> float:
+        """A number that no input changes."""
+        own, given = self.values.spec.params, self.frame.settings.params
+        found = constant_value(node, lambda name: given.get(name, own[name].value))
+        assert found is not None, "an input changes it"
+        return found
 
     def _leaf(self, node: ir.Formula, ids: tuple[str, ...]) -> Truth:
         if self.frame.unusable(reads(node)) is not None:

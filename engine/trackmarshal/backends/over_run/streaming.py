@@ -54,10 +54,10 @@ class Streaming:
         self._leaves = tuple(
             dict.fromkeys(leaf for formula in of_ahead for leaf in leaves(formula, parts_ahead))
         )
-        self._unbounded = [
+        self._unbounded: list[ir.OverRun] = [
             node
             for node in cells_of(of_ahead, looks_ahead)
-            if node.past and node.op != "previous" and node.upper is None
+            if isinstance(node, ir.OverRun) and node.past and node.op != "previous" and node.upper is None
         ]
         #: How far back from the oldest open cycle anything is looked at: nanoseconds, and cycles.
         reaches = [back(formula) for formula in of_ahead]
@@ -81,7 +81,7 @@ class Streaming:
             for ids in now.combinations(sets_of(leaf))
         }
         cycles = (
-            [*state.cycles, Past(now.t, now.name, now.ids, _looked_up(known), state.missed)]
+            [*state.cycles, Past(now.t, now.name, now.ids, _looked_up(known), now.number, state.missed)]
             if self._leaves
             else []
         )
@@ -131,7 +131,7 @@ class Streaming:
         return found
 
     def _past(self, state: _Kept, now: Now, present: Present) -> Past:
-        return Past(now.t, now.name, now.ids, present.leaf, state.missed)
+        return Past(now.t, now.name, now.ids, present.leaf, now.number, state.missed)
 
     def _fresh(self, state: _Kept) -> _Kept:
         if state.taken:

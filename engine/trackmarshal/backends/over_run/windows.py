@@ -11,8 +11,9 @@ from collections import deque
 from collections.abc import Sequence
 from typing import Any, Generic, NamedTuple, Protocol, TypeVar, assert_never
 
+from trackmarshal.backends.over_run.counts import Range
 from trackmarshal.ir import nodes as ir
-from trackmarshal.runtime.kleene import FALSE, TRUE, connect
+from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect
 from trackmarshal.runtime.verdict import Truth
 
 M = TypeVar("M")
@@ -39,7 +40,10 @@ class Folding(Protocol[M]):
 
     def joined(self, newer: M, older: M) -> M: ...
 
-    def value(self, folded: M) -> Truth: ...
+    def gap(self, operands: int, missed: int) -> M:
+        """What cycles contribute of which nothing is known."""
+
+    def value(self, folded: M) -> Truth | Range: ...
 
 
 class Extremum:
@@ -54,6 +58,9 @@ class Extremum:
 
     def beside(self, values: Truth) -> Truth:
         return self.nothing
+
+    def gap(self, operands: int, missed: int) -> Truth:
+        return UNDEFINED
 
     def joined(self, newer: Truth, older: Truth) -> Truth:
         return connect("or" if self._greatest else "and", newer, older)
@@ -74,6 +81,9 @@ class Steps:
     def beside(self, values: tuple[Truth, Truth]) -> tuple[Truth, Truth]:
         return FALSE, values[1]
 
+    def gap(self, operands: int, missed: int) -> tuple[Truth, Truth]:
+        return UNDEFINED, UNDEFINED
+
     def joined(self, newer: tuple[Truth, Truth], older: tuple[Truth, Truth]) -> tuple[Truth, Truth]:
         (goal, hold), (before, held) = newer, older
         return connect("or", goal, connect("and", hold, before)), connect("and", hold, held)
@@ -82,8 +92,48 @@ class Steps:
         return folded[0]
 
 
-def folding(node: ir.OverRun) -> Folding[Any]:
+class Tally(NamedTuple):
+    """How many cycles count, surely and possibly, and whether the count starts anew with them."""
+
+    sure: int
+    possible: int
+    surely_anew: bool
+    possibly_anew: bool
+
+
+class Counting:
+    """count: of what comes before a cycle in which it starts anew, nothing counts."""
+
+    nothing = Tally(0, 0, False, False)
+
+    def item(self, values: Sequence[Truth]) -> Tally:
+        counted, *resets = values
+        return Tally(
+            int(counted.worst.sat), int(counted.best.sat), any(reset.worst.sat for reset in resets),
+            any(reset.best.sat for reset in resets),
+        )  # fmt: skip
+
+    def beside(self, values: Tally) -> Tally:
+        raise AssertionError("the window of a count ends now")
+
+    def gap(self, operands: int, missed: int) -> Tally:
+        return Tally(0, missed, False, operands > 1)
+
+    def joined(self, newer: Tally, older: Tally) -> Tally:
+        return Tally(
+            newer.sure + (0 if newer.possibly_anew else older.sure),
+            newer.possible + (0 if newer.surely_anew else older.possible),
+            newer.surely_anew or older.surely_anew, newer.possibly_anew or older.possibly_anew,
+        )  # fmt: skip
+
+    def value(self, folded: Tally) -> Range:
+        return Range(folded.sure, folded.possible)
+
+
+def folding(node: ir.Remembered) -> Folding[Any]:
     """What an operator that looks back makes of a window."""
+    if isinstance(node, ir.Counted):
+        return Counting()
     match node.op:
         case "once" | "historically":
             return Extremum(node.op)
@@ -110,7 +160,7 @@ class Sliding(Generic[M]):
         self._newer: list[Item[M]] = []
         self._newer_fold = folding.nothing
 
-    def value(self, t: int, now: Sequence[Item[M]]) -> Truth:
+    def value(self, t: int, now: Sequence[Item[M]]) -> Any:
         """The operator's value at a time, with items that are not in the window yet: those of the present cycle."""
         join, low, high = self._folding.joined, self._low(t), t - self._lower
         folded = self._fold(low)

@@ -32,6 +32,20 @@ class Pieces(NamedTuple):
     starts: Ints
 
 
+class Hulls(NamedTuple):
+    """What ways are looked at by, roughly: their pieces, or hulls of the footprints at both ends; those of a way in a row.
+
+    `ways`: of which way; `reach` and `short` as of `Curves`, of the hull: how far the way may reach beyond it, and how much farther than
+    it the way may be from anything [m]; `whole`: of each way, whether it is one hull though it is of several pieces.
+    """
+
+    sweeps: Sweeps
+    ways: Ints
+    reach: Floats
+    short: Floats
+    whole: Bools
+
+
 class Curves:
     """N ways, from pose to pose, with the curvatures at both.
 
@@ -109,13 +123,21 @@ class Curves:
         found: Floats = swing + (np.minimum(way, corner * np.sqrt(turned)) + 0.5 * way)
         return found
 
-    def straight(self) -> Sweeps:
-        """The hulls of the footprints at both ends of each way."""
-        return Sweeps(self.poses, self.length, self.width, self.units)
+    def hulls(self, most: int) -> Hulls:
+        """The pieces of the ways that have `most` at most, and of the others the hulls of the footprints at both ends."""
+        whole = self.count > most
+        cuts = np.where(whole, 1, self.count)
+        ways = np.arange(self.size).repeat(cuts)
+        reach, short = np.where(whole, self.reach, self.more), np.where(whole, self.short, -self.more)
+        return Hulls(self._cut(slice(None), cuts).sweeps, ways, reach.take(ways), short.take(ways), whole)
 
     def pieces(self, which: slice) -> Pieces:
         """The pieces of some ways."""
-        poses, units, count = self.poses[:, which], self.units[:, :, which], self.count[which]
+        return self._cut(which, self.count[which])
+
+    def _cut(self, which: slice, count: Ints) -> Pieces:
+        """Some ways in so many equal parts."""
+        poses, units = self.poses[:, which], self.units[:, :, which]
         length, width = (
             size if isinstance(size, float) else size[which] for size in (self.length, self.width)
         )

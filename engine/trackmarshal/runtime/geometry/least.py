@@ -5,12 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from trackmarshal.runtime.geometry.arrays import Bools, Floats, Ints, counts_of, starts_of
-from trackmarshal.runtime.geometry.curve import Curves
+from trackmarshal.runtime.geometry.curve import MOST, Curves
 from trackmarshal.runtime.geometry.region import AT_ONCE, Region
 from trackmarshal.runtime.geometry.sweep import Sweeps
 
 #: A hull that is farther than this from the border lies on one side of it, beyond all rounding [m].
 CLEAR = 1e-3
+#: Ways of so many pieces at most are bounded piece by piece in the first place, the others only where the bound of the whole leaves
+#: them.
+FEW = 2
+#: Ways of any number of pieces that are bounded at once, piece by piece.
+PIECEWISE = 256
 #: Hulls whose bounds are kept at once.
 KEPT = 16 * AT_ONCE
 
@@ -55,19 +60,33 @@ class _Search:
         #: Views of the same, a group a row.
         self.margins, self.exacts = margin.reshape(-1, size), exact.reshape(-1, size)
         self.one = self._in_one_piece(size)
+        self.groups = np.arange(margin.size) // size
+        #: Ways that are bounded as a whole though they are of several pieces.
+        self.whole = np.zeros(margin.size, dtype=np.bool_)
         step = max(1, AT_ONCE // size) * size
         for first in range(0, margin.size, step):
-            self._bound(slice(first, first + step), size)
+            self._bound(slice(first, first + step), FEW)
         margin[~counted] = np.inf
 
     def run(self) -> None:
         """Look at the hull with the least bound of each group, then at whatever may be nearer."""
-        nearest = np.fmin.reduce(self.margins, axis=1).repeat(self.margins.shape[1])
-        wanted = self.counted & ~(self.margin > nearest + self.region.rounding)
+        wanted = self._nearest(self.counted)
         while wanted.any():
             least = self._looked_at(wanted)
             # The hulls that may still matter; those without a bound do.
             wanted = self.counted & ~(self.exact | (self.margin > least))
+            rough = (wanted & self.whole & np.isfinite(least)).nonzero()[0]
+            if rough.size:
+                for first in range(0, rough.size, PIECEWISE):
+                    self._bound(rough[first : first + PIECEWISE], MOST)
+                wanted = self._nearest(wanted & ~(self.margin > least))
+
+    def _nearest(self, among: Bools) -> Bools:
+        """Those of the least bound of each group, or of none."""
+        bounds = np.where(among, self.margin, np.inf).reshape(self.margins.shape)
+        nearest = np.fmin.reduce(bounds, axis=1).repeat(bounds.shape[1])
+        least: Bools = among & ~(self.margin > nearest + self.region.rounding)
+        return least
 
     def _looked_at(self, wanted: Bools) -> Floats:
         """Work hulls out. Below what margin, or bound, the rest of each group has to be looked at too, hull by hull."""
@@ -96,36 +115,40 @@ class _Search:
         one: Bools = np.logical_and.reduce((on | ~self.counted).reshape(-1, size), axis=1)
         return one
 
-    def _bound(self, part: slice, size: int) -> None:
+    def _bound(self, part: slice | Ints, most: int) -> None:
         """Bounds on the distance of hulls from the border; infinite for those that are not the nearest of their group, NaN for those
-        of which nothing is known."""
+        of which nothing is known. Ways along curves of at most so many pieces are bounded piece by piece."""
         long, wide = (side if isinstance(side, float) else side[part] for side in self.sizes)
-        curves = None
+        counted, groups = self.counted[part], self.groups[part]
+        hulls = ways = None
         if self.bends is None:
             sweeps = Sweeps(self.poses[:, part], long, wide)
             usable = sweeps.usable
         else:
             curves = Curves(self.poses[:, part], self.bends[:, part], long, wide)
-            sweeps, usable = curves.straight(), curves.usable
-        low, high, _ = boxes = sweeps.boxes()
-        counted = self.counted[part]
+            hulls, usable = curves.hulls(most), curves.usable
+            sweeps, ways, self.whole[part] = hulls.sweeps, hulls.ways, hulls.whole
         if usable is not None:
             counted = counted & usable
-        rows, k, nearest = self.region.candidates(
-            sweeps, boxes, np.arange(sweeps.size) // size, counted, curves
-        )
-        margin = self.margin[part]
-        margin.fill(np.inf)
+        if ways is not None:
+            counted, groups = counted.take(ways), groups.take(ways)
+        low, high, _ = boxes = sweeps.boxes()
+        rows, k, nearest = self.region.candidates(sweeps, boxes, groups, counted, hulls)
+        margin = np.full(self.margin[part].size, np.inf)
         if rows.size:
             starts = starts_of(rows)
             beside = _beside(self.region, sweeps, low[1:], high[1:], rows, starts, k)
             beside[np.isnan(nearest)] = np.nan
-            hulls = rows.take(starts)
-            margin[hulls] = np.minimum.reduceat(beside, starts)
-            if curves is not None:
-                margin[hulls] -= curves.reach.take(hulls)
+            of, least = rows.take(starts), np.minimum.reduceat(beside, starts)
+            if hulls is not None:
+                least -= hulls.reach.take(of)
+                of = hulls.ways.take(of)
+                starts = starts_of(of)
+                of, least = of.take(starts), np.minimum.reduceat(least, starts)
+            margin[of] = least
         if usable is not None:
             margin[~usable] = np.nan
+        self.margin[part] = margin
 
 
 def _beside(

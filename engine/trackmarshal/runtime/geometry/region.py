@@ -13,7 +13,7 @@ from trackmarshal.runtime.geometry.approach import Approach
 from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, counts_of, points_of, starts_of
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.cells import REACH, SHIFT, WIDTH, Cells
-from trackmarshal.runtime.geometry.curve import Curves, least_of
+from trackmarshal.runtime.geometry.curve import Curves, Hulls, least_of
 from trackmarshal.runtime.geometry.sweep import Sweeps
 from trackmarshal.runtime.geometry.violation import violation
 
@@ -157,13 +157,13 @@ class Region:
 
     def candidates(
         self, sweeps: Sweeps, boxes: tuple[Floats, ...],
-        groups: Ints | None = None, counted: Bools | None = None, curves: Curves | None = None,
+        groups: Ints | None = None, counted: Bools | None = None, beyond: Hulls | None = None,
     ) -> tuple[Ints, Ints, Singles]:  # fmt: skip
         """Hulls and segments in pairs: at least all that may make up a hull's distance from the border, or enter it.
 
         With each a distance that is at most `slack` greater than theirs; NaN where nothing is known. Where `groups` numbers the
         hulls, ascending: at least all that may make up the distance of the nearest hull of each group, of those that are `counted`;
-        or the least margin of the ways along `curves` whose hulls they are.
+        or, with how far ways along curves go `beyond` them, the least margin of these ways.
         """
         middle = sweeps.position + sweeps.middle
         rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius, sweeps.inner)
@@ -174,7 +174,7 @@ class Region:
         if rows.size:
             of = rows if groups is None else groups.take(rows)
             k = self.cells.tiles.take(tiles, axis=1)
-            rows, k, nearest = self._culled(sweeps, boxes, rows, k, of, curves)
+            rows, k, nearest = self._culled(sweeps, boxes, rows, k, of, beyond)
         if unknown is None:
             return rows, k, nearest
         rows, k, order = self._with_unknown(rows, k, unknown, middle, sweeps.radius)
@@ -203,7 +203,7 @@ class Region:
         return rows[order], k[order], order
 
     def _culled(
-        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, k: Ints, groups: Ints, curves: Curves | None
+        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, k: Ints, groups: Ints, beyond: Hulls | None
     ) -> tuple[Ints, Ints, Singles]:  # fmt: skip
         """Of segments k (place in tile, tile) for hulls by tile, in groups: those that may be nearest to a hull of their group, as far
         as the boxes around the hulls tell."""
@@ -230,15 +230,15 @@ class Region:
         sure, best = np.abs(seen)
         limit = np.minimum.reduce(sure, axis=0)
         excess = excess + self.slack
-        if curves is None:
+        if beyond is None:
             limit += excess.take(rows)
         else:  # in double precision: ways may reach far
-            limit = limit + (excess + curves.short).take(rows)
+            limit = limit + (excess + beyond.short).take(rows)
         runs = starts_of(groups)
         if runs.size < rows.size:
             limit = np.minimum.reduceat(limit, runs).repeat(counts_of(runs, rows.size))
-        if curves is not None:
-            limit += (curves.reach * ROUNDED).take(rows)
+        if beyond is not None:
+            limit += (beyond.reach * ROUNDED).take(rows)
             limit = np.minimum(limit, FAR).astype(np.float32)
         kept = (best <= limit).T.ravel().nonzero()[0]
         tile = kept >> SHIFT

@@ -99,7 +99,7 @@ static inline double tm_curve_reach(double du, double dv, double cosine0, double
   const double bulge = (way * (turn + (0.26 * sway))) + (corner * ((2.0 * lean) + (steep * steep)));
   /* Half of the bulge is that of the way; the other half is more than that of its pieces. */
   const double more = (((0.0625 * (off + (lean + sway))) * way) + ((0.5 * corner) * off)) + (0.25 * bulge);
-  const int small = (q0 <= 0.0625) & (q1 <= 0.0625) & (along0 > 2e-6) & (along1 > 2e-6);
+  const int small = (q0 <= 0.0625) & (q1 <= 0.0625) & (along0 > 2e-6) & (along1 > 2e-6) & (more < 1e30); /* there are floats for it */
   return (small != 0) ? ((1.001 * more) + (1e-4 * (corner + way))) : TM_INF;
 }
 

@@ -928,7 +928,8 @@ static unsigned long tm_stretch_near(const tm_stretch *stretch, const tm_posed *
   for (size_t k = 0u; k < stretch->count; k += 8u) {
     bits |= (unsigned long)tm_strip_bits(&stretch->u0[k], &stretch->u1[k], &stretch->v0[k], &stretch->v1[k], box, more) << k;
   }
-  return bits;
+  /* Of an infinite reach, what is not listed is as near as what is. */
+  return bits & ((1ul << stretch->count) - 1ul);
 }
 
 /** Of these segments, those that may still be going by the second pose, if that is turned by little from the stretch. */

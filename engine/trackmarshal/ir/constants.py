@@ -1,0 +1,34 @@
+"""Values of numbers that no input changes: literals, parameters, and arithmetic on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import assert_never
+
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.arithmetic import apply, arith
+
+
+def constant_value(node: ir.Num, param: Callable[[str], float | None]) -> float | None:
+    """The value of a number, or None where it depends on the input; `param` gives the values of parameters."""
+    match node:
+        case ir.Const():
+            return node.value
+        case ir.Param():
+            return param(node.name)
+        case ir.Arith():
+            left, right = constant_value(node.left, param), constant_value(node.right, param)
+            return None if left is None or right is None else arith(node.op, left, right)
+        case ir.Neg():
+            operand = constant_value(node.operand, param)
+            return None if operand is None else -operand
+        case ir.Func():
+            values = [constant_value(arg, param) for arg in node.args]
+            known = [value for value in values if value is not None]
+            return apply(node.name, known) if len(known) == len(values) else None
+        case ir.Column() | ir.Sample() | ir.Scalar() | ir.Choose() | ir.Lookup():
+            return None
+        case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+            return None
+        case _:
+            assert_never(node)
