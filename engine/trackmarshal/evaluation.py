@@ -247,11 +247,8 @@ class Evaluator:
             case "numpy":
                 return self._numpy()
             case "c" | "auto":
-                from trackmarshal.backends.c.program import CProgram
-
                 try:
-                    made = CProgram(self.spec, self.rules)
-                    made.library_for()
+                    made = self._generated()
                 except TrackmarshalError as error:
                     if self.asked != "auto" or error.code not in _NO_C:
                         raise
@@ -260,6 +257,15 @@ class Evaluator:
                 return made
             case other:
                 raise AssertionError(f"unknown backend {other}")
+
+    def _generated(self) -> Program:
+        from trackmarshal.backends.c.over_run.program import CRemembering
+        from trackmarshal.backends.c.program import CProgram
+        from trackmarshal.backends.c.rules import remembers
+
+        made = (CRemembering if any(map(remembers, self.rules)) else CProgram)(self.spec, self.rules)
+        made.library_for()
+        return made
 
     def _reference(self) -> Program:
         from trackmarshal.backends.over_run.program import Remembering, remembers

@@ -36,7 +36,7 @@ class Cycle:
 #: The module in which a project declares limits, as parameters.
 LIMITS_MODULE = "supervisor.limits"
 #: The limits that are capacities, and what a capacity is of.
-CAPACITIES = {"samples": "samples", "elements": "elements", "border": "points"}
+CAPACITIES = {"samples": "samples", "elements": "elements", "border": "points", "rate": "cycles a second"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +50,8 @@ class Limits:
     samples: int = 128
     elements: int = 32
     border: int = 2048
+    #: Cycles in a second that windows over the run have room for, in generated C; Python makes room as they come.
+    rate: int = 50
     #: Shortest (more than this) and longest time from one stamp to the next; oldest stamp at arrival; how far a stamp may
     #: lie ahead of the clock.
     shortest_gap: float = 0.001
@@ -128,7 +130,7 @@ class Limits:
 
 #: Every limit, and the SI unit that it is in.
 UNITS = {
-    "samples": "1", "elements": "1", "border": "1", "shortest_gap": "s", "longest_gap": "s", "oldest": "s", "clock_tolerance": "s",
+    "samples": "1", "elements": "1", "border": "1", "rate": "1", "shortest_gap": "s", "longest_gap": "s", "oldest": "s", "clock_tolerance": "s",
     "budget": "s", "start_distance": "m", "start_turn": "rad", "start_speed": "m/s", "rest_speed": "m/s", "apart": "m", "beside": "m",
     "turned": "rad", "overspeed": "m/s", "blind": "s",
 }  # fmt: skip

@@ -442,8 +442,13 @@ class Writer:
                 )
             case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.timed(node, at)
-            case ir.OverRun() | ir.Counted():
-                raise self.refuse(node, "generated C does not remember yet")
+            case ir.OverRun():
+                return self.call(f"tm_{self.plan.memory(node).c_name}_now", *self._recalled(node, at))
+            case ir.Counted():
+                tally = self.call(f"tm_{self.plan.memory(node).c_name}_now", *self._recalled(node, at))
+                return self.call(
+                    f"tm_count_{compared(node.op, node.turned)}", tally, self.number(node.limit, at, "limit")
+                )
             case ir.First():
                 first = at.open(None)
                 first.binds[node.axis] = _ZERO
@@ -459,6 +464,18 @@ class Writer:
         from trackmarshal.backends.c.timelines import series
 
         return self.over("kept", *series(self, node, at), self.index(node.axis, at))
+
+    def place_of(self, axis: ir.Axis, scope: c.Scope, places: str = "place") -> c.Expr:
+        """The place in memories of an element of a set, in the present cycle (`place`) or from now on (`next`)."""
+        run = c.Member(self.name("context"), "run", True)
+        own = c.Member(run, self.plan.input(axis.signal).c_name, False)
+        return c.Element(c.Member(own, places, False), self.index(axis, scope))
+
+    def _recalled(self, node: ir.Remembered, at: c.Scope) -> list[c.Expr]:
+        """The arguments of a recollection: the context, whose memory it is, and the operands in the present cycle."""
+        axis = self.plan.memory(node).axis
+        places = [] if axis is None else [self.place_of(axis, at)]
+        return [self.name("context"), *places, *(self.formula(each, at) for each in node.operands)]
 
     def _flag(self, node: ir.Flag, at: c.Scope) -> c.Expr:
         if node.axis is not None:

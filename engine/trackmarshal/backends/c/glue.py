@@ -14,12 +14,17 @@ from trackmarshal.backends.c.source import Source
 
 @dataclass(frozen=True)
 class Flat:
-    """The order of what the binding takes: sets and timelines; their columns; numbers; flags, events among them (field "")."""
+    """The order of what the binding takes: sets and timelines; their columns; numbers; flags, events among them (field "").
+
+    ids: the sets whose elements are known again in other cycles. timed: whether cycles have a stamp.
+    """
 
     counts: tuple[str, ...]
     columns: tuple[tuple[str, str, bool], ...]
     numbers: tuple[tuple[str, str], ...]
     flags: tuple[tuple[str, str], ...]
+    ids: tuple[str, ...]
+    timed: bool
 
 
 def flat(source: Source) -> Flat:
@@ -49,6 +54,8 @@ def flat(source: Source) -> Flat:
                 else [f for f, _ in item.fields if item.kind == "record" and f.kind == "bool"]
             )
         ),
+        tuple(item.name for item in source.plan.named),
+        bool(source.plan.kept),
     )
 
 
@@ -80,7 +87,8 @@ def _rules(source: Source) -> str:
         "counts": [plan.input(name).c_name for name in order.counts],
         "columns": [(place(name, field), "tm_flag" if flag else "double") for name, field, flag in order.columns],
         "numbers": [place(*each) for each in order.numbers], "flags": [place(*each) for each in order.flags],
-        "nothing": not plan.inputs, "alongs": [code.along for code in source.rules if code.along],
+        "ids": [plan.input(name).c_name for name in order.ids], "timed": order.timed,
+        "nothing": not plan.inputs and not order.timed, "alongs": [code.along for code in source.rules if code.along],
         "cases": [(index, code.c_name) for index, code in enumerate(source.rules) if code.along],
     }  # fmt: skip
     return render("program/rules.c.j2", context)

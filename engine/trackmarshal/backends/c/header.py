@@ -9,6 +9,7 @@ from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.online import TYPES, Monitor
+from trackmarshal.backends.c.over_run.writing import types as remembered
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import CASES, RuleCode
 from trackmarshal.ir.spec import FieldType, Spec
@@ -22,6 +23,10 @@ CAPACITIES = {
     "TM_MAX_BORDER": (2048, "points of a border, or of a line that is a signal"),
     "TM_MAX_PLACE": (64, "points of a zone or line of the spec"),
     "TM_MAX_KNOTS": (64, "rows of a table"),
+    "TM_MAX_RATE": (
+        50,
+        "cycles in a second that windows over the run have room for; of more, what rules remember is not known",
+    ),
 }
 
 
@@ -42,6 +47,7 @@ def header(
         "geometry": places.has_geometry(plan), "firsts": begins, "end": end, "params": _params(plan),
         "members": _members(plan, series, supervised), "rules": [(f"TM_RULE_{code.c_name.upper()}", _about(code)) for code in codes],
         "places": list(places.prototypes(plan, supervised is not None)), "cases": CASES, "monitor_types": TYPES,
+        "named": plan.named, "remembered": remembered(plan),
     }  # fmt: skip
     if supervised is not None:
         context |= interface.said(plan)
@@ -49,7 +55,9 @@ def header(
 
 
 #: Capacities that are limits of a Supervisor, by their names there.
-_LIMITS = {"TM_MAX_SAMPLES": "samples", "TM_MAX_ELEMENTS": "elements", "TM_MAX_BORDER": "border"}
+_LIMITS = {
+    "TM_MAX_SAMPLES": "samples", "TM_MAX_ELEMENTS": "elements", "TM_MAX_BORDER": "border", "TM_MAX_RATE": "rate",
+}  # fmt: skip
 
 
 def default(macro: str, spec: Spec) -> int:
@@ -74,6 +82,8 @@ def capacities(plan: Layout, supervised: Supervised | None = None) -> list[str]:
         found.append("TM_MAX_PLACE")
     if plan.tables:
         found.append("TM_MAX_KNOTS")
+    if any(each.kind != "previous" for each in plan.kept.values()):
+        found.append("TM_MAX_RATE")
     return found
 
 
@@ -133,4 +143,6 @@ def _members(plan: Layout, series: int, supervised: Supervised | None) -> list[s
         members += [
             f"  tm_series series[{series}];", "  tm_series goal;", "  tm_series hold;", "  size_t queue[TM_MAX_SAMPLES];",
         ]  # fmt: skip
+    if plan.kept:
+        members.append("  tm_run run;")
     return [*members, *places.members(plan)] or ["  tm_flag unused;"]

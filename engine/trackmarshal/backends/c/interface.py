@@ -8,16 +8,14 @@ from typing import Any
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
-from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.cycle import CAPACITIES, Limits
 from trackmarshal.runtime.decision import MOST_REASONS
 from trackmarshal.runtime.faults import FAULTS
 from trackmarshal.runtime.machine import STATES
 
 #: Limits that are numbers; capacities are macros in C.
 LIMITS: dict[str, float] = {
-    field.name: getattr(Limits(), field.name)
-    for field in fields(Limits)
-    if field.name not in ("samples", "elements", "border")
+    field.name: getattr(Limits(), field.name) for field in fields(Limits) if field.name not in CAPACITIES
 }
 _MEANING = {
     "shortest_gap": "s, stamps that are nearer to each other are one",

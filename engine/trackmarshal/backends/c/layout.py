@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import assert_never
 
 from trackmarshal.backends.c.names import distinct
-from trackmarshal.backends.c.usage import Facts
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.backends.c.over_run.kept import Kept, kept_by
+from trackmarshal.backends.c.usage import Facts, Same
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 
@@ -49,6 +49,11 @@ class Layout:
     shapes: dict[tuple[str, str, str], Shape] = field(default_factory=dict)
     rule_names: dict[str, str] = field(default_factory=dict)
     facts: Facts = field(default_factory=Facts)
+    #: What operators over the run keep, those inside others before them.
+    kept: dict[ir.Formula, Kept] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._same = Same(self.facts)
 
     def input(self, signal: str) -> Input:
         return self.inputs[signal]
@@ -58,6 +63,20 @@ class Layout:
 
     def shape(self, item: ir.Line | ir.Area) -> Shape:
         return self.shapes[shape_key(item)]
+
+    def memory(self, node: ir.Remembered) -> Kept:
+        """The memory of an operator over the run, or of one that says the same."""
+        return self.kept[self._same.formula(node)]
+
+    def remember(self) -> None:
+        """Give all operators over the run their memory; raises TrackmarshalError E470 for what C cannot remember."""
+        self.kept = kept_by(self.rules, self._same.formula)
+
+    @property
+    def named(self) -> list[Input]:
+        """The sets whose elements are known again in other cycles."""
+        axes = {each.axis.signal for each in self.kept.values() if each.axis is not None}
+        return [item for item in self.inputs.values() if item.name in axes]
 
     @property
     def lines(self) -> list[Shape]:
@@ -82,6 +101,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
     whole: signals that are read in any case; with them, all fields of every signal count, as in the input contract.
     """
     result = Layout(spec, [rule for rule in rules if rule.formula is not None])
+    result.remember()
     columns: dict[str, set[str]] = {}
     params: list[str] = []
     tables: list[str] = []
@@ -129,10 +149,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                     case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                         pass
                     case ir.OverRun() | ir.Counted():
-                        raise TrackmarshalError(
-                            "E470", f"rule `{rule.name}`: generated C does not remember what was, or waits for what will be",
-                            file=node.span.file.path, line=node.span.line, help="choose rules with --rule, or another backend",
-                        )  # fmt: skip
+                        pass  # see `remember`
                     case _:
                         assert_never(node)
     for name in whole:

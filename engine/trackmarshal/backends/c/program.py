@@ -6,13 +6,15 @@ import ctypes
 import math
 from array import array
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.glue import Flat, flat
-from trackmarshal.backends.c.header import CAPACITIES, capacities
+from trackmarshal.backends.c.header import CAPACITIES, capacities, default
+from trackmarshal.backends.c.over_run.numbering import Numbering
 from trackmarshal.backends.c.places import PlaceSetter
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.numpy.program import NumpyProgram
@@ -27,6 +29,8 @@ from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 #: Sizes that programs are compiled with. Series cost memory for every sample, bounds of loops do not.
 _CLASSES = (256, 4096, 65536, 1 << 20, 1 << 24)
 _FREE = 1 << 24
+#: Cycles in a second that windows have room for where nobody says how fast they come.
+_RATE = 1000
 
 
 class Library:
@@ -47,10 +51,26 @@ class Library:
         }.items():
             getattr(self.dll, name).argtypes = kinds
             getattr(self.dll, name).restype = ctypes.c_int
+        if source.plan.kept:
+            self.dll.tmg_remember.argtypes = [*[pointer] * 5, ctypes.c_int]
+            self.dll.tmg_missed.argtypes = self.dll.tmg_forget.argtypes = [pointer]
+            self.dll.tmg_remembered.restype = self.dll.tmg_remembered_size.restype = size
         bytes_ = self.dll.tmg_size()
         self._memory = ctypes.create_string_buffer(bytes_ + 64)
         self.context = (ctypes.addressof(self._memory) + 63) & ~63
         self.status = self.dll.tmg_init(self.context)
+
+    def take_over(self, other: Library) -> None:
+        """Remember what another one does, of the same rules. Raises TrackmarshalError E473 where that is of another size."""
+        size = self.dll.tmg_remembered_size()
+        if size != other.dll.tmg_remembered_size():
+            raise TrackmarshalError(
+                "E473",
+                "more elements come in the middle of a run than memory was made for",
+                help="raise the limit `elements`",
+            )
+        start = self.dll.tmg_remembered()
+        ctypes.memmove(self.context + start, other.context + other.dll.tmg_remembered(), size)
 
 
 class _Result(ctypes.Structure):
@@ -81,6 +101,7 @@ class CProgram(Stateless):
         self._library: Library | None = None
         self._places: PlaceSetter | None = None
         self._numpy: NumpyProgram | None = None
+        self.numbering = Numbering()
 
     def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
         """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
@@ -140,6 +161,7 @@ class CProgram(Stateless):
             "TM_MAX_BORDER": border,
             "TM_MAX_PLACE": place,
             "TM_MAX_KNOTS": knots,
+            "TM_MAX_RATE": 0,
         }
         have = self._library
         if have is not None and all(have.sizes[name] >= wanted[name] for name in self._kinds):
@@ -148,6 +170,8 @@ class CProgram(Stateless):
         if have is not None:
             sizes = {name: max(size, have.sizes[name]) for name, size in sizes.items()}
         self._library = Library(self.source, sizes)
+        if have is not None and self.order.timed:
+            self._library.take_over(have)
         self._changed.clear()
         self._places = PlaceSetter(self.source.plan, self._library) if self.source.plan.shapes else None
         return self._library
@@ -158,6 +182,10 @@ class CProgram(Stateless):
         self._changed.clear()
 
     def _size(self, name: str, wanted: int) -> int:
+        if name == "TM_MAX_RATE":
+            return _RATE
+        if name == "TM_MAX_ELEMENTS" and self.source.plan.named:
+            return max(wanted, default(name, self.spec))
         if name == "TM_MAX_ELEMENTS" or (name == "TM_MAX_SAMPLES" and not self.source.series):
             return _FREE
         least = max(wanted, 256)
@@ -175,6 +203,26 @@ class CProgram(Stateless):
         raise TrackmarshalError(
             "E473", f"{wanted} is more than the {_CLASSES[-1]} that generated programs hold"
         )
+
+    def anew(self) -> CProgram:
+        """The same program, which remembers nothing yet."""
+        made = copy(self)
+        made._changed, made._library, made._places, made.numbering = set(), None, None, Numbering()
+        return made
+
+    def remember(self, frame: Frame, driven: bool) -> None:
+        """A frame is past, as it was driven. Raises TrackmarshalError E473 where more come than windows have room for."""
+        lib, (counts, columns, numbers, flags, *_) = self._prepared(frame)
+        if lib.dll.tmg_remember(lib.context, counts, columns, numbers, flags, driven):
+            raise TrackmarshalError(
+                "E473", f"windows over the run have room for {lib.sizes['TM_MAX_RATE']} cycles a second"
+            )
+        self.numbering.settle()
+
+    def skip(self) -> None:
+        """A cycle was refused, or did not come."""
+        if self._library is not None:
+            self._library.dll.tmg_missed(self._library.context)
 
     def _one(self, case: Frame, margins: int, verdicts: int) -> None:
         lib, (counts, columns, numbers, flags, *_) = self._prepared(case)
@@ -204,10 +252,12 @@ class CProgram(Stateless):
         lib = self.library_for(max(sequences, default=0), max(elements, default=0), border, place, knots)
         self._configure(case, lib)
         kept = [_column(case, name, field) for name, field, _ in order.columns]
+        kept += [self.numbering.of(name, case.columns[name].ids) for name in order.ids]
+        stamp = [math.nan if case.t is None else case.t] if order.timed else []
         given = (
             array("Q", counts),
             array("Q", [column.buffer_info()[0] for column in kept]),
-            array("d", [case.value(name, field) for name, field in order.numbers]),
+            array("d", [*(case.value(name, field) for name, field in order.numbers), *stamp]),
             array("b", [_flag(case.flag(name, field)) for name, field in order.flags]),
         )
         return lib, (*(numbers.buffer_info()[0] for numbers in given), given, kept)

@@ -13,6 +13,7 @@ from trackmarshal.backends.c.slots import assign
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
+from trackmarshal.ir.overrun import over_run
 from trackmarshal.ir.spec import RuleInfo
 
 #: How deep formulas may be nested; the generator goes down by calls.
@@ -66,7 +67,7 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
     try:
         full, series, libm = _function(plan, rule, False)
         functions, entry, counted = [full], f"tm_rule_{name}_any", full
-        if not grouped:
+        if not grouped and not remembers(rule):
             counted, more, _ = _function(plan, rule, True)
             whole = _entry(plan, rule, name)
             functions, entry, series = [counted, full, whole], whole.name, max(series, more)
@@ -83,6 +84,11 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
     ]
     lines = [line for function in functions for line in (*c.printed(function), "")]
     return RuleCode(rule, name, entry, "\n".join([*head, *lines]), max(series, most), libm, along, counted)
+
+
+def remembers(rule: RuleInfo) -> bool:
+    """Whether a rule is over the run: what it remembers is between a worst and a best case, as is then all that it says."""
+    return over_run(rule.formula) or over_run(rule.active)
 
 
 def _operations(
@@ -253,7 +259,7 @@ def group_codes(plan: Layout) -> list[GroupCode]:
 def _axis(rule: RuleInfo) -> ir.Axis | None:
     """The timeline or set that a rule quantifies over, if it does nothing else that loops; a projection on a prepared line does not."""
     formula, active = rule.formula, rule.active
-    if not isinstance(formula, ir.Quantify):
+    if not isinstance(formula, ir.Quantify) or remembers(rule):
         return None
     if active is not None and not (isinstance(active, ir.Quantify) and active.axis is formula.axis):
         return None

@@ -26,8 +26,10 @@ def margins_read(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
                 stack += [node.left, node.right]
             case ir.Not() | ir.Temporal() | ir.Shift() | ir.First():
                 stack.append(node.operand)
-            case ir.OverRun() | ir.Counted():
+            case ir.OverRun():
                 stack += node.operands
+            case ir.Counted():
+                pass  # it is counted in how many cycles they hold
             case _:
                 assert_never(node)
     return found

@@ -15,6 +15,7 @@ from trackmarshal.backends.c.judging import calls as rule_calls
 from trackmarshal.backends.c.judging import judge
 from trackmarshal.backends.c.layout import Layout, layout
 from trackmarshal.backends.c.names import comment, literal
+from trackmarshal.backends.c.over_run.writing import recalling, remembering
 from trackmarshal.backends.c.online import Monitor, monitors
 from trackmarshal.backends.c.places import calls, initial, own_places, setters
 from trackmarshal.backends.c.rendering import render
@@ -79,21 +80,22 @@ def _source(
     """The text of the source file."""
     data = render("program/source/data.c.j2", _data(plan)).removesuffix("\n")
     types: list[str] = []
+    memory = remembering(plan, supervised is not None)
     if supervised is None:
-        tail = [_check(plan, codes, groups, data), *setters(plan)]
+        tail = [*memory, _check(plan, codes, groups, data), *setters(plan)]
     else:
         door = Door(supervised, calls(plan, supervised.lines))
         types = list(machine.types(supervised, door.parts))
         tail = [
-            data, *setters(plan, True), "", *door.functions, *judge(plan, supervised, codes, groups),
+            data, *setters(plan, True), "", *door.functions, *memory, *judge(plan, supervised, codes, groups),
             *machine.functions(supervised), *configuration(plan, supervised),
         ]  # fmt: skip
     bodies = [
-        *(code.text for code in codes), *(group.text for group in groups), *(monitor.text for monitor in found)
+        *recalling(plan), *(code.text for code in codes), *(group.text for group in groups), *(monitor.text for monitor in found)
     ]  # fmt: skip
     known = parts.functions()
     context = {
-        "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found else [CASES])],  # the header has it for monitors
+        "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found or plan.kept else [CASES])],  # the header has it where it has what is made of them
         "functions": [known[function] for function in parts.needed([*bodies, *tail])], "bodies": bodies,
         "tail": "\n".join(tail),
     }  # fmt: skip
@@ -130,6 +132,6 @@ def _check(plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode],
     context = {
         "columns": [(i.c_name, i.signal is not None and i.signal.sequence) for i in plan.inputs.values() if i.kind == "columns"],
         "calls": list(rule_calls(codes, groups)), "data": data, "params": params, "tables": _data(plan)["tables"],
-        "shapes": list(initial(plan)),
+        "shapes": list(initial(plan)), "over_run": bool(plan.kept),
     }  # fmt: skip
     return render("program/source/check.c.j2", context).removesuffix("\n")

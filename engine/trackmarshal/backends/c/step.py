@@ -195,6 +195,7 @@ class Stepper:
             "TM_MAX_SAMPLES": int(limits["samples"]),
             "TM_MAX_ELEMENTS": int(limits["elements"]),
             "TM_MAX_BORDER": int(limits["border"]),
+            "TM_MAX_RATE": int(limits["rate"]),
             "TM_MAX_PLACE": max(
                 CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0
             ),

@@ -95,7 +95,8 @@ class Same:
     def _made(self, node: Value) -> Value:
         before = [node.__dict__[name] for name in node.fields]
         parts = [self._part(value) for value in before]
-        said = [part for name, part in zip(node.fields, parts) if name not in _TOLD]
+        told = _TURNED if isinstance(node, ir.Compare) else _TOLD
+        said = [part for name, part in zip(node.fields, parts) if name not in told]
         key = (type(node), *(repr(part) if isinstance(part, float) else part for part in said))
         found = self._known.get(key)
         if found is None:
@@ -112,8 +113,9 @@ class Same:
         return self.of(value) if isinstance(value, ir.Num | ir.Formula) else value
 
 
-#: What is told about a formula, and is no part of what it says.
-_TOLD = ("span", "unit", "shown", "turned")
+#: What is told about a formula, and is no part of what it says; of a comparison also which side stood at the left.
+_TOLD = ("span", "unit", "shown")
+_TURNED = (*_TOLD, "turned")
 
 
 class Usage:

@@ -14,6 +14,7 @@ FILES = (
     "formulas",
     "temporal",
     "online",
+    "run",
     "exact",
     "curve",
     "geometry",

@@ -183,6 +183,7 @@ def sizes_of(source: Source, limits: Mapping[str, float]) -> dict[str, int]:
         "TM_MAX_SAMPLES": int(limits["samples"]),
         "TM_MAX_ELEMENTS": int(limits["elements"]),
         "TM_MAX_BORDER": int(limits["border"]),
+        "TM_MAX_RATE": int(limits["rate"]),
         "TM_MAX_PLACE": max(CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0),
         "TM_MAX_KNOTS": max(CAPACITIES["TM_MAX_KNOTS"][0], *(len(t.knots) for t in spec.tables.values()), 0),
     }

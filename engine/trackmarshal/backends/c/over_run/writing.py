@@ -1,0 +1,151 @@
+"""The C of what rules remember: its types, the functions that recall it, and those that put a cycle into it once it is driven."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.expressions import Writer
+from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.names import comment, identifier
+from trackmarshal.backends.c.over_run.kept import Kept
+from trackmarshal.backends.c.rendering import render
+from trackmarshal.backends.c.rules import CASES, finished, remembers
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import over_run
+from trackmarshal.ir.reads import reads
+from trackmarshal.runtime.contract import FOLLOWED, PLAN
+
+#: Sorts of windows: what they keep, what an empty one comes to, how newer and older items are joined, what a gap and what anything may be.
+_CASES: dict[str, Any] = {"value": "tm_cases", "gap": "tm_unknown_any()", "unknown": "tm_unknown_any()"}
+_TALLY: dict[str, Any] = {
+    "value": "tm_tally",
+    "nothing": "tm_no_tally()",
+    "join": "  return tm_tallied(newer, older);",
+}
+_STEP = "{tm_unknown_any(), tm_unknown_any()}"
+WINDOWS: dict[str, dict[str, Any]] = {
+    "once": {**_CASES, "nothing": "tm_false_any()", "join": "  return tm_or_any(newer, older);"},
+    "historically": {**_CASES, "nothing": "tm_true_any()", "join": "  return tm_and_any(newer, older);"},
+    "since": {
+        "value": "tm_steps", "nothing": "tm_no_step()", "join": "  return tm_step_after(newer, older);", "gap": "tm_any_step()",
+        "unknown": "tm_any_step()",
+    },
+    "count": {**_TALLY, "gap": "tm_any_tally(run->missed, false)", "unknown": "tm_any_tally(UINT64_C(1) << 60u, false)"},
+    "recount": {**_TALLY, "gap": "tm_any_tally(run->missed, true)", "unknown": "tm_any_tally(UINT64_C(1) << 60u, true)"},
+}  # fmt: skip
+_ABOUT = {
+    "once": "`once`", "historically": "`historically`", "since": "`since`", "count": "A count", "recount": "A count that starts anew",
+}  # fmt: skip
+#: What operands are called, by the sort of memory.
+_OPERANDS = {
+    "once": ("p",), "historically": ("p",), "previous": ("p",), "since": ("p", "q"), "count": ("p",), "recount": ("p", "reset"),
+}  # fmt: skip
+
+
+def described(plan: Layout) -> dict[str, Any]:
+    """What the templates ask about what is remembered."""
+    kinds = {
+        name: {"name": name, "about": _ABOUT[name], **window}
+        for name, window in WINDOWS.items() if any(each.kind == name for each in plan.kept.values())
+    }  # fmt: skip
+    return {
+        "cases": CASES,
+        "kinds": kinds,
+        "sets": [{"name": item.name, "c_name": item.c_name} for item in plan.named],
+        "kept": [_described(plan, each) for each in plan.kept.values()],
+        "comment": comment,
+    }
+
+
+def _described(plan: Layout, each: Kept) -> dict[str, Any]:
+    span = each.node.span
+    shown = f"{comment(each.shown)}: {comment(f'{span.file.path}:{span.line}')}"
+    return {
+        "kind": each.kind, "c_name": each.c_name, "about": shown, "operands": _OPERANDS[each.kind], "room": _room(each),
+        "value": WINDOWS[each.kind]["value"] if each.kind in WINDOWS else "tm_cases",
+        "set": "" if each.axis is None else plan.input(each.axis.signal).c_name,
+        "lower": f"INT64_C({each.lower})", "upper": "INT64_C(-1)" if each.upper is None else f"INT64_C({each.upper})",
+        "weak": isinstance(each.node, ir.OverRun) and each.node.weak, "ripe": each.lower == 0,
+    }  # fmt: skip
+
+
+def _room(each: Kept) -> str:
+    """C of how many items a window has room for."""
+    longest = each.lower if each.upper is None else each.upper
+    if each.upper is None and longest == 0:
+        return "2u"
+    return f"TM_CYCLES_IN(UINT64_C({math.ceil(longest / 1e6)}))"
+
+
+def types(plan: Layout) -> str:
+    """Types of what is remembered, for the header."""
+    return render("program/over_run/types.h.j2", described(plan)) if plan.kept else ""
+
+
+def recalling(plan: Layout) -> list[str]:
+    """Functions that rules call."""
+    if not plan.kept:
+        return []
+    given = described(plan)
+    windows = [render("program/over_run/window.c.j2", {"kind": kind}) for kind in given["kinds"].values()]
+    return [*windows, render("program/over_run/recall.c.j2", given)]
+
+
+def remembering(plan: Layout, supervised: bool) -> list[str]:
+    """Functions that put a cycle into memory."""
+    if not plan.kept:
+        return []
+    noted = "\n".join([*c.printed(_note(plan)), ""])
+    return [noted, render("program/over_run/remember.c.j2", {**described(plan), "supervised": supervised})]
+
+
+class _Noting(Writer):
+    """Operands as they are of what was driven: where nothing was, what reads it is not known."""
+
+    _inside = False
+
+    def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds") -> c.Expr:
+        if self._inside or over_run(node):
+            return super().formula(node, scope, role)
+        self._inside = True
+        made = super().formula(node, scope, role)
+        self._inside = False
+        if any(signal in (PLAN, FOLLOWED) for signal, _ in reads(node)):
+            made = self.call("tm_if_driven", self.name("driven"), made)
+        return made
+
+
+def _note(plan: Layout) -> c.Function:
+    """The operands of all operators over the run, in the cycle that is about to be past."""
+    rules = [rule for rule in plan.rules if remembers(rule)]
+    operands = [operand for each in plan.kept.values() for operand in each.node.operands]
+    writer = _Noting(plan, rules, False, operands)
+    writer.root.names |= {"driven"}
+    waiting = iter(writer.formulas)
+    for each in plan.kept.values():
+        given = [next(waiting) for _ in each.node.operands]
+        name = next((name for name in _names(each, rules)), each.axis.signal if each.axis is not None else "")
+        scope = writer.root if each.axis is None else writer.loop(each.axis, writer.root, (identifier(name),))
+        place: list[c.Expr] = [] if each.axis is None else [writer.place_of(each.axis, scope, "next")]
+        values = [writer.formula(operand, scope) for operand in given]
+        writer.add(
+            scope, c.Evaluate(writer.call(f"tm_{each.c_name}_note", writer.name("context"), *place, *values))
+        )
+        if each.axis is not None:
+            writer.root.close(scope)
+    body, _ = finished(writer, ("context", "in", "driven"))
+    said = ("What operators over the run are about, in the cycle that is about to be past.",)
+    parameters = (("tm_context *", "context"), ("const tm_input *", "in"), ("bool", "driven"))
+    return c.Function(said, "void", "tm_note", parameters, body)
+
+
+def _names(each: Kept, rules: list[Any]) -> Iterator[str]:
+    """What rules call the element that a memory is about."""
+    for rule in rules:
+        for root in (rule.formula, rule.active):
+            for node in ir.below(root) if root is not None else ():
+                if isinstance(node, ir.Quantify) and node.axis is each.axis:
+                    yield node.names[0]
