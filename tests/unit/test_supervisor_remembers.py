@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.evaluation import loads
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.supervisor import Supervisor
@@ -17,7 +18,8 @@ signal ego : state { x: m, y: m, heading: rad, v: m/s }
 signal objects : set of object { x: m }
 event flag
 """
-BACKENDS = ("reference", "numpy")
+PYTHON = ("reference", "numpy")
+BACKENDS = (*PYTHON, "c")
 
 
 class Rig:
@@ -26,7 +28,7 @@ class Rig:
     def __init__(self, rules: str, backend: str) -> None:
         self.now, self.number = 0.0, -1
         self.supervisor: Any = supervisor(loads(SIGNALS + rules), None, backend, Limits(), lambda: self.now)
-        assert isinstance(self.supervisor, Supervisor)
+        assert isinstance(self.supervisor, CSupervisor if backend == "c" else Supervisor)
 
     def step(self, v: float = 10.0, emergency: float = 10.0, **signals: Any) -> Any:
         """A cycle whose candidates begin at these speeds."""
@@ -127,7 +129,7 @@ def test_where_nothing_was_driven_the_plan_is_undefined(backend: str) -> None:
     assert {one[::2] for one in names(rig.step())} == {("f", "undefined")}
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", PYTHON)
 def test_a_late_violation_makes_its_cycle_unsafe(backend: str) -> None:
     rig = Rig('rule reacts "" whenever flag within 0.2 s require ego.v < 5 m/s\n', backend)
     assert rig.step(flag=True).safe
@@ -152,7 +154,7 @@ def test_objects_have_ids(backend: str) -> None:
     assert rig.step(objects={"id": ["a"], "x": [1.0]}).safe
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("backend", PYTHON)
 def test_memory_that_is_lost_makes_nothing_safe(backend: str, monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig('rule f "" require weak previous ego.v < 50 m/s\n', backend)
     assert rig.step().safe

@@ -125,7 +125,7 @@ class Limits:
             ),
             math.inf,
         )
-        return cls(samples=10_000, elements=1_000, border=1_000_000, shortest_gap=0.0, **free)
+        return cls(samples=10_000, elements=1_000, border=1_000_000, rate=1_000, shortest_gap=0.0, **free)
 
 
 #: Every limit, and the SI unit that it is in.

@@ -24,12 +24,13 @@ class Words:
     """The order of a cycle's words.
 
     After `HEAD`: for each of `columns` (the candidates first) the address of its numbers, (numbers, count) in C's order, 0 where it
-    is missing, that of its flags, and its count; for each of `lines` (signal, field) address, count and id; for each of `closed`
-    and `events` a word.
+    is missing, that of its flags, and its count; for each of `lines` (signal, field) address, count and id; for each of `ids`, sets
+    whose elements are known again, the address of their numbers; for each of `closed` and `events` a word.
     """
 
     columns: tuple[str, ...]
     lines: tuple[tuple[str, str], ...]
+    ids: tuple[str, ...]
     closed: tuple[str, ...]
     events: tuple[str, ...]
 
@@ -37,7 +38,7 @@ class Words:
     def formats(self) -> tuple[str, str, str]:
         """For `struct`: of the head, the columns, and the rest."""
         head = "".join(kind for _, kind in HEAD)
-        rest = f"={3 * len(self.lines)}Q{len(self.closed) + len(self.events)}q"
+        rest = f"={3 * len(self.lines) + len(self.ids)}Q{len(self.closed) + len(self.events)}q"
         return f"={head}", f"={3 * len(self.columns)}Q", rest
 
 
@@ -46,6 +47,7 @@ def words(given: Supervised) -> Words:
     return Words(
         (DRIVING, EMERGENCY, *(signal.name for signal in given.inputs)),
         tuple(given.lines),
+        tuple(signal.name for signal in given.inputs if signal.named),
         tuple(signal.name for signal in given.borders if _closed(signal)),
         tuple(signal.name for signal in given.events),
     )
@@ -104,6 +106,8 @@ def _structs(given: Supervised) -> Iterator[str]:
     yield f"  tmg_columns columns[{len(order.columns)}];"
     if order.lines:
         yield f"  tmg_line lines[{len(order.lines)}];"
+    if order.ids:
+        yield f"  uint64_t ids[{len(order.ids)}];"
     if order.closed:
         yield f"  int64_t closed[{len(order.closed)}];"
     if order.events:
@@ -184,6 +188,9 @@ def _columns(given: Supervised, signal: Signal, place: int, target: str) -> Iter
         for row, field in enumerate(fields):
             at = f"{kind}[{row}u]" if record else f"&{kind}[{row}u * count]"
             yield f"    {own}.{names[field.name]} = {at};"
+    if signal.named:
+        place = words(given).ids.index(signal.name)
+        yield f"    {own}.id = (const uint64_t *)(uintptr_t)in->ids[{place}];"
     yield f"    {target} = &{own};"
     yield "  } else {"
     yield f"    {target} = NULL;"

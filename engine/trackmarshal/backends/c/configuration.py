@@ -203,6 +203,9 @@ def _init(plan: Layout, given: Supervised) -> Iterator[str]:
         yield f"  own.tables.{c_name}.values = NULL;"
         yield f"  own.tables.{c_name}.count = 0u;"
     yield from places(plan)
+    if plan.kept:
+        yield "  tm_forget_run(c);"
+        yield "  c->run.serial = 0u;"
     yield "  tm_defaults(&own);"
     yield "  said = tm_configure(c, &own);"
     yield "  c->made = TM_MADE;"

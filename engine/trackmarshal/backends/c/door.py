@@ -13,7 +13,7 @@ from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.machine import ego_of
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.order import fit, order
-from trackmarshal.runtime.contract import EGO, EVENT, LINES, RECORD, Field, Signal
+from trackmarshal.runtime.contract import EGO, EVENT, ID, LINES, RECORD, Field, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 
 _NO_FIELD = '""'
@@ -54,6 +54,14 @@ class Door:
             place = f"in->{fields[field.name]}"
             place = f"&{place}, 1u, false" if record else f"{place}, in->count, true"
             yield f"    {self._helpers.call(sort, place, field.checks, 'signal', text(field.name))}"
+        if signal.named:
+            yield "    if ((in->id == NULL) && (in->count > 0u)) {"
+            yield f"      {breach('missing', 'signal', text(ID))}"
+            yield "    } else if (!tm_ids_differ(in->id, in->count)) {"
+            yield f"      {breach('duplicate', 'signal', text(ID), 'tm_id_again(in->id, in->count)')}"
+            yield "    } else {"
+            yield "      ++look->parts;"
+            yield "    }"
         yield "  }"
         yield "  ++look->parts;"
         yield "}"
@@ -97,7 +105,9 @@ class Door:
         """How many functions run for a signal that has no fault."""
         if signal.form == EVENT:
             return sum(1 for _ in signal.fields_)
-        return 1 + len(signal.lines if signal.form == LINES else (*signal.numbers, *signal.flags))
+        return (
+            1 + signal.named + len(signal.lines if signal.form == LINES else (*signal.numbers, *signal.flags))
+        )
 
     def _input(self, signal: Signal) -> dict[Field, str]:
         given = self._given

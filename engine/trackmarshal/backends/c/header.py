@@ -47,7 +47,7 @@ def header(
         "geometry": places.has_geometry(plan), "firsts": begins, "end": end, "params": _params(plan),
         "members": _members(plan, series, supervised), "rules": [(f"TM_RULE_{code.c_name.upper()}", _about(code)) for code in codes],
         "places": list(places.prototypes(plan, supervised is not None)), "cases": CASES, "monitor_types": TYPES,
-        "named": plan.named, "remembered": remembered(plan),
+        "named": plan.named, "remembered": remembered(plan, supervised is not None),
     }  # fmt: skip
     if supervised is not None:
         context |= interface.said(plan)

@@ -71,6 +71,10 @@ def members(plan: Layout, given: Supervised) -> list[str]:
         "  tm_state state;",
         "  tm_stored stored;",
     ]
+    if plan.kept:
+        found.append(
+            "  double from_now[TM_MAX_SAMPLES]; /* s, the times of a stored trajectory that is driven, from a stamp on */"
+        )
     if given.borders:
         found.append("  struct {")
         for signal in given.borders:

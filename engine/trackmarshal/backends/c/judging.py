@@ -52,15 +52,12 @@ def judge(
     yield "  tm_input given;"
     yield "  const tm_input *in = &given;"
     yield "  tm_output *out = &look->out->driving;"
-    yield f"  given.{given.plan.c_name} = *cycle->driving;"
-    yield from _followed(plan, given)
-    for signal in given.inputs:
-        yield f"  given.{given.signals[signal.name]} = *cycle->signals.{given.signals[signal.name]};"
-    for signal in given.events:
-        if signal.name in plan.inputs:
-            yield f"  given.{given.signals[signal.name]} = cycle->signals.{given.signals[signal.name]};"
-    if told is not None:
-        yield f"  given.{told.c_name} = TM_FALSE;"
+    yield from driven(plan, given)
+    if plan.kept:
+        yield "  c->run.missed = c->run.any ? ((c->serial - c->run.serial) - 1u) : 0u;"
+        yield "  if (!tm_begin_cycle(c, in, cycle->t)) {"
+        yield "    return; /* it is no cycle of the run: no rule says anything */"
+        yield "  }"
     yield from calls(codes, groups)
     yield f"  given.{given.plan.c_name} = *cycle->emergency;"
     if told is not None:
@@ -73,6 +70,20 @@ def judge(
     yield "  c->marks.judge = c->serial;"
     yield "}"
     yield ""
+
+
+def driven(plan: Layout, given: Supervised) -> Iterator[str]:
+    """Statements that put together what rules read of a cycle, `plan` being the driving trajectory."""
+    yield f"  given.{given.plan.c_name} = *cycle->driving;"
+    yield from _followed(plan, given)
+    for signal in given.inputs:
+        yield f"  given.{given.signals[signal.name]} = *cycle->signals.{given.signals[signal.name]};"
+    for signal in given.events:
+        if signal.name in plan.inputs:
+            yield f"  given.{given.signals[signal.name]} = cycle->signals.{given.signals[signal.name]};"
+    told = plan.inputs.get(IS_EMERGENCY)
+    if told is not None:
+        yield f"  given.{told.c_name} = TM_FALSE;"
 
 
 def _followed(plan: Layout, given: Supervised) -> Iterator[str]:

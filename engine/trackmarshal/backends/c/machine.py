@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.interface import DUE, LIMITS
+from trackmarshal.backends.c.over_run.step import CALL, commit
 from trackmarshal.backends.c.parts import STEP
 from trackmarshal.runtime.contract import EGO
 from trackmarshal.runtime.contract.cycles import STORED
@@ -38,6 +39,7 @@ def types(given: Supervised, parts: int) -> Iterator[str]:
     yield "  size_t expected; /* candidates whose results were made ready for the rules */"
     yield "  size_t against; /* rules */"
     yield "  bool in_order; /* the stamp is */"
+    yield "  bool doubt; /* a part did not run: nothing is sure about the step */"
     yield "  tm_pose car;"
     yield "  double car_t; /* s, when it was there */"
     yield "} tm_look;"
@@ -67,7 +69,12 @@ def functions(given: Supervised) -> Iterator[str]:
     """Definitions, the step last."""
     yield from _store(given)
     yield from _examine(given)
-    yield STEP.read_text(encoding="utf-8").replace("/** ", "/* ")
+    step = STEP.read_text(encoding="utf-8").replace("/** ", "/* ")
+    if given.layout.kept:
+        yield from commit(given.layout, given)
+        body, end, rest = step.rpartition("}")
+        step = body + CALL + end + rest
+    yield step
     yield from _stored(given)
 
 

@@ -15,8 +15,8 @@ from trackmarshal.backends.c.judging import calls as rule_calls
 from trackmarshal.backends.c.judging import judge
 from trackmarshal.backends.c.layout import Layout, layout
 from trackmarshal.backends.c.names import comment, literal
-from trackmarshal.backends.c.over_run.writing import recalling, remembering
 from trackmarshal.backends.c.online import Monitor, monitors
+from trackmarshal.backends.c.over_run.writing import recalling, remembering
 from trackmarshal.backends.c.places import calls, initial, own_places, setters
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import CASES, TRUTH, GroupCode, RuleCode, group_codes, rule_code

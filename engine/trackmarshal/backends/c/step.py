@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import struct
+from array import array
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
@@ -16,6 +17,7 @@ from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.header import CAPACITIES, capacities
 from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
+from trackmarshal.backends.c.over_run.numbering import Numbering
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.frame import Arena, Columns
@@ -152,8 +154,11 @@ class Stepper:
         self._head, self._middle, self._tail = map(struct.Struct, self.words.formats)
         #: All words of a cycle; every step writes all of them.
         self._in = bytearray(self.width)
-        #: Lines, closed and events, and the words for them.
+        #: Lines, ids, closed and events, and the words for them.
         self._rest: tuple[Any, bytes] = (None, b"")
+        self._named = [self.words.columns.index(name) for name in self.words.ids]
+        self._numbering = Numbering()
+        self._ids: list[array[int]] = []
         self._said = struct.Struct("=" + "".join(kind for _, kind in SAID))
         self._out = ctypes.create_string_buffer(self._said.size)
         count = len(source.rules)
@@ -262,7 +267,9 @@ class Stepper:
         self, words: NDArray[np.uint8], columns: Sequence[Columns], lines: Sequence[Line], closed: Sequence[bool] = (),
         events: Sequence[int] = (),
     ) -> None:  # fmt: skip
-        """The words of a cycle that came, number and stamp 0, whose columns are read where they are."""
+        """The words of a cycle that came, number and stamp 0, whose columns are read where they are. Raises AssertionError for a program
+        that knows elements again."""
+        assert not self.words.ids
         own: list[Any] = []
         for entry in columns:
             flags = 0 if entry.flags is None else entry.flags.ctypes.data
@@ -289,14 +296,20 @@ class Stepper:
             own: list[Any] = []
             self._columns(columns, own)
             middle = self._middle.pack(*own)
-        rest = (*lines, *closed, *events)
+        ids = tuple(columns[place].ids if columns[place] is not None else () for place in self._named)  # type: ignore[union-attr]
+        rest = (*lines, ids, *closed, *events)
         if rest != self._rest[0]:
             own = []
             self._bordered(lines, own)
+            self._ids = [self._numbering.of(name, each) for name, each in zip(self.words.ids, ids)]
+            own += [numbers.buffer_info()[0] for numbers in self._ids]
             self._rest = rest, self._tail.pack(*own, *closed, *events)
         self._in[:] = self._head.pack(*given) + middle + self._rest[1]
         self._run(self._bound)
-        return Said._make(self._said.unpack_from(self._out))
+        said = Said._make(self._said.unpack_from(self._out))
+        if said.judged and self._named:
+            self._numbering.settle()
+        return said
 
     def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said:
         """A cycle was due and did not come, or what came is none, for what was `found`."""

@@ -10,12 +10,10 @@ from functools import partial
 from typing import Any
 
 from trackmarshal.backends.c.gather import fastest
+from trackmarshal.backends.c.over_run.explaining import Explaining
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.c.step import Reason, Said, Stepper, Stepping
 from trackmarshal.backends.c.words import Wording
-from trackmarshal.backends.numpy.program import NumpyProgram
-from trackmarshal.backends.numpy.views import CaseView
-from trackmarshal.backends.results import rated
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import of_cycles
@@ -78,7 +76,7 @@ class CSupervisor:
         self._clock = clock
         self._steps = 0
         self._stored: Plan | None = None
-        self._numpy: NumpyProgram | None = None
+        self._explaining = Explaining(spec, self.rules)
 
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
@@ -197,12 +195,7 @@ class CSupervisor:
     def _explain(
         self, frame: Frame, candidate: str, verdicts: bytes, margins: Any, number: int, series: bool = False
     ) -> RuleResult:
-        """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
-        if self._numpy is None:
-            self._numpy = NumpyProgram(self.spec, self.rules)
-        seen, program = frame.of(candidate), self._numpy
-        found = rated(self.rules, seen, lambda: CaseView(program.run([seen]), 0), verdicts, margins)
-        return found.explain(number, series)
+        return self._explaining.result(frame.of(candidate), verdicts, margins, number, series)
 
     def _violation(self, reason: Reason, judged: Judged) -> Violation:
         assert reason.rule is not None

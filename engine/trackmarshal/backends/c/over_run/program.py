@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.backends.c.over_run.explaining import Explaining
 from trackmarshal.backends.c.program import CProgram
-from trackmarshal.backends.c.rules import remembers
-from trackmarshal.backends.numpy.program import NumpyProgram
-from trackmarshal.backends.numpy.views import CaseView
-from trackmarshal.backends.results import rule_result
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import PLAN
 from trackmarshal.runtime.driven import as_driven, in_doubt
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory, Rated
-from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
+from trackmarshal.runtime.verdict import VERDICTS, About
 
 if TYPE_CHECKING:
     from trackmarshal.runtime.decision import Decision
@@ -53,9 +51,7 @@ class CRemembering:
         self.spec = spec
         self._program = CProgram(spec, rules)
         self.rules: Sequence[RuleInfo] = self._program.rules
-        self._over = [remembers(rule) for rule in self.rules]
-        plain = [rule for rule, over in zip(self.rules, self._over) if not over]
-        self._plain = NumpyProgram(spec, plain)
+        self._explaining = Explaining(spec, self.rules)
 
     def library_for(self) -> None:
         """Compile the program, for what most runs have."""
@@ -112,15 +108,5 @@ class CRemembering:
             if frame.faults and frame.unusable(rule.reads) is not None:
                 codes[place], own[place] = _UNDEFINED, math.nan
 
-        def explain(number: int, series: bool = False) -> RuleResult:
-            rule, said = self.rules[number], (VERDICTS[codes[number]], own[number])
-            if not self._over[number]:
-                return rule_result(rule, frame, CaseView(self._plain.run([frame]), 0), said, series)
-            reason = "nothing in its range" if said[0] == "inactive" else ""
-            blocked = frame.unusable(rule.reads)
-            reason = reason if blocked is None else str(blocked)
-            unit = rule.unit if rule.unit != "mixed" else "1"
-            about = (About(frame.number, *said, True),)
-            return RuleResult(rule.name, *said, unit, None, reason, None, "", about)
-
-        return Rated(bytes(codes), own, explain)
+        known = bytes(codes)
+        return Rated(known, own, partial(self._explaining.result, frame, known, own))

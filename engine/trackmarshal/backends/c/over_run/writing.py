@@ -80,9 +80,13 @@ def _room(each: Kept) -> str:
     return f"TM_CYCLES_IN(UINT64_C({math.ceil(longest / 1e6)}))"
 
 
-def types(plan: Layout) -> str:
+def types(plan: Layout, supervised: bool) -> str:
     """Types of what is remembered, for the header."""
-    return render("program/over_run/types.h.j2", described(plan)) if plan.kept else ""
+    return (
+        render("program/over_run/types.h.j2", {**described(plan), "supervised": supervised})
+        if plan.kept
+        else ""
+    )
 
 
 def recalling(plan: Layout) -> list[str]:

@@ -122,6 +122,16 @@ static bool tm_ids_differ(const uint64_t *id, size_t count) {
   return distinct;
 }
 
+/** The first element with an id that stands before it already. */
+static size_t tm_id_again(const uint64_t *id, size_t count) {
+  for (size_t i = 1u; i < count; ++i) {
+    if (!tm_ids_differ(id, i + 1u)) {
+      return i;
+    }
+  }
+  return (size_t)-1;
+}
+
 /** The places of elements among those of the last cycle; TM_NO_PLACE for new ones. Most often each is where it was. */
 static void tm_places_of(const uint64_t *id, size_t count, const uint64_t *known, const bool *used, size_t *place) {
   for (size_t i = 0u; i < count; ++i) {

@@ -56,6 +56,7 @@ static void tm_watch(tm_context *c, tm_clock clock, void *user, tm_look *look) {
 
 /** A part of the step did not run. */
 static void tm_incomplete(tm_look *look, const char *part) {
+  look->doubt = true;
   ++look->breaches;
   tm_add(look->out, TM_FAULT_INCOMPLETE, "supervisor", part, TM_NOWHERE);
 }

@@ -1,0 +1,101 @@
+"""Rules over the run in generated C: what they say in every cycle is what the other evaluators say, to the last bit."""
+
+from __future__ import annotations
+
+import math
+import os
+import random
+from typing import Any
+
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from support.run_formulas import SIGNALS, formulas, runs
+from trackmarshal.evaluation import Evaluator, loads
+
+#: Rules of one program, so that not each needs a compiler.
+RULES = 12
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "12"))
+OTHERS = ("reference", "numpy")
+
+
+def said(evaluators: dict[str, Evaluator], cycles: list[dict[str, Any] | None]) -> dict[str, list[Any]]:
+    """By backend, verdicts and margins of all rules in every cycle."""
+    found: dict[str, list[Any]] = {}
+    for name, evaluator in evaluators.items():
+        run, each = evaluator.over_run(), list[Any]()
+        for cycle in cycles:
+            if cycle is None:
+                run.missed()
+                continue
+            result = run.step(evaluator.read(cycle))
+            each.append({rule: (one.verdict, exact(one.margin)) for rule, one in result.rules.items()})
+        found[name] = each
+    return found
+
+
+def exact(margin: float) -> str:
+    return "nan" if math.isnan(margin) else float(margin).hex()
+
+
+def spec_of(drawn: list[str]) -> str:
+    return SIGNALS + "".join(f'rule f{number} "x"\n  require {one}\n' for number, one in enumerate(drawn))
+
+
+_CLAUSES = st.builds(
+    lambda whenever, guard, but, body: (
+        f'whenever {whenever}\n  for all o in objects where {guard}\n  except {but} "why"\n  require {body}'
+    ),
+    formulas(ahead=False, depth=1), formulas(True, ahead=False, depth=1), formulas(True, ahead=False, depth=1),
+    formulas(True, ahead=False, depth=2),
+)  # fmt: skip
+_SETTINGS = settings(
+    max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate],
+)  # fmt: skip
+
+
+@given(
+    st.lists(formulas(ahead=False), min_size=RULES, max_size=RULES),
+    st.lists(_CLAUSES, min_size=3, max_size=3),
+    st.lists(runs(), min_size=8, max_size=8),
+)
+@_SETTINGS
+def test_all_three_agree(
+    drawn: list[str], clauses: list[str], several: list[list[dict[str, Any] | None]]
+) -> None:
+    text = spec_of(drawn) + "".join(f'rule g{number} "x"\n  {one}\n' for number, one in enumerate(clauses))
+    spec = loads(text)
+    evaluators = {name: Evaluator(spec, backend=name) for name in (*OTHERS, "c")}
+    for cycles in several:
+        found = said(evaluators, cycles)
+        assert found["c"] == found["reference"] == found["numpy"], text
+
+
+def test_long_runs_wrap_all_rings() -> None:
+    """Windows of many cycles, in runs many times as long: rings begin anew, stacks turn, unsteady stamps fill and empty them."""
+    spec = loads(
+        SIGNALS
+        + 'rule a "" require once[0 s, 3 s] ego.v > 1.9 m/s\nrule b "" require historically[0.5 s, 2 s] ego.v > -1.9 m/s\n'
+        'rule c "" require ego.v > -1.5 m/s since[0.3 s, 4 s] flag\nrule d "" require count(flag, last: 2.5 s) <= 6\n'
+        'rule e "" for all o in objects require once[0.2 s, 1.5 s] o.v > 1 m/s or o.v > -1.9 m/s since[0 s, 1 s] o.v > 1.5 m/s\n'
+        'rule f "" require ego.v > -1.8 m/s since flag\nrule g "" require once[1 s, 1.2 s] flag\n'
+    )
+    evaluators = {name: Evaluator(spec, backend=name) for name in ("numpy", "c")}
+    dice = random.Random(7)
+    t, cycles = 0.0, list[dict[str, Any] | None]()
+    there = ["a", "b", "c", "d"]
+    for number in range(1500):
+        t = round(t + dice.choice([0.01, 0.05, 0.05, 0.1, 0.7]), 9)
+        if dice.random() < 0.03:
+            cycles.append(None)
+            continue
+        present = [name for name in there if dice.random() < 0.97]
+        dice.shuffle(present)
+        objects = {"id": present, "v": [dice.uniform(-2, 2) for _ in present]}
+        ego = {"v": dice.uniform(-2, 2), "w": 0.0}
+        signals = {"ego": ego, "objects": objects, "flag": dice.choice([True, False, False, False])}
+        cycles.append({"id": number, "t": t, "signals": signals})
+    found = said(evaluators, cycles)
+    assert found["c"] == found["numpy"]
+    for rule in "abcdefg":
+        assert len({each[rule][0] for each in found["c"]}) >= 2, rule
