@@ -21,7 +21,12 @@ class Channel(Protocol):
 
 
 class Block:
-    """Columns that know how to put themselves into a message; for callers who have them in one piece."""
+    """Columns that know how to put themselves into a message; for callers who have them in one piece.
+
+    ids: of a set whose elements are known again in other cycles, the number of each.
+    """
+
+    ids: Sequence[int] = ()
 
     def write(self, message: bytearray, columns: Sequence[tuple[str, Entry]]) -> int:
         """Put all columns at their entries; how many values each has."""
@@ -113,7 +118,7 @@ class Client:
         """Send a cycle, all in SI; the sequence of its message, 0 where it could not be sent.
 
         driving, emergency: columns by field. signals: columns, or values of a record, by field; of borders `Border`s, and `closed`; of an
-        event True, False or None. What is left out, and has no default, is missing, as is None. found: faults that the caller has found. came: False says that a cycle was due.
+        event True, False or None; of a set whose elements are known again in other cycles, `id` has a whole number for each. What is left out, and has no default, is missing, as is None. found: faults that the caller has found. came: False says that a cycle was due.
         """
         kind, message = self._cycle, bytearray(self._cycle.length)
         given = {
@@ -196,6 +201,9 @@ class Client:
             for name in known.lines:
                 kind.put(message, name, versions[name])
             return
+        if f"{group}/id" in kind.entries:
+            ids = value.ids if isinstance(value, Block) else value.get("id", ())
+            kind.put(message, f"{group}/id", ids[: kind.entries[f"{group}/id"].room])
         if isinstance(value, Block):
             kind.put(message, f"{group}/count", value.write(message, known.columns))
             return

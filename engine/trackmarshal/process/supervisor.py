@@ -12,6 +12,7 @@ import numpy as np
 
 from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.interface import FAULT_NAMES
+from trackmarshal.backends.c.over_run.numbering import Numbering
 from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.step import Reason, Said
 from trackmarshal.backends.c.supervisor import CSupervisor
@@ -75,6 +76,7 @@ class RemoteStepper:
         self._silent = False
         self._serial = 0
         self._bordered: dict[int, _Points] = {}
+        self._numbering = Numbering()
 
     def step(
         self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
@@ -83,6 +85,10 @@ class RemoteStepper:
         """As a Stepper's; the process reads the clock itself. Raises NoAnswer."""
         order = self.words
         given = [_columns(one, name in self._records) for name, one in zip(order.columns, columns)]
+        for name in order.ids:
+            block = given[order.columns.index(name)]
+            if isinstance(block, _Matrix):
+                block.ids = self._numbering.of(name, block.columns.ids)
         driving, emergency = given[:2]
         signals: dict[str, Any] = dict(zip(order.columns[2:], given[2:]))
         known: dict[int, _Points] = {}
@@ -156,6 +162,8 @@ class RemoteStepper:
             self.margins[row] = message[f"{name}_margin"][:count]
             self.verdicts[row] = message[f"{name}_verdict"][:count]
         said = Said._make(_SAID.unpack_from(message.data, message.kind.entries[SAID[0][0]].offset))
+        if said.judged:
+            self._numbering.settle()
         self._serial += 1
         return said._replace(serial=self._serial)
 
@@ -191,10 +199,10 @@ class _Matrix(Block):
     """Columns that stand one below the other, as their entries do."""
 
     def __init__(self, columns: Columns) -> None:
-        self._columns = columns
+        self.columns = columns
 
     def write(self, message: bytearray, columns: Sequence[tuple[str, Entry]]) -> int:
-        given = self._columns
+        given = self.columns
         for kind, values in (("f64", given.values), ("i8", given.flags)):
             entries = [entry for _, entry in columns if entry.type == kind]
             if values is None or not entries:

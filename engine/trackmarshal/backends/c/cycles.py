@@ -17,6 +17,7 @@ import numpy as np
 
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.interface import LIMITS
+from trackmarshal.backends.c.over_run.numbering import Numbering
 from trackmarshal.backends.c.source import Source
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
@@ -78,6 +79,8 @@ class CycleWriter:
         self._last: dict[str, tuple[object, ...]] = {}
         #: Lines by their number, in the order in which they come.
         self._ids: dict[int, int] = {}
+        #: Elements that are known again; none is ever forgotten, which a Supervisor may do.
+        self._numbering = Numbering()
 
     def head(self, settings: Settings, limits: Limits) -> Iterator[str]:
         """What stands before the first cycle. Capacities are no part of it: they are compiled in."""
@@ -129,6 +132,8 @@ class CycleWriter:
             yield f"{label(name)} -"
             return
         yield f"{label(name)} {':' if signal.form == RECORD else format(columns.count, 'x')}"
+        if signal.named:
+            yield " ".join([" id", *map(integer, self._numbering.of(name, columns.ids)[: columns.count])])
         for field in (*signal.numbers, *signal.flags):
             yield " ".join([f" {label(field.name)}", *_words(columns.column(field.name))])
 

@@ -99,7 +99,7 @@ def _columns(signal: Signal, item: Input, c_name: str, member: str) -> dict[str,
         "form": "record" if signal.form == RECORD else "columns", "name": label(member.rpartition(".")[2]), "c": c_name,
         "member": member, "type": f"tm_in_{item.c_name}", "what": f"A {signal.form}: {comment(member.rpartition('.')[2])}",
         "capacity": "TM_MAX_SAMPLES" if signal.form == TIMELINE else "TM_MAX_ELEMENTS",
-        "fields": fields, "numbers": len(signal.numbers), "flags": len(signal.flags),
+        "named": signal.named, "fields": fields, "numbers": len(signal.numbers), "flags": len(signal.flags),
     }  # fmt: skip
 
 
@@ -123,7 +123,9 @@ def _constant(source: Source) -> dict[str, Any]:
         "bordered": [place for place, bordered in places if bordered],
         "lined": [place for place, bordered in places if not bordered],
         "rules": [_text(code.rule.name) for code in source.rules],
-        "assignments": assignments or [("unused", "0")],
+        "assignments": assignments or ([] if plan.kept else [("unused", "0")]),
+        "over_run": bool(plan.kept),
+        "ids": [f"{item.c_name}.id" for item in plan.named],
     }
 
 

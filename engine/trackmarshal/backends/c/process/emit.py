@@ -140,7 +140,7 @@ def _group(signal: Signal, infos: Sequence[tuple[Any, str]], c_name: str, candid
     return {
         "kind": "record" if record else "columns", "record": record, "c": candidate or f"in_{c_name}", "type": f"tm_in_{c_name}",
         "member": candidate or f"signals.{c_name}", "fields": fields, "closed": False, "lines": [],
-        "capacity": "TM_MAX_SAMPLES" if signal.form == TIMELINE else "TM_MAX_ELEMENTS",
+        "named": signal.named, "capacity": "TM_MAX_SAMPLES" if signal.form == TIMELINE else "TM_MAX_ELEMENTS",
     }  # fmt: skip
 
 
@@ -154,4 +154,5 @@ def _bordered(signal: Signal, c_name: str, made: Table) -> dict[str, Any]:
     return {
         "kind": "lines", "record": False, "c": f"in_{c_name}", "type": f"tm_in_{c_name}", "member": f"signals.{c_name}", "fields": [],
         "closed": any(field.name for field in signal.lines), "lines": lines, "capacity": "",
+        "named": False,
     }  # fmt: skip

@@ -315,6 +315,10 @@ def _columns(
             group,
             c_group,
         )
+    if signal.named and asked:
+        yield own(
+            "id", "u64", "what each is known by in other cycles; no two alike", capacity, group, c_group
+        )
     for kind, fields in (("f64", signal.numbers), ("i8", signal.flags)):
         for field in fields:
             c_name, info = names[field.name]

@@ -1,0 +1,122 @@
+"""Emitted C whose rules remember, as a whole: the example that reads cycles, the process with its client in C, and the rules alone."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import trackmarshal as tm
+from support.cycles import PERIOD, cycle, mutate
+from support.decision_lines import decision_lines
+from support.emitted import emit
+from support.processes import PATIENCE, Served
+from support.remembering import remembering
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.process.client import Client
+from trackmarshal.process.serving import build
+from trackmarshal.process.supervisor import RemoteSupervisor
+from trackmarshal.runtime.cycle import Cycle, Limits
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+
+FLAGS = ["-std=c99", "-O0", "-ffp-contract=off", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
+
+
+def cycles(count: int) -> list[Cycle | None]:
+    """Some are broken, some do not come; objects come and go."""
+    rng, found = random.Random(5), list[Cycle | None]()
+    for number in range(count):
+        given: Cycle | None = cycle(number, 1 + (number // 7) % 4, 1 + number % 3)
+        if number % 11 == 2 and given is not None:
+            given = mutate(rng, given)[0]
+        found.append(None if number % 50 == 20 else given)
+    return found
+
+
+def test_a_process_remembers(tmp_path: Path) -> None:
+    spec, now, limits = remembering(tmp_path), 0.0, Limits(budget=1e9)
+    evaluator = Evaluator(spec, None, "c")
+    program = build(spec, evaluator.rules, limits)
+    with Served(program, False) as served:
+        client = Client(program.layout, served.channel(), lambda: now)
+        remote = RemoteSupervisor(spec, evaluator.rules, client, limits, lambda: now, patience=PATIENCE)
+        local = tm.supervisor(spec, backend="c", limits=limits, clock=lambda: now)
+        safe = 0
+        for number, given in enumerate(cycles(200)):
+            now = number * PERIOD
+            said = remote.step(given)
+            assert list(decision_lines(said)) == list(decision_lines(local.step(given)))
+            safe += said.safe
+        remote.close()
+    assert 10 <= safe < 190
+
+
+def test_the_example_and_the_client_in_c(tmp_path: Path) -> None:
+    """Both say of a record of a run what Python decided, and compile without a warning."""
+    spec, now, expected = remembering(tmp_path), 0.0, list[str]()
+    recorded = tm.supervisor(
+        spec, backend="numpy", limits=Limits(budget=1e9), clock=lambda: now, record=tmp_path / "run.arrows"
+    )
+    for number, given in enumerate(cycles(200)):
+        now = number * PERIOD
+        expected += decision_lines(recorded.step(given))
+    recorded.close()
+    own = tmp_path / "specs" / "supervisor"
+    made = emit(tmp_path / "out", "--process", recordings=[tmp_path / "run.arrows"], spec=own)
+    subprocess.run(["cc", *FLAGS, "-c", *[path.name for path in made.glob("*.c")]], cwd=made, check=True)
+    for name, units in {
+        "process": ("desk", "mailbox", "messages", "process"),
+        "client": ("client", "client_example", "cycles", "mailbox", "messages"),
+        "example": ("main", "cycles"),
+    }.items():
+        objects = [f"{unit}.o" for unit in ("supervisor", *units)]
+        subprocess.run(["cc", "-o", name, *objects, "-lm"], cwd=made, check=True)
+    example = subprocess.run(
+        [made / "example", made / "run.cycles"], capture_output=True, text=True, check=True
+    )
+    decisions = [line.split() for line in example.stdout.splitlines() if line.startswith("decision ")]
+    wanted = [line.split() for line in expected if line.startswith("decision ")]
+    assert [words[:2] for words in decisions] == [words[:2] for words in wanted]
+    assert len({words[1] for words in wanted}) >= 2
+    process = subprocess.Popen(
+        [made / "process", "--shm", made / "memory", "--simulated"], stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith("serves ")
+        said = subprocess.run(
+            [made / "client", made / "run.cycles", "--shm", made / "memory"],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    finally:
+        process.kill()
+        process.communicate()
+    mine = [line for line in said.stdout.splitlines() if "?" not in line.split()]
+    theirs = set(example.stdout.splitlines())
+    assert len(mine) > 200
+    assert all(line in theirs for line in mine)
+
+
+def test_rules_alone(tmp_path: Path) -> None:
+    """The check that is emitted for rules by themselves compiles and runs."""
+    spec = tmp_path / "m.spec"
+    spec.write_text(
+        "module m\nsignal ego : state { v: m/s }\nsignal objects : set of object { x: m }\nevent flag\n"
+        'rule a "" require not once[0 s, 1 s] flag\nrule b "" for all o in objects require weak previous o.x < 100 m\n'
+        'rule c "" require count(ego.v > 1 m/s, last: 2 s) <= 3\n',
+        encoding="utf-8",
+    )
+    made = emit(tmp_path / "out", recordings=[], spec=spec)
+    subprocess.run(["cc", *FLAGS, "supervisor.c", "main.c", "-o", "check", "-lm"], cwd=made, check=True)
+    said = subprocess.run([made / "check"], capture_output=True, text=True, check=True).stdout
+    assert [line.split()[:2] for line in said.splitlines()] == [
+        ["a", "satisfied"],
+        ["b", "satisfied"],
+        ["c", "satisfied"],
+    ]

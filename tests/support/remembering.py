@@ -1,0 +1,37 @@
+"""The shipped Supervisor with rules that remember beside its own."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import trackmarshal as tm
+from support.shared import REPOSITORY
+from trackmarshal.ir.spec import Spec
+
+RULES = """module supervisor.remembering
+use supervisor.interface
+
+rule was_driven "" require historically[0.02 s, 0.3 s] plan.first.v > 1 m/s
+rule turned "" require not once[0 s, 0.2 s] rising(plan.last.kappa > 0.1 1/m)
+rule came "" for all o in objects except not previous o.x > ego.x "" require o.x > ego.x - 5 m
+rule nearby "" for all o in objects require count(o.x - ego.x < 60 m, last: 0.3 s) <= 4
+rule someone "" require once[0 s, 1 s] (exists o in objects: o.v > 10 m/s)
+rule went_on "" require ego.v > 5 m/s since[0 s, 2 s] plan.first.t < 0.05 s
+rule all_of "" require historically[0 s, 0.25 s] (for all p in plan: p.a <= 20 m/s^2)
+rule anew "" require count(ego.y > 1 m, reset: rising(ego.y < 0.8 m)) <= 3
+"""
+NAMES = tuple(line.split()[1] for line in RULES.splitlines() if line.startswith("rule"))
+
+
+def sources(folder: Path) -> Path:
+    """The folder of its specs, written below one that is empty."""
+    left_out = shutil.ignore_patterns("*.jsonl*", "*.json")
+    own: Path = shutil.copytree(REPOSITORY / "specs", folder / "specs", ignore=left_out) / "supervisor"
+    (own / "remembering.spec").write_text(RULES, encoding="utf-8")
+    return own
+
+
+def remembering(folder: Path) -> Spec:
+    """It, compiled."""
+    return tm.load([sources(folder)])
