@@ -100,6 +100,19 @@ def test_verdicts(engine: str) -> None:
             assert said[k][-1].verdict == ("satisfied" if holds else "violated"), (entry["text"], k)
 
 
+@pytest.mark.parametrize("every", [6, pytest.param(1, marks=pytest.mark.acceptance)])
+def test_generated_c(every: int) -> None:
+    """Of the formulas that look back alone, what generated C says in each cycle."""
+    entries = [entry for entry in oracle("stl_dev.json")["entries"] if entry["past_only"]][::every]
+    assert len(entries) >= 60 // every
+    for entry in entries:
+        said = over_run(entry, "c")
+        wanted = [number(value) for value in entry["robustness"]]
+        assert [[one.margin for one in each] for each in said] == [[value] for value in wanted], entry[
+            "rtamt_text"
+        ]
+
+
 def test_what_looks_back_is_known_at_once() -> None:
     """Of the formulas that look back alone, every cycle says its own robustness, and nothing more is said of it later."""
     entries = [entry for entry in oracle("stl_dev.json")["entries"] if entry["past_only"]]
