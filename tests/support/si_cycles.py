@@ -16,7 +16,7 @@ from trackmarshal.runtime.frame import Columns, Names
 
 #: Capacities and limits that tests begin with.
 LIMITS: Mapping[str, float] = {
-    "samples": 64, "elements": 32, "border": 256, "shortest_gap": 0.001, "longest_gap": 0.15, "oldest": 0.1, "clock_tolerance": 0.01,
+    "samples": 64, "elements": 32, "border": 256, "rate": 50, "shortest_gap": 0.001, "longest_gap": 0.15, "oldest": 0.1, "clock_tolerance": 0.01,
     "budget": 0.05, "start_distance": 0.1, "start_turn": 0.05, "start_speed": 0.5, "rest_speed": 0.01, "apart": 4.0, "beside": 1.5, "turned": 0.35, "overspeed": 5.0,
     "blind": 0.5,
 }  # fmt: skip
@@ -65,4 +65,4 @@ class Driver:
             else np.atleast_1d(np.asarray(data[field], dtype=float))
             for field, default in defaults.items()
         ]
-        return Columns(Names(tuple(defaults)), np.array(columns))
+        return Columns(Names(tuple(defaults)), np.array(columns), None, tuple(data.get("id", ())))

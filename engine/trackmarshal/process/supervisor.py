@@ -87,7 +87,7 @@ class RemoteStepper:
         given = [_columns(one, name in self._records) for name, one in zip(order.columns, columns)]
         for name in order.ids:
             block = given[order.columns.index(name)]
-            if isinstance(block, _Matrix):
+            if isinstance(block, _Matrix) and len(block.columns.ids) == block.columns.count:
                 block.ids = self._numbering.of(name, block.columns.ids)
         driving, emergency = given[:2]
         signals: dict[str, Any] = dict(zip(order.columns[2:], given[2:]))

@@ -204,8 +204,11 @@ def _init(plan: Layout, given: Supervised) -> Iterator[str]:
         yield f"  own.tables.{c_name}.count = 0u;"
     yield from places(plan)
     if plan.kept:
-        yield "  tm_forget_run(c);"
+        yield "  c->run.any = false;"
+        yield "  c->run.missed = 0u;"
+        yield "  c->run.crowded = false;"
         yield "  c->run.serial = 0u;"
+        yield "  c->run.begun = 0u;"
     yield "  tm_defaults(&own);"
     yield "  said = tm_configure(c, &own);"
     yield "  c->made = TM_MADE;"

@@ -55,7 +55,7 @@ def judge(
     yield from driven(plan, given)
     if plan.kept:
         yield "  c->run.missed = c->run.any ? ((c->serial - c->run.serial) - 1u) : 0u;"
-        yield "  if (!tm_begin_cycle(c, in, cycle->t)) {"
+        yield "  if (!tm_begin_cycle(c, in, cycle->t) || (c->run.begun != c->serial)) {"
         yield "    return; /* it is no cycle of the run: no rule says anything */"
         yield "  }"
     yield from calls(codes, groups)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.interface import DUE, LIMITS
-from trackmarshal.backends.c.over_run.step import CALL, commit
+from trackmarshal.backends.c.over_run.step import CALL, END, commit
 from trackmarshal.backends.c.parts import STEP
 from trackmarshal.runtime.contract import EGO
 from trackmarshal.runtime.contract.cycles import STORED
@@ -72,7 +72,7 @@ def functions(given: Supervised) -> Iterator[str]:
     step = STEP.read_text(encoding="utf-8").replace("/** ", "/* ")
     if given.layout.kept:
         yield from commit(given.layout, given)
-        body, end, rest = step.rpartition("}")
+        body, end, rest = step.rpartition(END)
         step = body + CALL + end + rest
     yield step
     yield from _stored(given)

@@ -252,7 +252,13 @@ class CProgram(Stateless):
         lib = self.library_for(max(sequences, default=0), max(elements, default=0), border, place, knots)
         self._configure(case, lib)
         kept = [_column(case, name, field) for name, field, _ in order.columns]
-        kept += [self.numbering.of(name, case.columns[name].ids) for name in order.ids]
+        for name in order.ids:
+            ids = case.columns[name].ids
+            if len(ids) != case.count(name):
+                raise TrackmarshalError(
+                    "E473", f"not every element of `{name}` in case {case.id!r} has an id"
+                )
+            kept.append(self.numbering.of(name, ids))
         stamp = [math.nan if case.t is None else case.t] if order.timed else []
         given = (
             array("Q", counts),

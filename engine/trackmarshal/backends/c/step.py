@@ -296,13 +296,13 @@ class Stepper:
             own: list[Any] = []
             self._columns(columns, own)
             middle = self._middle.pack(*own)
-        ids = tuple(columns[place].ids if columns[place] is not None else () for place in self._named)  # type: ignore[union-attr]
+        ids = tuple(_ids(columns[place]) for place in self._named)
         rest = (*lines, ids, *closed, *events)
         if rest != self._rest[0]:
             own = []
             self._bordered(lines, own)
-            self._ids = [self._numbering.of(name, each) for name, each in zip(self.words.ids, ids)]
-            own += [numbers.buffer_info()[0] for numbers in self._ids]
+            self._ids = [self._numbering.of(name, each or ()) for name, each in zip(self.words.ids, ids)]
+            own += [0 if each is None else kept.buffer_info()[0] for each, kept in zip(ids, self._ids)]
             self._rest = rest, self._tail.pack(*own, *closed, *events)
         self._in[:] = self._head.pack(*given) + middle + self._rest[1]
         self._run(self._bound)
@@ -386,6 +386,11 @@ class Stepper:
             )
         given[6:8] = (ctypes.addressof(listed), len(found))
         return listed, texts
+
+
+def _ids(columns: Columns | None) -> tuple[str, ...] | None:
+    """The ids of a set, None where not each of its elements has one: C reads as many as there are elements."""
+    return None if columns is None or len(columns.ids) != columns.count else columns.ids
 
 
 def _memory_of(points: Floats) -> tuple[int, int]:

@@ -9,9 +9,25 @@ from trackmarshal.backends.c.judging import driven
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY
 
-#: The call at the end of a step.
+#: The end of a step, before which what was decided is remembered; and how.
+END = """  if (!out->safe) {
+    tm_mourn(out);
+"""
 CALL = """  if (asked && !look.doubt) {
     tm_remember_step(c, cycle, out);
+    if (c->run.serial != c->serial) { /* the next cycle would not know of this one: nothing is driven */
+      tm_incomplete(&look, "memory");
+      c->state = TM_STATE_NO_SAFE_TRAJECTORY;
+      c->stored.serial = 0u;
+      out->state = c->state;
+      out->safe = false;
+      out->driven = TM_DRIVE_NOTHING;
+      out->first = TM_NOWHERE;
+      out->driven_number = 0;
+      out->driven_t = TM_NAN;
+      out->stored = false;
+      out->lost = TM_FAULT_NONE_STORED;
+    }
   }
 """
 
@@ -45,6 +61,5 @@ def commit(plan: Layout, given: Supervised) -> Iterator[str]:
         yield f"    given.{told.c_name} = TM_TRUE;"
     yield "  }"
     yield "  tm_remember_cycle(c, &given, out->driven != TM_DRIVE_NOTHING);"
-    yield "  c->run.serial = c->serial;"
     yield "}"
     yield ""

@@ -133,7 +133,7 @@ static size_t tm_id_again(const uint64_t *id, size_t count) {
 }
 
 /** The places of elements among those of the last cycle; TM_NO_PLACE for new ones. Most often each is where it was. */
-static void tm_places_of(const uint64_t *id, size_t count, const uint64_t *known, const bool *used, size_t *place) {
+static void tm_places_of(const uint64_t *id, size_t count, const uint64_t *known, const bool *used, size_t *place, size_t *parts) {
   for (size_t i = 0u; i < count; ++i) {
     size_t found = (used[i] && (known[i] == id[i])) ? i : TM_NO_PLACE;
     for (size_t k = 0u; (k < TM_MAX_ELEMENTS) && (found == TM_NO_PLACE); ++k) {
@@ -143,10 +143,11 @@ static void tm_places_of(const uint64_t *id, size_t count, const uint64_t *known
     }
     place[i] = found;
   }
+  ++*parts;
 }
 
 /** The places from now on: those that are gone leave theirs, and new ones take what is free. */
-static void tm_places_next(size_t count, bool *used, const size_t *place, size_t *next) {
+static void tm_places_next(size_t count, bool *used, const size_t *place, size_t *next, size_t *parts) {
   size_t free = 0u;
   for (size_t k = 0u; k < TM_MAX_ELEMENTS; ++k) {
     used[k] = false;
@@ -166,4 +167,5 @@ static void tm_places_next(size_t count, bool *used, const size_t *place, size_t
       used[free] = true;
     }
   }
+  ++*parts;
 }

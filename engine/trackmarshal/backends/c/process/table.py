@@ -210,6 +210,7 @@ def _names(given: Supervised) -> tuple[tuple[str, ...], tuple[str, ...]]:
         "sound",
         "store",
         "machine",
+        "memory",
         "supervisor",
         "number",
         "t",
