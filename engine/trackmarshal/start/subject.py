@@ -32,6 +32,8 @@ class Subject:
     inside: str
     on: str
     outside: str
+    #: The margin at the limit, with its unit.
+    zero: str
 
     @property
     def over(self) -> bool:
@@ -47,6 +49,7 @@ def subject(compiled: Compiled) -> Subject:
     return Subject(
         _module_of(compiled, signal.name), signal.name, variable, f"{variable or signal.name}.{field.name}", limit,
         _given(signal, field, inside), _given(signal, field, limit), _given(signal, field, outside),
+        "0" if field.unit == "1" else f"0 {field.unit}",
     )  # fmt: skip
 
 
