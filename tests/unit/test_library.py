@@ -99,7 +99,8 @@ def test_replay_and_car_have_the_limits_of_the_project(limit: str, fault: str, t
     assert refused == ({fault} if fault else set())
     out_folder = tmp_path / "c"
     assert run_command("compile", "--out", str(out_folder), *project)[0] == 0
-    name, _, value = limit.partition(" : ")
     if fault:
-        assert f"| `TM_MAX_SAMPLES` | {value.split()[-1]} |" in (out_folder / "report.md").read_text("utf-8")
+        assert f"| `TM_MAX_SAMPLES` | {limit.rsplit(maxsplit=1)[-1]} |" in (
+            out_folder / "report.md"
+        ).read_text("utf-8")
     assert run_command("trace", "--gate", *project)[0] == (1 if fault else 0)

@@ -44,7 +44,7 @@ def test_a_save_makes_a_round_and_nothing_makes_none(tmp_path: Path) -> None:
     file.write_text("1")
     quiet = [lambda: None] * 3
     assert rounds(tmp_path, [*quiet]) == [{"a.spec": "1"}]
-    found = rounds(tmp_path, [*quiet, lambda: file.write_text("22"), *quiet, lambda: file.unlink(), *quiet])
+    found = rounds(tmp_path, [*quiet, lambda: file.write_text("22"), *quiet, file.unlink, *quiet])
     assert found == [{"a.spec": "1"}, {"a.spec": "22"}, {}]
 
 
