@@ -20,10 +20,10 @@ rule near "Not near for two cycles"
   require   o.x > 1 m or previous o.x > 1 m
 test near "far"
   given  objects = [{ x: 2 m }, { x: 1 m }]
-  expect violated, margin 0 m, at o = 1
+  expect violated, margin 0 m
 test near "far enough"
   given  objects = [{ x: 2 m }]
-  expect satisfied, margin 1 m, at o = 0
+  expect satisfied, margin 1 m
 """,
         "utf-8",
     )
