@@ -13,7 +13,7 @@ from trackmarshal.cli.output import say
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "folder", nargs="?", default=".", metavar="DIR", help="made if need be (default: the current folder)"
+        "folder", nargs="?", metavar="DIR", help="made if need be (default: the current folder)"
     )
 
 
@@ -24,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.start.project import BASELINE, init
     from trackmarshal.start.writing import refuse_present
 
-    root = Path(args.folder)
+    root = Path(args.folder or args.project or ".")
     refuse_present(root, [BASELINE])
     written = init(root)
     _, compiled, tests, _ = read_specs(root.resolve())
