@@ -92,6 +92,13 @@ def test_init_overwrites_nothing(name: str, tmp_path: Path) -> None:
     assert contents(tmp_path) == {}
 
 
+def test_what_cannot_be_written_as_a_whole_is_not_written(tmp_path: Path) -> None:
+    (tmp_path / ".github").write_text("no folder", "utf-8")
+    status, _, err = run_command("init", str(tmp_path))
+    assert (status, "error[E411]" in err) == (2, True)
+    assert contents(tmp_path) == {".github": b"no folder"}
+
+
 def test_a_name_that_yaml_and_markdown_could_stumble_over(tmp_path: Path) -> None:
     root = tmp_path / 'it\'s: "a" #{{ car }}\n'
     assert run_command("init", str(root))[0] == 0

@@ -76,4 +76,5 @@ def _place(root: Path) -> Place:
     specs = [root / str(path) for path in project.specs] or [root / "specs"]
     compiled = compile_paths(specs, root)
     compiled.raise_errors()
-    return Place(root, specs[0], compiled, frozenset(known))
+    folder = specs[0] if specs[0].is_dir() else specs[0].parent
+    return Place(root, folder, tuple(specs), compiled, frozenset(known))

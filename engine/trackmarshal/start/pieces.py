@@ -26,6 +26,8 @@ class Place:
 
     root: Path
     specs: Path
+    #: All files and folders of its specs.
+    paths: tuple[Path, ...]
     compiled: Compiled
     #: The ids of its requirements.
     requirements: frozenset[str]
@@ -125,7 +127,7 @@ def scenario(place: Place, name: str) -> Piece:
     return Piece(
         written,
         (
-            f"write what happens in {path}: docs/scenarios.md has every key",
+            f"write what happens in {path}: docs/scenarios.md of trackmarshal has every key",
             f"`trackmarshal replay {path}` runs it, and says what the rules say of it",
             f"to make it evidence, name it under `scenarios` in requirements/v-model.yaml: {{path: {path}, title: ..., stage: ..., "
             "expect: ground_truth, origin: synthetic}",
@@ -158,7 +160,7 @@ def _new_spec(place: Place, name: str, text: str) -> list[Path]:
     except TrackmarshalError as error:
         raise _unusable(name, str(error).splitlines()[0]) from error
     written = write_new(place.root, {path: laid_out})
-    errors = compile_paths([place.specs], place.root).errors
+    errors = compile_paths(place.paths, place.root).errors
     if errors:
         written[0].unlink()
         raise _unusable(name, errors[0].message)

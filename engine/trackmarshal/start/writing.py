@@ -28,13 +28,18 @@ def write_new(root: Path, texts: Mapping[str, str]) -> list[Path]:
     """
     refuse_present(root, texts)
     written: list[Path] = []
-    for name, text in texts.items():
-        path = root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        # "x": what somebody else made in the meantime stays as it is.
-        with path.open("x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        written.append(path)
+    try:
+        for name, text in texts.items():
+            path = root / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            # "x": what somebody else made in the meantime stays as it is.
+            with path.open("x", encoding="utf-8", newline="\n") as file:
+                written.append(path)
+                file.write(text)
+    except BaseException:
+        for path in written:
+            path.unlink()
+        raise
     return written
 
 
