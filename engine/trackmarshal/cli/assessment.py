@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -85,7 +85,7 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
     """
     project, compiled, prepared, found = read_specs(root)
     folder = root / project.results
-    items, tests = evidence.spec_items(compiled.spec.rules), evidence.spec_tests(prepared)
+    items, tests = _of_project(root, compiled, prepared)
     replays: list[tuple[RunSummary, Any, Any]] = []
     results = evidence.kept(folder / evidence.TESTS, "test_results")
     runs = evidence.kept(folder / evidence.RUNS, "runs")
@@ -97,7 +97,9 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
     if run:
         from trackmarshal.testing.run import run_tests
 
-        results = evidence.test_results(run_tests(compiled.spec, prepared), compiled.spec)
+        claimed = {item.name for item in items}
+        own = [test for test in prepared if test.rule.name in claimed]
+        results = evidence.test_results(run_tests(compiled.spec, own), compiled.spec)
         evidence.keep(folder / evidence.TESTS, "test_results", results)
         # Specs with errors are not replayed: what would run is not what the project demands.
         runs, replays = (
@@ -112,6 +114,34 @@ def assess(root: Path, *, run: bool, everything: bool = False, quiet: bool = Tru
         root, project, compiled, items, tests, results, runs, replays, prepared, found, prints,
         campaigns.cases(prepared_faults), fault_results,
     )  # fmt: skip
+
+
+def _of_project(
+    root: Path, compiled: Compiled, prepared: list[PreparedTest]
+) -> tuple[list[SpecItem], list[SpecTest]]:
+    """What the specs say, as the matrix sees it: all of the project's own, and of the shipped rules that it uses those that satisfy one
+    of its requirements, with what they assume. The others are evaluated all the same; nobody answers for them here."""
+    from trackmarshal.cli.check import demanded
+    from trackmarshal.semantics.modules import from_library
+
+    items, tests = evidence.spec_items(compiled.spec.rules), evidence.spec_tests(prepared)
+    modules = compiled.library.modules.values()
+    shipped = {module.file.path for module in modules if from_library(module, root)}
+    if not shipped:
+        return items, tests
+    known, _ = demanded(root)
+    linked = [
+        replace(item, satisfies=tuple(ref for ref in item.satisfies if ref.id in known))
+        if item.file in shipped
+        else item
+        for item in items
+    ]
+    assumed = {
+        ref.id for item in linked if item.satisfies or item.file not in shipped for ref in item.assuming
+    }
+    claimed = [item for item in linked if item.file not in shipped or item.satisfies or item.name in assumed]
+    names = {item.name for item in claimed}
+    return claimed, [test for test in tests if test.rule in names]
 
 
 def _evaluators(

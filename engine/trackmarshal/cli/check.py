@@ -136,13 +136,18 @@ def demanded(project: Path) -> tuple[set[str], list[TrackmarshalError]]:
 def unknown_requirements(
     compiled: Compiled, project: Path, known: set[str] | None = None
 ) -> list[Diagnostic]:
-    """`satisfies` clauses that name no requirement of the project; `known` are its ids, where they were read already."""
+    """`satisfies` clauses that name no requirement of the project; `known` are its ids, where they were read already.
+
+    What shipped rules satisfy where they come from need not be a requirement of the project that uses them.
+    """
     from trackmarshal.diagnostics.base import close_matches
     from trackmarshal.semantics.errors import UnknownRequirement
+    from trackmarshal.semantics.modules import from_library
     from trackmarshal.syntax import ast
 
     known = demanded(project)[0] if known is None else known
-    items = [item for name in compiled.order for item in compiled.library.modules[name].tree.items]
+    modules = [compiled.library.modules[name] for name in compiled.order]
+    items = [item for module in modules if not from_library(module, project) for item in module.tree.items]
     return [
         UnknownRequirement(
             name.span,

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.cli.options import choose_limits, choose_rules, limits_of
 from trackmarshal.cli.output import say
-from trackmarshal.cli.project import optional_project
+from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("spec", metavar="SPEC", help="a .spec file, or a folder of them")
+    parser.add_argument(
+        "spec", nargs="?", metavar="SPEC", help="a .spec file, or a folder of them (default: the project's)"
+    )
     parser.add_argument("--target", choices=("c",), default="c", help="the language to compile to")
     parser.add_argument("--out", required=True, metavar="DIR", help="where the files go; made if need be")
     choose_rules(parser, "compile")
@@ -50,6 +52,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.backends.c.names import plain
     from trackmarshal.backends.c.report import report
     from trackmarshal.backends.c.source import generate
+    from trackmarshal.cli.replay import default_spec
     from trackmarshal.evaluation import Evaluator, broken_constraints, load
 
     if not plain(args.name) or args.name in _TAKEN:
@@ -59,9 +62,10 @@ def run(args: argparse.Namespace) -> int:
             help="letters, digits and _, no digit first; not `main` or `cycles`, nor another file that is written",
         )
     project = optional_project(args)
+    spec_path = Path(args.spec) if args.spec is not None else default_spec(find_project(args))
     given = [_read(path) for path in args.cycles]
     settings = [*_used(given, project), *(Path(path) for path in args.settings)]
-    spec = load([Path(args.spec)], settings, project)
+    spec = load([spec_path], settings, project)
     broken = broken_constraints(spec)
     if broken:
         raise TrackmarshalError(

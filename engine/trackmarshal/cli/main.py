@@ -11,6 +11,9 @@ from trackmarshal.errors import TrackmarshalError
 
 #: Verbs and what they do; each is a module of this package with `configure(parser)` and `run(args) -> int`.
 VERBS = {
+    "init": "a new project that is green from the start",
+    "new": "the next rule, requirement, rulebook or scenario of a project",
+    "watch": "check and test on every save",
     "check": "parse, resolve names, check dimensions and links",
     "fmt": "the one layout",
     "test": "run the tests written in specs, with rule coverage",

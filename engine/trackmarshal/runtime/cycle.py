@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
@@ -109,23 +109,19 @@ class Limits:
         return cls(**{**declared, **changes})
 
     @classmethod
-    def open_loop(cls) -> Limits:
-        """For recordings of a car that did not follow the decisions: its pace and its pose say nothing about them."""
-        free = dict.fromkeys(
-            (
-                "longest_gap",
-                "oldest",
-                "clock_tolerance",
-                "budget",
-                "apart",
-                "beside",
-                "turned",
-                "overspeed",
-                "blind",
-            ),
-            math.inf,
-        )
-        return cls(samples=10_000, elements=1_000, border=1_000_000, rate=1_000, shortest_gap=0.0, **free)
+    def open_loop(cls, spec: Spec | None = None) -> Limits:
+        """For recordings of a car that did not follow the decisions: its pace and its pose say nothing about them.
+
+        All others are those that the spec declares, so that a replay refuses what is refused in the car; capacities that it does not declare are
+        open.
+        """
+        held = cls() if spec is None else cls.of(spec)
+        wide = {"samples": 10_000, "elements": 1_000, "border": 1_000_000, "rate": 1_000}
+        declared = () if spec is None else [name for name in wide if f"{LIMITS_MODULE}.{name}" in spec.params]
+        free: dict[str, Any] = {name: most for name, most in wide.items() if name not in declared}
+        for name in ("longest_gap", "oldest", "clock_tolerance", "budget", "apart", "beside", "turned", "overspeed", "blind"):  # fmt: skip
+            free[name] = math.inf
+        return replace(held, shortest_gap=0.0, **free)
 
 
 #: Every limit, and the SI unit that it is in.

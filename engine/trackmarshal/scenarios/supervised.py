@@ -68,7 +68,7 @@ def supervised(
     check_track(recording, evaluator)
     box = rulebox(evaluator, recording.params, tables)
     clock = _Clock()
-    supervisor = box.supervisor(Limits.open_loop(), clock.read)
+    supervisor = box.supervisor(Limits.open_loop(evaluator.spec), clock.read)
     given = list(cycles(recording, further_names(recording, evaluator)))
     if any(map(remembers, evaluator.rules)):
         yield from _in_step(supervisor, clock, watch(given))
@@ -84,7 +84,7 @@ def supervised(
 def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int) -> Frame:
     """One cycle, by its place in the recording, as rules see it in `supervised`; a candidate's part is `of` its name."""
     check_track(recording, evaluator)
-    door = rulebox(evaluator, recording.params, tables).supervisor(Limits.open_loop()).door
+    door = rulebox(evaluator, recording.params, tables).supervisor(Limits.open_loop(evaluator.spec)).door
     for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1):
         frame = door.admit(-1, cycle, cycle.t).frame  # what came before counts
     return shown(frame)

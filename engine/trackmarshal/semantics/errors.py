@@ -70,7 +70,10 @@ class ModuleNotFound(Diagnostic):
     text = "no module `{name}`"
     label = "looked for {path}"
     remedy = "{hint}"
-    explanation = "`use a.b` reads a/b.spec below the folder in which the project's modules start; `prelude.*` comes with the tool."
+    explanation = (
+        "`use a.b` reads a/b.spec below the folder in which the project's modules start, and where there is none, the library's: "
+        "`prelude.*`, `supervisor.*`, `vehicles.*`, `tracks.*` and others come with the tool."
+    )
 
     span: Span
     name: str

@@ -11,6 +11,7 @@ import trackmarshal.prelude
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import below
+from trackmarshal.library import LIBRARY
 from trackmarshal.node import Node
 from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
 from trackmarshal.source import TEXT, SourceFile, Span, of_text, read
@@ -113,11 +114,11 @@ class Library:
         if path.is_relative_to(_PRELUDE):
             return f"prelude/{path.name}"
         resolved = _real(path)
-        return (
-            str(resolved.relative_to(self._shown_from))
-            if resolved.is_relative_to(self._shown_from)
-            else str(path)
-        )
+        if resolved.is_relative_to(self._shown_from):
+            return str(resolved.relative_to(self._shown_from))
+        if resolved.is_relative_to(LIBRARY):
+            return str(Path("library", resolved.relative_to(LIBRARY)))
+        return str(path)
 
     def _load_file(self, path: Path) -> LoadedModule | None:
         return self._with_uses(path, None)
@@ -136,7 +137,7 @@ class Library:
                 continue
             root = root_of(module)
             for use in module.uses:
-                target = module_path(use.name, root)
+                target = found_module(use.name, root)
                 if target.is_file():
                     pending.append((target, None))
                     used.append((use, target))
@@ -226,8 +227,9 @@ def _named(tree: ast.Module, otherwise: Span) -> Span:
 
 
 def modules_near(root: Path) -> list[str]:
-    """Names of the modules that can be used from a folder: those in it, and the prelude's."""
-    return [*_modules_below(root), *(f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec"))]
+    """Names of the modules that can be used from a folder: those in it, the prelude's and the library's."""
+    prelude = (f"prelude.{path.stem}" for path in _PRELUDE.glob("*.spec"))
+    return list(dict.fromkeys([*_modules_below(root), *prelude, *_modules_below(LIBRARY)]))
 
 
 def _modules_below(root: Path, most: int = 2000) -> list[str]:
@@ -302,9 +304,28 @@ def module_path(name: str, root: Path) -> Path:
     return root.joinpath(*parts).with_suffix(".spec")
 
 
+def found_module(name: str, root: Path) -> Path:
+    """The file that a `use` reads: the one below the folder, and where there is none, the library's.
+
+    A project's own module comes first, so it may have another vehicle or other limits by the names of the shipped ones. Modules of the
+    library use each other: where both a project's module and the library's of one name are reached, the compiler says so and takes neither.
+    """
+    own = module_path(name, root)
+    if own.is_file():
+        return own
+    shipped = module_path(name, LIBRARY)
+    return shipped if shipped.is_file() else own
+
+
 def from_prelude(module: LoadedModule) -> bool:
     """Whether a module comes with the tool."""
     return module.path.is_relative_to(_PRELUDE)
+
+
+def from_library(module: LoadedModule, project: Path | None) -> bool:
+    """Whether a module is a shipped one that a project uses; in the project that they are written in, they are its own."""
+    path = _real(module.path)
+    return path.is_relative_to(LIBRARY) and not (project is not None and path.is_relative_to(_real(project)))
 
 
 def load_or_raise(paths: Iterable[Path], shown_from: Path | None = None) -> tuple[Library, tuple[str, ...]]:

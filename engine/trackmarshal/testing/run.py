@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
+from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -65,7 +67,7 @@ def run_tests(
                 evaluators[key] = Evaluator(spec, [test.rule.name], backend)
             try:
                 evaluator = evaluators[key]
-                case = evaluator.read(test.case)
+                case = evaluator.read(_case(test))
                 result = next(iter(evaluator.evaluate([case]))).rules[test.rule.name]
             except TrackmarshalError as error:
                 outcome, message = "error", f"{backend}: {error.message}"
@@ -75,6 +77,24 @@ def run_tests(
                 outcome, message = "failed", f"{backend}: {problem}"
                 break
         yield Outcome(test, outcome, message)
+
+
+def _case(test: PreparedTest) -> dict[str, Any]:
+    """What a test gives; of a rule over the run it is the first and only cycle of one, whose elements are told apart by their numbers."""
+    if not remembers(test.rule):
+        return test.case
+    signals = {name: _named(value) for name, value in test.case["signals"].items()}
+    return {**test.case, "signals": signals, "t": 0.0}
+
+
+def _named(value: Any) -> Any:
+    """The elements of a set with ids."""
+    if not isinstance(value, list):
+        return value
+    return [
+        {"id": str(number), **element} if isinstance(element, dict) else element
+        for number, element in enumerate(value)
+    ]
 
 
 def mismatch(test: PreparedTest, result: RuleResult) -> str:

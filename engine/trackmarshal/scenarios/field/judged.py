@@ -65,7 +65,7 @@ def judge(
 ) -> Judgement:
     """All cycles of a recording, through the door, by all rules; `watch` wraps the chunks of work."""
     tables, _ = known_tables(recording, evaluator.spec)
-    door = rulebox(evaluator, recording.params, tables).supervisor(Limits.open_loop()).door
+    door = rulebox(evaluator, recording.params, tables).supervisor(Limits.open_loop(evaluator.spec)).door
     frames: list[Frame] = []
     faults: dict[int, str] = {}
     for place, cycle in enumerate(cycles(recording, further_names(recording, evaluator))):

@@ -1,0 +1,15 @@
+"""The shipped specs that every project can `use`: rules of a Supervisor, vehicles, tracks, rulebooks.
+
+An installed package has them as its folder `specs`; a checkout has them where they are written, in `specs`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent
+_INSTALLED = _PACKAGE / "specs"
+_CHECKOUT = _PACKAGE.parents[1] / "specs"
+
+#: The folder in which the names of the shipped modules start.
+LIBRARY = _INSTALLED if _INSTALLED.is_dir() else _CHECKOUT

@@ -1,0 +1,106 @@
+"""The shipped specs from a project of somebody else: found by `use`, after its own, and traced as far as it demands something."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import trackmarshal as tm
+from support.project import run_command
+from support.shared import REPOSITORY
+from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.library import LIBRARY
+from trackmarshal.semantics.compile import compile_paths
+
+
+def module(folder: Path, name: str, text: str) -> Path:
+    path = folder.joinpath(*name.split(".")).with_suffix(".spec")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"module {name}\n\n{text}", "utf-8")
+    return path
+
+
+def uses(folder: Path, *names: str) -> Path:
+    return module(folder, "own", "\n".join(f"use {name}" for name in names) + "\n")
+
+
+def test_every_shipped_module_can_be_used(tmp_path: Path) -> None:
+    names = [
+        ".".join(path.relative_to(LIBRARY).with_suffix("").parts)
+        for path in sorted(LIBRARY.rglob("*.spec"))
+        if "variants" not in path.parts and "vehicles" not in path.parts and "tracks" not in path.parts
+    ]
+    assert "supervisor.collision" in names
+    for name in (*names, "vehicles.av21", "tracks.northfield", "prelude.rss"):
+        more = () if name == "supervisor.assumptions" else ("supervisor.assumptions",)
+        assert [str(d) for d in compile_paths([uses(tmp_path, *more, name)]).errors] == [], name
+
+
+def test_rules_are_those_of_the_checkout(tmp_path: Path) -> None:
+    shared = load(uses(tmp_path, "supervisor.assumptions", "supervisor.collision"), shown_from=tmp_path)
+    shipped = load(REPOSITORY / "specs" / "supervisor")
+    prints = {rule.name: rule.fingerprint for rule in shipped.rules}
+    assert {rule.name: rule.fingerprint for rule in shared.rules}.items() <= prints.items()
+    assert Evaluator(shared, ["safe_gap"]).rules[0].span.file.path == "library/supervisor/collision.spec"
+
+
+def test_a_projects_own_module_comes_first(tmp_path: Path) -> None:
+    module(tmp_path, "vehicles.devbot", "param v_max : m/s = 7 m/s\n")
+    assert load(uses(tmp_path, "vehicles.devbot")).params["vehicles.devbot.v_max"].value == 7.0
+
+
+def test_two_of_one_name_are_an_error(tmp_path: Path) -> None:
+    """The library's rules use the library's vehicle: which of the two was meant, nobody can tell."""
+    module(tmp_path, "vehicles.devbot", "param v_max : m/s = 7 m/s\n")
+    compiled = compile_paths(
+        [uses(tmp_path, "vehicles.devbot", "supervisor.assumptions", "supervisor.conduct")]
+    )
+    assert "two files are module `vehicles.devbot`" in [error.message for error in compiled.errors]
+
+
+def test_what_a_project_does_not_demand_is_not_asked_of_it(tmp_path: Path) -> None:
+    assert run_command("init", str(tmp_path), "--quiet")[0] == 0
+    (tmp_path / "specs" / "signals.spec").unlink()
+    speed = tmp_path / "specs" / "speed.spec"
+    speed.write_text(speed.read_text("utf-8").replace("use signals", "use supervisor.interface"), "utf-8")
+    uses(tmp_path / "specs", "supervisor.assumptions", "supervisor.collision")
+    project = ("--project", str(tmp_path))
+    assert run_command("check", *project)[0] == 0
+    assert run_command("trace", "--gate", *project)[0] == 0
+    requirement = (tmp_path / "requirements" / "requirements.yaml").read_text("utf-8")
+    claimed = requirement.replace("R-1", "S-1-A-3").replace(
+        "metrics: [speed_limit]", "assumptions: [A-LOCALISATION]"
+    )
+    (tmp_path / "requirements" / "claimed.yaml").write_text(claimed, "utf-8")
+    status, out, _ = run_command("trace", "--gate", *project)
+    assert status == 1
+    assert "the evidence `docs/assumptions.md` of the assumption `A-LOCALISATION` is not there" in out
+
+
+@pytest.mark.parametrize(
+    ("limit", "fault"), [("samples : 1 = 20", "over_capacity"), ("rest_speed : m/s = 0 m/s", "")]
+)
+def test_replay_and_car_have_the_limits_of_the_project(limit: str, fault: str, tmp_path: Path) -> None:
+    """30 samples are planned: where 20 are declared, every cycle is refused, in a replay as in the car and in generated C."""
+    assert run_command("init", str(tmp_path), "--quiet")[0] == 0
+    limits = tmp_path / "specs" / "supervisor" / "limits.spec"
+    limits.write_text(f"module supervisor.limits\n\nparam {limit}\n", "utf-8")
+    project = ("--project", str(tmp_path))
+    scenario = str(tmp_path / "specs" / "scenarios" / "too_fast.yaml")
+    status, out, _ = run_command("replay", scenario, *project)
+    assert status == (1 if fault else 0), out
+    spec = tm.load(tmp_path / "specs")
+    recording = tm.load_recording(scenario)
+    now = 0.0
+    supervisor = tm.supervisor(spec, clock=lambda: now, params=recording.params)
+    given = next(iter(tm.cycles(recording)))
+    refused = {reason.split()[0] for reason in supervisor.step(given).reasons if reason.startswith("over_")}
+    assert refused == ({fault} if fault else set())
+    out_folder = tmp_path / "c"
+    assert run_command("compile", "--out", str(out_folder), *project)[0] == 0
+    if fault:
+        assert f"| `TM_MAX_SAMPLES` | {limit.rsplit(maxsplit=1)[-1]} |" in (
+            out_folder / "report.md"
+        ).read_text("utf-8")
+    assert run_command("trace", "--gate", *project)[0] == (1 if fault else 0)

@@ -1,0 +1,215 @@
+"""`init` and `new`: what they write is right at once, and nothing that is there is touched."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+import yaml
+
+from support import start
+from support.project import run_command
+from support.shared import REPOSITORY
+from trackmarshal.start.project import BASELINE, FILES
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A new project in a folder of its own, which is the current one."""
+    root = tmp_path / "car"
+    assert run_command("init", str(root))[0] == 0
+    monkeypatch.chdir(root)
+    return root
+
+
+def contents(root: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(root)): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+def test_it_is_green_from_the_start_and_decides_the_same_in_c(project: Path) -> None:
+    start.green(run_command)
+    decided = start.decisions(run_command)
+    assert set(decided) == {"drive", "previous_emergency"}
+    if shutil.which("gcc") is None:
+        pytest.skip("no gcc")
+    assert start.compiled(run_command, project / "build" / "c") == decided
+
+
+def test_every_file_of_it_counts(project: Path) -> None:
+    """Without its rule, a test, its requirement or its scenario the gate is red: it is green for a reason."""
+    for name, old, new in (
+        ("specs/speed.spec", "satisfies R-1", ""),
+        ("specs/speed.spec", "expect violated", "expect satisfied"),
+        ("specs/speed.spec", "p.v <= v_max", "p.v <= 2 * v_max"),
+        ("requirements/requirements.yaml", "metrics: [speed_limit]", "metrics: [other]"),
+        ("specs/scenarios/too_fast.yaml", "acceleration: [[0, 3]]", "acceleration: [[0, 0]]"),
+    ):
+        path = project / name
+        text = path.read_text("utf-8")
+        assert old in text
+        path.write_text(text.replace(old, new), "utf-8")
+        assert run_command("trace", "--gate")[0] == 1, (name, old)
+        path.write_text(text, "utf-8")
+    assert run_command("trace", "--gate")[0] == 0
+
+
+def test_the_workflow_runs_what_the_readme_names(project: Path) -> None:
+    workflow = yaml.safe_load((project / ".github/workflows/trackmarshal.yml").read_text("utf-8"))
+    runs = [step["run"] for step in workflow["jobs"]["gate"]["steps"] if "run" in step]
+    assert runs[0] == "python -m pip install trackmarshal"
+    verbs = [line.split()[1] for line in runs[1:]]
+    assert verbs == ["check", "fmt", "test", "assess", "trace"]
+    for line in runs[1:]:
+        assert run_command(*line.split()[1:])[0] == 0, line
+    readme = (project / "README.md").read_text("utf-8")
+    assert readme.startswith("# car\n")
+    assert [name for name in re.findall(r"\| `([^`]+)` \|", readme) if not (project / name).exists()] == []
+
+
+def test_it_asks_nothing_and_says_what_it_wrote(tmp_path: Path) -> None:
+    status, out, err = run_command("init", str(tmp_path / "a" / "b"))
+    assert (status, err) == (0, "")
+    written = [
+        line.removeprefix(f"wrote {tmp_path / 'a' / 'b'}/")
+        for line in out.splitlines()
+        if line.startswith("wrote")
+    ]
+    assert sorted(written) == sorted([*FILES, BASELINE])
+    assert sorted(contents(tmp_path / "a" / "b")) == sorted(written)
+
+
+@pytest.mark.parametrize("name", [*FILES, BASELINE])
+def test_init_overwrites_nothing(name: str, tmp_path: Path) -> None:
+    there = tmp_path / name
+    there.parent.mkdir(parents=True, exist_ok=True)
+    there.symlink_to(tmp_path / "nowhere")  # a link to nothing is something too
+    status, out, err = run_command("init", str(tmp_path))
+    assert (status, out) == (2, "")
+    assert "error[E412]" in err
+    assert "help: nothing was written" in err
+    assert contents(tmp_path) == {}
+
+
+def test_what_cannot_be_written_as_a_whole_is_not_written(tmp_path: Path) -> None:
+    (tmp_path / ".github").write_text("no folder", "utf-8")
+    status, _, err = run_command("init", str(tmp_path))
+    assert (status, "error[E411]" in err) == (2, True)
+    assert contents(tmp_path) == {".github": b"no folder"}
+
+
+def test_a_name_that_yaml_and_markdown_could_stumble_over(tmp_path: Path) -> None:
+    root = tmp_path / 'it\'s: "a" #{{ car }}\n'
+    assert run_command("init", str(root))[0] == 0
+    assert run_command("trace", "--gate", "--project", str(root))[0] == 0
+
+
+def test_new_pieces_pass_check_and_turn_the_gate_red_until_they_are_covered(project: Path) -> None:
+    before = contents(project)
+    for words in (
+        ("requirement", "R-2"),
+        ("rule", "slow", "--satisfies", "R-2"),
+        ("rulebook", "order"),
+        ("scenario", "alone"),
+    ):
+        status, out, err = run_command("new", *words)
+        assert (status, err) == (0, "")
+        (written,) = re.findall(r"^wrote (.*)$", out, re.MULTILINE)
+        assert re.search(r"^next: .", out, re.MULTILINE)
+        assert "TODO" in (project / written).read_text("utf-8")
+        assert run_command("check")[0] == 0, words
+        assert run_command("fmt", "--check")[0] == 0, words
+    assert run_command("replay", "specs/scenarios/alone.yaml")[0] == 0
+    assert {name: contents(project)[name] for name in before} == before
+    status, out, _ = run_command("trace", "--gate")
+    assert status == 1
+    assert "rule slow: has no test" in out
+    # The tests that the comments show are those of the rule as it stands.
+    path = project / "specs" / "slow.spec"
+    path.write_text(re.sub(r"^-- (test|  )", r"\1", path.read_text("utf-8"), flags=re.MULTILINE), "utf-8")
+    status, out, _ = run_command("test")
+    assert (status, "2 of 2 rules covered" in out) == (0, True)
+    assert run_command("fmt", "--check")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("signal", "required"),
+    [
+        ("signal gaps : set of object { x: m, y: m, length: m in [0.1, 30] }", "require   o.x <= 100 m"),
+        ("signal ego : state { age: s in [0, 10] }", "require   ego.age <= 5 s"),
+        ("signal plan : trajectory { t: s increasing, kappa: 1/m in [-1, 1] }", "require   p.kappa <= 0 1/m"),
+    ],
+)  # fmt: skip
+def test_a_new_rule_reads_what_the_project_declares(signal: str, required: str, project: Path) -> None:
+    for name in ("speed", "signals"):
+        (project / "specs" / f"{name}.spec").unlink()
+    (project / "specs" / "inputs.spec").write_text(f"module inputs\n\n{signal}\n", "utf-8")
+    status, _, err = run_command("new", "rule", "bounded")
+    assert (status, err) == (0, "")
+    path = project / "specs" / "bounded.spec"
+    text = path.read_text("utf-8")
+    assert required in text
+    path.write_text(re.sub(r"^-- (test|  )", r"\1", text, flags=re.MULTILINE), "utf-8")
+    assert "1 of 1 rules covered" in run_command("test")[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("rule", "speed_limit"), "E412", "the project has a rule `speed_limit` already"),
+        (("rule", "signals"), "E412", "specs/signals.spec is there already"),
+        (("rule", "for"), "E413", "the language has another use for `for`"),
+        (("rule", "keep-left"), "E413", "`keep-left` is no name for a rule"),
+        (("rule", "../x"), "E413", "`../x` is no name for a rule"),
+        (("rule", "prelude"), "E413", "`prelude` is no name for a rule"),
+        (("rule", "x", "--satisfies", "R-9"), "E413", "the project has no requirement R-9"),
+        (("scenario", "x", "--satisfies", "R-1"), "E413", "a scenario satisfies nothing"),
+        (("scenario", "too_fast"), "E412", "specs/scenarios/too_fast.yaml is there already"),
+        (("scenario", "a/b"), "E413", "`a/b` is no name for a scenario"),
+        (("requirement", "R-1"), "E412", "the project has a requirement R-1 already"),
+        (("requirement", "r1"), "E413", "`r1` is no id of a requirement"),
+        (("rulebook", "1"), "E413", "`1` is no name for a rulebook"),
+    ],
+)
+def test_names_that_cannot_be(words: tuple[str, ...], code: str, said: str, project: Path) -> None:
+    before = contents(project)
+    status, out, err = run_command("new", *words)
+    assert (status, out) == (2, "")
+    assert f"error[{code}]: {said}" in err
+    assert "help: " in err
+    assert contents(project) == before
+
+
+def test_nothing_to_begin_with(project: Path) -> None:
+    (project / "specs" / "speed.spec").unlink()
+    assert "error[E414]: there is no rule" in run_command("new", "rulebook", "order")[2]
+    (project / "specs" / "signals.spec").unlink()
+    assert "error[E414]: the project's specs declare no signal" in run_command("new", "rule", "x")[2]
+
+
+def test_specs_with_errors_are_mended_first(project: Path) -> None:
+    (project / "specs" / "speed.spec").write_text("module speed\n\nrule\n", "utf-8")
+    status, _, err = run_command("new", "rule", "x")
+    assert status == 2
+    assert "specs/speed.spec:3" in err
+    assert not (project / "specs" / "x.spec").exists()
+
+
+def test_a_scenario_brings_a_road_where_there_is_none(project: Path) -> None:
+    (project / "specs" / "tracks" / "straight.yaml").unlink()
+    assert run_command("new", "scenario", "alone")[0] == 0
+    assert (project / "specs" / "tracks" / "straight.yaml").is_file()
+    assert run_command("replay", "specs/scenarios/alone.yaml")[0] == 0
+
+
+def test_without_a_project_there_is_nothing_new(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, _, err = run_command("new", "rule", "x")
+    assert (status, "error[E410]" in err) == (2, True)
+
+
+def test_the_repository_knows_the_pieces_too() -> None:
+    """`new` stands in any project; here only a name that is taken is tried."""
+    status, _, err = run_command("new", "rule", "friction", "--project", str(REPOSITORY))
+    assert (status, "error[E412]" in err) == (2, True)
