@@ -18,9 +18,9 @@ import pytest
 from support.agreement import compiled, outcomes, read, results
 from support.generated import RandomChoices, subject
 from trackmarshal.backends.c import build
-from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.results import chosen_rules
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator
 
 pytestmark = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
 
@@ -40,7 +40,7 @@ def compare(seed: int, seen: Counter[str]) -> list[str]:
     made = subject(RandomChoices(seed), inexact="any", geometry=seed % 3 == 1)
     spec = compiled(made.text)
     rules, cases = chosen_rules(spec, None), read(spec, made.cases)
-    program = CProgram(spec, rules)
+    program = Evaluator(spec, None, "c")  # some cases leave out a curvature, and are swept straight
     found = []
     for index, (case, expected) in enumerate(
         zip(cases, results(spec, cases, "reference", series=False), strict=True)
