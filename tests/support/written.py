@@ -21,6 +21,20 @@ def call_of(node: typed.CalledNumber | typed.CalledFormula) -> ast.Expr:
     return called(name, *node.arguments) if node.symbol.item.parameters else ast.Name(name)
 
 
+def machine(node: typed.Machine) -> ast.Expr:
+    """What is asked for its state, whose guards have to be those of its declaration."""
+    item = node.symbol.item
+    assert isinstance(item, ast.State)
+    assert [written(one.guard) for one in node.transitions] == [
+        plain(one.condition) for one in item.transitions
+    ]
+    if node.element is None:
+        return ast.Name(node.symbol.name)
+    assert isinstance(node.element, typed.NamedRecord)
+    assert node.element.value is not None
+    return called(node.symbol.name, node.element.value)
+
+
 def window_of(window: typed.Window | None) -> ast.Window | None:
     return None if window is None else ast.Window(written(window.lower), written(window.upper))
 
@@ -112,6 +126,8 @@ def formula(node: typed.Formula) -> ast.Expr:
             return ast.Until(node.op, formula(node.left), formula(node.right), window_of(node.window))
         case typed.Edge():
             return called(node.op, node.operand)
+        case typed.InState():
+            return ast.Call("is", (machine(node.machine), ast.Name(node.state)), ("", ""))
         case typed.CalledFormula():
             return call_of(node)
         case typed.NamedFormula():

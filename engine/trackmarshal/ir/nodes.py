@@ -399,6 +399,40 @@ class Counted(IR):
     lower: ClassVar[None] = None
 
 
+class Machine(IR):
+    """A state machine over the run, or one for each element of a set: the states that it can be in, the one that it starts in, and what
+    leads from one to another.
+
+    axis: of the variable that stands for the element; None: there is one machine. targets, sources, guards: the transitions in the order in
+    which they are looked at, in every cycle: where each leads, from which states, and when.
+    """
+
+    name: str
+    axis: Axis | None
+    states: tuple[str, ...]
+    start: str
+    targets: tuple[str, ...]
+    sources: tuple[tuple[str, ...], ...]
+    guards: tuple[Formula, ...]
+
+
+class InState(IR):
+    """A state machine is in a state, after what the present cycle made of it."""
+
+    machine: Machine
+    state: str
+    span: Span
+
+    past: ClassVar[bool] = True
+    lower: ClassVar[None] = None
+    upper: ClassVar[None] = None
+
+    @property
+    def operands(self) -> tuple[Formula, ...]:
+        """What decides which state it is in, in every cycle."""
+        return self.machine.guards
+
+
 #: What a projection of a point onto a line gives.
 Projected: TypeAlias = Station | Offset | Direction
 #: Numbers read off a line.
@@ -411,19 +445,19 @@ Num: TypeAlias = (
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea
 #: Formulas over the run.
-Remembered: TypeAlias = OverRun | Counted
+Remembered: TypeAlias = OverRun | Counted | InState
 #: Formulas along a timeline.
 Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
     Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
-    | Temporal | Until | Shift | First | OverRun | Counted
+    | Temporal | Until | Shift | First | OverRun | Counted | InState
 )  # fmt: skip
 #: Any node.
-AnyNode: TypeAlias = Num | Formula | Axis | Line | Area
+AnyNode: TypeAlias = Num | Formula | Axis | Line | Area | Machine
 
 #: Nodes that have no value of their own: what others are about.
-_SUBJECTS = (Axis, Line, Area)
+_SUBJECTS = (Axis, Line, Area, Machine)
 
 T = TypeVar("T")
 Parts = ParamSpec("Parts")

@@ -26,7 +26,7 @@ def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
     if not over_run(node):
         return None
     match node:
-        case ir.OverRun() | ir.Counted():
+        case ir.OverRun() | ir.Counted() | ir.InState():
             return node.operands
         case ir.Not():
             return (node.operand,)
@@ -58,12 +58,16 @@ def leaves(
             stack.extend(reversed(below))
 
 
-def sets(node: ir.Formula) -> tuple[ir.Axis, ...]:
+#: What names the variable of an axis.
+_ABOUT = (ir.Column, ir.Flag, ir.Temporal, ir.Until, ir.Shift, ir.Machine)
+
+
+def sets(node: ir.Formula | ir.Machine) -> tuple[ir.Axis, ...]:
     """The axes of variables that are free in a formula, the outermost first."""
     found: set[ir.Axis] = set()
     bound: set[ir.Axis] = set()
     for part in ir.below(node):
-        if isinstance(part, (ir.Column, ir.Flag, ir.Temporal, ir.Until, ir.Shift)) and part.axis is not None:
+        if isinstance(part, _ABOUT) and part.axis is not None:
             found.add(part.axis)
         elif isinstance(part, (ir.Quantify, ir.First)):
             bound.add(part.axis)

@@ -36,7 +36,9 @@ def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                 pass
-            case ir.OverRun() | ir.Counted():
+            case ir.Machine():
+                pass
+            case ir.OverRun() | ir.Counted() | ir.InState():
                 result |= {(axis.signal, "id") for axis in sets(node)}  # by which elements are known again
             case _:
                 assert_never(node)

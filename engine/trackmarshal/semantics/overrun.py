@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import ahead, sets
 from trackmarshal.semantics.errors import OverRunProblem
@@ -21,7 +23,15 @@ def misused(*formulas: ir.Formula | None) -> OverRunProblem | None:
 
 
 def _called(node: ir.Remembered) -> str:
-    return node.op if isinstance(node, ir.OverRun) else "count"
+    match node:
+        case ir.OverRun():
+            return node.op
+        case ir.Counted():
+            return "count"
+        case ir.InState():
+            return "is"
+        case _:
+            assert_never(node)
 
 
 def _of_operator(node: ir.Remembered) -> OverRunProblem | None:

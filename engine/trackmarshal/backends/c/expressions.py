@@ -442,7 +442,7 @@ class Writer:
                 )
             case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.timed(node, at)
-            case ir.OverRun() | ir.Counted():
+            case ir.OverRun() | ir.Counted() | ir.InState():
                 raise self.refuse(node, "generated C does not remember yet")
             case ir.First():
                 first = at.open(None)

@@ -128,11 +128,13 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass
                     case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                         pass
-                    case ir.OverRun() | ir.Counted():
+                    case ir.OverRun() | ir.Counted() | ir.InState():
                         raise TrackmarshalError(
                             "E470", f"rule `{rule.name}`: generated C does not remember what was, or waits for what will be",
                             file=node.span.file.path, line=node.span.line, help="choose rules with --rule, or another backend",
                         )  # fmt: skip
+                    case ir.Machine():
+                        raise AssertionError("what asks for a state was refused before its machine")
                     case _:
                         assert_never(node)
     for name in whole:

@@ -28,6 +28,8 @@ def margins_read(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
                 stack.append(node.operand)
             case ir.OverRun() | ir.Counted():
                 stack += node.operands
+            case ir.InState():
+                pass
             case _:
                 assert_never(node)
     return found

@@ -333,7 +333,7 @@ class Code:
                     lambda best: f"first({body.margin(best)}, {index})",
                     lambda best: f"first({body.sat(best)}, {index})",
                 )  # fmt: skip
-            case ir.OverRun() | ir.Counted():
+            case ir.OverRun() | ir.Counted() | ir.InState():
                 raise AssertionError("one cycle does not say what a formula over the run comes to")
             case _:
                 assert_never(node)

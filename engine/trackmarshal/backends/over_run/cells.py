@@ -8,6 +8,7 @@ from typing import Any, assert_never
 
 from trackmarshal.backends.over_run.counts import Range, compared
 from trackmarshal.backends.over_run.history import looks_ahead, parts_of, sets_of
+from trackmarshal.backends.over_run.machines import Possible, begun, is_in, stepped, widened
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.windows import Item, Sliding, folding
 from trackmarshal.ir import nodes as ir
@@ -18,6 +19,8 @@ from trackmarshal.runtime.verdict import Bound, Truth
 #: What variables of sets stand for, by the level of their axes: ids.
 Ids = Mapping[int, str]
 Key = tuple[str, ...]
+#: What has a memory of its own: an operator, or a state machine, of which there is one whatever is asked of it.
+Holder = ir.OverRun | ir.Counted | ir.Machine
 
 
 def looks_back(node: ir.Formula) -> bool:
@@ -50,8 +53,10 @@ class Cells:
     """The memory of some operators. Cycles are looked at with `at`, and then remembered, or missed."""
 
     def __init__(self, nodes: Sequence[ir.Remembered]) -> None:
-        self._nodes = nodes
-        self._held: dict[ir.Remembered, dict[Key, Any]] = {node: {} for node in nodes}
+        self._holders: list[Holder] = list(
+            dict.fromkeys(node.machine if isinstance(node, ir.InState) else node for node in nodes)
+        )
+        self._held: dict[Holder, dict[Key, Any]] = {holder: {} for holder in self._holders}
         #: The last stamp, None before the first, and how many cycles were missed since.
         self._last: int | None = None
         self._missed = 0
@@ -68,7 +73,14 @@ class Cells:
         """The first and the last nanosecond of what lies between the last cycle and this one, where cycles were missed."""
         return None if not self._missed or self._last is None else (self._last + 1, now.t - 1)
 
-    def value(self, node: ir.Remembered, key: Key, now: Now, values: tuple[Truth, ...]) -> Any:
+    def before(self, machine: ir.Machine, key: Key, now: Now) -> Possible:
+        """What a state machine may be in when the present cycle begins."""
+        held: Possible | None = self._held[machine].get(key)
+        if held is None:
+            return begun(machine, now.t)
+        return widened(machine, held) if self._missed else held
+
+    def value(self, node: ir.OverRun | ir.Counted, key: Key, now: Now, values: tuple[Truth, ...]) -> Any:
         """The value of an operator in the present cycle, for which `values` are its operands."""
         held = self._held[node].get(key)
         if isinstance(node, ir.OverRun) and node.op == "previous":
@@ -79,12 +91,15 @@ class Cells:
     def remember(self, now: Now, present: Present) -> None:
         """The present cycle is past. All values are looked at before anything is changed."""
         found = [
-            (node, [(key, present.operands(node, key)) for key in now.combinations(sets_of(node))])
-            for node in self._nodes
+            (holder, [(key, present.brought(holder, key)) for key in now.combinations(sets_of(holder))])
+            for holder in self._holders
         ]
         for node, values in found:
             held, kept = self._held[node], dict[Key, Any]()
             for key, operands in values:
+                if isinstance(node, ir.Machine):
+                    kept[key] = operands
+                    continue
                 if isinstance(node, ir.OverRun) and node.op == "previous":
                     kept[key] = operands[0]
                     continue
@@ -96,7 +111,7 @@ class Cells:
         self._last, self._missed = now.t, 0
 
     def _items(
-        self, node: ir.Remembered, now: Now, values: tuple[Truth, ...], before: bool
+        self, node: ir.OverRun | ir.Counted, now: Now, values: tuple[Truth, ...], before: bool
     ) -> list[Item[Any]]:
         fold = folding(node)
         items = [Item(now.t, now.t, fold.item(values))]
@@ -104,7 +119,7 @@ class Cells:
         return items if gap is None else [Item(*gap, fold.gap(len(values), self._missed)), *items]
 
 
-def _empty(node: ir.Remembered) -> Sliding[Any]:
+def _empty(node: ir.OverRun | ir.Counted) -> Sliding[Any]:
     return Sliding(folding(node), node.lower or 0, node.upper)
 
 
@@ -115,6 +130,7 @@ class Present:
     cells: Cells
     now: Now
     _known: dict[tuple[ir.Formula, Key], Truth] = field(default_factory=dict)
+    _machines: dict[tuple[ir.Machine, Key], Possible] = field(default_factory=dict)
 
     def leaf(self, node: ir.Formula, key: Key) -> Truth:
         """The value of a formula for elements of the sets that its variables are of."""
@@ -123,10 +139,24 @@ class Present:
             known = self._known[node, key] = self._value(node, key)
         return known
 
-    def operands(self, node: ir.Remembered, key: Key) -> tuple[Truth, ...]:
+    def brought(self, holder: Holder, key: Key) -> Any:
+        """What this cycle brings to what has a memory: the operands of an operator, the states that a machine may be in now."""
+        return self.possible(holder, key) if isinstance(holder, ir.Machine) else self.operands(holder, key)
+
+    def operands(self, node: ir.OverRun | ir.Counted, key: Key) -> tuple[Truth, ...]:
         """The operands of an operator in this cycle."""
         ids = _ids(node, key)
         return tuple(self._of(operand, ids) for operand in node.operands)
+
+    def possible(self, machine: ir.Machine, key: Key) -> Possible:
+        """The states that a machine may be in after this cycle."""
+        known = self._machines.get((machine, key))
+        if known is None:
+            ids = _ids(machine, key)
+            guards = [self._of(guard, ids) for guard in machine.guards]
+            before = self.cells.before(machine, key, self.now)
+            known = self._machines[machine, key] = stepped(machine, before, self.now.t, guards)
+        return known
 
     def _of(self, node: ir.Formula, ids: Ids) -> Truth:
         return self.leaf(node, tuple(ids[axis.level] for axis in sets_of(node)))
@@ -142,6 +172,8 @@ class Present:
             case ir.Counted():
                 count: Range = self.cells.value(node, key, self.now, self.operands(node, key))
                 return compared(node, count, self.now.number(node.limit))
+            case ir.InState():
+                return is_in(self.possible(node.machine, key), node.state)
             case ir.Not():
                 return negate(self._of(node.operand, ids))
             case ir.Connective():
@@ -177,5 +209,5 @@ class Present:
         return Truth(worst, best)
 
 
-def _ids(node: ir.Formula, key: Key) -> dict[int, str]:
+def _ids(node: ir.Formula | ir.Machine, key: Key) -> dict[int, str]:
     return {axis.level: name for axis, name in zip(sets_of(node), key)}

@@ -13,6 +13,7 @@ from itertools import product, zip_longest
 from typing import assert_never
 
 from trackmarshal.backends.over_run.counts import Range, compared
+from trackmarshal.backends.over_run.machines import Possible, begun, is_in, stepped, widened
 from trackmarshal.backends.over_run.outcome import ALWAYS, Known
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
@@ -102,6 +103,9 @@ class History:
                 return self._over_run(node, k, ids)
             case ir.Counted():
                 return self._counted(node, k, ids)
+            case ir.InState():
+                # What its guards say is settled in their own cycles: they look back alone.
+                return Known(is_in(self._possible(node, k, ids), node.state), True)
             case ir.Not():
                 operand = self.value(node.operand, k, ids)
                 return Known(negate(operand.value), operand.final)
@@ -174,6 +178,20 @@ class History:
                 surely_on, possibly_on = surely_on and not reset.best.sat, possibly_on and not reset.worst.sat
         limit = self.cycles[k].number(node.limit)
         return Known(compared(node, Range(sure, possible), limit), all(element.final for element in given))
+
+    def _possible(self, node: ir.InState, k: int, ids: Ids) -> Possible:
+        """What a machine may be in after cycle k: from the first cycle of its life on, cycle by cycle."""
+        machine, members = node.machine, self._members(node, ids, k)[0]
+        possible = begun(machine, self.cycles[members[0]].t)
+        for before, this in zip((None, *members), members[: members.index(k) + 1]):
+            if before is not None and self.cycles[this].missed:
+                possible = widened(machine, possible)
+            guards = [self._settled(guard, this, ids) for guard in machine.guards]
+            possible = stepped(machine, possible, self.cycles[this].t, guards)
+        return possible
+
+    def _settled(self, node: ir.Formula, k: int, ids: Ids) -> Truth:
+        return self.value(node, k, {axis.level: ids[axis.level] for axis in sets_of(node)}).value
 
     def folded(self, nodes: Sequence[ir.OverRun], count: int) -> Earlier:
         """What operators make of the first cycles, when these are dropped: their values about the last of them, by element."""

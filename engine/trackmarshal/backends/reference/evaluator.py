@@ -175,7 +175,7 @@ class Reference:
                 return self.series(node, env)[env[node.axis.level]]
             case ir.First():
                 return self.truth(node.operand, {**env, node.axis.level: 0})
-            case ir.OverRun() | ir.Counted():
+            case ir.OverRun() | ir.Counted() | ir.InState():
                 raise AssertionError("one cycle does not say what a formula over the run comes to")
             case _:
                 assert_never(node)
