@@ -28,6 +28,8 @@ def machine(node: typed.Machine) -> ast.Expr:
     assert [written(one.guard) for one in node.transitions] == [
         plain(one.condition) for one in item.transitions
     ]
+    for made, one in zip(node.transitions, item.transitions):
+        assert [written(keep.value) for keep in made.kept] == [plain(keep.value) for keep in one.kept]
     if node.element is None:
         return ast.Name(node.symbol.name)
     assert isinstance(node.element, typed.NamedRecord)
@@ -81,6 +83,9 @@ def number(node: typed.Number) -> ast.Expr:
             return called(node.function, node.point, node.line)
         case typed.StationGap():
             return called("station_gap", node.line, node.start, node.end)
+        case typed.Kept():
+            asked = machine(node.machine)
+            return ast.Attribute(asked, node.name) if node.name else ast.Call("time_in", (asked,), ("",))
         case typed.CalledNumber():
             return call_of(node)
         case typed.NamedNumber():

@@ -190,6 +190,16 @@ class StationGap(IR):
     end: Num
 
 
+class Kept(IR):
+    """A number that a state machine keeps, where it is known: since when it is in its state, as a duration [s], or what it remembers.
+
+    name: of what is remembered; "" for the duration.
+    """
+
+    machine: Machine
+    name: str
+
+
 #: What is written of a comparison that was turned round.
 _TURNED: dict[str, str] = {"<": ">", "<=": ">="}
 
@@ -404,7 +414,8 @@ class Machine(IR):
     leads from one to another.
 
     axis: of the variable that stands for the element; None: there is one machine. targets, sources, guards: the transitions in the order in
-    which they are looked at, in every cycle: where each leads, from which states, and when.
+    which they are looked at, in every cycle: where each leads, from which states, and when. kept: by which transition a number is remembered,
+    and its name; numbers: as many, each as it is in the cycle of the transition.
     """
 
     name: str
@@ -414,6 +425,13 @@ class Machine(IR):
     targets: tuple[str, ...]
     sources: tuple[tuple[str, ...], ...]
     guards: tuple[Formula, ...]
+    kept: tuple[tuple[int, str], ...]
+    numbers: tuple[Num, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What it remembers."""
+        return tuple(dict.fromkeys(name for _, name in self.kept))
 
 
 class InState(IR):
@@ -440,7 +458,7 @@ Along: TypeAlias = Station | Offset | Direction | Distance | StationGap
 #: A number.
 Num: TypeAlias = (
     Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup
-    | Station | Offset | Direction | Distance | StationGap
+    | Station | Offset | Direction | Distance | StationGap | Kept
 )  # fmt: skip
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea

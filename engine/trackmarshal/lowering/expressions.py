@@ -94,6 +94,8 @@ class Lowering:
             case typed.StationGap():
                 start, end = self.number(node.start, site), self.number(node.end, site)
                 return make(ir.StationGap, self.things.line(node.line), start, end)
+            case typed.Kept():
+                return make(ir.Kept, self._machine(node.machine), node.name)
             case typed.Pi():
                 return make(ir.Const, math.pi)
             case _:
@@ -314,6 +316,10 @@ class Lowering:
             targets=tuple([one.target for one in node.transitions]),
             sources=tuple([one.sources for one in node.transitions]),
             guards=tuple([self.formula(one.guard) for one in node.transitions]),
+            kept=tuple(
+                [(place, keep.name) for place, one in enumerate(node.transitions) for keep in one.kept]
+            ),
+            numbers=tuple([self.number(keep.value) for one in node.transitions for keep in one.kept]),
         )
 
     def _over_run(

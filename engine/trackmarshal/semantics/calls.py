@@ -72,7 +72,7 @@ _SWEPT: tuple[Literal["swept_footprint", "swept_hull"], ...] = ("swept_footprint
 
 def built_in_names() -> set[str]:
     """Every function that needs no declaration."""
-    return {*FUNCTIONS, *_SPECIAL, COUNT, "is"}
+    return {*FUNCTIONS, *_SPECIAL, COUNT, "is", "time_in"}
 
 
 def call(

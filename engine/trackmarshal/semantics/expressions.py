@@ -181,6 +181,8 @@ class Expressions:
                 return self._name(expr, ctx)
             case ast.Attribute():
                 return self._attribute(expr, ctx)
+            case ast.Call() if expr.function == states.TIME_IN:
+                return states.time_in(expr, self, ctx)
             case ast.Call():
                 return calls.call(self, expr.function, expr.args, expr.names, False, span, ctx)
             case ast.Infix() if expr.predicate == states.IS:
@@ -285,6 +287,8 @@ class Expressions:
         return shape
 
     def _attribute(self, expr: ast.Attribute, ctx: Context) -> typed.Value:
+        if states.names_machine(expr.value, ctx):
+            return states.kept(expr, self, ctx)
         value = self.value(expr.value, ctx)
         span = expr.span
         if isinstance(value, typed.RecordNode):
@@ -372,7 +376,7 @@ class Expressions:
         if number.dimension != NUMBER:
             what = "what a count is compared with"
             self.fail(WrongDimension(number.span, None, what, "a plain number", quantity(number.dimension)))
-        inputs = (typed.Field, typed.Choice, typed.TableValue, typed.OnLine, typed.StationGap)
+        inputs = (typed.Field, typed.Choice, typed.TableValue, typed.OnLine, typed.StationGap, typed.Kept)
         if any(isinstance(node, inputs) for node in typed.below(number)):
             problem = "a count is compared with a number that no input changes"
             self.fail(BadValue(number.span, problem, None, "use literals and parameters"))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import over_run
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.semantics.calls import MOST_EXPANSIONS
 from trackmarshal.semantics.errors import (
@@ -18,6 +19,7 @@ from trackmarshal.semantics.errors import (
     Recursive,
     StateProblem,
     TooLarge,
+    UnknownField,
     UnknownReference,
     UnreachableState,
     WrongArity,
@@ -30,12 +32,15 @@ from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.typed import Symbol
+from trackmarshal.units import TIME
 
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions import Context, Expressions
 
 #: What asks whether a machine is in a state.
 IS = "is"
+#: How long a machine has been in its state.
+TIME_IN = "time_in"
 
 
 # Declarations ---------------------------------------------------------------------------------------------------
@@ -165,6 +170,10 @@ def _check_guards(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context)
             problem_ = OverRunProblem(ahead.span, f"`{item.name}` cannot wait for what will be", hint)
         if problem_ is not None:
             x.fail(problem_)
+        for keep in one.kept:
+            if over_run(lowering.number(keep.value)):
+                problem = "what is remembered is a number of the cycle of the transition alone"
+                x.fail(OverRunProblem(keep.span, problem, "leave out what was, and what states keep"))
 
 
 def _written_out(
@@ -174,11 +183,32 @@ def _written_out(
     local = {} if element is None else {item.binder: element}
     stack, scope = (*ctx.stack, symbol.qualified), x.scopes[symbol.module]
     inner = type(ctx)(scope, local, ctx.level, typed.TheRun(), None, stack)
-    guards = x.all(*(lambda one=one: x.formula(one.condition, inner) for one in item.transitions))
-    return tuple(
-        typed.Transition(one.target.name, sources(item, one), guard, one.span)
-        for one, guard in zip(item.transitions, guards)
+    made: list[typed.Transition] = x.all(
+        *(lambda one=one: _transition(item, one, x, inner) for one in item.transitions)
     )
+    _check_kept(made, x)
+    return tuple(made)
+
+
+def _transition(item: ast.State, one: ast.Transition, x: Expressions, ctx: Context) -> typed.Transition:
+    guard, *numbers = x.all(
+        lambda: x.formula(one.condition, ctx),
+        *(lambda keep=keep: x.number(keep.value, ctx) for keep in one.kept),
+    )
+    kept = tuple(typed.Keep(keep.name, value, keep.span) for keep, value in zip(one.kept, numbers))
+    return typed.Transition(one.target.name, sources(item, one), guard, kept, one.span)
+
+
+def _check_kept(transitions: list[typed.Transition], x: Expressions) -> None:
+    """What is remembered by one name has one dimension, and a transition remembers it once."""
+    first: dict[str, typed.Keep] = {}
+    for one in transitions:
+        own: dict[str, typed.Keep] = {}
+        for keep in one.kept:
+            if keep.name in own:
+                x.fail(Duplicate(keep.span, own[keep.name].span, "remembered number", keep.name))
+            own[keep.name] = keep
+            x.same("remember by one name", first.setdefault(keep.name, keep).value, keep.value)
 
 
 # Uses -----------------------------------------------------------------------------------------------------------
@@ -196,6 +226,45 @@ def in_state(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.InState:
     if expr.right.name not in {state.name for state in item.states}:
         x.fail(_no_such_state(item, expr.right))
     return typed.InState(machine, expr.right.name, expr.span)
+
+
+def names_machine(expr: ast.Expr, ctx: Context) -> bool:
+    """Whether an expression looks like a machine, of the run or of an element."""
+    name = expr.function if isinstance(expr, ast.Call) else expr.name if isinstance(expr, ast.Name) else ""
+    symbol = None if name in ctx.local else ctx.scope.find(name)
+    return symbol is not None and isinstance(symbol.item, ast.State)
+
+
+def kept(expr: ast.Attribute, x: Expressions, ctx: Context) -> typed.Kept:
+    """`role(o).entry`: what a machine remembers."""
+    machine = machine_of(expr.value, x, ctx)
+    known = {keep.name: keep.value for one in machine.transitions for keep in one.kept}
+    if expr.name not in known:
+        hint = close_matches(expr.name, known) or f"ask for its state: `{_text(expr.value)} is ...`"
+        x.fail(
+            UnknownField(
+                expr.span,
+                f"the state `{machine.symbol.name}`",
+                expr.name,
+                ", ".join(known) or "nothing to read",
+                hint,
+            )
+        )
+    value = known[expr.name]
+    return typed.Kept(value.dimension, value.written, machine, expr.name, expr.span)
+
+
+def time_in(expr: ast.Call, x: Expressions, ctx: Context) -> typed.Kept:
+    """`time_in(role(o))`: how long a machine has been in its state."""
+    if len(expr.args) != 1 or any(expr.names):
+        given = f"{len(expr.args)} given" if expr.args else "none given"
+        x.fail(WrongArity(expr.span, TIME_IN, "1 argument (a state)", given))
+    return typed.Kept(TIME, "s", machine_of(expr.args[0], x, ctx), "", expr.span)
+
+
+def _text(expr: ast.Expr) -> str:
+    span: Span = expr.__dict__["span"]
+    return span.text
 
 
 def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:

@@ -189,12 +189,21 @@ class CountComparison(FormulaNode):
     span: Span
 
 
+class Keep(Typed):
+    """`remember ego.v as entry`."""
+
+    name: str
+    value: Number
+    span: Span
+
+
 class Transition(Typed):
     """`becomes offence from neutral when p`; sources: all states that it leads from, in the order in which they are listed."""
 
     target: str
     sources: tuple[str, ...]
     guard: Formula
+    kept: tuple[Keep, ...]
     span: Span
 
 

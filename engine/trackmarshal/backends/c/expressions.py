@@ -351,6 +351,8 @@ class Writer:
                 return self._on_line("distance", node.line, self.number(node.x, at), self.number(node.y, at))
             case ir.StationGap():
                 return self._on_line("gap", node.line, self.number(node.start, at), self.number(node.end, at))
+            case ir.Kept():
+                raise self.refuse(node, "generated C does not remember yet")
             case _:
                 assert_never(node)
 

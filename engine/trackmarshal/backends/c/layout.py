@@ -133,6 +133,11 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                             "E470", f"rule `{rule.name}`: generated C does not remember what was, or waits for what will be",
                             file=node.span.file.path, line=node.span.line, help="choose rules with --rule, or another backend",
                         )  # fmt: skip
+                    case ir.Kept():
+                        raise TrackmarshalError(
+                            "E470", f"rule `{rule.name}`: generated C does not remember what was", file=rule.span.file.path,
+                            line=rule.span.line, help="choose rules with --rule, or another backend",
+                        )  # fmt: skip
                     case ir.Machine():
                         raise AssertionError("what asks for a state was refused before its machine")
                     case _:

@@ -238,6 +238,8 @@ class Code:
                 return f"distance(b, {self._hold(node.line)}, {', '.join(at)})"
             case ir.StationGap():
                 return f"gap(b, {self._hold(node.line)}, {', '.join(at)})"
+            case ir.Kept():
+                raise AssertionError("one cycle does not say what a state machine keeps")
             case _:
                 assert_never(node)
 

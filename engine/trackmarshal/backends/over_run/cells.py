@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any, assert_never
 
 from trackmarshal.backends.over_run.counts import Range, compared
-from trackmarshal.backends.over_run.history import looks_ahead, parts_of, sets_of
-from trackmarshal.backends.over_run.machines import Possible, begun, is_in, stepped, widened
+from trackmarshal.backends.over_run.history import looks_ahead, parts_of, recalled_of, recalls_of, sets_of
+from trackmarshal.backends.over_run.machines import Possible, begun, is_in, kept, stepped, widened
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.windows import Item, Sliding, folding
 from trackmarshal.ir import nodes as ir
@@ -30,15 +30,19 @@ def looks_back(node: ir.Formula) -> bool:
 
 def cells_of(
     formulas: Iterable[ir.Formula], which: Callable[[ir.Formula], bool] = looks_back
-) -> list[ir.Remembered]:
-    """The operators of some formulas that look back alone, or others, those inside others before them."""
-    found: dict[ir.Remembered, None] = {}
+) -> list[Holder]:
+    """The operators of some formulas that look back alone, or others, and all state machines."""
+    found: dict[Holder, None] = {}
     stack: list[tuple[ir.Formula, bool]] = [(formula, False) for formula in formulas]
     seen: set[ir.Formula] = set()
     while stack:
         node, ready = stack.pop()
         if ready:
-            if isinstance(node, ir.Remembered) and which(node):
+            if isinstance(node, ir.InState):
+                found[node.machine] = None
+            elif recalls_of(node):
+                found |= dict.fromkeys(one.machine for one in recalled_of(node))
+            elif isinstance(node, ir.Remembered) and which(node):
                 found[node] = None
             continue
         if node in seen:
@@ -52,11 +56,9 @@ def cells_of(
 class Cells:
     """The memory of some operators. Cycles are looked at with `at`, and then remembered, or missed."""
 
-    def __init__(self, nodes: Sequence[ir.Remembered]) -> None:
-        self._holders: list[Holder] = list(
-            dict.fromkeys(node.machine if isinstance(node, ir.InState) else node for node in nodes)
-        )
-        self._held: dict[Holder, dict[Key, Any]] = {holder: {} for holder in self._holders}
+    def __init__(self, holders: Sequence[Holder]) -> None:
+        self._holders = holders
+        self._held: dict[Holder, dict[Key, Any]] = {holder: {} for holder in holders}
         #: The last stamp, None before the first, and how many cycles were missed since.
         self._last: int | None = None
         self._missed = 0
@@ -95,19 +97,19 @@ class Cells:
             for holder in self._holders
         ]
         for node, values in found:
-            held, kept = self._held[node], dict[Key, Any]()
+            held, later = self._held[node], dict[Key, Any]()
             for key, operands in values:
                 if isinstance(node, ir.Machine):
-                    kept[key] = operands
+                    later[key] = operands
                     continue
                 if isinstance(node, ir.OverRun) and node.op == "previous":
-                    kept[key] = operands[0]
+                    later[key] = operands[0]
                     continue
                 known = held.get(key)
                 items = self._items(node, now, operands, known is not None)
-                kept[key] = _empty(node) if known is None else known
-                kept[key].add(now.t, items)
-            self._held[node] = kept
+                later[key] = _empty(node) if known is None else known
+                later[key].add(now.t, items)
+            self._held[node] = later
         self._last, self._missed = now.t, 0
 
     def _items(
@@ -155,15 +157,31 @@ class Present:
             ids = _ids(machine, key)
             guards = [self._of(guard, ids) for guard in machine.guards]
             before = self.cells.before(machine, key, self.now)
-            known = self._machines[machine, key] = stepped(machine, before, self.now.t, guards)
+            known = self._machines[machine, key] = stepped(
+                machine,
+                before,
+                self.now.t,
+                guards,
+                lambda number: self.now.measured(number, _named(number, ids)),
+            )
         return known
 
+    def _recalled(self, node: ir.Formula, key: Key) -> Truth:
+        ids = _ids(node, key)
+        known = {
+            one: kept(one.machine, one.name, self.possible(one.machine, _named(one.machine, ids)), self.now.t)
+            for one in recalled_of(node)
+        }
+        return self.now.recalled(node, key, known)
+
     def _of(self, node: ir.Formula, ids: Ids) -> Truth:
-        return self.leaf(node, tuple(ids[axis.level] for axis in sets_of(node)))
+        return self.leaf(node, _named(node, ids))
 
     def _value(self, node: ir.Formula, key: Key) -> Truth:
         if parts_of(node) is None:
             return self.now.leaf(node, key)
+        if recalls_of(node):
+            return self._recalled(node, key)
         ids = _ids(node, key)
         match node:
             case ir.OverRun():
@@ -207,6 +225,10 @@ class Present:
             if surely if join is least else possibly:
                 best = join(best, body.best)
         return Truth(worst, best)
+
+
+def _named(node: ir.Formula | ir.Num | ir.Machine, ids: Ids) -> Key:
+    return tuple(ids[axis.level] for axis in sets_of(node))
 
 
 def _ids(node: ir.Formula | ir.Machine, key: Key) -> dict[int, str]:

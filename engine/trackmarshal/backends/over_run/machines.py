@@ -6,32 +6,39 @@ strong Kleene logic allows: the first transition whose guard surely holds ends t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED
 from trackmarshal.runtime.verdict import Truth
 
-#: What is known of a machine if it is in a state: since when it is in it [ns]; None: not known.
-Held = tuple[int | None]
+#: What is known of a machine if it is in a state: since when it is in it [ns], and what it remembers, by its names; None: not known.
+Held = tuple[int | float | None, ...]
 #: The states that a machine may be in.
 Possible = Mapping[str, Held]
 
 
 def begun(machine: ir.Machine, t: int) -> Possible:
     """A machine before its first cycle, which has the stamp t."""
-    return {machine.start: (t,)}
+    return {machine.start: (t, *[None] * len(machine.names))}
 
 
-def stepped(machine: ir.Machine, before: Possible, t: int, guards: Sequence[Truth]) -> Possible:
-    """A machine after a cycle with the stamp t, in which its guards have these values."""
+def stepped(
+    machine: ir.Machine,
+    before: Possible,
+    t: int,
+    guards: Sequence[Truth],
+    measured: Callable[[ir.Num], float],
+) -> Possible:
+    """A machine after a cycle with the stamp t, in which its guards have these values, and `measured` gives the numbers that it remembers."""
     after: dict[str, Held] = {}
     for state, held in before.items():
         stays = True
-        for target, sources, guard in zip(machine.targets, machine.sources, guards):
+        for number, (target, sources, guard) in enumerate(zip(machine.targets, machine.sources, guards)):
             if state not in sources or not guard.best.sat:
                 continue
-            _add(after, target, (t,))
+            _add(after, target, (t, *_remembered(machine, number, held, measured)))
             if guard.worst.sat:
                 stays = False
                 break
@@ -50,7 +57,8 @@ def widened(machine: ir.Machine, before: Possible) -> Possible:
             if state in sources and target not in reached:
                 reached.add(target)
                 stack.append(target)
-    return {**before, **{state: (None,) for state in machine.states if state in reached}}
+    unknown: Held = (None,) * (1 + len(machine.names))
+    return {**before, **{state: unknown for state in machine.states if state in reached}}
 
 
 def is_in(possible: Possible, state: str) -> Truth:
@@ -60,7 +68,29 @@ def is_in(possible: Possible, state: str) -> Truth:
     return TRUE if len(possible) == 1 else UNDEFINED
 
 
+def kept(machine: ir.Machine, name: str, possible: Possible, t: int) -> float:
+    """What a machine keeps, at the stamp t, where it is the same in all states that it may be in, and else NaN. name: "" for the duration [s]."""
+    place = 1 + machine.names.index(name) if name else 0
+    values = {held[place] for held in possible.values()}
+    value = values.pop()
+    if values or value is None:
+        return math.nan
+    return float(value) if name else (t - value) / 1e9
+
+
+def _remembered(
+    machine: ir.Machine, number: int, held: Held, measured: Callable[[ir.Num], float]
+) -> list[int | float | None]:
+    """What a machine remembers after a transition: what that one takes note of, and else what it knew before."""
+    values = dict(zip(machine.names, held[1:]))
+    for (taker, name), noted in zip(machine.kept, machine.numbers):
+        if taker == number:
+            value = measured(noted)
+            values[name] = value if math.isfinite(value) else None
+    return list(values.values())
+
+
 def _add(found: dict[str, Held], state: str, held: Held) -> None:
     """One more way into a state: what is known of it is what all ways agree on."""
     known = found.get(state)
-    found[state] = held if known is None or known == held else (None,)
+    found[state] = held if known is None else tuple(a if a == b else None for a, b in zip(known, held))
