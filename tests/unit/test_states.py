@@ -118,6 +118,19 @@ def test_lines_of_a_run(backend: str, tmp_path: Path, capsys: pytest.CaptureFixt
     assert found[3][2:] == ("satisfied", "undefined")
 
 
+def test_an_inline_test_is_the_first_cycle_of_a_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    spec = tmp_path / "t.spec"
+    spec.write_text(
+        "module t\nevent yellow\nstate flag : { clear, caution } starts clear\n  becomes caution when yellow\n"
+        '  becomes clear when not yellow\nrule f "" require flag is clear\n'
+        'test f "a flag" given yellow = true expect violated\ntest f "none" given yellow = false expect satisfied\n',
+        "utf-8",
+    )
+    assert main(["test", str(spec)]) == 0, capsys.readouterr().err
+
+
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_both_candidates_start_from_what_was_driven(backend: str) -> None:
     """A state that a candidate would have led to, and which was not driven, is not remembered."""
