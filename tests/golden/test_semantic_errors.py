@@ -26,7 +26,17 @@ from trackmarshal.diagnostics import text
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.node import Node
-from trackmarshal.semantics import calls, compile, errors, expressions, modules, rulebooks, rules, scope
+from trackmarshal.semantics import (
+    calls,
+    compile,
+    errors,
+    expressions,
+    modules,
+    rulebooks,
+    rules,
+    scope,
+    states,
+)
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing import cases
 from trackmarshal.testing import errors as test_errors
@@ -102,7 +112,7 @@ class Site(Node):
 _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
     *(
         (module, frozenset(vars(errors)))
-        for module in (calls, compile, expressions, modules, rulebooks, rules, scope)
+        for module in (calls, compile, expressions, modules, rulebooks, rules, scope, states)
     ),
     (cases, frozenset({*vars(test_errors), "fail"})),
 )

@@ -21,6 +21,22 @@ def call_of(node: typed.CalledNumber | typed.CalledFormula) -> ast.Expr:
     return called(name, *node.arguments) if node.symbol.item.parameters else ast.Name(name)
 
 
+def machine(node: typed.Machine) -> ast.Expr:
+    """What is asked for its state, whose guards have to be those of its declaration."""
+    item = node.symbol.item
+    assert isinstance(item, ast.State)
+    assert [written(one.guard) for one in node.transitions] == [
+        plain(one.condition) for one in item.transitions
+    ]
+    for made, one in zip(node.transitions, item.transitions):
+        assert [written(keep.value) for keep in made.kept] == [plain(keep.value) for keep in one.kept]
+    if node.element is None:
+        return ast.Name(node.symbol.name)
+    assert isinstance(node.element, typed.NamedRecord)
+    assert node.element.value is not None
+    return called(node.symbol.name, node.element.value)
+
+
 def window_of(window: typed.Window | None) -> ast.Window | None:
     return None if window is None else ast.Window(written(window.lower), written(window.upper))
 
@@ -67,6 +83,9 @@ def number(node: typed.Number) -> ast.Expr:
             return called(node.function, node.point, node.line)
         case typed.StationGap():
             return called("station_gap", node.line, node.start, node.end)
+        case typed.Kept():
+            asked = machine(node.machine)
+            return ast.Attribute(asked, node.name) if node.name else ast.Call("time_in", (asked,), ("",))
         case typed.CalledNumber():
             return call_of(node)
         case typed.NamedNumber():
@@ -112,6 +131,8 @@ def formula(node: typed.Formula) -> ast.Expr:
             return ast.Until(node.op, formula(node.left), formula(node.right), window_of(node.window))
         case typed.Edge():
             return called(node.op, node.operand)
+        case typed.InState():
+            return ast.Call("is", (machine(node.machine), ast.Name(node.state)), ("", ""))
         case typed.CalledFormula():
             return call_of(node)
         case typed.NamedFormula():

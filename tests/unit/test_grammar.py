@@ -39,7 +39,7 @@ def test_every_declaration_and_clause_keyword_is_in_the_grammar() -> None:
     [
         "rule r require", "rule r require a", "rule r require a and b + c", "rule r let a = b.c", "rule r require always",
         "rule r require if a", "rule r require for all", "rule r require f(a", "test r given a = b", "test r given a =",
-        "constrain a", "state a starts b becomes c when d", "predicate p(a: m) = b",
+        "constrain a", "state a : { b, c } starts b becomes c when d", "predicate p(a: m) = b",
     ],
 )  # fmt: skip
 def test_where_a_name_can_stand_every_word_is_reserved(before: str) -> None:

@@ -156,7 +156,7 @@ assume A-1 "text"
   monitor a
 rule r
   require a
-state x for each o in s starts a
+state x : { a, final b } for each o in s starts a
   becomes b when c
 rulebook k a ~ b > c, d
 test r "text"

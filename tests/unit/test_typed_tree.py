@@ -73,7 +73,7 @@ def test_every_node_is_in_one_of_the_unions() -> None:
     kinds = [
         set(get_args(typed.Value)),
         set(get_args(typed.Clause)),
-        {typed.Range, typed.TheRun, typed.Window, typed.Rule},
+        {typed.Range, typed.TheRun, typed.Window, typed.Machine, typed.Transition, typed.Keep, typed.Rule},
     ]
     assert set.union(*kinds) == classes
     assert sum(map(len, kinds)) == len(classes)

@@ -210,6 +210,9 @@ def _text(node: ir.Num, env: Env, frame: Frame) -> str:
             return f"{node.spoken} along {_line(node.line)} of ({of(node.x)}, {of(node.y)})"
         case ir.StationGap():
             return f"{node.spoken} along {_line(node.line)} of ({of(node.start)}, {of(node.end)})"
+        case ir.Kept():
+            machine = node.machine.name.rpartition(".")[2]
+            return f"{machine}.{node.name}" if node.name else f"time_in({machine})"
         case _:
             assert_never(node)
 

@@ -121,7 +121,7 @@ class Descent:
                     if self._outside(node, env)
                     else (node.operand, {**env, level: env[level] + node.step})
                 )
-            case ir.OverRun() | ir.Counted():
+            case ir.OverRun() | ir.Counted() | ir.InState():
                 return None
             case _:
                 assert_never(node)

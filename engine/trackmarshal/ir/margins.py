@@ -41,6 +41,8 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
                 stack.append(node.operand)
             case ir.OverRun():
                 stack += node.operands
+            case ir.InState():
+                pass  # a Boolean
             case ir.Counted():
                 pass  # cycles are counted, whatever is counted is measured in
             case _:

@@ -190,6 +190,16 @@ class StationGap(IR):
     end: Num
 
 
+class Kept(IR):
+    """A number that a state machine keeps, where it is known: since when it is in its state, as a duration [s], or what it remembers.
+
+    name: of what is remembered; "" for the duration.
+    """
+
+    machine: Machine
+    name: str
+
+
 #: What is written of a comparison that was turned round.
 _TURNED: dict[str, str] = {"<": ">", "<=": ">="}
 
@@ -399,6 +409,48 @@ class Counted(IR):
     lower: ClassVar[None] = None
 
 
+class Machine(IR):
+    """A state machine over the run, or one for each element of a set: the states that it can be in, the one that it starts in, and what
+    leads from one to another.
+
+    axis: of the variable that stands for the element; None: there is one machine. targets, sources, guards: the transitions in the order in
+    which they are looked at, in every cycle: where each leads, from which states, and when. kept: by which transition a number is remembered,
+    and its name; numbers: as many, each as it is in the cycle of the transition.
+    """
+
+    name: str
+    axis: Axis | None
+    states: tuple[str, ...]
+    start: str
+    targets: tuple[str, ...]
+    sources: tuple[tuple[str, ...], ...]
+    guards: tuple[Formula, ...]
+    kept: tuple[tuple[int, str], ...]
+    numbers: tuple[Num, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What it remembers."""
+        return tuple(dict.fromkeys(name for _, name in self.kept))
+
+
+class InState(IR):
+    """A state machine is in a state, after what the present cycle made of it."""
+
+    machine: Machine
+    state: str
+    span: Span
+
+    past: ClassVar[bool] = True
+    lower: ClassVar[None] = None
+    upper: ClassVar[None] = None
+
+    @property
+    def operands(self) -> tuple[Formula, ...]:
+        """What decides which state it is in, in every cycle."""
+        return self.machine.guards
+
+
 #: What a projection of a point onto a line gives.
 Projected: TypeAlias = Station | Offset | Direction
 #: Numbers read off a line.
@@ -406,24 +458,24 @@ Along: TypeAlias = Station | Offset | Direction | Distance | StationGap
 #: A number.
 Num: TypeAlias = (
     Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup
-    | Station | Offset | Direction | Distance | StationGap
+    | Station | Offset | Direction | Distance | StationGap | Kept
 )  # fmt: skip
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea
 #: Formulas over the run.
-Remembered: TypeAlias = OverRun | Counted
+Remembered: TypeAlias = OverRun | Counted | InState
 #: Formulas along a timeline.
 Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
     Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
-    | Temporal | Until | Shift | First | OverRun | Counted
+    | Temporal | Until | Shift | First | OverRun | Counted | InState
 )  # fmt: skip
 #: Any node.
-AnyNode: TypeAlias = Num | Formula | Axis | Line | Area
+AnyNode: TypeAlias = Num | Formula | Axis | Line | Area | Machine
 
 #: Nodes that have no value of their own: what others are about.
-_SUBJECTS = (Axis, Line, Area)
+_SUBJECTS = (Axis, Line, Area, Machine)
 
 T = TypeVar("T")
 Parts = ParamSpec("Parts")

@@ -16,9 +16,39 @@ def nanoseconds(seconds: float) -> int:
     return round(seconds * 1e9)
 
 
-def over_run(formula: ir.Formula | None) -> bool:
+def over_run(formula: ir.Formula | ir.Num | None) -> bool:
     """Whether a formula speaks of other cycles than the present one."""
-    return formula is not None and any(isinstance(node, ir.Remembered) for node in ir.below(formula))
+    return formula is not None and any(
+        isinstance(node, (ir.Remembered, ir.Kept)) for node in ir.below(formula)
+    )
+
+
+def recalls(node: ir.Formula) -> bool:
+    """Whether a formula is about one cycle but for numbers in it that state machines keep: it is evaluated as a whole, once they are known."""
+    return _whole(node) and any(isinstance(part, ir.Kept) for part in ir.below(node))
+
+
+def _whole(node: ir.Formula) -> bool:
+    if isinstance(node, ir.Quantify):
+        return node.axis.kind == "samples"
+    return isinstance(node, (ir.Compare, ir.SweptInside, ir.SweptClear, ir.InArea))
+
+
+def recalled(node: ir.Formula) -> tuple[ir.Kept, ...]:
+    """The numbers in a formula that state machines keep."""
+    return tuple(part for part in outside_machines(node) if isinstance(part, ir.Kept))
+
+
+def outside_machines(node: ir.Formula | ir.Num) -> Iterator[ir.AnyNode]:
+    """A formula and all below it, but for what decides the states that machines are in; each shared one once."""
+    seen: set[ir.AnyNode] = set()
+    stack: list[ir.AnyNode] = [node]
+    while stack:
+        part = stack.pop()
+        if part not in seen and not isinstance(part, ir.Machine):
+            seen.add(part)
+            yield part
+            stack.extend(child for child in part.children() if isinstance(child, ir.IR))  # type: ignore[misc]
 
 
 def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
@@ -26,7 +56,9 @@ def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
     if not over_run(node):
         return None
     match node:
-        case ir.OverRun() | ir.Counted():
+        case _ if recalls(node):
+            return tuple(guard for kept in recalled(node) for guard in kept.machine.guards)
+        case ir.OverRun() | ir.Counted() | ir.InState():
             return node.operands
         case ir.Not():
             return (node.operand,)
@@ -58,12 +90,16 @@ def leaves(
             stack.extend(reversed(below))
 
 
-def sets(node: ir.Formula) -> tuple[ir.Axis, ...]:
+#: What names the variable of an axis.
+_ABOUT = (ir.Column, ir.Flag, ir.Temporal, ir.Until, ir.Shift, ir.Machine)
+
+
+def sets(node: ir.Formula | ir.Num | ir.Machine) -> tuple[ir.Axis, ...]:
     """The axes of variables that are free in a formula, the outermost first."""
     found: set[ir.Axis] = set()
     bound: set[ir.Axis] = set()
     for part in ir.below(node):
-        if isinstance(part, (ir.Column, ir.Flag, ir.Temporal, ir.Until, ir.Shift)) and part.axis is not None:
+        if isinstance(part, _ABOUT) and part.axis is not None:
             found.add(part.axis)
         elif isinstance(part, (ir.Quantify, ir.First)):
             bound.add(part.axis)

@@ -8,7 +8,7 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import sets
 
 
-def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
+def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
     """Which fields of which signals a formula reads."""
     result: set[tuple[str, str]] = set()
     for node in ir.below(formula) if formula is not None else ():
@@ -36,7 +36,9 @@ def reads(formula: ir.Formula | None) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                 pass
-            case ir.OverRun() | ir.Counted():
+            case ir.Machine():
+                pass
+            case ir.OverRun() | ir.Counted() | ir.InState() | ir.Kept():
                 result |= {(axis.signal, "id") for axis in sets(node)}  # by which elements are known again
             case _:
                 assert_never(node)

@@ -94,6 +94,8 @@ class Lowering:
             case typed.StationGap():
                 start, end = self.number(node.start, site), self.number(node.end, site)
                 return make(ir.StationGap, self.things.line(node.line), start, end)
+            case typed.Kept():
+                return make(ir.Kept, self._machine(node.machine), node.name)
             case typed.Pi():
                 return make(ir.Const, math.pi)
             case _:
@@ -113,6 +115,8 @@ class Lowering:
                 return make(ir.Connective, node.op, left_, right_)
             case typed.CountComparison():
                 return self._counted(node, site)
+            case typed.InState():
+                return make(ir.InState, self._machine(node.machine), node.state, site or node.span)
             case typed.CalledFormula():
                 inner = self._enter(node, site)
                 holds = self.formula(node.body, inner)
@@ -298,6 +302,25 @@ class Lowering:
                 return self.make(ir.Counted, "<=", tuple(operands), upper, limit, not node.turned, at)
             case _:
                 assert_never(node.op)
+
+    def _machine(self, node: typed.Machine) -> ir.Machine:
+        """A state machine: one node wherever it is asked for, so that it is remembered once."""
+        item = node.symbol.item
+        assert isinstance(item, ast.State)
+        return self.make(
+            ir.Machine,
+            name=node.symbol.qualified,
+            axis=None if node.element is None else self.things.element(node.element),
+            states=tuple([state.name for state in item.states]),
+            start=item.start.name,
+            targets=tuple([one.target for one in node.transitions]),
+            sources=tuple([one.sources for one in node.transitions]),
+            guards=tuple([self.formula(one.guard) for one in node.transitions]),
+            kept=tuple(
+                [(place, keep.name) for place, one in enumerate(node.transitions) for keep in one.kept]
+            ),
+            numbers=tuple([self.number(keep.value) for one in node.transitions for keep in one.kept]),
+        )
 
     def _over_run(
         self, node: typed.Temporal | typed.Until | typed.Step | typed.Edge, at: Span, site: Span | None

@@ -32,6 +32,13 @@ class Things:
         kind: Literal["samples", "elements"] = "samples" if range_.signal.sequence else "elements"
         return self.make(ir.Axis, range_.signal.name, kind, len(range_.names), range_.depth)
 
+    def element(self, record: typed.Record) -> ir.Axis:
+        """The axis of the variable that a record is, whatever its name is here."""
+        while isinstance(record, typed.NamedRecord) and record.value is not None:
+            record = record.value
+        assert isinstance(record, typed.Variable)
+        return self.axis(record.range)
+
     # Records --------------------------------------------------------------------------------------------------
 
     def column(self, record: typed.Record, name: str, back: int = 0) -> ir.Num:

@@ -6,6 +6,7 @@ An angle is a plain number, and stays one: that something is an angle is known f
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from typing import assert_never
 
 from trackmarshal import typed
@@ -140,6 +141,8 @@ class Advice:
                 return self.angle(node.body)
             case typed.NamedNumber():
                 return node.value is not None and self.angle(node.value)
+            case typed.Kept():
+                return any(self.angle(keep.value) for keep in _kept(node))
             case typed.StationGap() | typed.Literally() | typed.Pi():
                 return False
             case _:
@@ -169,7 +172,7 @@ class Advice:
                 return _reads(node.base) or _reads(node.exponent)
             case typed.TableValue():
                 return _reads(node.argument)
-            case typed.OnLine() | typed.StationGap():
+            case typed.OnLine() | typed.StationGap() | typed.Kept():
                 return True
             case typed.CalledNumber():
                 return self.measured(node.body)
@@ -195,6 +198,11 @@ class Advice:
         """The unit in which a field is declared; "1" for that of a parameter that nothing is given for."""
         kind = None if field.record.signal is None else field.record.signal.field(field.name)
         return "1" if kind is None else kind.unit
+
+
+def _kept(node: typed.Kept) -> Iterator[typed.Keep]:
+    """Where a machine takes note of what is read of it; nowhere for how long it is in its state."""
+    return (keep for one in node.machine.transitions for keep in one.kept if keep.name == node.name)
 
 
 def _behind(number: typed.Number) -> typed.Number:

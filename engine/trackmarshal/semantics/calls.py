@@ -72,7 +72,7 @@ _SWEPT: tuple[Literal["swept_footprint", "swept_hull"], ...] = ("swept_footprint
 
 def built_in_names() -> set[str]:
     """Every function that needs no declaration."""
-    return {*FUNCTIONS, *_SPECIAL, COUNT}
+    return {*FUNCTIONS, *_SPECIAL, COUNT, "is", "time_in"}
 
 
 def call(
@@ -146,7 +146,12 @@ def _declared(
         found = self.look_up(function, at, "function", built_in_names(), ctx)
         if isinstance(found.item, (ast.Table, ast.Define)):
             return found, found.item
-        self.fail(WrongKind(at, "a function", f"the {spoken(found.item)} `{function}`"))
+        hint = (
+            f"ask for it: `{at.text}(...) is {found.item.start.name}`"
+            if isinstance(found.item, ast.State)
+            else ""
+        )
+        self.fail(WrongKind(at, "a function", f"the {spoken(found.item)} `{function}`", hint))
     except Poison:
         self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
         raise

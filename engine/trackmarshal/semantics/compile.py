@@ -31,12 +31,13 @@ from trackmarshal.semantics import calls
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal_problem, settled
 from trackmarshal.semantics.elsewhere import Elsewhere
-from trackmarshal.semantics.errors import BadValue, Duplicate, SignalConflict, WrongDimension
+from trackmarshal.semantics.errors import BadValue, Duplicate, NeverAsked, SignalConflict, WrongDimension
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.modules import Library
-from trackmarshal.semantics.rulebooks import check_rulebook, check_signal, check_state, check_test_target
+from trackmarshal.semantics.rulebooks import check_rulebook, check_signal, check_test_target
 from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope
+from trackmarshal.semantics.states import check_state
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
@@ -117,6 +118,7 @@ class _Compiler:
             self._params,
             self._tables,
             self._places,
+            self._states,
             self._definitions,
             self._constraints,
         ):
@@ -130,6 +132,7 @@ class _Compiler:
         )
         for test in self._items(ast.Test):
             check_test_target(test, names, self.found)
+        self._unasked()
         digest = hashlib.sha256("".join(r.fingerprint for r in rules).encode())
         for info in [*self.params.values(), *self.tables.values(), *self.places.values()]:
             digest.update(repr(info).encode())
@@ -423,7 +426,7 @@ class _Compiler:
         )
 
     def _definitions(self, module: str) -> None:
-        # A definition may use the rule's timeline, and a state's conditions range over the run: check them with one at hand.
+        # A definition may use the rule's timeline: check it with one at hand.
         ctx = self._context(module).bind({}, 1, any_timeline(NOWHERE))
         for item in self._own(module, ast.Define):
             seen: dict[str, Span] = {}
@@ -440,8 +443,21 @@ class _Compiler:
                 self.x.failed.add(symbol.qualified)
             # Where a rule uses it, they are found again, and the rule may allow them.
             self.found[before:] = [d for d in self.found[before:] if not d.code.startswith("W")]
-        for state in self._own(module, ast.State):
-            check_state(state, self.x, ctx)
+
+    def _states(self, module: str) -> None:
+        for item in self._own(module, ast.State):
+            self.x.expansions = 0
+            check_state(item, Symbol(item, module, f"{module}.{item.name}"), self.x, self._context(module))
+
+    def _unasked(self) -> None:
+        """Warn of states that nothing depends on; where something is wrong, what it would ask for is not known."""
+        if any(found.level == "error" for found in self.found) or self.library.failures:
+            return
+        for module in self.asked:
+            for item in self._own(module, ast.State):
+                if f"{module}.{item.name}" not in self.x.asked:
+                    element = f"({item.binder})" if item.binder else ""
+                    self.found.append(NeverAsked(item.span.head, item.name, element))
 
     def _constraints(self, module: str) -> None:
         for item in self.library.modules[module].tree.items:

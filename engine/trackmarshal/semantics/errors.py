@@ -254,20 +254,54 @@ class StateProblem(Diagnostic):
     problem: str
 
 
-class RunAxis(Diagnostic):
-    code = "E218"
-    title = "memory over the run"
-    text = "{what} needs memory over the run, which this version does not evaluate"
-    label = "ranges over the run"
-    remedy = "{hint}"
+class UnreachableState(Diagnostic):
+    code = "E241"
+    title = "a state that is never entered"
+    text = "`{name}` is never `{state}`"
+    label = "nothing leads here"
+    remedy = "add a `becomes {state}`, or remove it"
     explanation = (
-        "A `state` ranges over the run, cycle by cycle. It parses, but this version has no evaluator for it, and refuses instead of "
-        "leaving a rule out."
+        "From the state that a machine starts in, some way has to lead to each of the others. Where none does, a rule that asks for the state "
+        "demands nothing, or is always broken, and nobody sees which."
     )
 
     span: Span
-    what: str
-    hint: str = ""
+    name: str
+    state: str
+
+
+class NoReset(Diagnostic):
+    code = "E242"
+    title = "a state without a way out"
+    text = "{problem}"
+    other_label = "this leads out of it"
+    remedy = "{hint}"
+    explanation = (
+        "A state that nothing leads out of is kept for the rest of the run, or of the life of the object. Mostly the `becomes` that resets it was "
+        "forgotten; where it is meant, `final` says so."
+    )
+
+    span: Span
+    problem: str
+    hint: str
+    other: Span | None = None
+
+
+class NeverTaken(Diagnostic):
+    code = "E243"
+    title = "a transition that is never taken"
+    text = "this `becomes {target}` is never taken"
+    label = "whenever this may be taken, an earlier one is"
+    other_label = "this one, for example"
+    remedy = "put the narrower condition first, or remove one of them"
+    explanation = (
+        "In each cycle the guards are looked at in the order written, and the first one that holds is taken. Where an earlier transition leads "
+        "from the same states on the same condition, or on a part of it, a later one never gets its turn."
+    )
+
+    span: Span
+    other: Span
+    target: str
 
 
 class OverRunProblem(Diagnostic):
@@ -429,6 +463,20 @@ class BareAngle(Diagnostic):
     #: What a test gives without a unit, several times.
     what: str = ""
     others: tuple[Span, ...] = ()
+
+
+class NeverAsked(Diagnostic):
+    code = "W304"
+    title = "a state that nothing asks for"
+    level = "warning"
+    text = "nothing asks for the state `{name}`"
+    label = "no rule depends on it"
+    remedy = "remove it, or write a rule about it: `{name}{element} is ...`"
+    explanation = "A machine that no rule and no definition asks for its state changes no verdict: a rule may have been forgotten, or a name misspelt."
+
+    span: Span
+    name: str
+    element: str
 
 
 class AllowsNothing(Diagnostic):

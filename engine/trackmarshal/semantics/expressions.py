@@ -11,14 +11,13 @@ from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, known
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.node import Node
-from trackmarshal.semantics import calls
+from trackmarshal.semantics import calls, states
 from trackmarshal.semantics.advice import Advice
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
     BadValue,
     DimensionMismatch,
     Duplicate,
-    RunAxis,
     TooLarge,
     UnknownField,
     UnknownReference,
@@ -88,10 +87,6 @@ def any_timeline(span: Span) -> typed.TimeAxis:
     return typed.Range(domain, ("",), 0, span)
 
 
-#: What to do instead of remembering something.
-STATE_HINT = "write what the rule needs from the signals of one cycle"
-
-
 class Expressions:
     """Makes typed nodes of expressions; `signals` maps the names of signals to their types, `found` collects diagnostics."""
 
@@ -106,6 +101,8 @@ class Expressions:
         self._shapes: dict[str, dict[str, Dimension | None]] = {}
         #: Definitions (qualified names) whose bodies have errors: nothing more is said about their uses.
         self.failed: set[str] = set()
+        #: States (qualified names) that something asks for.
+        self.asked: set[str] = set()
         #: How many definitions were written out for the declaration at hand.
         self.expansions = 0
 
@@ -184,8 +181,12 @@ class Expressions:
                 return self._name(expr, ctx)
             case ast.Attribute():
                 return self._attribute(expr, ctx)
+            case ast.Call() if expr.function == states.TIME_IN:
+                return states.time_in(expr, self, ctx)
             case ast.Call():
                 return calls.call(self, expr.function, expr.args, expr.names, False, span, ctx)
+            case ast.Infix() if expr.predicate == states.IS:
+                return states.in_state(expr, self, ctx)
             case ast.Infix():
                 return calls.call(self, expr.predicate, (expr.left, expr.right), ("", ""), True, span, ctx)
             case ast.Unary():
@@ -263,11 +264,16 @@ class Expressions:
                     WrongKind(span, "a value", f"the function `{item.name}`", f"call it: `{item.name}(...)`")
                 )
             case ast.State():
-                self.fail(RunAxis(span, f"state `{item.name}`", STATE_HINT))
+                hint = f"ask for it: `{item.name} is {item.start.name}`"
+                self.fail(WrongKind(span, "a value", f"the state `{item.name}`", hint))
             case ast.Reference() | ast.Rulebook():
                 self.fail(WrongKind(span, "a value", f"the name of a {type(item).__name__.lower()}"))
             case _:
                 raise AssertionError(f"unknown symbol {type(item).__name__}")
+
+    def shape_of(self, signal: str) -> dict[str, Dimension | None]:
+        """What can be read of a record of a signal, by its name."""
+        return self._shape(self.signals[signal])
 
     def _shape(self, signal: SignalType) -> dict[str, Dimension | None]:
         """What can be read of a record of a signal."""
@@ -281,6 +287,8 @@ class Expressions:
         return shape
 
     def _attribute(self, expr: ast.Attribute, ctx: Context) -> typed.Value:
+        if states.names_machine(expr.value, ctx):
+            return states.kept(expr, self, ctx)
         value = self.value(expr.value, ctx)
         span = expr.span
         if isinstance(value, typed.RecordNode):
@@ -368,7 +376,7 @@ class Expressions:
         if number.dimension != NUMBER:
             what = "what a count is compared with"
             self.fail(WrongDimension(number.span, None, what, "a plain number", quantity(number.dimension)))
-        inputs = (typed.Field, typed.Choice, typed.TableValue, typed.OnLine, typed.StationGap)
+        inputs = (typed.Field, typed.Choice, typed.TableValue, typed.OnLine, typed.StationGap, typed.Kept)
         if any(isinstance(node, inputs) for node in typed.below(number)):
             problem = "a count is compared with a number that no input changes"
             self.fail(BadValue(number.span, problem, None, "use literals and parameters"))

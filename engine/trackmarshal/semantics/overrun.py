@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import assert_never
+
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import ahead, sets
+from trackmarshal.ir.overrun import ahead, outside_machines, recalled, recalls, sets
 from trackmarshal.semantics.errors import OverRunProblem
+from trackmarshal.source import Span
 
 #: The longest window over the run [ns]: a thousand hours.
 LONGEST = 3_600_000 * 10**9
@@ -21,7 +24,15 @@ def misused(*formulas: ir.Formula | None) -> OverRunProblem | None:
 
 
 def _called(node: ir.Remembered) -> str:
-    return node.op if isinstance(node, ir.OverRun) else "count"
+    match node:
+        case ir.OverRun():
+            return node.op
+        case ir.Counted():
+            return "count"
+        case ir.InState():
+            return "is"
+        case _:
+            assert_never(node)
 
 
 def _of_operator(node: ir.Remembered) -> OverRunProblem | None:
@@ -57,8 +68,20 @@ def _of_other(node: ir.AnyNode) -> OverRunProblem | None:
         return None
     if isinstance(node, ir.Quantify) and node.axis.kind == "elements":
         return None
+    if isinstance(node, (ir.Compare, ir.Quantify)) and recalls(node):
+        bound = next((kept for kept in recalled(node) if not set(sets(kept)) <= set(sets(node))), None)
+        if bound is not None:
+            hint = (
+                f"put the quantifier over `{bound.machine.axis.signal}` outside" if bound.machine.axis else ""
+            )
+            machine = bound.machine.name.rpartition(".")[2]
+            return OverRunProblem(
+                _place(node),
+                f"what `{machine}` keeps of an element cannot stand inside a quantifier over samples",
+                hint,
+            )
     for child in ir.operands(node) if isinstance(node, (ir.Num, ir.Formula)) else ():
-        for part in ir.below(child):
+        for part in outside_machines(child):
             if isinstance(part, ir.Remembered):
                 what = "a sample" if isinstance(node, ir.Quantify) else "a number"
                 hint = (
@@ -66,3 +89,9 @@ def _of_other(node: ir.AnyNode) -> OverRunProblem | None:
                 )
                 return OverRunProblem(part.span, f"`{_called(part)}` over the run cannot decide {what}", hint)
     return None
+
+
+def _place(node: ir.Formula) -> Span:
+    """Where something in a formula is written that says where it stands."""
+    found: list[Span] = [part.__dict__["span"] for part in outside_machines(node) if "span" in part.__dict__]
+    return found[0]

@@ -1,15 +1,12 @@
-"""Rulebooks, states, signals and the targets of tests: what must hold of a declaration beyond its syntax."""
+"""Rulebooks, signals and the targets of tests: what must hold of a declaration beyond its syntax."""
 
 from __future__ import annotations
 
-from contextlib import suppress
 from itertools import pairwise
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.spec import RulebookInfo
-from trackmarshal.semantics.errors import BadValue, RulebookCycle, RunAxis, StateProblem, UnknownReference
-from trackmarshal.semantics.expressions import STATE_HINT, Context, Expressions
-from trackmarshal.semantics.values import Broken, Poison
+from trackmarshal.semantics.errors import BadValue, RulebookCycle, UnknownReference
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 
@@ -69,24 +66,6 @@ def _told(path: list[str], relations: list[tuple[str, str, str]]) -> str:
     """A circle with the relations as they are written."""
     strict = {(left, right) for left, relation, right in relations if relation == ">"}
     return path[0] + "".join(f" {'>' if (a, b) in strict else '~'} {b}" for a, b in pairwise(path))
-
-
-def check_state(item: ast.State, x: Expressions, ctx: Context) -> None:
-    """Memory over the run is checked, and refused: this version has no evaluator for it."""
-    x.found.append(RunAxis(item.span.head, f"state `{item.name}`", STATE_HINT))
-    if all(transition.state == item.start for transition in item.transitions):
-        x.found.append(StateProblem(item.span.head, f"`{item.name}` is `{item.start}` for ever"))
-    try:
-        if item.domain:
-            _, names = x.axis(
-                ast.Name(item.domain, item.span.word(item.domain)), (item.binder,), False, item.span.head, ctx
-            )
-            ctx = ctx.bind(names, 1)
-    except Poison:
-        ctx = ctx.bind({item.binder: Broken()})
-    for transition in item.transitions:
-        with suppress(Poison):
-            x.formula(transition.condition, ctx)
 
 
 def check_signal(item: ast.Signal, found: list[Diagnostic]) -> None:

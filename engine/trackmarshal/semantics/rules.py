@@ -117,7 +117,7 @@ class RuleBuilder:
 
     def _allow(self, item: ast.Rule | ast.Assume, before: int) -> None:
         """Leave out the warnings that the rule allows, and report what it allows for nothing."""
-        known = warnings() - {"W303"}
+        known = warnings() - {"W303", "W304"}
         allowed = [code for clause in item.clauses if isinstance(clause, ast.Allow) for code in clause.codes]
         names = {code.name for code in allowed}
         given = {d.code for d in self.x.found[before:] if d.level == "warning"}

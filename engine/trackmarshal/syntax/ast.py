@@ -450,21 +450,40 @@ class Rule(Item):
     span: Span = NOWHERE
 
 
-class Transition(Node):
-    """`becomes offence when ...`."""
+class StateName(Node):
+    """One of the states that a machine can be in; `final`: it is never left, and that is meant."""
 
-    state: str
+    name: str
+    final: bool = False
+    span: Span = NOWHERE
+
+
+class Keep(Node):
+    """`remember station(ego, track) as entry`: a number as it is in the cycle of a transition."""
+
+    value: Expr
+    name: str
+    span: Span = NOWHERE
+
+
+class Transition(Node):
+    """`becomes offence from neutral, defence when ...`, and what it remembers; no sources: from every other state."""
+
+    target: Name
+    sources: tuple[Name, ...]
     condition: Expr
+    kept: tuple[Keep, ...] = ()
     span: Span = NOWHERE
 
 
 class State(Item):
-    """`state role for each o in objects starts neutral becomes ...`: memory over the run."""
+    """`state role : { neutral, offence } for each o in objects starts neutral becomes ...`: a state machine over the run."""
 
     name: str
+    states: tuple[StateName, ...]
     binder: str
     domain: str
-    start: str
+    start: Name
     transitions: tuple[Transition, ...]
     span: Span = NOWHERE
 

@@ -238,11 +238,23 @@ class Builder:
         return ast.Require("monitor", c[0], self._span(meta))
 
     def state(self, meta: Meta, c: list[Any]) -> ast.State:
-        binder, domain = ("" if c[1] is None else spelled(c[1])), ("" if c[2] is None else spelled(c[2]))
-        return ast.State(spelled(c[0]), binder, domain, spelled(c[3]), tuple(c[4:]), self._span(meta))
+        states = tuple(part for part in c if isinstance(part, ast.StateName))
+        transitions = tuple(part for part in c if isinstance(part, ast.Transition))
+        binder, domain, start = (part for part in c[1 + len(states) : -len(transitions)])
+        each = ("", "") if binder is None else (spelled(binder), spelled(domain))
+        return ast.State(spelled(c[0]), states, *each, self._name(start), transitions, self._span(meta))
+
+    def state_name(self, meta: Meta, c: list[Any]) -> ast.StateName:
+        return ast.StateName(spelled(c[1]), c[0] is not None, self._span(meta))
+
+    def sources(self, meta: Meta, c: list[Any]) -> tuple[ast.Name, ...]:
+        return tuple(map(self._name, c))
 
     def transition(self, meta: Meta, c: list[Any]) -> ast.Transition:
-        return ast.Transition(spelled(c[0]), c[1], self._span(meta))
+        return ast.Transition(self._name(c[0]), c[1] or (), c[2], tuple(c[3:]), self._span(meta))
+
+    def keep(self, meta: Meta, c: list[Any]) -> ast.Keep:
+        return ast.Keep(c[0], spelled(c[1]), self._span(meta))
 
     def rulebook(self, meta: Meta, c: list[Any]) -> ast.Rulebook:
         return ast.Rulebook(spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))

@@ -18,7 +18,7 @@ CLAUSES = {
         "satisfies", "assuming", "source", "because", "severity", "allow", "evidence", "owner", "for", "exists", "except", "let",
         "along", "whenever", "within", "monitor",
     ),
-    "state": ("becomes",),
+    "state": ("becomes", "remember"),
     "test": ("given", "expect"),
 }  # fmt: skip
 

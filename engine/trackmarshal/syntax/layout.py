@@ -249,16 +249,25 @@ class Layout:
         return clause.keyword, self._w.lay(clause.condition, EXPRESSION, CLAUSE_COLUMN)
 
     def _state(self, item: ast.State, columns: Columns) -> Laid:
-        head = f"state {self._n.name(item.name)}"
+        states = ", ".join(map(self._state_name, item.states))
+        head = f"state {self._n.name(item.name)} : {{ {states} }}"
         if item.binder:
             head += f" for each {self._n.name(item.binder)} {self._n.sign('in')} {self._n.name(item.domain)}"
-        pieces = [Piece(f"{head} starts {self._n.name(item.start)}", 0)]
-        width = max(len(self._n.name(transition.state)) for transition in item.transitions)
-        for transition in item.transitions:
-            start = f"becomes {self._n.name(transition.state).ljust(width)} when "
-            text = start + self._w.lay(transition.condition, EXPRESSION, 2 + len(start))
-            pieces.append(_placed(text, transition))
+        pieces = [Piece(f"{head} starts {self._n.name(item.start.name)}", 0)]
+        width = _widest(self._n.name(one.target.name) for one in item.transitions)
+        for one in item.transitions:
+            origin = f"from {self._n.names(tuple(name.name for name in one.sources))} " if one.sources else ""
+            lead = f"becomes {self._n.name(one.target.name).ljust(width)} {origin}when "
+            text = lead + self._w.lay(one.condition, EXPRESSION, 2 + len(lead))
+            end = one.condition.__dict__["span"].end if one.kept else one.span.end
+            pieces.append(Piece(text, 2, one.span.start, end))
+            for keep in one.kept:
+                value = self._w.lay(keep.value, SUM, 2 + len("  remember "))
+                pieces.append(_placed(f"  remember {value} as {self._n.name(keep.name)}", keep))
         return Laid(pieces)
+
+    def _state_name(self, name: ast.StateName) -> str:
+        return f"{'final ' if name.final else ''}{self._n.name(name.name)}"
 
     def _rulebook(self, item: ast.Rulebook, columns: Columns) -> Laid:
         pieces = [Piece(self._titled("rulebook", item.name, item.title), 0)]

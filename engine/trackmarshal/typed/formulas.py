@@ -189,6 +189,41 @@ class CountComparison(FormulaNode):
     span: Span
 
 
+class Keep(Typed):
+    """`remember ego.v as entry`."""
+
+    name: str
+    value: Number
+    span: Span
+
+
+class Transition(Typed):
+    """`becomes offence from neutral when p`; sources: all states that it leads from, in the order in which they are listed."""
+
+    target: str
+    sources: tuple[str, ...]
+    guard: Formula
+    kept: tuple[Keep, ...]
+    span: Span
+
+
+class Machine(Typed):
+    """A `state`, as it is of the run or of an element of a set, and the transitions written out for it."""
+
+    symbol: Symbol
+    element: Record | None
+    transitions: tuple[Transition, ...]
+    span: Span
+
+
+class InState(FormulaNode):
+    """`role(o) is offence`."""
+
+    machine: Machine
+    state: str
+    span: Span
+
+
 class CalledFormula(FormulaNode):
     """A call of a `predicate`, and what that comes to with these arguments; infix: `a f b`."""
 
@@ -210,5 +245,5 @@ class NamedFormula(FormulaNode):
 #: A formula.
 Formula: TypeAlias = (
     Boolean | Event | BooleanField | Comparison | Chained | Within | InZone | Inside | ClearOf | Not | Connective | Quantified
-    | Temporal | Until | Step | Edge | CountComparison | CalledFormula | NamedFormula
+    | Temporal | Until | Step | Edge | CountComparison | InState | CalledFormula | NamedFormula
 )  # fmt: skip

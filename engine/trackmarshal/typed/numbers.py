@@ -13,7 +13,7 @@ from trackmarshal.units import Dimension
 
 if TYPE_CHECKING:
     from trackmarshal.typed import Value
-    from trackmarshal.typed.formulas import Formula
+    from trackmarshal.typed.formulas import Formula, Machine
     from trackmarshal.typed.things import Line, Record
 
 #: Functions of a point and a line.
@@ -124,6 +124,14 @@ class StationGap(NumberNode):
     span: Span
 
 
+class Kept(NumberNode):
+    """`role(o).entry`: a number that a state machine remembers; no name: `time_in(role(o))`, how long it has been in its state."""
+
+    machine: Machine
+    name: str
+    span: Span
+
+
 class CalledNumber(NumberNode):
     """A call of a `define`, and what that comes to with these arguments; infix: `a f b`. Without parentheses, there are no arguments."""
 
@@ -145,7 +153,7 @@ class NamedNumber(NumberNode):
 #: A number.
 Number: TypeAlias = (
     Literally | Pi | Parameter | Field | Negative | Arithmetic | Power | Function | Choice | TableValue | OnLine | StationGap
-    | CalledNumber | NamedNumber
+    | Kept | CalledNumber | NamedNumber
 )  # fmt: skip
 
 
@@ -165,7 +173,7 @@ def literal(number: Number) -> float | None:
             return None if number.value is None else literal(number.value)
         case Parameter() | Field() | Arithmetic() | Power() | Function() | Choice() | TableValue():
             return None
-        case OnLine() | StationGap():
+        case OnLine() | StationGap() | Kept():
             return None
         case _:
             assert_never(number)

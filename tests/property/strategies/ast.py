@@ -282,13 +282,18 @@ def _definitions() -> SearchStrategy[ast.Define]:
 
 @cache
 def _states() -> SearchStrategy[ast.State]:
-    transitions = st.lists(st.builds(ast.Transition, names(), expressions()), min_size=1, max_size=3).map(
-        tuple
-    )
+    states = st.lists(st.builds(ast.StateName, names(), st.booleans()), min_size=1, max_size=4).map(tuple)
+    word = names().map(ast.Name)
+    sources = st.lists(word, max_size=3).map(tuple)
+    kept = st.lists(st.builds(ast.Keep, expressions(), names()), max_size=2).map(tuple)
+    transitions = st.lists(
+        st.builds(ast.Transition, word, sources, expressions(), kept), min_size=1, max_size=3
+    ).map(tuple)
     binder = st.one_of(st.just(("", "")), st.tuples(names(), names()))
     return st.builds(
-        lambda name, bound, *rest: ast.State(name, *bound, *rest), names(), binder, names(), transitions
-    )
+        lambda name, listed, bound, *rest: ast.State(name, listed, *bound, *rest),
+        names(), states, binder, word, transitions,
+    )  # fmt: skip
 
 
 @cache

@@ -351,6 +351,11 @@ class Writer:
                 return self._on_line("distance", node.line, self.number(node.x, at), self.number(node.y, at))
             case ir.StationGap():
                 return self._on_line("gap", node.line, self.number(node.start, at), self.number(node.end, at))
+            case ir.Kept():
+                function = f"tm_{self.plan.memory(node.machine).c_name}_kept"
+                place = 1 + node.machine.names.index(node.name) if node.name else 0
+                states = c.Address(self.states(node.machine, at))
+                return self.call(function, self.name("context"), states, c.Literal(f"{place}u"))
             case _:
                 assert_never(node)
 
@@ -449,6 +454,10 @@ class Writer:
                 return self.call(
                     f"tm_count_{compared(node.op, node.turned)}", tally, self.number(node.limit, at, "limit")
                 )
+            case ir.InState():
+                states = c.Address(self.states(node.machine, at))
+                state = c.Literal(f"{node.machine.states.index(node.state)}u")
+                return self.call(f"tm_{self.plan.memory(node.machine).c_name}_is", states, state)
             case ir.First():
                 first = at.open(None)
                 first.binds[node.axis] = _ZERO
@@ -471,7 +480,27 @@ class Writer:
         own = c.Member(run, self.plan.input(axis.signal).c_name, False)
         return c.Element(c.Member(own, places, False), self.index(axis, scope))
 
-    def _recalled(self, node: ir.Remembered, at: c.Scope) -> list[c.Expr]:
+    def states(self, machine: ir.Machine, scope: c.Scope) -> c.Expr:
+        """The name of the states that a machine may be in after the present cycle, with what it keeps in each."""
+        axis = machine.axis
+        home = self.home(frozenset() if axis is None else frozenset([axis]), scope)
+        known = home.known.get(machine)
+        if known is None:
+            cell = self.plan.memory(machine)
+            places = [] if axis is None else [self.place_of(axis, home)]
+            guards = [self.formula(guard, home, "guard") for guard in machine.guards]
+            numbers = [self.noted(number, home) for number in machine.numbers]
+            made = self.call(f"tm_{cell.c_name}_now", self.name("context"), *places, *guards, *numbers)
+            known = home.known[machine] = self.declare(
+                home, f"tm_{cell.c_name}_states", made, identifier(machine.name)
+            )
+        return known
+
+    def noted(self, node: ir.Num, scope: c.Scope) -> c.Expr:
+        """A number that a machine may take note of."""
+        return self.number(node, scope, "noted")
+
+    def _recalled(self, node: ir.OverRun | ir.Counted, at: c.Scope) -> list[c.Expr]:
         """The arguments of a recollection: the context, whose memory it is, and the operands in the present cycle."""
         axis = self.plan.memory(node).axis
         places = [] if axis is None else [self.place_of(axis, at)]

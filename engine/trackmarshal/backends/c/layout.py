@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import assert_never
 
 from trackmarshal.backends.c.names import distinct
-from trackmarshal.backends.c.over_run.kept import Kept, kept_by
+from trackmarshal.backends.c.over_run.cells import Cell, cells_of
 from trackmarshal.backends.c.usage import Facts, Same
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
@@ -49,8 +49,8 @@ class Layout:
     shapes: dict[tuple[str, str, str], Shape] = field(default_factory=dict)
     rule_names: dict[str, str] = field(default_factory=dict)
     facts: Facts = field(default_factory=Facts)
-    #: What operators over the run keep, those inside others before them.
-    kept: dict[ir.Formula, Kept] = field(default_factory=dict)
+    #: What operators over the run and state machines keep, those inside others before them.
+    kept: dict[ir.Formula | ir.Machine, Cell] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._same = Same(self.facts)
@@ -64,13 +64,13 @@ class Layout:
     def shape(self, item: ir.Line | ir.Area) -> Shape:
         return self.shapes[shape_key(item)]
 
-    def memory(self, node: ir.Remembered) -> Kept:
-        """The memory of an operator over the run, or of one that says the same."""
-        return self.kept[self._same.formula(node)]
+    def memory(self, node: ir.OverRun | ir.Counted | ir.Machine) -> Cell:
+        """The memory of a machine, of an operator over the run, or of one that says the same."""
+        return self.kept[node if isinstance(node, ir.Machine) else self._same.formula(node)]
 
     def remember(self) -> None:
         """Give all operators over the run their memory; raises TrackmarshalError E470 for what C cannot remember."""
-        self.kept = kept_by(self.rules, self._same.formula)
+        self.kept = cells_of(self.rules, self._same.formula)
 
     @property
     def named(self) -> list[Input]:
@@ -148,7 +148,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass
                     case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                         pass
-                    case ir.OverRun() | ir.Counted():
+                    case ir.OverRun() | ir.Counted() | ir.InState() | ir.Kept() | ir.Machine():
                         pass  # see `remember`
                     case _:
                         assert_never(node)

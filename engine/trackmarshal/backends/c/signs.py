@@ -28,8 +28,8 @@ def margins_read(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
                 stack.append(node.operand)
             case ir.OverRun():
                 stack += node.operands
-            case ir.Counted():
-                pass  # it is counted in how many cycles they hold
+            case ir.Counted() | ir.InState():
+                pass  # it is asked whether they hold
             case _:
                 assert_never(node)
     return found

@@ -25,7 +25,12 @@ class Facts:
         """The numbers and formulas directly in a node."""
         found = self._operands.get(node)
         if found is None:
-            found = self._operands[node] = ir.operands(node)
+            own = (
+                [*node.machine.guards, *node.machine.numbers]
+                if isinstance(node, ir.InState | ir.Kept)
+                else []
+            )
+            found = self._operands[node] = [*ir.operands(node), *own]
         return found
 
     def free(self, node: Value) -> frozenset[ir.Axis]:
@@ -41,6 +46,8 @@ class Facts:
                 return frozenset([node.axis])
             case ir.Flag():
                 return frozenset() if node.axis is None else frozenset([node.axis])
+            case ir.InState() | ir.Kept():
+                return frozenset() if node.machine.axis is None else frozenset([node.machine.axis])
             case ir.Quantify():
                 inner = self.free(node.body) | (frozenset() if node.guard is None else self.free(node.guard))
                 return inner - {node.axis}

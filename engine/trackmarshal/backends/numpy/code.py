@@ -238,6 +238,8 @@ class Code:
                 return f"distance(b, {self._hold(node.line)}, {', '.join(at)})"
             case ir.StationGap():
                 return f"gap(b, {self._hold(node.line)}, {', '.join(at)})"
+            case ir.Kept():
+                raise AssertionError("one cycle does not say what a state machine keeps")
             case _:
                 assert_never(node)
 
@@ -333,7 +335,7 @@ class Code:
                     lambda best: f"first({body.margin(best)}, {index})",
                     lambda best: f"first({body.sat(best)}, {index})",
                 )  # fmt: skip
-            case ir.OverRun() | ir.Counted():
+            case ir.OverRun() | ir.Counted() | ir.InState():
                 raise AssertionError("one cycle does not say what a formula over the run comes to")
             case _:
                 assert_never(node)

@@ -13,10 +13,12 @@ from itertools import product, zip_longest
 from typing import assert_never
 
 from trackmarshal.backends.over_run.counts import Range, compared
+from trackmarshal.backends.over_run.machines import Possible, begun, is_in, kept, stepped, widened
+from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import ALWAYS, Known
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
-from trackmarshal.ir.overrun import parts, sets
+from trackmarshal.ir.overrun import parts, recalled, recalls, sets
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, least, negate
 from trackmarshal.runtime.verdict import Bound, Truth
@@ -41,6 +43,8 @@ class Past:
     #: A number that no input changes.
     number: Callable[[ir.Num], float]
     missed: int = 0
+    #: The cycle itself, for what is measured in it; None where that is not asked for.
+    now: Now | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +60,8 @@ class Element:
 
 parts_of = cache(parts)
 sets_of = cache(sets)
+recalls_of = cache(recalls)
+recalled_of = cache(recalled)
 
 
 def parts_ahead(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
@@ -97,11 +103,16 @@ class History:
     def _value(self, node: ir.Formula, k: int, ids: Ids) -> Known:
         if self.parts(node) is None:
             return Known(self.cycles[k].leaf(node, tuple(ids[axis.level] for axis in sets_of(node))), True)
+        if recalls_of(node):
+            return Known(self._recalled(node, k, ids), True)
         match node:
             case ir.OverRun():
                 return self._over_run(node, k, ids)
             case ir.Counted():
                 return self._counted(node, k, ids)
+            case ir.InState():
+                # What its guards say is settled in their own cycles: they look back alone.
+                return Known(is_in(self._possible(node.machine, k, ids), node.state), True)
             case ir.Not():
                 operand = self.value(node.operand, k, ids)
                 return Known(negate(operand.value), operand.final)
@@ -175,6 +186,40 @@ class History:
         limit = self.cycles[k].number(node.limit)
         return Known(compared(node, Range(sure, possible), limit), all(element.final for element in given))
 
+    def _possible(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
+        """What a machine may be in after cycle k: from the first cycle of its life on, cycle by cycle."""
+        members = self._members(machine, ids, k)[0]
+        possible = begun(machine, self.cycles[members[0]].t)
+        for before, this in zip((None, *members), members[: members.index(k) + 1]):
+            if before is not None and self.cycles[this].missed:
+                possible = widened(machine, possible)
+            guards = [self._settled(guard, this, ids) for guard in machine.guards]
+            now = self._now(this)
+            possible = stepped(
+                machine,
+                possible,
+                now.t,
+                guards,
+                lambda number, now=now: now.measured(number, _named(number, ids)),  # type: ignore[misc]
+            )
+        return possible
+
+    def _recalled(self, node: ir.Formula, k: int, ids: Ids) -> Truth:
+        now = self._now(k)
+        known = {
+            one: kept(one.machine, one.name, self._possible(one.machine, k, ids), now.t)
+            for one in recalled_of(node)
+        }
+        return now.recalled(node, _named(node, ids), known)
+
+    def _now(self, k: int) -> Now:
+        now = self.cycles[k].now
+        assert now is not None, "machines are folded where cycles are kept"
+        return now
+
+    def _settled(self, node: ir.Formula, k: int, ids: Ids) -> Truth:
+        return self.value(node, k, {axis.level: ids[axis.level] for axis in sets_of(node)}).value
+
     def folded(self, nodes: Sequence[ir.OverRun], count: int) -> Earlier:
         """What operators make of the first cycles, when these are dropped: their values about the last of them, by element."""
         if not count:
@@ -230,7 +275,7 @@ class History:
                 # What `since` came to there is what it comes to from there on, as long as its left side holds.
                 yield Element((TRUE, earlier)[-len(node.operands) :], True)
 
-    def _members(self, node: ir.Remembered, ids: Ids, k: int) -> tuple[Sequence[int], bool]:
+    def _members(self, node: ir.Remembered | ir.Machine, ids: Ids, k: int) -> tuple[Sequence[int], bool]:
         """The cycles of the life, around cycle k, of what an operator is about, and whether it may go on."""
         members: Sequence[int] = range(len(self.cycles))
         open_ = not self.ended
@@ -249,6 +294,10 @@ class History:
                 life.add(j)
                 j += step
         return life
+
+
+def _named(node: ir.Formula | ir.Num, ids: Ids) -> tuple[str, ...]:
+    return tuple(ids[axis.level] for axis in sets_of(node))
 
 
 def values_of(history: History) -> Callable[[RuleInfo, int], tuple[Known, Known]]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import product
+from typing import TYPE_CHECKING
 
 from trackmarshal.backends.results import CaseValues
 from trackmarshal.ir import nodes as ir
@@ -14,6 +16,9 @@ from trackmarshal.ir.reads import reads
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.kleene import UNDEFINED
 from trackmarshal.runtime.verdict import Truth
+
+if TYPE_CHECKING:
+    from trackmarshal.backends.reference.evaluator import Reference
 
 
 @dataclass(slots=True)
@@ -39,6 +44,26 @@ class Now:
             known = self._known[key] = self._leaf(node, ids)
         return known
 
+    def measured(self, node: ir.Num, ids: tuple[str, ...]) -> float:
+        """A number of this cycle, for elements of the sets that its variables are of; NaN where it has none."""
+        if self.frame.unusable(reads(node)) is not None:
+            return math.nan
+        return self._reference({}).number(node, self._env(node, ids))
+
+    def recalled(self, node: ir.Formula, ids: tuple[str, ...], kept: Mapping[ir.Kept, float]) -> Truth:
+        """The value of a formula about this cycle, and about numbers that state machines keep."""
+        if self.frame.unusable(reads(node)) is not None:
+            return UNDEFINED
+        return self._reference(kept).truth(node, self._env(node, ids))
+
+    def _reference(self, kept: Mapping[ir.Kept, float]) -> Reference:
+        from trackmarshal.backends.reference.evaluator import Reference
+
+        return Reference(self.values.spec, self.frame, kept)
+
+    def _env(self, node: ir.Formula | ir.Num, ids: tuple[str, ...]) -> dict[int, int]:
+        return {axis.level: self.ids[axis.signal].index(name) for axis, name in zip(sets(node), ids)}
+
     def number(self, node: ir.Num) -> float:
         """A number that no input changes."""
         own, given = self.values.spec.params, self.frame.settings.params
@@ -49,8 +74,7 @@ class Now:
     def _leaf(self, node: ir.Formula, ids: tuple[str, ...]) -> Truth:
         if self.frame.unusable(reads(node)) is not None:
             return UNDEFINED
-        env = {axis.level: self.ids[axis.signal].index(name) for axis, name in zip(sets(node), ids)}
-        return self.values.truth(node, env)
+        return self.values.truth(node, self._env(node, ids))
 
 
 def happening(frame: Frame, values: CaseValues) -> Now:

@@ -83,8 +83,9 @@ class Remembering:
         )
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
-        """Each frame as the first and only cycle of a run."""
-        return [self.judge(self.start(), frame) for frame in frames]
+        """Each frame as the first and only cycle of a run, at whatever time it has: windows hold this cycle alone."""
+        stamped = (replace(frame, t=0.0) if frame.t is None else frame for frame in frames)
+        return [self.judge(self.start(), frame) for frame in stamped]
 
     def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         assert isinstance(memory, Remembered)

@@ -130,7 +130,7 @@ class Counting:
         return Range(folded.sure, folded.possible)
 
 
-def folding(node: ir.Remembered) -> Folding[Any]:
+def folding(node: ir.OverRun | ir.Counted) -> Folding[Any]:
     """What an operator that looks back makes of a window."""
     if isinstance(node, ir.Counted):
         return Counting()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from typing import assert_never
 
@@ -25,10 +25,11 @@ Env = dict[int, int]
 
 
 class Reference:
-    """Values of the nodes of a spec for one case; formulas, and numbers that not every bound variable is in, are computed once."""
+    """Values of the nodes of a spec for one case, given the numbers that state machines keep; formulas, and numbers that not every bound variable is in, are computed once."""
 
-    def __init__(self, spec: Spec, frame: Frame) -> None:
+    def __init__(self, spec: Spec, frame: Frame, kept: Mapping[ir.Kept, float] | None = None) -> None:
         self.spec = spec
+        self._kept = kept or {}
         self.frame = frame
         self._truths: dict[tuple[int, tuple[tuple[int, int], ...]], Truth] = {}
         self._series: dict[tuple[int, tuple[tuple[int, int], ...]], list[Truth]] = {}
@@ -103,6 +104,8 @@ class Reference:
                 return geometry.station_gap(
                     points, self.number(node.start, env), self.number(node.end, env), closed
                 )
+            case ir.Kept():
+                return self._kept[node]
             case _:
                 assert_never(node)
 
@@ -175,7 +178,7 @@ class Reference:
                 return self.series(node, env)[env[node.axis.level]]
             case ir.First():
                 return self.truth(node.operand, {**env, node.axis.level: 0})
-            case ir.OverRun() | ir.Counted():
+            case ir.OverRun() | ir.Counted() | ir.InState():
                 raise AssertionError("one cycle does not say what a formula over the run comes to")
             case _:
                 assert_never(node)

@@ -41,7 +41,9 @@ class KeepingAll:
 
     def commit(self, state: Kept, now: Now) -> Kept:
         known = self._all_of(now)
-        this = Past(now.t, now.name, now.ids, lambda leaf, ids: known[leaf, ids], now.number, state.missed)
+        this = Past(
+            now.t, now.name, now.ids, lambda leaf, ids: known[leaf, ids], now.number, state.missed, now
+        )
         cycles = (*state.cycles, this)
         found = self._outcomes(History(cycles), state, now)
         return Kept(cycles, 0, tuple(one.pending for one in found))
@@ -72,4 +74,4 @@ class KeepingAll:
 
 
 def _past(state: Kept, now: Now) -> Past:
-    return Past(now.t, now.name, now.ids, now.leaf, now.number, state.missed)
+    return Past(now.t, now.name, now.ids, now.leaf, now.number, state.missed, now)

@@ -8,13 +8,13 @@ from typing import Any
 
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.expressions import Writer
-from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment, identifier
-from trackmarshal.backends.c.over_run.kept import Kept
+from trackmarshal.backends.c.over_run.cells import Cell
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import CASES, finished, remembers
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import over_run
+from trackmarshal.ir.overrun import over_run, recalls
 from trackmarshal.ir.reads import reads
 from trackmarshal.runtime.contract import FOLLOWED, PLAN
 
@@ -60,19 +60,60 @@ def described(plan: Layout) -> dict[str, Any]:
     }
 
 
-def _described(plan: Layout, each: Kept) -> dict[str, Any]:
-    span = each.node.span
-    shown = f"{comment(each.shown)}: {comment(f'{span.file.path}:{span.line}')}"
-    return {
-        "kind": each.kind, "c_name": each.c_name, "about": shown, "operands": _OPERANDS[each.kind], "room": _room(each),
-        "value": WINDOWS[each.kind]["value"] if each.kind in WINDOWS else "tm_cases",
+def _described(plan: Layout, each: Cell) -> dict[str, Any]:
+    place = "" if each.span is None else f": {comment(f'{each.span.file.path}:{each.span.line}')}"
+    own = {
+        "kind": each.kind, "c_name": each.c_name, "about": f"{comment(each.shown)}{place}",
         "set": "" if each.axis is None else plan.input(each.axis.signal).c_name,
+    }  # fmt: skip
+    if isinstance(each.node, ir.Machine):
+        asked = [node for rule in plan.rules for root in roots(rule) for node in ir.below(root)]
+        machine = each.node
+        said = any(isinstance(node, ir.InState) and node.machine is machine for node in asked)
+        kept = any(isinstance(node, ir.Kept) and node.machine is machine for node in asked)
+        return {**own, **_machine(machine), "said": said, "recalled": kept}
+    return {
+        **own, "operands": _OPERANDS[each.kind], "room": _room(each),
+        "value": WINDOWS[each.kind]["value"] if each.kind in WINDOWS else "tm_cases",
         "lower": f"INT64_C({each.lower})", "upper": "INT64_C(-1)" if each.upper is None else f"INT64_C({each.upper})",
         "weak": isinstance(each.node, ir.OverRun) and each.node.weak, "ripe": each.lower == 0,
     }  # fmt: skip
 
 
-def _room(each: Kept) -> str:
+def _machine(machine: ir.Machine) -> dict[str, Any]:
+    """A state machine: of each state what leads out of it, in order, and where transitions may lead from it."""
+    states, names = list(machine.states), list(machine.names)
+    leads = {
+        state: [
+            {
+                "guard": number, "target": states.index(target),
+                "notes": [(names.index(name), k) for k, (taker, name) in enumerate(machine.kept) if taker == number],
+            }
+            for number, (target, sources) in enumerate(zip(machine.targets, machine.sources)) if state in sources
+        ]
+        for state in states
+    }  # fmt: skip
+    return {
+        "states": [{"name": comment(state), "leads": leads[state], "reached": _reached(machine, state)} for state in states],
+        "start": states.index(machine.start), "names": [comment(name) for name in names],
+        "guards": range(len(machine.guards)), "numbers": range(len(machine.numbers)),
+    }  # fmt: skip
+
+
+def _reached(machine: ir.Machine, state: str) -> list[int]:
+    """The states that some number of transitions, at least one, may lead to."""
+    found: list[str] = []
+    stack = [state]
+    while stack:
+        before = stack.pop()
+        for target, sources in zip(machine.targets, machine.sources):
+            if before in sources and target not in found:
+                found.append(target)
+                stack.append(target)
+    return sorted(machine.states.index(each) for each in found)
+
+
+def _room(each: Cell) -> str:
     """C of how many items a window has room for."""
     longest = each.lower if each.upper is None else each.upper
     if each.upper is None and longest == 0:
@@ -112,41 +153,63 @@ class _Noting(Writer):
     _inside = False
 
     def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds") -> c.Expr:
-        if self._inside or over_run(node):
+        if self._inside or (over_run(node) and not recalls(node)):
             return super().formula(node, scope, role)
         self._inside = True
         made = super().formula(node, scope, role)
         self._inside = False
-        if any(signal in (PLAN, FOLLOWED) for signal, _ in reads(node)):
-            made = self.call("tm_if_driven", self.name("driven"), made)
+        return self.call("tm_if_driven", self.name("driven"), made) if _of_plan(node) else made
+
+    def states(self, machine: ir.Machine, scope: c.Scope) -> c.Expr:
+        before, self._inside = self._inside, False
+        made = super().states(machine, scope)
+        self._inside = before
         return made
+
+    def noted(self, node: ir.Num, scope: c.Scope) -> c.Expr:
+        before, self._inside = self._inside, True
+        made = super().noted(node, scope)
+        self._inside = before
+        return c.Conditional(self.name("driven"), made, c.Name("TM_NAN")) if _of_plan(node) else made
+
+
+def _of_plan(node: ir.Formula | ir.Num) -> bool:
+    """Whether something reads the trajectory that is driven."""
+    return any(signal in (PLAN, FOLLOWED) for signal, _ in reads(node))
 
 
 def _note(plan: Layout) -> c.Function:
-    """The operands of all operators over the run, in the cycle that is about to be past."""
+    """The operands of all operators over the run, and the states of all machines, in the cycle that is about to be past."""
     rules = [rule for rule in plan.rules if remembers(rule)]
-    operands = [operand for each in plan.kept.values() for operand in each.node.operands]
+    operands = [operand for each in plan.kept.values() for operand in _operands(each)]
     writer = _Noting(plan, rules, False, operands)
     writer.root.names |= {"driven"}
     waiting = iter(writer.formulas)
     for each in plan.kept.values():
-        given = [next(waiting) for _ in each.node.operands]
+        given = [next(waiting) for _ in _operands(each)]
         name = next((name for name in _names(each, rules)), each.axis.signal if each.axis is not None else "")
         scope = writer.root if each.axis is None else writer.loop(each.axis, writer.root, (identifier(name),))
         place: list[c.Expr] = [] if each.axis is None else [writer.place_of(each.axis, scope, "next")]
         values = [writer.formula(operand, scope) for operand in given]
-        writer.add(
-            scope, c.Evaluate(writer.call(f"tm_{each.c_name}_note", writer.name("context"), *place, *values))
-        )
+        if isinstance(each.node, ir.Machine):
+            values = [c.Address(writer.states(each.node, scope))]
+        note = writer.call(f"tm_{each.c_name}_note", writer.name("context"), *place, *values)
+        writer.add(scope, c.Evaluate(note))
         if each.axis is not None:
             writer.root.close(scope)
     body, _ = finished(writer, ("context", "in", "driven"))
-    said = ("What operators over the run are about, in the cycle that is about to be past.",)
+    said = (
+        "What operators over the run are about, and the states of machines, in the cycle that is about to be past.",
+    )
     parameters = (("tm_context *", "context"), ("const tm_input *", "in"), ("bool", "driven"))
     return c.Function(said, "void", "tm_note", parameters, body)
 
 
-def _names(each: Kept, rules: list[Any]) -> Iterator[str]:
+def _operands(each: Cell) -> tuple[ir.Formula, ...]:
+    return () if isinstance(each.node, ir.Machine) else each.node.operands
+
+
+def _names(each: Cell, rules: list[Any]) -> Iterator[str]:
     """What rules call the element that a memory is about."""
     for rule in rules:
         for root in (rule.formula, rule.active):

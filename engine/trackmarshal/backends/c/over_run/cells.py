@@ -1,0 +1,144 @@
+"""What operators over the run keep: one memory for each of them, whichever rules it stands in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import assert_never
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import over_run, parts, recalled, recalls, sets
+from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.source import Span
+
+#: Times of generated C are whole nanoseconds in 64 bits; stamps and windows stay below this, so that their sums fit.
+MOST_NANOSECONDS = 4_000_000_000_000_000_000
+
+
+@dataclass(frozen=True)
+class Cell:
+    """The memory of one operator, or of one state machine. kind: which sort of memory it has; axis: the set of whose elements it has one each, None for the run."""
+
+    node: ir.OverRun | ir.Counted | ir.Machine
+    kind: str
+    c_name: str
+    axis: ir.Axis | None
+
+    @property
+    def shown(self) -> str:
+        """The operator with its window, in words."""
+        if isinstance(self.node, ir.Machine):
+            return f"state {self.node.name}"
+        name = self.kind if isinstance(self.node, ir.OverRun) else "count"
+        weak = "weak " if isinstance(self.node, ir.OverRun) and self.node.weak else ""
+        bounds = (
+            ""
+            if self.upper is None and self.lower == 0
+            else f"[{self.lower / 1e9:g} s, {_seconds(self.upper)}]"
+        )
+        return f"{weak}{name}{bounds}"
+
+    @property
+    def lower(self) -> int:
+        """How many nanoseconds ago its window ends."""
+        return 0 if isinstance(self.node, ir.Machine) else self.node.lower or 0
+
+    @property
+    def upper(self) -> int | None:
+        """How many nanoseconds ago it begins; None: with the run."""
+        return None if isinstance(self.node, ir.Machine) else self.node.upper
+
+    @property
+    def span(self) -> Span | None:
+        return None if isinstance(self.node, ir.Machine) else self.node.span
+
+
+def _seconds(nanoseconds: int | None) -> str:
+    return "..." if nanoseconds is None else f"{nanoseconds / 1e9:g} s"
+
+
+def kind_of(node: ir.OverRun | ir.Counted | ir.Machine) -> str:
+    """The sort of memory that an operator or machine has."""
+    if isinstance(node, ir.Machine):
+        return "machine"
+    if isinstance(node, ir.Counted):
+        return "recount" if len(node.operands) > 1 else "count"
+    match node.op:
+        case "once" | "historically" | "since" | "previous":
+            return node.op
+        case "always" | "eventually" | "until" | "next":
+            raise AssertionError(f"`{node.op}` waits for what will be")
+        case _:
+            assert_never(node.op)
+
+
+Holder = ir.OverRun | ir.Counted | ir.Machine
+
+
+def holders(formula: ir.Formula) -> Iterator[tuple[Holder, Span]]:
+    """What in a formula has a memory, each once, with where it is spoken of; what is inside others before them."""
+    stack: list[tuple[ir.Formula, bool]] = [(formula, False)]
+    seen: set[ir.Formula] = set()
+    machines: set[ir.Machine] = set()
+    while stack:
+        node, ready = stack.pop()
+        if not ready:
+            if node not in seen:
+                seen.add(node)
+                stack.append((node, True))
+                stack += [(part, False) for part in parts(node) or ()]
+            continue
+        asked = [one.machine for one in recalled(node)] if recalls(node) else []
+        if isinstance(node, (ir.OverRun, ir.Counted)):
+            yield node, node.span
+        elif isinstance(node, ir.InState):
+            asked = [node.machine]
+        for machine in asked:
+            if machine not in machines:
+                machines.add(machine)
+                yield machine, getattr(node, "span", None) or _span(machine)
+
+
+def _span(machine: ir.Machine) -> Span:
+    """Where the first part of its guards stands that knows it."""
+    spans = (getattr(part, "span", None) for guard in machine.guards for part in ir.below(guard))
+    return next(span for span in spans if isinstance(span, Span))
+
+
+def cells_of(
+    rules: Iterable[RuleInfo], same: Callable[[ir.Formula], ir.Formula]
+) -> dict[ir.Formula | ir.Machine, Cell]:
+    """Memories by their operators and machines, those inside others before them. `same` gives the one node of those that say the same.
+
+    Raises TrackmarshalError E470 for what generated C cannot remember.
+    """
+    found: dict[ir.Formula | ir.Machine, Cell] = {}
+    for rule in rules:
+        for root in (rule.formula, rule.active):
+            if root is None or not over_run(root):
+                continue
+            for holder, span in holders(root):
+                node = holder if isinstance(holder, ir.Machine) else same(holder)
+                if node not in found:
+                    assert isinstance(node, Holder)
+                    why = obstacle(node)
+                    if why is not None:
+                        raise TrackmarshalError(
+                            "E470", f"rule `{rule.name}`: {why}", file=span.file.path, line=span.line,
+                            help="choose rules with --rule, or another backend",
+                        )  # fmt: skip
+                    kind, axes = kind_of(node), sets(node)
+                    found[node] = Cell(node, kind, f"{kind}_{len(found) + 1}", axes[0] if axes else None)
+    return found
+
+
+def obstacle(node: Holder) -> str | None:
+    """Why generated C cannot keep what an operator or machine needs; None where it can."""
+    if any(isinstance(part, ir.Remembered) and not part.past for part in ir.below(node)):
+        return "generated C does not wait for what will be"
+    if len(sets(node)) > 1:
+        return "generated C keeps no memory for each pair of elements"
+    if not isinstance(node, ir.Machine) and max(node.lower or 0, node.upper or 0) > MOST_NANOSECONDS:
+        return f"the window is longer than {MOST_NANOSECONDS / 1e9:g} s"
+    return None

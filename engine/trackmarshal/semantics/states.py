@@ -1,0 +1,330 @@
+"""State machines: what must hold of their declarations, and what is asked of them in formulas."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from trackmarshal import typed
+from trackmarshal.diagnostics.base import close_matches
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import over_run
+from trackmarshal.lowering.expressions import Lowering
+from trackmarshal.semantics.calls import MOST_EXPANSIONS
+from trackmarshal.semantics.errors import (
+    BadValue,
+    Duplicate,
+    NeverTaken,
+    NoReset,
+    OverRunProblem,
+    Recursive,
+    StateProblem,
+    TooLarge,
+    UnknownField,
+    UnknownReference,
+    UnreachableState,
+    WrongArity,
+    WrongKind,
+)
+from trackmarshal.semantics.overrun import misused
+from trackmarshal.semantics.scope import spoken
+from trackmarshal.semantics.values import Broken, Local, Poison
+from trackmarshal.semantics.values import spoken as value_spoken
+from trackmarshal.source import Span
+from trackmarshal.syntax import ast
+from trackmarshal.typed import Symbol
+from trackmarshal.units import TIME
+
+if TYPE_CHECKING:
+    from trackmarshal.semantics.expressions import Context, Expressions
+
+#: What asks whether a machine is in a state.
+IS = "is"
+#: How long a machine has been in its state.
+TIME_IN = "time_in"
+
+
+# Declarations ---------------------------------------------------------------------------------------------------
+
+
+def check_state(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context) -> None:
+    """Everything about a declaration; where it has an error, nothing more is said about its uses."""
+    before = len(x.found)
+    failed = not _check_names(item, x)
+    if not failed:
+        _check_ways(item, x)
+    try:
+        _check_guards(item, symbol, x, ctx)
+    except Poison:
+        failed = True
+    except RecursionError:
+        x.too_deep(item.span.head)
+    if failed or any(found.level == "error" for found in x.found[before:]):
+        x.failed.add(symbol.qualified)
+
+
+def _check_names(item: ast.State, x: Expressions) -> bool:
+    """Whether all states that are named are listed, each once."""
+    listed: dict[str, Span] = {}
+    good = True
+    for state in item.states:
+        if state.name in listed:
+            x.found.append(Duplicate(state.span, listed[state.name], "state", state.name))
+            good = False
+        listed.setdefault(state.name, state.span)
+    for name in (item.start, *(name for one in item.transitions for name in (one.target, *one.sources))):
+        if name.name not in listed:
+            x.found.append(_no_such_state(item, name))
+            good = False
+    for one in item.transitions:
+        for source in one.sources:
+            if source.name == one.target.name:
+                problem = f"`{source.name}` does not become what it is"
+                hint = "name the states that it leads from: all others"
+                x.found.append(BadValue(source.span, problem, one.target.span, hint, "it leads here"))
+                good = False
+    return good
+
+
+def _no_such_state(item: ast.State, name: ast.Name) -> UnknownReference:
+    states = dict.fromkeys(state.name for state in item.states)
+    hint = close_matches(name.name, states) or f"its states are {', '.join(states)}"
+    return UnknownReference(name.span, f"`{item.name}` has no state `{name.name}`", hint)
+
+
+def sources(item: ast.State, one: ast.Transition) -> tuple[str, ...]:
+    """The states that a transition leads from, in the order in which they are listed."""
+    named = {name.name for name in one.sources} or {state.name for state in item.states}
+    return tuple(state.name for state in item.states if state.name in named - {one.target.name})
+
+
+def _check_ways(item: ast.State, x: Expressions) -> None:
+    """Every state can be reached and left, and every transition can be taken, as far as guards that are alike can tell."""
+    taken: list[tuple[ast.Transition, set[str]]] = []
+    for place, one in enumerate(item.transitions):
+        left = set(sources(item, one))
+        known = _conjuncts(one.condition)
+        for earlier in item.transitions[:place]:
+            if earlier.condition in known or earlier.condition == ast.Boolean(True):
+                left -= set(sources(item, earlier))
+            if not left:
+                x.found.append(NeverTaken(one.span.head, earlier.span.head, one.target.name))
+                break
+        taken.append((one, left))
+    if all(item.start.name not in left for _, left in taken):
+        x.found.append(StateProblem(item.span.head, f"`{item.name}` is `{item.start.name}` for ever"))
+        return
+    reached, grown = {item.start.name}, True
+    while grown:
+        more = {one.target.name for one, left in taken if left & reached} - reached
+        reached, grown = reached | more, bool(more)
+    for state in item.states:
+        leaving = next((one for one, left in taken if state.name in left), None)
+        if state.name not in reached:
+            x.found.append(UnreachableState(state.span, item.name, state.name))
+        elif leaving is None and not state.final:
+            hint = f"add a `becomes` that leads on, or write `final {state.name}`"
+            x.found.append(NoReset(state.span, f"nothing leads out of `{state.name}`", hint))
+        elif leaving is not None and state.final:
+            hint = "name with `from` the states that it leads from, or remove `final`"
+            problem = f"`{state.name}` is final, and is left"
+            x.found.append(NoReset(state.span, problem, hint, leaving.span.head))
+
+
+def _conjuncts(condition: ast.Expr) -> list[ast.Expr]:
+    """A guard, and the parts of it all of which have to hold."""
+    found: list[ast.Expr] = [condition]
+    for part in found:
+        if isinstance(part, ast.Binary) and part.op == "and":
+            found += [part.left, part.right]
+    return found
+
+
+def _check_guards(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context) -> None:
+    """The guards, for any element: what they are about, and that they wait for nothing."""
+    element: Local | None = None
+    if item.domain:
+        domain = ast.Name(item.domain, item.span.word(item.domain))
+        try:
+            range_, names = x.axis(domain, (item.binder,), False, item.span.head, ctx)
+            element = names[item.binder]
+            if not range_.signal.many:
+                problem = (
+                    f"a sample of `{item.domain}` has no history: it is not known again in another cycle"
+                )
+                x.found.append(OverRunProblem(domain.span, problem, "write `for each` of a set of objects"))
+                element = Broken()
+        except Poison:
+            element = Broken()
+    transitions = _written_out(item, symbol, element, x, ctx.bind({}, 1))
+    if isinstance(element, Broken):
+        raise Poison
+    lowering = Lowering(ir.Interner())
+    for one in transitions:
+        guard = lowering.formula(one.guard)
+        problem_ = misused(guard)
+        ahead = next((n for n in ir.below(guard) if isinstance(n, ir.Remembered) and not n.past), None)
+        if problem_ is None and ahead is not None:
+            hint = (
+                "a guard speaks of now and of what was: `once`, `historically`, `since`, `previous`, `count`"
+            )
+            problem_ = OverRunProblem(ahead.span, f"`{item.name}` cannot wait for what will be", hint)
+        if problem_ is not None:
+            x.fail(problem_)
+        for keep in one.kept:
+            if over_run(lowering.number(keep.value)):
+                problem = "what is remembered is a number of the cycle of the transition alone"
+                x.fail(OverRunProblem(keep.span, problem, "leave out what was, and what states keep"))
+
+
+def _written_out(
+    item: ast.State, symbol: Symbol, element: Local | None, x: Expressions, ctx: Context
+) -> tuple[typed.Transition, ...]:
+    """The transitions of a machine, with what stands for its element; the errors of all of them are reported."""
+    local = {} if element is None else {item.binder: element}
+    stack, scope = (*ctx.stack, symbol.qualified), x.scopes[symbol.module]
+    inner = type(ctx)(scope, local, ctx.level, typed.TheRun(), None, stack)
+    made: list[typed.Transition] = x.all(
+        *(lambda one=one: _transition(item, one, x, inner) for one in item.transitions)
+    )
+    _check_kept(made, x)
+    return tuple(made)
+
+
+def _transition(item: ast.State, one: ast.Transition, x: Expressions, ctx: Context) -> typed.Transition:
+    guard, *numbers = x.all(
+        lambda: x.formula(one.condition, ctx),
+        *(lambda keep=keep: x.number(keep.value, ctx) for keep in one.kept),
+    )
+    kept = tuple(typed.Keep(keep.name, value, keep.span) for keep, value in zip(one.kept, numbers))
+    return typed.Transition(one.target.name, sources(item, one), guard, kept, one.span)
+
+
+def _check_kept(transitions: list[typed.Transition], x: Expressions) -> None:
+    """What is remembered by one name has one dimension, and a transition remembers it once."""
+    first: dict[str, typed.Keep] = {}
+    for one in transitions:
+        own: dict[str, typed.Keep] = {}
+        for keep in one.kept:
+            if keep.name in own:
+                x.fail(Duplicate(keep.span, own[keep.name].span, "remembered number", keep.name))
+            own[keep.name] = keep
+            x.same("remember by one name", first.setdefault(keep.name, keep).value, keep.value)
+
+
+# Uses -----------------------------------------------------------------------------------------------------------
+
+
+def in_state(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.InState:
+    """`role(o) is offence`, `flag is yellow`."""
+    machine = machine_of(expr.left, x, ctx)
+    item = machine.symbol.item
+    assert isinstance(item, ast.State)
+    at: Span = expr.right.__dict__["span"]
+    if not isinstance(expr.right, ast.Name):
+        hint = f"its states are {', '.join(state.name for state in item.states)}"
+        x.fail(UnknownReference(at, f"this is no state of `{item.name}`", hint))
+    if expr.right.name not in {state.name for state in item.states}:
+        x.fail(_no_such_state(item, expr.right))
+    return typed.InState(machine, expr.right.name, expr.span)
+
+
+def names_machine(expr: ast.Expr, ctx: Context) -> bool:
+    """Whether an expression looks like a machine, of the run or of an element."""
+    name = expr.function if isinstance(expr, ast.Call) else expr.name if isinstance(expr, ast.Name) else ""
+    symbol = None if name in ctx.local else ctx.scope.find(name)
+    return symbol is not None and isinstance(symbol.item, ast.State)
+
+
+def kept(expr: ast.Attribute, x: Expressions, ctx: Context) -> typed.Kept:
+    """`role(o).entry`: what a machine remembers."""
+    machine = machine_of(expr.value, x, ctx)
+    known = {keep.name: keep.value for one in machine.transitions for keep in one.kept}
+    if expr.name not in known:
+        hint = close_matches(expr.name, known) or f"ask for its state: `{_text(expr.value)} is ...`"
+        x.fail(
+            UnknownField(
+                expr.span,
+                f"the state `{machine.symbol.name}`",
+                expr.name,
+                ", ".join(known) or "nothing to read",
+                hint,
+            )
+        )
+    value = known[expr.name]
+    return typed.Kept(value.dimension, value.written, machine, expr.name, expr.span)
+
+
+def time_in(expr: ast.Call, x: Expressions, ctx: Context) -> typed.Kept:
+    """`time_in(role(o))`: how long a machine has been in its state."""
+    if len(expr.args) != 1 or any(expr.names):
+        given = f"{len(expr.args)} given" if expr.args else "none given"
+        x.fail(WrongArity(expr.span, TIME_IN, "1 argument (a state)", given))
+    return typed.Kept(TIME, "s", machine_of(expr.args[0], x, ctx), "", expr.span)
+
+
+def _text(expr: ast.Expr) -> str:
+    span: Span = expr.__dict__["span"]
+    return span.text
+
+
+def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
+    """The machine that is asked: `flag`, or `role(o)`, that of an element."""
+    span: Span = expr.__dict__["span"]
+    args: tuple[ast.Expr, ...] = ()
+    if isinstance(expr, ast.Name) and expr.name not in ctx.local:
+        name, at = expr.name, span
+    elif isinstance(expr, ast.Call) and not any(expr.names):
+        name, args = expr.function, expr.args
+        at = Span(span.file, span.start, span.start + len(name))
+    else:
+        x.fail(WrongKind(span, "a state", value_spoken(x.value(expr, ctx))))
+    symbol = x.look_up(name, at, "state", set(), ctx)
+    item = symbol.item
+    if not isinstance(item, ast.State):
+        x.fail(WrongKind(at, "a state", f"the {spoken(item)} `{name}`"))
+    x.asked.add(symbol.qualified)
+    wanted = 1 if item.domain else 0
+    if len(args) != wanted:
+        takes = f"an element of `{item.domain}`: `{name}({item.binder})`" if wanted else "no element"
+        given = f"{len(args)} given" if args else "none given"
+        x.fail(WrongArity(at, name, takes, given, item.span.head))
+    _check_axis(name, at, x, ctx)
+    if symbol.qualified in x.failed:
+        raise Poison
+    element = _element(item, args[0], x, ctx) if args else None
+    if symbol.qualified in ctx.stack:
+        inside = (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified)
+        cycle = " -> ".join(one.rpartition(".")[2] for one in inside)
+        x.fail(Recursive(at, name, cycle))
+    x.expansions += 1
+    if x.expansions > MOST_EXPANSIONS:
+        x.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
+    before = len(x.found)
+    transitions = _written_out(item, symbol, element, x, ctx)
+    # Its declaration was warned of, once.
+    x.found[before:] = [found for found in x.found[before:] if found.level != "warning"]
+    return typed.Machine(symbol, element, transitions, span)
+
+
+def _check_axis(name: str, at: Span, x: Expressions, ctx: Context) -> None:
+    timeline = ctx.timeline
+    if isinstance(timeline, typed.Range) and timeline.signal.name:
+        problem = f"`{name}` is a state of the run, and this rule lives along `{timeline.signal.name}`"
+        x.fail(OverRunProblem(ctx.site or at, problem, "write two rules, one for each"))
+
+
+def _element(item: ast.State, arg: ast.Expr, x: Expressions, ctx: Context) -> typed.NamedRecord:
+    """What stands for the element whose machine is meant, as the guards see it: with all that its set declares."""
+    value, span = x.value(arg, ctx), arg.__dict__["span"]
+    bare: typed.Value = value
+    while isinstance(bare, typed.NamedRecord) and bare.value is not None:
+        bare = bare.value
+    shape = x.shape_of(item.domain)
+    if isinstance(
+        bare, typed.NamedRecord
+    ):  # of a definition that is checked by itself: nothing is given for it yet
+        return typed.NamedRecord(shape, None, item.binder, None, bare.kind, span)
+    known = isinstance(bare, typed.Variable) and bare.signal.name == item.domain
+    if not known or not isinstance(value, (typed.Variable, typed.NamedRecord)):
+        x.fail(WrongKind(span, f"an element of `{item.domain}`", value_spoken(value)))
+    return typed.NamedRecord(shape, value.signal, item.binder, value, "", span)
