@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 import os
 import random
+import re
 from typing import Any
 
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
+from property.test_states import ASKED, Way, declared, guarded
 from support.run_formulas import SIGNALS, formulas, runs
+from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.evaluation import Evaluator, loads
 
 #: Rules of one program, so that not each needs a compiler.
@@ -99,3 +102,34 @@ def test_long_runs_wrap_all_rings() -> None:
     assert found["c"] == found["numpy"]
     for rule in "abcdefg":
         assert len({each[rule][0] for each in found["c"]}) >= 2, rule
+
+
+@given(
+    st.lists(formulas(False, False, 1), min_size=4, max_size=4),
+    st.lists(formulas(True, False, 1), min_size=4, max_size=4),
+    st.lists(formulas(ahead=False), min_size=RULES, max_size=RULES),
+    st.lists(runs(), min_size=8, max_size=8),
+)
+@_SETTINGS
+def test_machines(
+    guards: list[str], of_objects: list[str], drawn: list[str], several: list[list[dict[str, Any] | None]]
+) -> None:
+    """State machines whose guards look back and ask one another, and what looks back at their states and at what they keep."""
+    ways = [Way(target, (), True) for target in ("b", "c", "a", "c")]
+    light = declared(("a", "b", "c"), ways, "", "{}", "ego.v").replace("state m", "state light")
+    each = guarded(declared(("a", "b", "c"), ways, " for each o in objects", "{}", "o.v"), of_objects)
+    asking = [*drawn, "light is a", "light.entry > ego.w", "time_in(light) <= 0.3 s"]
+    for leaf, instead in ASKED.items():
+        asking = [re.sub(rf"(?<!\w){re.escape(leaf)}", instead, one) for one in asking]
+    asking.append("for all o in objects: (m(o) is b or m(o).entry <= o.v or time_in(m(o)) <= 0.2 s)")
+    rules = "".join(f'rule f{number} "x"\n  require {one}\n' for number, one in enumerate(asking))
+    text = f"{SIGNALS}{guarded(light, guards)}{each.replace('flag', 'light is c')}{rules}"
+    try:
+        spec = loads(text)
+    except Diagnostics as error:
+        assume({one.code for one in error.items} - {"E241", "E242", "E243", "E217"})
+        raise
+    evaluators = {name: Evaluator(spec, backend=name) for name in (*OTHERS, "c")}
+    for cycles in several:
+        found = said(evaluators, cycles)
+        assert found["c"] == found["reference"] == found["numpy"], text

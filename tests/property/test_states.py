@@ -238,8 +238,8 @@ def test_both_engines_say_the_same(
         "state m", "state light"
     )
     each = declared(("a", "b", "c"), ways[: len(of_objects)], " for each o in objects", "{}", "o.v")
-    each = _with(each, of_objects).replace("flag", "light is c")
-    text = f'{SIGNALS}{_with(light, guards)}{each}rule f "x"\n  require {asking}\n'
+    each = guarded(each, of_objects).replace("flag", "light is c")
+    text = f'{SIGNALS}{guarded(light, guards)}{each}rule f "x"\n  require {asking}\n'
     try:
         loads(text)
     except Diagnostics as error:
@@ -248,7 +248,7 @@ def test_both_engines_say_the_same(
     assert said(text, "reference", cycles) == said(text, "numpy", cycles)
 
 
-def _with(text: str, guards: list[str]) -> str:
+def guarded(text: str, guards: list[str]) -> str:
     for number, guard in enumerate(guards):
         text = text.replace(f"when {number}\n", f"when {guard}\n")
     return text
