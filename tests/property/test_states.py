@@ -46,7 +46,7 @@ def declared(states: tuple[str, ...], ways: list[Way], element: str, flag: str, 
     for number, way in enumerate(ways):
         origin = f"from {', '.join(way.sources)} " if way.sources else ""
         lines.append(f"  becomes {way.target} {origin}when {flag.format(number)}\n")
-        lines += [f"    remember {kept} as entry\n"] * (way.keeps and bool(kept))
+        lines += [f"    remember entry = {kept}\n"] * (way.keeps and bool(kept))
     return "".join(lines)
 
 

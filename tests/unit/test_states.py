@@ -26,7 +26,7 @@ state flag : { clear, caution } starts clear
 
 state role : { neutral, offence, defence, final passed } for each o in objects starts neutral
   becomes offence from neutral when o.x - ego.x in [0 m, 30 m] and ego.v > o.v
-    remember ego.y - o.y as side
+    remember side = ego.y - o.y
   becomes defence from neutral when ego.x - o.x in [0 m, 30 m] and o.v > ego.v
   becomes passed from offence, defence when abs(o.x - ego.x) > 40 m
 

@@ -459,10 +459,10 @@ class StateName(Node):
 
 
 class Keep(Node):
-    """`remember station(ego, track) as entry`: a number as it is in the cycle of a transition."""
+    """`remember entry = station(ego, track)`: a number as it is in the cycle of a transition."""
 
-    value: Expr
     name: str
+    value: Expr
     span: Span = NOWHERE
 
 

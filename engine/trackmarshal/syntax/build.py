@@ -254,7 +254,7 @@ class Builder:
         return ast.Transition(self._name(c[0]), c[1] or (), c[2], tuple(c[3:]), self._span(meta))
 
     def keep(self, meta: Meta, c: list[Any]) -> ast.Keep:
-        return ast.Keep(c[0], spelled(c[1]), self._span(meta))
+        return ast.Keep(spelled(c[0]), c[1], self._span(meta))
 
     def rulebook(self, meta: Meta, c: list[Any]) -> ast.Rulebook:
         return ast.Rulebook(spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))

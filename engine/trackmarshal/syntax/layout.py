@@ -262,8 +262,8 @@ class Layout:
             end = one.condition.__dict__["span"].end if one.kept else one.span.end
             pieces.append(Piece(text, 2, one.span.start, end))
             for keep in one.kept:
-                value = self._w.lay(keep.value, SUM, 2 + len("  remember "))
-                pieces.append(_placed(f"  remember {value} as {self._n.name(keep.name)}", keep))
+                start = f"  remember {self._n.name(keep.name)} = "
+                pieces.append(_placed(start + self._w.lay(keep.value, SUM, 2 + len(start)), keep))
         return Laid(pieces)
 
     def _state_name(self, name: ast.StateName) -> str:

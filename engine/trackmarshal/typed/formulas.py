@@ -190,7 +190,7 @@ class CountComparison(FormulaNode):
 
 
 class Keep(Typed):
-    """`remember ego.v as entry`."""
+    """`remember entry = ego.v`."""
 
     name: str
     value: Number

@@ -285,7 +285,7 @@ def _states() -> SearchStrategy[ast.State]:
     states = st.lists(st.builds(ast.StateName, names(), st.booleans()), min_size=1, max_size=4).map(tuple)
     word = names().map(ast.Name)
     sources = st.lists(word, max_size=3).map(tuple)
-    kept = st.lists(st.builds(ast.Keep, expressions(), names()), max_size=2).map(tuple)
+    kept = st.lists(st.builds(ast.Keep, names(), expressions()), max_size=2).map(tuple)
     transitions = st.lists(
         st.builds(ast.Transition, word, sources, expressions(), kept), min_size=1, max_size=3
     ).map(tuple)
