@@ -13,7 +13,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
 from unit.test_supervisor_remembers import Rig, names
 
-BACKENDS = ("reference", "numpy")
+BACKENDS = ("reference", "numpy", "c")
 #: Who attacks and who defends, from positions, speeds and flags alone.
 OVERTAKING = """module t
 signal ego : state { x: m, y: m, v: m/s }
@@ -180,9 +180,13 @@ def test_memory_does_not_grow() -> None:
     assert max(sizes[10:]) == max(sizes[-10:])
 
 
-def test_generated_c_refuses_states() -> None:
-    for rule in ('rule f "" require m is a\n', 'rule f "" require time_in(m) < 3 s\n'):
-        text = f"module t\nevent e\nstate m : {{ a, b }} starts a\n  becomes b when e\n  becomes a when not e\n{rule}"
+def test_generated_c_has_no_state_of_what_waits() -> None:
+    """A machine can be asked; an operator over it that looks ahead is refused, as without it."""
+    machine = "module t\nevent e\nstate m : { a, b } starts a\n  becomes b when e\n  becomes a when not e\n"
+    for rule in ("m is a", "time_in(m) < 3 s"):
+        assert Evaluator(loads(f'{machine}rule f "" require {rule}\n'), backend="c").program
         with pytest.raises(TrackmarshalError) as caught:
-            assert Evaluator(loads(text), backend="c").program
+            assert Evaluator(
+                loads(f'{machine}rule f "" require eventually[0 s, 1 s] {rule}\n'), backend="c"
+            ).program
         assert caught.value.code == "E470"
