@@ -67,6 +67,12 @@ def number(node: typed.Number) -> ast.Expr:
             return called(node.function, node.point, node.line)
         case typed.StationGap():
             return called("station_gap", node.line, node.start, node.end)
+        case typed.Folded():
+            return ast.Folded(
+                function=node.op, body=None if node.body is None else number(node.body), **bound(node.range),
+                where=None if node.where is None else formula(node.where),
+                otherwise=None if node.otherwise is None else number(node.otherwise),
+            )  # fmt: skip
         case typed.CalledNumber():
             return call_of(node)
         case typed.NamedNumber():
@@ -102,8 +108,9 @@ def formula(node: typed.Formula) -> ast.Expr:
         case typed.Quantified():
             where = None if node.where is None else formula(node.where)
             return ast.Quantified(
-                quantifier=node.quantifier, **bound(node.range), where=where, body=formula(node.body)
-            )
+                quantifier=node.quantifier, **bound(node.range), where=where, body=formula(node.body),
+                by=None if node.by is None else number(node.by),
+            )  # fmt: skip
         case typed.Temporal():
             return ast.Temporal(node.op, formula(node.operand), window_of(node.window))
         case typed.Step():
@@ -165,7 +172,8 @@ def clause(node: typed.Clause) -> ast.Clause:
             return ast.Whenever(formula(node.condition))
         case typed.ForEach():
             where = None if node.where is None else formula(node.where)
-            return ast.Bind(quantifier=node.quantifier, **bound(node.range), where=where)
+            by = None if node.by is None else number(node.by)
+            return ast.Bind(quantifier=node.quantifier, **bound(node.range), where=where, by=by)
         case typed.Except():
             return ast.Except(formula(node.condition), node.reason)
         case typed.Let():
