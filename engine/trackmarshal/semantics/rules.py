@@ -12,7 +12,7 @@ from trackmarshal.ir.description import describe
 from trackmarshal.ir.margins import margin_unit
 from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
-from trackmarshal.ir.spec import RuleInfo, SignalType
+from trackmarshal.ir.spec import ADVISORY, RuleInfo, SignalType
 from trackmarshal.lowering.rules import lower_rule
 from trackmarshal.semantics.advice import warnings
 from trackmarshal.semantics.errors import (
@@ -30,7 +30,7 @@ from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import TIME, parse_unit
 
-SEVERITIES = ("minor", "major", "critical")
+SEVERITIES = (ADVISORY, "minor", "major", "critical")
 _KEYWORDS: tuple[Literal["require", "monitor"], ...] = ("require", "monitor")
 
 
@@ -178,6 +178,11 @@ class RuleBuilder:
                         "evidence and owner belong to an assumption",
                         "move it to the `assume` it is about",
                     )
+        else:
+            for clause in item.clauses:
+                if isinstance(clause, ast.Severity) and clause.word == ADVISORY:
+                    hint = "leave `severity` out, or make a rule of the monitor"
+                    self._problem(clause, "rules rely on an assumption: its monitor decides", hint)
         bound = False
         for clause in item.clauses:
             if isinstance(clause, ast.Bind):
