@@ -58,8 +58,9 @@ class Batch:
             name: _NAMES[column] for name, column in zip(self.rules, columns)
         }
         self.margins: Mapping[str, Floats] = dict(zip(self.rules, np.ascontiguousarray(margins.T)))
-        safe: NDArray[np.bool_] = np.full(self.size, bool(self.rules))
-        safe &= np.isin(codes, list(SAFE_CODES)).all(axis=1)
+        decisive = [not rule.advisory for rule in evaluator.rules]
+        safe: NDArray[np.bool_] = np.full(self.size, any(decisive))
+        safe &= np.isin(codes[:, decisive], list(SAFE_CODES)).all(axis=1)
         safe[list(faults.keys() | broken.keys())] = False
         self.safe = safe
 

@@ -90,7 +90,7 @@ def test_counts_are_those_of_a_loop(
     """Where everything is known: how often a flag was seen in all, in the last seconds, and since another one."""
     spec = loads(
         "module m\nevent seen\nevent anew\n"
-        'rule all "" require count(seen) <= 5\n'
+        'rule ever "" require count(seen) <= 5\n'
         f'rule last "" require count(seen, last: {tenths / 10!r} s) <= 5\n'
         'rule fresh "" require count(seen, reset: anew) <= 5\n'
     )
@@ -106,7 +106,7 @@ def test_counts_are_those_of_a_loop(
             evaluator.read({"id": number, "t": tick / 10, "signals": {"seen": seen, "anew": anew}})
         ).rules
         recent = sum(one for one, at in zip(found, stamps) if tick - at <= tenths)
-        counts = {"all": sum(found), "last": recent, "fresh": fresh}
+        counts = {"ever": sum(found), "last": recent, "fresh": fresh}
         assert {name: rules[name].margin for name in counts} == {
             name: 5.0 - count for name, count in counts.items()
         }

@@ -12,7 +12,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.program import Judged, Memory, Rated
+from trackmarshal.runtime.program import Judged, Memory, Rated, advisory
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
 
@@ -84,7 +84,7 @@ class Oracle:
             rule = self.rules[number]
             return RuleResult(rule.name, VERDICTS[verdicts[number]], margins[number], rule.unit)
 
-        return Rated(verdicts, margins, explain)
+        return Rated(verdicts, margins, explain, advisory(self.rules))
 
 
 def made(

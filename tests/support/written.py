@@ -86,6 +86,12 @@ def number(node: typed.Number) -> ast.Expr:
         case typed.Kept():
             asked = machine(node.machine)
             return ast.Attribute(asked, node.name) if node.name else ast.Call("time_in", (asked,), ("",))
+        case typed.Folded():
+            return ast.Folded(
+                function=node.op, body=None if node.body is None else number(node.body), **bound(node.range),
+                where=None if node.where is None else formula(node.where),
+                otherwise=None if node.otherwise is None else number(node.otherwise),
+            )  # fmt: skip
         case typed.CalledNumber():
             return call_of(node)
         case typed.NamedNumber():
@@ -121,8 +127,9 @@ def formula(node: typed.Formula) -> ast.Expr:
         case typed.Quantified():
             where = None if node.where is None else formula(node.where)
             return ast.Quantified(
-                quantifier=node.quantifier, **bound(node.range), where=where, body=formula(node.body)
-            )
+                quantifier=node.quantifier, **bound(node.range), where=where, body=formula(node.body),
+                by=None if node.by is None else number(node.by),
+            )  # fmt: skip
         case typed.Temporal():
             return ast.Temporal(node.op, formula(node.operand), window_of(node.window))
         case typed.Step():
@@ -186,7 +193,8 @@ def clause(node: typed.Clause) -> ast.Clause:
             return ast.Whenever(formula(node.condition))
         case typed.ForEach():
             where = None if node.where is None else formula(node.where)
-            return ast.Bind(quantifier=node.quantifier, **bound(node.range), where=where)
+            by = None if node.by is None else number(node.by)
+            return ast.Bind(quantifier=node.quantifier, **bound(node.range), where=where, by=by)
         case typed.Except():
             return ast.Except(formula(node.condition), node.reason)
         case typed.Let():

@@ -30,7 +30,7 @@ table ax_max(v: m/s) -> m/s^2 = linear clamp
 define ahead(p: moving, o: moving) -> m = (o.x - p.x) + 0 m
 predicate behind(o: moving, p: moving) = ahead(o, p) > 0 m
 """
-RULE = """rule all "everything"
+RULE = """rule whole "everything"
   whenever blue_flag
   along plan as p
   for all o in objects where o.v >= 1 m/s

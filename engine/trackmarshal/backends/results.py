@@ -12,7 +12,7 @@ from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.program import NOTHING, Judged, Memory, Rated
+from trackmarshal.runtime.program import NOTHING, Judged, Memory, Rated, advisory
 from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult, Truth, Witness
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def rated(
         said = VERDICTS[codes[number]], float(margins[number])
         return rule_result(rules[number], frame, values(), said, series)
 
-    return Rated(codes, margins, explain)
+    return Rated(codes, margins, explain, advisory(rules))
 
 
 #: A code that no verdict has: a rule that did not run is never taken for one that said something.
@@ -141,18 +141,21 @@ def rule_result(
     blocked = frame.unusable(rule.reads)
     if blocked is not None:
         return RuleResult(
-            rule.name, "undefined", math.nan, rule.unit, None, str(blocked), _no_series(rule, frame, series)
-        )
+            rule.name, "undefined", math.nan, rule.unit, None, str(blocked), _no_series(rule, frame, series),
+            advisory=rule.advisory,
+        )  # fmt: skip
     verdict, margin = said
     along = _series(rule, values, series)
     if verdict == "inactive":
-        return RuleResult(rule.name, verdict, margin, rule.unit, None, "nothing in its range", along)
+        return RuleResult(
+            rule.name, verdict, margin, rule.unit, None, "nothing in its range", along, advisory=rule.advisory
+        )
     descent = Descent(values)
     witness = descent.find(formula)
     unit = rule.unit if rule.unit != "mixed" else witness.unit if witness is not None else "1"
     reason = _why(rule, frame, values, descent) if verdict == "undefined" else ""
     shown = shown_unit(witness, unit)
-    return RuleResult(rule.name, verdict, margin, unit, witness, reason, along, shown)
+    return RuleResult(rule.name, verdict, margin, unit, witness, reason, along, shown, advisory=rule.advisory)
 
 
 def _why(rule: RuleInfo, frame: Frame, values: CaseValues, descent: Descent) -> str:

@@ -20,14 +20,30 @@ MOST = 3
 _WIDTH = 100
 _NUMBERS = (
     ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Station, ir.Offset,
-    ir.Direction, ir.Distance, ir.StationGap,
+    ir.Direction, ir.Distance, ir.StationGap, ir.Ordinal, ir.Fold,
 )  # fmt: skip
 
 
 def why(node: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
     """In words, what is undefined in a formula that is, for these values of its variables."""
     parts = list(ir.below(node))
-    return _inputs(parts, env, frame) or _lines(parts, frame) or _operation(node, env, spec, frame)
+    return (
+        _inputs(parts, env, frame)
+        or _of_many(parts, env, frame)
+        or _lines(parts, frame)
+        or _operation(node, env, spec, frame)
+    )
+
+
+def _of_many(parts: list[ir.AnyNode], env: Env, frame: Frame) -> str:
+    """The inputs without a value of the first sample or element that a number of many is made of."""
+    for fold in (part for part in parts if isinstance(part, ir.Fold)):
+        below = [part for each in (fold.guard, fold.body) if each is not None for part in ir.below(each)]
+        for index in range(frame.columns[fold.axis.signal].count - fold.axis.width + 1):
+            found = _inputs(below, {**env, fold.axis.level: index}, frame)
+            if found:
+                return found
+    return ""
 
 
 def of_reads(reads: Iterable[tuple[str, str]], frame: Frame) -> str:
@@ -124,7 +140,7 @@ def _operation(root: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
         try:
             if math.isfinite(values.number(part, env)):
                 continue
-            below = [child for child in part.children() if isinstance(child, _NUMBERS)]
+            below = [child for child in _parts_of(part) if isinstance(child, _NUMBERS)]
             if all(math.isfinite(values.number(child, env)) for child in below):
                 found[f"`{_short(part, env, frame)}`{_with(part, env, values)} has no value"] = None
         except (
@@ -135,6 +151,13 @@ def _operation(root: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
     if found:
         return _listed(sorted(found))
     return f"`{' '.join(root.span.text.split())}` has no value" if hasattr(root, "span") else ""
+
+
+def _parts_of(part: ir.Num) -> Iterable[object]:
+    """What a number is made of for the variables that are bound where it stands."""
+    if isinstance(part, ir.Fold):
+        return () if part.otherwise is None else (part.otherwise,)
+    return part.children()
 
 
 def _with(part: ir.Num, env: Env, values: Reference) -> str:
@@ -213,6 +236,10 @@ def _text(node: ir.Num, env: Env, frame: Frame) -> str:
         case ir.Kept():
             machine = node.machine.name.rpartition(".")[2]
             return f"{machine}.{node.name}" if node.name else f"time_in({machine})"
+        case ir.Ordinal():
+            return f"the number of one of {node.axis.signal}"
+        case ir.Fold():
+            return f"({node.op} of {of(node.body)} over {node.axis.signal})"
         case _:
             assert_never(node)
 

@@ -270,7 +270,8 @@ def _text(result: CaseResult) -> list[str]:
         span = str(rule.witness.span) if rule.witness and rule.witness.span else ""
         margin = written(rule.margin, rule.unit, rule.shown, 6)
         si = written(rule.margin, rule.unit, "", 6)
-        rows.append([name, rule.verdict, margin, "" if si == margin else si, where, span])
+        called = f"{name} (advisory)" if rule.advisory else name
+        rows.append([called, rule.verdict, margin, "" if si == margin else si, where, span])
     lines = [
         f"case {result.id}: {'safe' if result.safe else 'UNSAFE'}",
         *table(rows, ["rule", "verdict", "margin", "in SI", "at", "decided by"]),

@@ -37,6 +37,8 @@ def rule_json(result: RuleResult) -> dict[str, Any]:
             entry["span"] = str(witness.span)
         shown = written(witness.margin, witness.unit, witness.shown)
         entry["decides"] = {"margin": number(witness.margin), "unit": witness.unit, "shown": shown}
+    if result.advisory:
+        entry["advisory"] = True
     if result.reason:
         entry["reason"] = result.reason
     if result.about:

@@ -276,7 +276,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
             unsafe = [
                 c
                 for c in outcome.cycles
-                if candidate in c.results and c.results[candidate].rules[rule.name].unsafe
+                if candidate in c.results and c.results[candidate].rules[rule.name].fired
             ]
             if not unsafe:
                 continue
@@ -290,7 +290,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
             where = str(result.witness.span) if result.witness and result.witness.span else result.reason
             rows.append(
                 [
-                    rule.name,
+                    f"{rule.name} (advisory)" if rule.advisory else rule.name,
                     candidate,
                     verdicts,
                     spans,
@@ -308,7 +308,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
         lines += table(
             rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"]
         )
-    elif not outcome.fired:
+    if not outcome.fired:
         lines.append("every trajectory is safe")
     missing = [c.t for c in outcome.cycles if len(c.results) < len(CANDIDATES)]
     if missing:

@@ -28,7 +28,9 @@ def constant_value(node: ir.Num, param: Callable[[str], float | None]) -> float 
             return apply(node.name, known) if len(known) == len(values) else None
         case ir.Column() | ir.Sample() | ir.Scalar() | ir.Choose() | ir.Lookup():
             return None
-        case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap() | ir.Kept():
+        case ir.Ordinal() | ir.Fold() | ir.Kept():
+            return None
+        case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
             return None
         case _:
             assert_never(node)

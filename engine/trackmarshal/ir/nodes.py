@@ -19,6 +19,7 @@ from trackmarshal.ir.operators import (
     ComparisonOp,
     ConnectiveOp,
     Extreme,
+    FoldOp,
     FunctionName,
     Quantifier,
     RunOp,
@@ -120,6 +121,27 @@ class Lookup(IR):
 
     table: str
     argument: Num
+
+
+class Ordinal(IR):
+    """Which value of its axis the variable has, from 0."""
+
+    axis: Axis
+
+
+class Fold(IR):
+    """One number of all values of an axis for which the guard holds; undefined (NaN) where a guard is.
+
+    sum: in the order of the axis, from 0.0 on. least, greatest: as `min` and `max` of two; `otherwise` where there is none. nearest: the
+    ordinal of the first one of which the body is least, NaN where the body of one is not finite; -1 where there is none.
+    """
+
+    op: FoldOp
+    axis: Axis
+    guard: Formula | None
+    body: Num
+    otherwise: Num | None
+    names: tuple[str, ...]
 
 
 class Line(IR):
@@ -458,7 +480,7 @@ Along: TypeAlias = Station | Offset | Direction | Distance | StationGap
 #: A number.
 Num: TypeAlias = (
     Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup
-    | Station | Offset | Direction | Distance | StationGap | Kept
+    | Station | Offset | Direction | Distance | StationGap | Ordinal | Fold | Kept
 )  # fmt: skip
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea

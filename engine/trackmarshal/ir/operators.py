@@ -17,6 +17,7 @@ ConnectiveOp = Literal["and", "or", "iff", "xor"]
 Quantifier = Literal["for all", "exists"]
 TemporalOp = Literal["always", "eventually", "historically", "once"]
 UntilOp = Literal["until", "since"]
+FoldOp = Literal["sum", "least", "greatest", "nearest"]
 RunOp = Literal["always", "eventually", "historically", "once", "until", "since", "next", "previous"]
 FunctionName = Literal[
     "abs", "sign", "sqrt", "hypot", "floor", "ceil", "round", "min", "max", "pow", "exp", "log",

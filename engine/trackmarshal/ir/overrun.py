@@ -90,20 +90,37 @@ def leaves(
             stack.extend(reversed(below))
 
 
-#: What names the variable of an axis.
-_ABOUT = (ir.Column, ir.Flag, ir.Temporal, ir.Until, ir.Shift, ir.Machine)
+#: What depends on the variable of an axis by itself.
+_ABOUT = (ir.Column, ir.Flag, ir.Ordinal, ir.Temporal, ir.Until, ir.Shift, ir.Machine)
 
 
 def sets(node: ir.Formula | ir.Num | ir.Machine) -> tuple[ir.Axis, ...]:
     """The axes of variables that are free in a formula, the outermost first."""
+    return tuple(sorted(_free(node), key=lambda axis: axis.level))
+
+
+def _free(root: ir.AnyNode) -> set[ir.Axis]:
+    """The axes of variables that are free below a node. What is nearest is looked for along the axis of its own variable."""
     found: set[ir.Axis] = set()
     bound: set[ir.Axis] = set()
-    for part in ir.below(node):
+    seen: set[ir.AnyNode] = set()
+    stack = [root]
+    while stack:
+        part = stack.pop()
+        if part in seen:
+            continue
+        seen.add(part)
+        if isinstance(part, ir.Fold):
+            inner = [each for each in (part.guard, part.body) if each is not None]
+            found |= {axis for each in inner for axis in _free(each)} - {part.axis}
+            stack += [] if part.otherwise is None else [part.otherwise]
+            continue
         if isinstance(part, _ABOUT) and part.axis is not None:
             found.add(part.axis)
         elif isinstance(part, (ir.Quantify, ir.First)):
             bound.add(part.axis)
-    return tuple(sorted(found - bound, key=lambda axis: axis.level))
+        stack += [child for child in part.children() if isinstance(child, ir.IR)]  # type: ignore[misc]
+    return found - bound
 
 
 def ahead(node: ir.Formula) -> int | None:

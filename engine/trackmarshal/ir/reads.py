@@ -30,6 +30,8 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
                 result.add((node.axis.signal, "t"))
             case ir.Const() | ir.Param() | ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Lookup():
                 pass  # what they are made of is below, too
+            case ir.Ordinal() | ir.Fold():
+                pass
             case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():

@@ -97,6 +97,10 @@ class Called(NamedTuple):
     own: bool
 
 
+#: The severity of rules that warn, and never decide.
+ADVISORY = "advisory"
+
+
 class RuleInfo(Node):
     """A rule, or an assumption with a monitor, as a formula."""
 
@@ -125,6 +129,11 @@ class RuleInfo(Node):
     #: The rule as it is written, and what it calls the values in it.
     text: str = ""
     names: tuple[Called, ...] = ()
+
+    @property
+    def advisory(self) -> bool:
+        """Whether it warns and never decides."""
+        return self.severity == ADVISORY
 
 
 class RulebookInfo(Node):

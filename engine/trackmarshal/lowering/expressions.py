@@ -82,6 +82,8 @@ class Lowering:
                 return make(
                     ir.Choose, condition, self.number(node.then, site), self.number(node.otherwise, site)
                 )
+            case typed.Folded():
+                return self._folded(node, site)
             case typed.Negative():
                 operand = self.number(node.operand, site)
                 if isinstance(operand, ir.Const):
@@ -138,6 +140,8 @@ class Lowering:
             case typed.Quantified():
                 axis = self.things.axis(node.range)
                 guard = None if node.where is None else self.formula(node.where, site)
+                if node.by is not None:
+                    guard = self.nearest(node.range, guard, self.number(node.by, site), site or node.span)
                 body = self.formula(node.body, site)
                 return make(ir.Quantify, node.quantifier, axis, guard, body, node.range.names)
             case typed.BooleanField():
@@ -197,6 +201,31 @@ class Lowering:
                 return self.make(ir.Distance, line, x, y)
             case _:
                 assert_never(node.function)
+
+    def _folded(self, node: typed.Folded, site: Span | None) -> ir.Num:
+        """A count is a sum of ones."""
+        axis, names = self.things.axis(node.range), node.range.names
+        guard = None if node.where is None else self.formula(node.where, site)
+        body = self.make(ir.Const, 1.0) if node.body is None else self.number(node.body, site)
+        otherwise = None if node.otherwise is None else self.number(node.otherwise, site)
+        match node.op:
+            case "count" | "sum":
+                return self.make(ir.Fold, "sum", axis, guard, body, None, names)
+            case "min":
+                return self.make(ir.Fold, "least", axis, guard, body, otherwise, names)
+            case "max":
+                return self.make(ir.Fold, "greatest", axis, guard, body, otherwise, names)
+            case _:
+                assert_never(node.op)
+
+    def nearest(self, range_: typed.Range, guard: ir.Formula | None, by: ir.Num, span: Span) -> ir.Formula:
+        """Whether a variable is the one in its range of which a number is least: what is surely out of range is not, whatever is unknown."""
+        axis = self.things.axis(range_)
+        first = self.make(ir.Fold, "nearest", axis, guard, by, None, range_.names)
+        is_first: ir.Formula = self.make(
+            ir.Compare, "==", self.make(ir.Ordinal, axis), first, "1", span, "", False
+        )
+        return is_first if guard is None else self.make(ir.Connective, "and", guard, is_first)
 
     # Formulas -----------------------------------------------------------------------------------------------------
 

@@ -28,6 +28,8 @@ class _Level(Node):
     clause: typed.Along | typed.Whenever | typed.ForEach
     axis: ir.Axis | None
     guard: ir.Formula | None
+    #: Of all for which the guard holds, the clause is about the one of which this is least.
+    by: ir.Num | None = None
 
 
 def lower_rule(rule: typed.Rule, interner: ir.Interner) -> Lowered:
@@ -47,13 +49,14 @@ def lower_rule(rule: typed.Rule, interner: ir.Interner) -> Lowered:
                 levels.append(_Level(clause, None, lowering.formula(clause.condition)))
             case typed.ForEach():
                 guard = None if clause.where is None else lowering.formula(clause.where)
-                levels.append(_Level(clause, lowering.things.axis(clause.range), guard))
+                by = None if clause.by is None else lowering.number(clause.by)
+                levels.append(_Level(clause, lowering.things.axis(clause.range), guard, by))
             case typed.Except():
                 place, level = next((i, one) for i, one in enumerate(levels) if one.clause is clause.of)
                 allowed: ir.Formula = interner.make(ir.Not, lowering.formula(clause.condition))
                 if level.guard is not None:
                     allowed = interner.make(ir.Connective, "and", level.guard, allowed)
-                levels[place] = _Level(level.clause, level.axis, allowed)
+                levels[place] = _Level(level.clause, level.axis, allowed, level.by)
             case typed.Deadline():
                 deadline = clause
             case typed.Require():
@@ -66,12 +69,12 @@ def lower_rule(rule: typed.Rule, interner: ir.Interner) -> Lowered:
     assert body is not None
     # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
     levels.sort(key=lambda level: not isinstance(level.clause, typed.Along))
-    core = _nested(levels, body, interner)
+    core = _nested(levels, body, lowering)
     return Lowered(core.formula, core.active, core.along, tuple(lowering.names.values()))
 
 
-def _nested(levels: list[_Level], body: ir.Formula, interner: ir.Interner) -> Lowered:
-    make = interner.make
+def _nested(levels: list[_Level], body: ir.Formula, lowering: Lowering) -> Lowered:
+    make = lowering.make
     active: ir.Formula | None = None
     along: ir.Axis | None = None
     for level in reversed(levels):
@@ -80,6 +83,8 @@ def _nested(levels: list[_Level], body: ir.Formula, interner: ir.Interner) -> Lo
             case typed.ForEach():
                 assert axis is not None
                 names = clause.range.names
+                if level.by is not None:  # what is excepted is not the nearest
+                    guard = lowering.nearest(clause.range, guard, level.by, clause.span)
                 body = make(ir.Quantify, clause.quantifier, axis, guard, body, names)
                 # An empty `for all` demands nothing; an empty `exists` has not found what it demands, and an
                 # element whose own demand is empty is found: whatever lies below an `exists`, it is never idle.

@@ -16,7 +16,7 @@ MOST_REASONS = 64
 
 
 class Violation(NamedTuple):
-    """A rule that makes a candidate unsafe; the margin is in `unit` (`mixed` for a rule of several dimensions)."""
+    """A rule that makes a candidate unsafe, or is advisory and would; the margin is in `unit` (`mixed` for a rule of several dimensions)."""
 
     rule: str
     requirements: tuple[str, ...]
@@ -50,7 +50,7 @@ class Decision(NamedTuple):
     number, t: the cycle's, where they are numbers. now, finished: the clock at its arrival and when the verdict was there (NaN: no
     verdict), in s. safe: whether this cycle is. driven: None where nothing may be driven. fallback: the stored emergency
     trajectory; drive it when no decision has come by `valid_until`. lost: why nothing stored is driven, one of the names. more: whether
-    there are more reasons than are listed.
+    there are more reasons than are listed. advisories: what rules say that warn and never decide.
     """
 
     number: int | None
@@ -67,6 +67,7 @@ class Decision(NamedTuple):
     violations: tuple[Violation, ...]
     more: bool
     judged: Judged | None
+    advisories: tuple[Violation, ...] = ()
 
     @property
     def action(self) -> str:

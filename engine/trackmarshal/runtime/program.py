@@ -25,17 +25,27 @@ class Rated(NamedTuple):
     """The outcome of all rules for one candidate, or one case.
 
     verdicts: a code a rule (its place in VERDICTS), in the program's order. margins: (rules,), in SI. explain gives the whole result of
-    the rule of a number, with its witness and, if asked for, its series; it is looked for only then.
+    the rule of a number, with its witness and, if asked for, its series; it is looked for only then. advisory: the numbers of rules that
+    never decide.
     """
 
     verdicts: bytes
     margins: Sequence[float] | NDArray[np.float64]
     explain: Callable[[int, bool], RuleResult]
+    advisory: frozenset[int] = frozenset()
 
     @property
     def safe(self) -> bool:
-        """Whether no rule makes it unsafe; nothing is safe by no rule."""
-        return bool(self.verdicts) and not self.verdicts.translate(None, SAFE_CODES)
+        """Whether no rule makes it unsafe; nothing is safe by no rule, or by advisory ones alone."""
+        decisive = self.verdicts
+        if self.advisory:
+            decisive = bytes(code for place, code in enumerate(self.verdicts) if place not in self.advisory)
+        return bool(decisive) and not decisive.translate(None, SAFE_CODES)
+
+
+def advisory(rules: Sequence[RuleInfo]) -> frozenset[int]:
+    """The numbers of rules that never decide."""
+    return frozenset(place for place, rule in enumerate(rules) if rule.advisory)
 
 
 class Judged(NamedTuple):

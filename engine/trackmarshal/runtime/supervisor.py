@@ -22,7 +22,16 @@ from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY, Held, advance
 from trackmarshal.runtime.plan import Plan
-from trackmarshal.runtime.program import KNOWN_CODES, NOTHING, SAFE_CODES, Judged, Memory, Program, Rated
+from trackmarshal.runtime.program import (
+    KNOWN_CODES,
+    NOTHING,
+    SAFE_CODES,
+    Judged,
+    Memory,
+    Program,
+    Rated,
+    advisory,
+)
 from trackmarshal.runtime.verdict import VERDICTS
 
 
@@ -112,6 +121,7 @@ class Supervisor:
         self._last = -math.inf
         self._steps = 0
         self._rules = named_rules(program.rules)
+        self._advisory = advisory(program.rules)
 
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
@@ -255,6 +265,7 @@ class Supervisor:
         count = len(self._rules)
         return (
             type(rated) is Rated
+            and rated.advisory == self._advisory
             and type(rated.verdicts) is bytes
             and len(rated.verdicts) == count == len(rated.margins) > 0
             and not rated.verdicts.translate(None, KNOWN_CODES)
@@ -281,18 +292,19 @@ class Supervisor:
         faults, found, more = listed(opened.faults, closing.violations, closing.late)
         return Decision(
             number, t, now, opened.readings[1], state, plans is not None, driven, self.held.stored, now + self.limits.longest_gap,
-            lost, faults, found, more, closing.judged,
+            lost, faults, found, more, closing.judged, advisories(self._rules, closing.judged),
         )  # fmt: skip
 
 
-#: A rule's name, requirements and the unit of its margin.
-Named = tuple[str, tuple[str, ...], str]
+#: A rule's name, requirements and the unit of its margin; whether it is advisory.
+Named = tuple[str, tuple[str, ...], str, bool]
 
 
 def named_rules(rules: Sequence[RuleInfo]) -> list[Named]:
     """Rules as decisions speak of them."""
     return [
-        (rule.name, tuple(dict.fromkeys(name for name, _ in rule.satisfies)), rule.unit) for rule in rules
+        (rule.name, tuple(dict.fromkeys(name for name, _ in rule.satisfies)), rule.unit, rule.advisory)
+        for rule in rules
     ]
 
 
@@ -300,16 +312,26 @@ def violations(about: int, rules: list[Named], judged: Judged) -> Found:
     """The rules that make a candidate unsafe."""
     if all(rated.safe for rated in judged.rated.values()):
         return Found(about, ())
-    found = tuple(
+    return Found(about, _against(rules, judged, False))
+
+
+def advisories(rules: list[Named], judged: Judged | None) -> tuple[Violation, ...]:
+    """What rules are against a candidate that never make it unsafe."""
+    if judged is None or not any(rated.advisory for rated in judged.rated.values()):
+        return ()
+    return _against(rules, judged, True)
+
+
+def _against(rules: list[Named], judged: Judged, advisory: bool) -> tuple[Violation, ...]:
+    return tuple(
         Violation(
             *rules[place][:2], candidate, VERDICTS[code], float(rated.margins[place]), rules[place][2],
             partial(rated.explain, place, False),
         )
         for candidate, rated in judged.rated.items()
         for place, code in enumerate(rated.verdicts)
-        if code not in SAFE_CODES
+        if code not in SAFE_CODES and rules[place][3] == advisory
     )  # fmt: skip
-    return Found(about, found)
 
 
 def listed(

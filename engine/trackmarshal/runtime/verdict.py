@@ -88,16 +88,24 @@ class RuleResult:
     shown: str = ""
     #: Of a rule over the run: what it says of this cycle, and of earlier ones that were decided in it.
     about: tuple[About, ...] = ()
+    #: Whether it is of a rule that warns and never decides.
+    advisory: bool = False
+
+    @property
+    def fired(self) -> bool:
+        """Whether the rule is against what it was asked about."""
+        return self.verdict in UNSAFE
 
     @property
     def unsafe(self) -> bool:
-        return self.verdict in UNSAFE
+        """Whether it makes what it was asked about unsafe."""
+        return self.fired and not self.advisory
 
 
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """All chosen rules on one case; safe only when none is violated or undefined, the input contract holds, and so does every
-    constraint of the spec: where one is broken, the rules are unsound, whatever they say."""
+    """All chosen rules on one case; safe only when none is violated or undefined, but for advisory ones, the input contract holds, and so
+    does every constraint of the spec: where one is broken, the rules are unsound, whatever they say. By advisory rules alone nothing is safe."""
 
     id: object
     rules: dict[str, RuleResult]
@@ -108,7 +116,7 @@ class CaseResult:
     @property
     def safe(self) -> bool:
         return (
-            bool(self.rules)
+            any(not result.advisory for result in self.rules.values())
             and not self.faults
             and not self.broken
             and not any(result.unsafe for result in self.rules.values())

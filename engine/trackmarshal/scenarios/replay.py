@@ -73,10 +73,8 @@ class Replay:
         return not all(cycle.safe for cycle in self.cycles)
 
     def unsafe_times(self, candidate: str, rule: str) -> list[float]:
-        """When a rule made a candidate unsafe."""
-        return [
-            c.t for c in self.cycles if candidate in c.results and c.results[candidate].rules[rule].unsafe
-        ]
+        """When a rule made a candidate unsafe, or would have, were it not advisory."""
+        return [c.t for c in self.cycles if candidate in c.results and c.results[candidate].rules[rule].fired]
 
 
 def replay(

@@ -162,8 +162,8 @@ def _assumption(rule: RuleInfo) -> dict[str, Any]:
 def _firings(
     rule: RuleInfo, candidate: str, results: Sequence[RuleResult | None], recording: Recording
 ) -> Iterable[dict[str, Any]]:  # fmt: skip
-    """Stretches of consecutive cycles in which a rule makes a candidate unsafe, each with its worst cycle."""
-    numbers = [i for i, result in enumerate(results) if result is not None and result.unsafe]
+    """Stretches of consecutive cycles in which a rule is against a candidate, each with its worst cycle."""
+    numbers = [i for i, result in enumerate(results) if result is not None and result.fired]
     for first, last in intervals(numbers, range(len(results))):
         inside = {i: result for i, result in enumerate(results) if result is not None and first <= i <= last}
         yield {

@@ -119,6 +119,8 @@ class Advice:
                 return self.angle(node.operand)
             case typed.Choice():
                 return self.angle(node.then) or self.angle(node.otherwise)
+            case typed.Folded():
+                return node.body is not None and self.angle(node.body)
             case typed.Function():
                 return node.name in _GIVE_ANGLES or (
                     node.name in _GIVE_ON and any(map(self.angle, node.arguments))
@@ -158,6 +160,8 @@ class Advice:
                 return self.measured(node.operand)
             case typed.Choice():
                 return self.measured(node.then) or self.measured(node.otherwise)
+            case typed.Folded():
+                return node.body is not None and self.measured(node.body)
             case typed.Function():
                 if node.name in _GIVE_WHOLE:
                     return False

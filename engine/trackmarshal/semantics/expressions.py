@@ -210,6 +210,8 @@ class Expressions:
                 return self._until(expr, ctx)
             case ast.Quantified():
                 return self._quantified(expr, ctx)
+            case ast.Folded():
+                return self._folded(expr, ctx)
             case _:
                 raise AssertionError(f"unknown expression {type(expr).__name__}")
 
@@ -376,7 +378,15 @@ class Expressions:
         if number.dimension != NUMBER:
             what = "what a count is compared with"
             self.fail(WrongDimension(number.span, None, what, "a plain number", quantity(number.dimension)))
-        inputs = (typed.Field, typed.Choice, typed.TableValue, typed.OnLine, typed.StationGap, typed.Kept)
+        inputs = (
+            typed.Field,
+            typed.Folded,
+            typed.Choice,
+            typed.TableValue,
+            typed.OnLine,
+            typed.StationGap,
+            typed.Kept,
+        )
         if any(isinstance(node, inputs) for node in typed.below(number)):
             problem = "a count is compared with a number that no input changes"
             self.fail(BadValue(number.span, problem, None, "use literals and parameters"))
@@ -589,17 +599,59 @@ class Expressions:
     def _quantified(self, expr: ast.Quantified, ctx: Context) -> typed.Formula:
         range_, variables = self.range_of(expr, ctx)
         inner = ctx.bind(variables, 1)
-        self.check_used(expr.names, (expr.where, expr.body), expr.span.head)
-        guard, body = self.all(
+        self.check_used(expr.names, (expr.where, expr.by, expr.body), expr.span.head)
+        by, guard, body = self.all(
+            lambda: self.number(expr.by, inner) if expr.by is not None else None,
             lambda: self.formula(expr.where, inner) if expr.where is not None else None,
             lambda: self.formula(expr.body, inner),
         )
         if range_ is None:
             raise Poison
-        return typed.Quantified(known(expr.quantifier, QUANTIFIERS), range_, guard, body, expr.span)
+        return typed.Quantified(known(expr.quantifier, QUANTIFIERS), range_, guard, by, body, expr.span)
+
+    def _folded(self, expr: ast.Folded, ctx: Context) -> typed.Number:
+        """`sum(E for o in objects where c)`, `count(o in objects where c)`."""
+        op = self._folding(expr)
+        range_, variables = self.range_of(expr, ctx)
+        inner = ctx.bind(variables, 1)
+        if expr.body is not None or expr.where is not None:
+            self.check_used(expr.names, (expr.where, expr.body), expr.span.head)
+        guard, body, otherwise = self.all(
+            lambda: self.formula(expr.where, inner) if expr.where is not None else None,
+            lambda: self.number(expr.body, inner) if expr.body is not None else None,
+            lambda: self.number(expr.otherwise, ctx) if expr.otherwise is not None else None,
+        )
+        if range_ is None:
+            raise Poison
+        if op in ("min", "max") and otherwise is None and (guard is not None or not _never_empty(range_)):
+            hint = (
+                f"say what it is then: `{op}(... for {expr.names[0]} in {range_.signal.name} ... else ...)`"
+            )
+            self.fail(BadValue(expr.span, f"there may be nothing to take the {op} of", None, hint))
+        if body is None:
+            return typed.Folded(NUMBER, "", op, range_, guard, None, None, expr.span)
+        if otherwise is not None:
+            self.same("choose between", body, otherwise)
+        unit = body.written if otherwise is None else common(body, otherwise)
+        return typed.Folded(body.dimension, unit, op, range_, guard, body, otherwise, expr.span)
+
+    def _folding(self, expr: ast.Folded) -> typed.Folding:
+        """What becomes one number of many; fails for what has another form."""
+        at = expr.span.head.word(expr.function)
+        if expr.function not in typed.FOLDINGS:
+            hint = close_matches(expr.function, typed.FOLDINGS) or f"write {', '.join(typed.FOLDINGS)}"
+            self.fail(UnknownReference(at, f"`{expr.function}` makes no number of many", hint))
+        op = known(expr.function, typed.FOLDINGS)
+        if (op == "count") != (expr.body is None):
+            hint = f"write `{_FORMS[op]}`"
+            self.fail(UnknownReference(at, f"`{op}` is written another way over many", hint))
+        if op in ("count", "sum") and expr.otherwise is not None:
+            problem = f"the {op} of nothing is 0, so it has no `else`"
+            self.fail(UnknownReference(_span(expr.otherwise), problem, "remove the `else`"))
+        return op
 
     def range_of(
-        self, bind: ast.Bind | ast.Quantified, ctx: Context
+        self, bind: ast.Bind | ast.Quantified | ast.Folded, ctx: Context
     ) -> tuple[typed.Range | None, dict[str, Local]]:
         """The range and the variables of a quantifier; where its range has an error, none and broken variables."""
         try:
@@ -618,6 +670,19 @@ class Expressions:
         }
         if used.isdisjoint(names):
             self.found.append(UnusedVariable(span, "`, `".join(names)))
+
+
+#: How numbers of many are written.
+_FORMS: dict[typed.Folding, str] = {
+    "count": "count(o in objects where ...)", "sum": "sum(... for o in objects)",
+    "min": "min(... for o in objects else ...)", "max": "max(... for o in objects else ...)",
+}  # fmt: skip
+
+
+def _never_empty(range_: typed.Range) -> bool:
+    """Whether there always is something in a range: a trajectory has two samples at least, a series one."""
+    signal = range_.signal
+    return signal.sequence and len(range_.names) <= (2 if signal.kind == "trajectory" else 1)
 
 
 def _span(expr: ast.Expr) -> Span:

@@ -12,7 +12,7 @@ from trackmarshal.ir.description import describe
 from trackmarshal.ir.margins import margin_unit
 from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
-from trackmarshal.ir.spec import RuleInfo, SignalType
+from trackmarshal.ir.spec import ADVISORY, RuleInfo, SignalType
 from trackmarshal.lowering.rules import lower_rule
 from trackmarshal.semantics.advice import warnings
 from trackmarshal.semantics.errors import (
@@ -30,7 +30,7 @@ from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import TIME, parse_unit
 
-SEVERITIES = ("minor", "major", "critical")
+SEVERITIES = (ADVISORY, "minor", "major", "critical")
 _KEYWORDS: tuple[Literal["require", "monitor"], ...] = ("require", "monitor")
 
 
@@ -178,6 +178,11 @@ class RuleBuilder:
                         "evidence and owner belong to an assumption",
                         "move it to the `assume` it is about",
                     )
+        else:
+            for clause in item.clauses:
+                if isinstance(clause, ast.Severity) and clause.word == ADVISORY:
+                    hint = "leave `severity` out, or make a rule of the monitor"
+                    self._problem(clause, "rules rely on an assumption: its monitor decides", hint)
         bound = False
         for clause in item.clauses:
             if isinstance(clause, ast.Bind):
@@ -250,12 +255,14 @@ class RuleBuilder:
                         failed |= over is None
                         ctx = ctx.bind(names, 1)
                         self.x.check_used(
-                            clause.names, (clause.where, *clauses[position + 1 :]), clause.span.head
+                            clause.names,
+                            (clause.where, clause.by, *clauses[position + 1 :]),
+                            clause.span.head,
                         )
-                        guard = self.x.formula(clause.where, ctx) if clause.where is not None else None
+                        guard, by = self._range_condition(clause, ctx)
                         if over is not None:
                             word = known(clause.quantifier, QUANTIFIERS)
-                            quantifier = typed.ForEach(word, over, guard, clause.span)
+                            quantifier = typed.ForEach(word, over, guard, by, clause.span)
                             made.append(quantifier)
                     case ast.Except():
                         condition = self.x.formula(clause.condition, ctx)
@@ -287,6 +294,16 @@ class RuleBuilder:
         if failed or not any(isinstance(clause, typed.Require) for clause in made):
             return None
         return typed.Rule(item.name, item.title, tuple(made), item.span)
+
+    def _range_condition(
+        self, clause: ast.Bind, ctx: Context
+    ) -> tuple[typed.Formula | None, typed.Number | None]:
+        """What is in a quantifier's range, and of what the least of it is meant."""
+        guard, by = self.x.all(
+            lambda: self.x.formula(clause.where, ctx) if clause.where is not None else None,
+            lambda: self.x.number(clause.by, ctx) if clause.by is not None else None,
+        )
+        return guard, by
 
     def _timeline(self, clause: ast.Along, ctx: Context) -> tuple[typed.Range, dict[str, Local]]:
         signal = self.x.value(clause.signal, ctx)

@@ -163,7 +163,7 @@ class Until(Expr):
 
 
 class Quantified(Expr):
-    """`for all p in plan where c: body` inside an expression."""
+    """`for all p in plan where c: body` inside an expression; `by`: of the nearest alone, `for nearest o in objects by E: body`."""
 
     quantifier: str
     consecutive: bool
@@ -171,6 +171,20 @@ class Quantified(Expr):
     domain: Expr
     where: Expr | None
     body: Expr
+    by: Expr | None = None
+    span: Span = NOWHERE
+
+
+class Folded(Expr):
+    """`sum(E for o in objects where c else d)`; a count has no body: `count(o in objects where c)`."""
+
+    function: str
+    body: Expr | None
+    consecutive: bool
+    names: tuple[str, ...]
+    domain: Expr
+    where: Expr | None
+    otherwise: Expr | None
     span: Span = NOWHERE
 
 
@@ -253,13 +267,14 @@ class Owner(Clause):
 
 
 class Bind(Clause):
-    """`for all o in objects where c`, `exists ...`, `for all consecutive p, q in plan`."""
+    """`for all o in objects where c`, `exists ...`, `for all consecutive p, q in plan`, `for nearest o in objects by E`."""
 
     quantifier: str
     consecutive: bool
     names: tuple[str, ...]
     domain: Expr
     where: Expr | None = None
+    by: Expr | None = None
     span: Span = NOWHERE
 
 

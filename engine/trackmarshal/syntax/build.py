@@ -8,7 +8,7 @@ from typing import Any
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
-from trackmarshal.syntax.errors import MixedChain, TooDeep, UnknownClause
+from trackmarshal.syntax.errors import MixedChain, TooDeep, UnexpectedText, UnknownClause
 from trackmarshal.syntax.keywords import CLAUSES
 from trackmarshal.syntax.lalr import Token
 from trackmarshal.syntax.names import spelled
@@ -214,7 +214,13 @@ class Builder:
 
     def bind(self, meta: Meta, c: list[Any]) -> ast.Bind:
         names = tuple(spelled(name) for name in c[2:-2])
-        return ast.Bind(c[0], c[1] is not None, names, c[-2], c[-1], self._span(meta))
+        return ast.Bind(c[0], c[1] is not None, names, c[-2], c[-1], None, self._span(meta))
+
+    def nearest(self, meta: Meta, c: list[Any]) -> str:
+        return "exists" if str(c[0]).startswith(("exists", "∃")) else "for all"
+
+    def bind_nearest(self, meta: Meta, c: list[Any]) -> ast.Bind:
+        return ast.Bind(c[0], False, (spelled(c[1]),), c[2], c[4], c[3], self._span(meta))
 
     def except_(self, meta: Meta, c: list[Any]) -> ast.Except:
         return ast.Except(c[0], unquoted(c[1]), self._span(meta))
@@ -387,4 +393,19 @@ class Builder:
 
     def quantified(self, meta: Meta, c: list[Any]) -> ast.Quantified:
         names = tuple(spelled(name) for name in c[2:-3])
-        return ast.Quantified(c[0], c[1] is not None, names, c[-3], c[-2], c[-1], self._span(meta))
+        return ast.Quantified(c[0], c[1] is not None, names, c[-3], c[-2], c[-1], None, self._span(meta))
+
+    def quantified_nearest(self, meta: Meta, c: list[Any]) -> ast.Quantified:
+        return ast.Quantified(c[0], False, (spelled(c[1]),), c[2], c[4], c[5], c[3], self._span(meta))
+
+    def counted(self, meta: Meta, c: list[Any]) -> ast.Folded:
+        if not isinstance(c[1], ast.Name) or ast.is_parenthesised(c[1]):
+            span = c[1].__dict__["span"]
+            hint = "a variable ranges over what is counted: `count(o in objects where ...)`"
+            raise Refused(UnexpectedText(span, f"`{span.text}`", "a name", hint))
+        name = c[1].name
+        return ast.Folded(spelled(c[0]), None, False, (name,), c[2], c[3], None, self._span(meta))
+
+    def folded(self, meta: Meta, c: list[Any]) -> ast.Folded:
+        names = tuple(spelled(name) for name in c[3:-3])
+        return ast.Folded(spelled(c[0]), c[1], c[2] is not None, names, c[-3], c[-2], c[-1], self._span(meta))

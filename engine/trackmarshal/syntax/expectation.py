@@ -8,17 +8,22 @@ _SPOKEN = {
     "NAME": "a name", "NUMBER": "a number", "QUANTITY": "a quantity", "STRING": "a string", "UNIT": "a unit", "ID": "an id",
     "COMPARE": "a comparison", "RPAR": "`)`", "LPAR": "`(`", "LSQB": "`[`", "RSQB": "`]`", "LBRACE": "`{`", "RBRACE": "`}`",
     "COLON": "`:`", "COMMA": "`,`", "EQUAL": "`=`", "VBAR": "`|`", "DOT": "`.`", "RELATION": "`>` or `~`",
-    "_FOR_ALL": "`for all`", "SET": "`set of`", "_FOR": "`for each`", "MINUS": "`-`", "SUPERSCRIPT": "`²`",
+    "_FOR_ALL": "`for all`", "_FOR_NEAREST": "`for nearest`", "_EXISTS_NEAREST": "`exists nearest`", "SET": "`set of`", "_FOR": "`for`", "MINUS": "`-`", "SUPERSCRIPT": "`²`",
     "UNTIL": "`until`", "TEMPORAL": "`always`", "STEP": "`next`", "$END": "the end of the declaration",
 }  # fmt: skip
 
 _EXPRESSION = {"NAME", "NUMBER", "QUANTITY", "LPAR"}
-_FORMULA = {"NOT", "TEMPORAL", "STEP", "WEAK", "_FOR_ALL", "_EXISTS"}
+_FORMULA = {"NOT", "TEMPORAL", "STEP", "WEAK", "_FOR_ALL", "_EXISTS", "_FOR_NEAREST", "_EXISTS_NEAREST"}
 _OPERATORS = {
     "PLUS", "MINUS", "TIMES", "DIVIDE", "SUPERSCRIPT", "CIRCUMFLEX", "COMPARE", "IFF", "XOR", "IMPLIES", "OR", "AND", "UNTIL",
     "_IN", "DOT",
 }  # fmt: skip
-_CLAUSES = {f"_{word.upper()}" for words in CLAUSES.values() for word in words} | {"_FOR_ALL", "_EXISTS"}
+_CLAUSES = {f"_{word.upper()}" for words in CLAUSES.values() for word in words} | {
+    "_FOR_ALL",
+    "_EXISTS",
+    "_FOR_NEAREST",
+    "_EXISTS_NEAREST",
+}
 _KINDS = {"_POINT", "_POSE", "_MOVING", "_BODY", "_VEHICLE", "_TRAJECTORY", "_CORRIDOR", "_POLYLINE", "_BOOL"}
 
 

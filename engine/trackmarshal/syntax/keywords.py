@@ -25,7 +25,7 @@ CLAUSES = {
 #: Words of expressions.
 OPERATORS = (
     "and", "or", "not", "implies", "iff", "xor", "in", "where", "if", "then", "else", "true", "false", "with",
-    "always", "eventually", "historically", "once", "next", "previous", "weak", "until", "since", "consecutive",
+    "always", "eventually", "historically", "once", "next", "previous", "weak", "until", "since", "consecutive", "by", "nearest", "all",
 )  # fmt: skip
 
 #: Words that are never names, so that a forgotten expression is noticed where it is missing.

@@ -226,6 +226,8 @@ class Layout:
         text = self._n.bound(clause)
         if clause.where is not None:
             text = self._w.where(text, clause.where, CLAUSE_COLUMN, CLAUSE_COLUMN + 2, 0)
+        if clause.by is not None:  # wider than the column of clauses
+            return f"{self._n.quantifier(clause)} ", text
         return self._n.sign(clause.quantifier), text
 
     def _except(self, clause: ast.Except) -> tuple[str, str]:

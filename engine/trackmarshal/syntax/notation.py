@@ -68,12 +68,20 @@ class Notation:
 
     def binder(self, node: ast.Quantified | ast.Bind) -> str:
         """`for all p in plan`, without its condition."""
-        return f"{self.sign(node.quantifier)} {self.bound(node)}"
+        return f"{self.quantifier(node)} {self.bound(node)}"
 
-    def bound(self, node: ast.Quantified | ast.Bind) -> str:
-        """`p in plan`."""
+    def quantifier(self, node: ast.Quantified | ast.Bind) -> str:
+        """`for all`, or `for nearest`."""
+        sign = self.sign(node.quantifier)
+        return sign if node.by is None else f"{'for' if sign == 'for all' else sign} nearest"
+
+    def bound(self, node: ast.Quantified | ast.Bind | ast.Folded) -> str:
+        """`p in plan`; of the nearest also by what it is that."""
         consecutive = "consecutive " if node.consecutive else ""
-        return f"{consecutive}{self.names(node.names)} {self.sign('in')} {self.expr(node.domain, POSTFIX)}"
+        text = f"{consecutive}{self.names(node.names)} {self.sign('in')} {self.expr(node.domain, POSTFIX)}"
+        if isinstance(node, ast.Folded) or node.by is None:
+            return text
+        return f"{text} by {self.expr(node.by, SUM)}"
 
     def expr(self, node: ast.Expr, level: int = EXPRESSION) -> str:
         """An expression where the grammar wants one that binds at least as tightly as `level`."""
@@ -194,6 +202,17 @@ class Notation:
         where = "" if node.where is None else f" where {self.expr(node.where)}"
         return f"{self.binder(node)}{where}: {self.expr(node.body, UNARY)}"
 
+    def folded_parts(self, node: ast.Folded) -> list[str]:
+        """What stands between the parentheses, in parts between which a line may end."""
+        where = [] if node.where is None else [f"where {self.expr(node.where)}"]
+        otherwise = [] if node.otherwise is None else [f"else {self.expr(node.otherwise, SUM)}"]
+        if node.body is None:
+            return [self.bound(node), *where, *otherwise]
+        return [self.expr(node.body), f"for {self.bound(node)}", *where, *otherwise]
+
+    def _folded(self, node: ast.Folded) -> str:
+        return f"{self.name(node.function)}({' '.join(self.folded_parts(node))})"
+
     def _record(self, node: ast.RecordValue) -> str:
         entries = ", ".join(map(self.argument, node.names, node.values))
         return f"{{ {entries} }}" if entries else "{}"
@@ -243,7 +262,7 @@ def level_of(node: ast.Expr) -> int:
 _NODE_LEVELS: dict[type[ast.Expr], int] = {
     ast.Number: POSTFIX, ast.Boolean: POSTFIX, ast.Name: POSTFIX, ast.Attribute: POSTFIX, ast.Call: POSTFIX,
     ast.Chained: COMPARISON, ast.Infix: COMPARISON, ast.IfElse: SUM, ast.Within: COMPARISON, ast.InZone: COMPARISON, ast.Temporal: UNARY,
-    ast.Until: UNTIL, ast.Quantified: UNARY, ast.RecordValue: POSTFIX, ast.ListValue: POSTFIX,
+    ast.Until: UNTIL, ast.Quantified: UNARY, ast.Folded: POSTFIX, ast.RecordValue: POSTFIX, ast.ListValue: POSTFIX,
 }  # fmt: skip
 
 _HANDLERS: dict[type[ast.Expr], Callable[[Notation, Any], str]] = {
@@ -252,5 +271,5 @@ _HANDLERS: dict[type[ast.Expr], Callable[[Notation, Any], str]] = {
     ast.Chained: Notation._chained,
     ast.IfElse: Notation._if_else, ast.Within: Notation._within, ast.InZone: Notation._in_zone,
     ast.Temporal: Notation._temporal, ast.Until: Notation._until, ast.Quantified: Notation._quantified,
-    ast.RecordValue: Notation._record, ast.ListValue: Notation._list,
+    ast.Folded: Notation._folded, ast.RecordValue: Notation._record, ast.ListValue: Notation._list,
 }  # fmt: skip

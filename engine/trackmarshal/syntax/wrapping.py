@@ -193,6 +193,17 @@ class Wrapping:
         head = self.notation.function(node) + "("
         return head + self._arguments(argument_names(node), node.args, column + len(head), tail + 1) + ")"
 
+    def _folded(self, node: ast.Folded, column: int, tail: int) -> str:
+        head = f"{self.notation.name(node.function)}("
+        inner = column + len(head)
+        lines = self.notation.folded_parts(node)
+        if node.body is not None:
+            lines[0] = self.lay(node.body, EXPRESSION, inner)
+        if node.where is not None:
+            place = len(lines) - (2 if node.otherwise is not None else 1)
+            lines[place] = "where " + self.lay(node.where, EXPRESSION, inner + len("where "), tail + 1)
+        return head + new_line(inner).join(lines) + ")"
+
     def _record(self, node: ast.RecordValue, column: int, tail: int) -> str:
         if not node.values:
             return "{}"
@@ -268,5 +279,5 @@ _HANDLERS: dict[type[ast.Expr], Callable[[Wrapping, Any, int, int], str]] = {
     ast.Binary: Wrapping._binary, ast.Chained: Wrapping._chained, ast.Unary: Wrapping._unary, ast.Temporal: Wrapping._temporal, ast.Until: Wrapping._until,
     ast.Quantified: Wrapping._quantified, ast.Infix: Wrapping._infix, ast.IfElse: Wrapping._if_else,
     ast.Within: Wrapping._within, ast.InZone: Wrapping._in_zone, ast.Attribute: Wrapping._attribute, ast.Call: Wrapping._call,
-    ast.RecordValue: Wrapping._record, ast.ListValue: Wrapping._list,
+    ast.Folded: Wrapping._folded, ast.RecordValue: Wrapping._record, ast.ListValue: Wrapping._list,
 }  # fmt: skip

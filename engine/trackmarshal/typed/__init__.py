@@ -51,10 +51,13 @@ from trackmarshal.typed.formulas import (
     Within,
 )
 from trackmarshal.typed.numbers import (
+    FOLDINGS,
     Arithmetic,
     CalledNumber,
     Choice,
     Field,
+    Folded,
+    Folding,
     Function,
     Kept,
     LineFunction,
@@ -115,9 +118,9 @@ from trackmarshal.typed.things import (
 Value: TypeAlias = Number | Count | Formula | WholeSignal | Record | Line | Area | Region
 
 __all__ = [
-    "COMPARISONS", "CONNECTIVES", "EDGES", "STEPS", "Along", "Area", "AreaNode", "Arithmetic", "Boolean", "BooleanField", "Border",
+    "COMPARISONS", "CONNECTIVES", "EDGES", "FOLDINGS", "STEPS", "Along", "Area", "AreaNode", "Arithmetic", "Boolean", "BooleanField", "Border",
     "CalledFormula", "CalledLine", "CalledNumber", "Centre", "Chained", "Changing", "Choice", "Clause", "ClearOf", "Comparing",
-    "Comparison", "Connective", "Corridor", "Count", "CountComparison", "Deadline", "Edge", "Event", "Except", "Field", "Footprint", "FootprintAt", "ForEach", "Formula",
+    "Comparison", "Connective", "Corridor", "Count", "CountComparison", "Deadline", "Edge", "Event", "Except", "Field", "Folded", "Folding", "Footprint", "FootprintAt", "ForEach", "Formula",
     "FormulaNode", "Function", "InState", "InZone", "Inside", "Joining", "Keep", "Kept", "Let", "Line", "LineFunction", "LineNode", "Literally", "Machine", "NamedArea",
     "NamedFormula", "NamedLine", "NamedNumber", "NamedRecord", "NamedRegion", "NamedSignal", "Negative", "Not", "Number",
     "NumberNode", "OnLine", "Parameter", "Path", "Pi", "PlacedLine", "Power", "Quantified", "Range", "Record", "RecordNode",

@@ -108,11 +108,12 @@ class Connective(FormulaNode):
 
 
 class Quantified(FormulaNode):
-    """`for all p in plan where c: body` inside a formula."""
+    """`for all p in plan where c: body` inside a formula; `by`: of all these, only the one of which this is least."""
 
     quantifier: Quantifier
     range: Range
     where: Formula | None
+    by: Number | None
     body: Formula
     span: Span
 

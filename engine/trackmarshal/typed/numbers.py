@@ -14,10 +14,13 @@ from trackmarshal.units import Dimension
 if TYPE_CHECKING:
     from trackmarshal.typed import Value
     from trackmarshal.typed.formulas import Formula, Machine
-    from trackmarshal.typed.things import Line, Record
+    from trackmarshal.typed.things import Line, Range, Record
 
 #: Functions of a point and a line.
 LineFunction = Literal["station", "offset", "direction", "distance_to"]
+#: What becomes one number of many.
+Folding = Literal["count", "sum", "min", "max"]
+FOLDINGS: tuple[Folding, ...] = ("count", "sum", "min", "max")
 
 
 class NumberNode(Typed):
@@ -132,6 +135,20 @@ class Kept(NumberNode):
     span: Span
 
 
+class Folded(NumberNode):
+    """`sum(E for o in objects where c)`: of all in a range one number; a count has no body.
+
+    otherwise: what it is where there is nothing in the range; None: 0 of a sum or a count, and of others the range is never empty.
+    """
+
+    op: Folding
+    range: Range
+    where: Formula | None
+    body: Number | None
+    otherwise: Number | None
+    span: Span
+
+
 class CalledNumber(NumberNode):
     """A call of a `define`, and what that comes to with these arguments; infix: `a f b`. Without parentheses, there are no arguments."""
 
@@ -153,7 +170,7 @@ class NamedNumber(NumberNode):
 #: A number.
 Number: TypeAlias = (
     Literally | Pi | Parameter | Field | Negative | Arithmetic | Power | Function | Choice | TableValue | OnLine | StationGap
-    | Kept | CalledNumber | NamedNumber
+    | Folded | Kept | CalledNumber | NamedNumber
 )  # fmt: skip
 
 
@@ -173,7 +190,7 @@ def literal(number: Number) -> float | None:
             return None if number.value is None else literal(number.value)
         case Parameter() | Field() | Arithmetic() | Power() | Function() | Choice() | TableValue():
             return None
-        case OnLine() | StationGap() | Kept():
+        case OnLine() | StationGap() | Folded() | Kept():
             return None
         case _:
             assert_never(number)

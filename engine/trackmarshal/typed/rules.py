@@ -38,11 +38,12 @@ class Deadline(Typed):
 
 
 class ForEach(Typed):
-    """`for all o in objects where c`, `exists ...`: all clauses below are about its variables."""
+    """`for all o in objects where c`, `exists ...`: all clauses below are about its variables; `by`: of all, only the one of which this is least."""
 
     quantifier: Quantifier
     range: Range
     where: Formula | None
+    by: Number | None
     span: Span
 
 

@@ -16,7 +16,7 @@ from trackmarshal.units import UNITS
 #: Names that are Greek letters, units, words of other clauses, or look like keywords.
 _TELLING = (
     "kappa", "mu", "mu_left", "Delta", "pi", "m", "s", "t", "kg", "rad", "about", "at", "as", "zone", "polygon", "linear", "inf",
-    "margin", "starts", "when", "each", "sqrt", "all", "set", "of", "trajectory", "requires", "android", "orbit", "inside", "e3",
+    "margin", "starts", "when", "each", "sqrt", "set", "of", "trajectory", "requires", "android", "orbit", "inside", "e3",
     "increasing", "default", "clamp", "pose", "bool", *DECLARATIONS,
 )  # fmt: skip
 
@@ -122,7 +122,7 @@ def _leaves() -> SearchStrategy[ast.Expr]:
 _BINARY = ("+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!=", "and", "or", "implies", "iff", "xor")
 _SHAPES: dict[str, int] = {
     "leaf": 4, "binary": 8, "power": 1, "chained": 2, "unary": 3, "attribute": 2, "call": 3, "infix": 2, "if": 1, "within": 1, "zone": 1,
-    "temporal": 2, "step": 1, "until": 1, "quantified": 2,
+    "temporal": 2, "step": 1, "until": 1, "quantified": 2, "nearest": 1, "counted": 1, "folded": 2,
 }  # fmt: skip
 _WEIGHTED = [shape for shape, weight in _SHAPES.items() for _ in range(weight)]
 
@@ -175,6 +175,21 @@ def expressions(draw: st.DrawFn, depth: int = 3) -> ast.Expr:
             quantifier, consecutive = draw(st.sampled_from(["for all", "exists"])), draw(st.booleans())
             where = inner() if draw(st.booleans()) else None
             return ast.Quantified(quantifier, consecutive, draw(_binders()), inner(), where, inner())
+        case "nearest":
+            quantifier, where = (
+                draw(st.sampled_from(["for all", "exists"])),
+                inner() if draw(st.booleans()) else None,
+            )
+            return ast.Quantified(quantifier, False, (draw(names()),), inner(), where, inner(), inner())
+        case "counted":
+            where = inner() if draw(st.booleans()) else None
+            domain = ast.Name(draw(names().filter(lambda name: name != "zone")))  # `a in zone b` is a formula
+            return ast.Folded(draw(names()), None, False, (draw(names()),), domain, where, None)
+        case "folded":
+            where, otherwise = (inner() if draw(st.booleans()) else None for _ in range(2))
+            return ast.Folded(
+                draw(names()), inner(), draw(st.booleans()), draw(_binders()), inner(), where, otherwise
+            )
     raise AssertionError(shape)
 
 

@@ -120,6 +120,10 @@ class FormulaWriter:
             partial(self._call, n, d, depth, scope) for n, d in self._callable(scope) if d.result == dimension
         ]
         ways += self.on_lines(dimension, depth, scope)
+        if scope.axes < DEEPEST and self.domains:
+            ways.append(lambda: self._folded(dimension, depth, scope, soft))
+            if dimension == NUMBER:
+                ways.append(lambda: self._counted(depth, scope))
         return self.choices.pick(ways)()
 
     def on_lines(self, dimension: Dimension, depth: int, scope: Scope) -> list[Callable[[], str]]:
@@ -193,6 +197,20 @@ class FormulaWriter:
             f"(if {condition} then {self.number(dimension, depth - 1, scope, soft)} "
             f"else {self.number(dimension, depth - 1, scope, soft)})"
         )
+
+    def _folded(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
+        """A sum, or the least or greatest of many."""
+        op = self.choices.pick(("sum", "min", "max"))
+        bound, inner = self.bound(depth, scope)
+        body = self.number(dimension, depth - 1, inner, soft)
+        otherwise = "" if op == "sum" else f" else {self.number(dimension, depth - 1, scope, soft)}"
+        return f"{op}({body} for {bound}{otherwise})"
+
+    def _counted(self, depth: int, scope: Scope) -> str:
+        while True:
+            bound, _ = self.bound(depth, scope)
+            if not bound.startswith("consecutive"):
+                return f"count({bound})"
 
     def _power(self, dimension: Dimension, depth: int, scope: Scope, soft: bool) -> str:
         exponents = [
@@ -320,6 +338,24 @@ class FormulaWriter:
 
     def binder(self, depth: int, scope: Scope) -> tuple[str, Scope]:
         """A quantifier with its variables and, perhaps, a `where`, and the scope below it."""
+        if self.choices.chance(15):
+            return self._nearest(depth, scope)
+        bound, inner = self.bound(depth, scope)
+        return f"{self.choices.pick(('for all', 'exists', '∀', '∃'))} {bound}", inner
+
+    def _nearest(self, depth: int, scope: Scope) -> tuple[str, Scope]:
+        """A quantifier about the one of which a number is least."""
+        domain, name = self.choices.pick(self.domains), self.fresh("q")
+        inner = replace(scope, axes=scope.axes + 1)
+        inner = inner.bind(name, self.world.signals[domain].dimensions(), domain in TIMELINES)
+        text = f"{self.choices.pick(('for', 'exists', '∀', '∃'))} nearest {name} in {domain}"
+        text += f" by {self.number(self.choices.pick(COMMON), depth - 1, inner, self._any)}"
+        if self.choices.chance(35):
+            text += f" where {self.formula(depth - 1, inner, self._any)}"
+        return text, inner
+
+    def bound(self, depth: int, scope: Scope) -> tuple[str, Scope]:
+        """Variables, what they range over and, perhaps, a `where`, and the scope of what is said of them."""
         domain = self.choices.pick(self.domains)
         fields = self.world.signals[domain].dimensions()
         count = self.choices.integer(2, 4) if domain in TIMELINES and self.choices.chance(35) else 1
@@ -327,8 +363,7 @@ class FormulaWriter:
         inner = replace(scope, axes=scope.axes + 1)
         for name in names:
             inner = inner.bind(name, fields, domain in TIMELINES)
-        text = self.choices.pick(("for all", "exists", "∀", "∃"))
-        text += " consecutive " if count > 1 else " "
+        text = "consecutive " if count > 1 else ""
         text += ", ".join(names) + f" {self.choices.pick(('in', '∈'))} {domain}"
         if self.choices.chance(35):
             text += f" where {self.formula(depth - 1, inner, self._any)}"

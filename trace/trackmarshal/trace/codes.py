@@ -66,6 +66,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T216": ("a stale test result", "The rule, or something it is made from, has changed since the test was run. The result says nothing about what stands there now."),
     "T217": ("a result of nothing", "There is a result of a test that does not exist any more."),
     "T218": ("tests that were not run", "A test that was not run covers nothing."),
+    "T219": ("an ASIL covered by advisory rules alone", "Advisory rules warn and never decide: nothing that they say keeps the car from driving on. A requirement with an integrity level has a rule that decides, or an assumption."),
     "T220": ("the baseline cannot be read", "The project names a baseline, against which removals are noticed; without it they go unnoticed."),
     "T221": ("a test is gone", "The accepted baseline has a test that is no longer there. Removing a test on purpose is accepted by a person, with `trackmarshal trace --accept-baseline`."),
     "T222": ("a rule is gone", "The accepted baseline has a rule or an assumption that is no longer there."),

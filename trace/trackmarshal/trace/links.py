@@ -78,7 +78,7 @@ def _of_tests(spec: Spec) -> Iterator[Link]:
 
 
 def check(project: Project, spec: Spec) -> Iterator[Finding]:
-    """Loose ends between requirements and specs (T201 to T210)."""
+    """Loose ends between requirements and specs (T201 to T210, T219)."""
     first: dict[str, SpecItem] = {}
     for item in spec.items:
         if item.name in first:
@@ -171,6 +171,13 @@ def _requirement(
     if asked and not is_parent and name not in spec.by_requirement:
         help_ = f"write a rule with `satisfies {name}`"
         yield error("T207", f"`{name}` has no rule and no assumption", requirement.place, help_, name)
+    items = spec.by_requirement.get(name, [])
+    if requirement.asil not in ("", "QM") and items and all(item.severity == "advisory" for item in items):
+        said = "an advisory rule" if len(items) == 1 else "advisory rules"
+        message = f"`{name}` has ASIL {requirement.asil}, and is covered by {said} alone"
+        help_ = f"give `{items[0].name}` another severity, or write a rule that decides"
+        also = tuple((item_place(item), f"`{item.name}` is advisory") for item in items)
+        yield Finding("T219", "error", message, requirement.place, help_, str(name), also)
 
 
 __all__ = ["STATES", "Link", "check", "links"]

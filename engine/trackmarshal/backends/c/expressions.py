@@ -13,7 +13,7 @@ from trackmarshal.backends.c.sweeps import along_timeline
 from trackmarshal.backends.c.usage import Same, Usage, Value
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import ComparisonOp, ConnectiveOp, Extreme, FunctionName
+from trackmarshal.ir.operators import ComparisonOp, ConnectiveOp, Extreme, FoldOp, FunctionName
 from trackmarshal.ir.spec import Called, RuleInfo
 from trackmarshal.source import Span
 
@@ -21,6 +21,8 @@ from trackmarshal.source import Span
 _LONG = 150
 _LONG_SIDE = 40
 _ZERO = c.Literal("0u")
+#: What a number of many is called while it is worked out.
+_FOLDED: dict[FoldOp, str] = {"sum": "total", "least": "least", "greatest": "greatest", "nearest": "nearest"}
 
 
 def called(name: FunctionName) -> tuple[str, frozenset[str]]:
@@ -356,8 +358,38 @@ class Writer:
                 place = 1 + node.machine.names.index(node.name) if node.name else 0
                 states = c.Address(self.states(node.machine, at))
                 return self.call(function, self.name("context"), states, c.Literal(f"{place}u"))
+            case ir.Ordinal():
+                return self.call("tm_ordinal", self.index(node.axis, at))
+            case ir.Fold():
+                return self._fold(node, at)
             case _:
                 assert_never(node)
+
+    def _fold(self, node: ir.Fold, at: c.Scope) -> c.Expr:
+        """One number of many, in a loop of its own."""
+        name = at.take(_FOLDED[node.op], f"{_FOLDED[node.op]}_{identifier(node.names[0])}")
+        self.add(at, c.Declare("tm_fold", name, self.call("tm_fold_none"), False))
+        fold = c.Name(name)
+        loop = self.loop(node.axis, at, node.names)
+        here: c.Expr = c.Literal("1.0")
+        if node.guard is not None:
+            guard = self.formula(node.guard, loop, "guard")
+            here = self.over("select", guard, c.Literal("1.0"), c.Literal("0.0"))
+        given = [c.Address(fold), here, self.number(node.body, loop, _FOLDED[node.op])]
+        if node.op == "nearest":
+            given.append(self.index(node.axis, loop))
+        self.add(loop, c.Evaluate(self.call(f"tm_fold_{node.op}", *given)))
+        at.close(loop)
+        match node.op:
+            case "sum":
+                return c.Member(fold, "value", False)
+            case "least" | "greatest":
+                otherwise = c.Name("TM_NAN") if node.otherwise is None else self.number(node.otherwise, at)
+                return c.Conditional(c.Member(fold, "some", False), c.Member(fold, "value", False), otherwise)
+            case "nearest":
+                return c.Member(fold, "place", False)
+            case _:
+                assert_never(node.op)
 
     def _last(self, signal: str) -> c.Expr:
         """The index of a timeline's last sample."""

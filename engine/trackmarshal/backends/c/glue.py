@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from trackmarshal.backends.c import parts
 from trackmarshal.backends.c.binding import glue as supervised
 from trackmarshal.backends.c.online import Monitor
 from trackmarshal.backends.c.places import glue as places
@@ -74,6 +75,13 @@ def _monitor(each: Monitor) -> dict[str, Any]:
     return {"name": each.c_name, "fields": fields}
 
 
+def _alongs(source: Source) -> list[str]:
+    """What says a formula's value at every sample, and functions that only this calls."""
+    texts = [code.along for code in source.rules if code.along]
+    known = parts.functions()
+    return [known[name] for name in parts.needed(texts) if known[name] not in source.source] + texts
+
+
 def _rules(source: Source) -> str:
     """The rules by themselves."""
     plan, order = source.plan, flat(source)
@@ -88,7 +96,7 @@ def _rules(source: Source) -> str:
         "columns": [(place(name, field), "tm_flag" if flag else "double") for name, field, flag in order.columns],
         "numbers": [place(*each) for each in order.numbers], "flags": [place(*each) for each in order.flags],
         "ids": [plan.input(name).c_name for name in order.ids], "timed": order.timed,
-        "nothing": not plan.inputs and not order.timed, "alongs": [code.along for code in source.rules if code.along],
+        "nothing": not plan.inputs and not order.timed, "alongs": _alongs(source),
         "cases": [(index, code.c_name) for index, code in enumerate(source.rules) if code.along],
     }  # fmt: skip
     return render("program/rules.c.j2", context)

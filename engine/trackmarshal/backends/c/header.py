@@ -98,7 +98,8 @@ def _capacity(macro: str, plan: Layout) -> int:
 
 def _about(code: RuleCode) -> str:
     wanted = ", ".join(name for name, _ in code.rule.satisfies) or "no requirement"
-    return f"{comment(code.rule.title)}; {comment(wanted)}; {comment(str(code.rule.span))}"
+    advisory = "advisory; " if code.rule.advisory else ""
+    return f"{advisory}{comment(code.rule.title)}; {comment(wanted)}; {comment(str(code.rule.span))}"
 
 
 def _params(plan: Layout) -> list[tuple[str, str]]:

@@ -142,6 +142,8 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         | ir.Compare()
                     ):
                         pass  # what they are made of is below, too
+                    case ir.Ordinal() | ir.Fold():
+                        pass
                     case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
                         pass
                     case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not() | ir.Connective():

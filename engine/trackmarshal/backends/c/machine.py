@@ -57,6 +57,11 @@ def types(given: Supervised, parts: int) -> Iterator[str]:
     yield "/* The state after a cycle, by the state before and what is so; -1: cannot be. */"
     rows = ", ".join("{" + ", ".join(str(_next(state, event)) for event in _EVENTS) + "}" for state in STATES)
     yield f"static const int tm_next[TM_STATES][{len(_EVENTS)}] = {{{rows}}};"
+    yield "/* Which rules warn, and never decide. */"
+    told = [str(rule.advisory).lower() for rule in given.layout.rules]
+    yield "static const bool tm_advisory[TM_RULES] = {"
+    yield from (f"  {', '.join(told[i : i + 16])}," for i in range(0, len(told), 16))
+    yield "};"
     yield ""
 
 

@@ -117,7 +117,9 @@ class CProgram(Stateless):
                     codes[place], own[place] = _UNDEFINED, math.nan
             values = partial(views.of, index)
             one = rated(self.rules, frame, values, bytes(codes), own)
-            found.append(Outcomes(Rated(one.verdicts, one.margins, self._explained(one, frame)), values))
+            found.append(
+                Outcomes(Rated(one.verdicts, one.margins, self._explained(one, frame), one.advisory), values)
+            )
         return found
 
     def run(self, frames: Sequence[Frame]) -> tuple[array[int], array[float]]:

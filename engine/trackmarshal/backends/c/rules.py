@@ -38,6 +38,15 @@ typedef struct {
 } tm_cases;
 """
 
+#: Numbers of many in C, while they are worked out.
+FOLD = """/* One number of many, so far; `place`: which one has it, -1.0 where there is none. */
+typedef struct {
+  double value;
+  double place;
+  bool some;
+} tm_fold;
+"""
+
 
 @dataclass(frozen=True)
 class RuleCode:
@@ -263,7 +272,7 @@ def _axis(rule: RuleInfo) -> ir.Axis | None:
         return None
     if active is not None and not (isinstance(active, ir.Quantify) and active.axis is formula.axis):
         return None
-    looping = ir.Quantify | ir.First | ir.Timed | ir.Geometry
+    looping = ir.Quantify | ir.Fold | ir.First | ir.Timed | ir.Geometry
     inner = [
         node
         for root in roots(rule)

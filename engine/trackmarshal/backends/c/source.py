@@ -13,13 +13,14 @@ from trackmarshal.backends.c.door import Door
 from trackmarshal.backends.c.header import header
 from trackmarshal.backends.c.judging import calls as rule_calls
 from trackmarshal.backends.c.judging import judge
-from trackmarshal.backends.c.layout import Layout, layout
+from trackmarshal.backends.c.layout import Layout, layout, roots
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.online import Monitor, monitors
 from trackmarshal.backends.c.over_run.writing import recalling, remembering
 from trackmarshal.backends.c.places import calls, initial, own_places, setters
 from trackmarshal.backends.c.rendering import render
-from trackmarshal.backends.c.rules import CASES, TRUTH, GroupCode, RuleCode, group_codes, rule_code
+from trackmarshal.backends.c.rules import CASES, FOLD, TRUTH, GroupCode, RuleCode, group_codes, rule_code
+from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 
 
@@ -94,6 +95,10 @@ def _source(
         *recalling(plan), *(code.text for code in codes), *(group.text for group in groups), *(monitor.text for monitor in found)
     ]  # fmt: skip
     known = parts.functions()
+    if any(
+        isinstance(node, ir.Fold) for rule in plan.rules for root in roots(rule) for node in ir.below(root)
+    ):
+        types.append(FOLD)
     context = {
         "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found or plan.kept else [CASES])],  # the header has it where it has what is made of them
         "functions": [known[function] for function in parts.needed([*bodies, *tail])], "bodies": bodies,

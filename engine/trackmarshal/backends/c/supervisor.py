@@ -25,8 +25,8 @@ from trackmarshal.runtime.faults import NAMES, Fault, fault
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
-from trackmarshal.runtime.program import Judged, Rated
-from trackmarshal.runtime.supervisor import Recorder, incomplete, internal, named_rules
+from trackmarshal.runtime.program import Judged, Rated, advisory
+from trackmarshal.runtime.supervisor import Recorder, advisories, incomplete, internal, named_rules
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 
 #: Nothing stands in C's `driven`, the driving trajectory, the stored one.
@@ -73,6 +73,7 @@ class CSupervisor:
         self._reader = CycleReader(self.contract, settings, lambda readers: fastest(readers, self.limits))
         self._words = Wording(self.contract, self.limits)
         self._named = named_rules(self.rules)
+        self._advisory = advisory(self.rules)
         self._clock = clock
         self._steps = 0
         self._stored: Plan | None = None
@@ -159,7 +160,7 @@ class CSupervisor:
             return self._nothing(said, stamp, *faults, incomplete("step"))
         return Decision(
             stamp.number, t, said.now, said.finished, state, bool(said.safe), driven, self._stored, said.valid_until,
-            self.stepper.lost(said), faults, violations, bool(said.more), judged,
+            self.stepper.lost(said), faults, violations, bool(said.more), judged, advisories(self._named, judged),
         )  # fmt: skip
 
     def _nothing(self, said: Said, stamp: Stamp, *faults: Fault) -> Decision:
@@ -185,9 +186,17 @@ class CSupervisor:
         return Judged(
             frame,
             {
-                DRIVING: Rated(codes[0], driving, partial(self._explain, frame, DRIVING, codes[0], driving)),
+                DRIVING: Rated(
+                    codes[0],
+                    driving,
+                    partial(self._explain, frame, DRIVING, codes[0], driving),
+                    self._advisory,
+                ),
                 EMERGENCY: Rated(
-                    codes[1], emergency, partial(self._explain, frame, EMERGENCY, codes[1], emergency)
+                    codes[1],
+                    emergency,
+                    partial(self._explain, frame, EMERGENCY, codes[1], emergency),
+                    self._advisory,
                 ),
             },
         )
@@ -200,7 +209,7 @@ class CSupervisor:
     def _violation(self, reason: Reason, judged: Judged) -> Violation:
         assert reason.rule is not None
         candidate, place = (DRIVING, EMERGENCY)[reason.candidate], reason.rule
-        one, (name, requirements, unit) = judged.rated[candidate], self._named[reason.rule]
+        one, (name, requirements, unit, _) = judged.rated[candidate], self._named[reason.rule]
         margin = float(one.margins[place])
         return Violation(
             name,

@@ -51,6 +51,12 @@ class Facts:
             case ir.Quantify():
                 inner = self.free(node.body) | (frozenset() if node.guard is None else self.free(node.guard))
                 return inner - {node.axis}
+            case ir.Ordinal():
+                return frozenset([node.axis])
+            case ir.Fold():
+                inner = self.free(node.body) | (frozenset() if node.guard is None else self.free(node.guard))
+                outer = frozenset() if node.otherwise is None else self.free(node.otherwise)
+                return (inner - {node.axis}) | outer
             case ir.First():
                 return self.free(node.operand) - {node.axis}
             case ir.Temporal() | ir.Shift():

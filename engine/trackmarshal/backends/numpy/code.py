@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, assert_never
 
 import numpy as np
 
-from trackmarshal.backends.numpy import logic, places, steps, time
+from trackmarshal.backends.numpy import folds, logic, places, steps, time
 from trackmarshal.backends.numpy.batch import before, column_index
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
 from trackmarshal.backends.numpy.sharing import representatives
@@ -27,6 +27,7 @@ _CALLED: dict[str, Any] = {
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
     "project": places.project, "distance": places.distance, "gap": places.gap, "inside_area": places.swept_inside, "clear": places.swept_clear,
     "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator,
+    "ordinal": folds.ordinal, "fold": folds.fold,
 }  # fmt: skip
 
 #: Numbers that are read from the input as they are.
@@ -240,8 +241,20 @@ class Code:
                 return f"gap(b, {self._hold(node.line)}, {', '.join(at)})"
             case ir.Kept():
                 raise AssertionError("one cycle does not say what a state machine keeps")
+            case ir.Ordinal():
+                return f"ordinal(b, {self._hold(node.axis)})"
+            case ir.Fold():
+                return f"fold(b, {self._hold(node)}, {at[0]}, {at[1] if len(at) > 1 else None}, {self._in_range(node)})"
             case _:
                 assert_never(node)
+
+    def _in_range(self, node: ir.Fold) -> str:
+        """Whether the guard of a fold holds, in the worst case and in the best one."""
+        if node.guard is None:
+            return "None, None"
+        guard = self.formulas[self._same[node.guard]]
+        same = f"None if {guard.best} is {guard.worst} else "
+        return f"{guard.sat(False)}, {same}{guard.sat(True)}"
 
     def _projected(self, node: ir.Projected) -> str:
         """The variable of a point's projection onto a line. All points that are plain input are projected with the first one."""

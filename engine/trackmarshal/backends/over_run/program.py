@@ -14,7 +14,7 @@ from trackmarshal.ir.overrun import leaves, over_run
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.driven import as_driven, in_doubt
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.program import Judged, Memory, Rated
+from trackmarshal.runtime.program import Judged, Memory, Rated, advisory
 from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ class Remembering:
                 else plain.explain(place, series)
             )
 
-        return Rated(bytes(verdicts), margins, explain)
+        return Rated(bytes(verdicts), margins, explain, advisory(self.rules))
 
 
 def remembers(rule: RuleInfo) -> bool:
@@ -150,4 +150,6 @@ def _explained(rule: RuleInfo, frame: Frame, values: CaseValues, outcome: Outcom
         return replace(rule_result(rule, frame, values, ("undefined", math.nan)), about=outcome.about)
     unit = rule.unit if rule.unit != "mixed" else "1"
     reason = "nothing in its range" if outcome.verdict == "inactive" else ""
-    return RuleResult(rule.name, outcome.verdict, outcome.margin, unit, None, reason, None, "", outcome.about)
+    return RuleResult(
+        rule.name, outcome.verdict, outcome.margin, unit, None, reason, None, "", outcome.about, rule.advisory
+    )

@@ -56,7 +56,10 @@ class Reference:
         found = self._levels.get(id(node))
         if found is None:
             own = (node.level,) if isinstance(node, ir.Axis) else ()
-            found = self._levels[id(node)] = frozenset(own).union(*map(self._read, node.children()))
+            found = frozenset(own).union(*map(self._read, node.children()))
+            if isinstance(node, ir.Fold):  # it binds the variable of its axis itself
+                found -= {node.axis.level}
+            self._levels[id(node)] = found
         return found
 
     def _number(self, node: ir.Num, env: Env) -> float:
@@ -106,8 +109,42 @@ class Reference:
                 )
             case ir.Kept():
                 return self._kept[node]
+            case ir.Ordinal():
+                return float(env[node.axis.level])
+            case ir.Fold():
+                return self._fold(node, env)
             case _:
                 assert_never(node)
+
+    def _fold(self, node: ir.Fold, env: Env) -> float:
+        """One number of all that is in range, element by element."""
+        found: list[tuple[int, float]] = []
+        for index in range(self.count(node.axis)):
+            inner = {**env, node.axis.level: index}
+            guard = TRUE if node.guard is None else self.truth(node.guard, inner)
+            if guard.verdict == "undefined":
+                return math.nan
+            if guard.verdict == "satisfied":
+                found.append((index, self.number(node.body, inner)))
+        match node.op:
+            case "sum":
+                total = 0.0
+                for _, value in found:
+                    total = arithmetic.arith("+", total, value)
+                return total
+            case "least" | "greatest":
+                if not found:
+                    return math.nan if node.otherwise is None else self.number(node.otherwise, env)
+                extreme = found[0][1] + 0.0
+                for _, value in found[1:]:
+                    extreme = arithmetic.apply("min" if node.op == "least" else "max", [extreme, value])
+                return extreme
+            case "nearest":
+                if not all(math.isfinite(value) for _, value in found):
+                    return math.nan
+                return float(min(found, key=lambda each: each[1])[0]) if found else -1.0
+            case _:
+                assert_never(node.op)
 
     def _projected(self, node: ir.Projected, env: Env) -> tuple[float, float, float]:
         """Station, offset and direction of a point."""

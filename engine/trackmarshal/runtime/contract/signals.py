@@ -109,9 +109,13 @@ def of_cases(spec: Spec, reads: Iterable[tuple[str, str]], places: Places = ()) 
 def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
     """The contract of cycles for these rules: every field of every signal that they or the Supervisor read.
 
-    Raises E482 where the spec declares differently what the Supervisor reads.
+    Raises E482 where the spec declares differently what the Supervisor reads, and where no rule decides.
     """
     spec = supervised(spec)
+    if rules and all(rule.advisory for rule in rules):
+        raise TrackmarshalError(
+            "E482", "all of its rules are advisory, so that none decides", help="give one another severity"
+        )
     read = {signal for rule in rules for signal, _ in rule.reads} | {EGO}
     own = {PLAN, FOLLOWED}
     named = {signal for rule in rules for signal, field in rule.reads if field == ID}

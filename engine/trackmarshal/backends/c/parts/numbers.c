@@ -60,6 +60,58 @@ static double tm_greatest(double a, double b) {
   return (b > a) ? b : a;
 }
 
+/** Which one of many, as a number. */
+static double tm_ordinal(size_t index) {
+  return (double)index;
+}
+
+/** Nothing of many, so far. */
+static tm_fold tm_fold_none(void) {
+  const tm_fold fold = {0.0, -1.0, false};
+  return fold;
+}
+
+/** One more to add; `here`: 1.0 in range, 0.0 outside, NaN where that is not known. */
+static void tm_fold_sum(tm_fold *fold, double here, double value) {
+  if (!(here == 0.0)) {
+    fold->value = fold->value + ((here == 1.0) ? value : TM_NAN);
+  }
+}
+
+/** One more of which the least is wanted. */
+static void tm_fold_least(tm_fold *fold, double here, double value) {
+  if (!(here == 0.0)) {
+    const double next = (here == 1.0) ? (value + 0.0) : TM_NAN;
+    fold->value = fold->some ? tm_min(fold->value, next) : next;
+    fold->some = true;
+  }
+}
+
+/** One more of which the greatest is wanted. */
+static void tm_fold_greatest(tm_fold *fold, double here, double value) {
+  if (!(here == 0.0)) {
+    const double next = (here == 1.0) ? (value + 0.0) : TM_NAN;
+    fold->value = fold->some ? tm_max(fold->value, next) : next;
+    fold->some = true;
+  }
+}
+
+/** One more of which the place of the first least one is wanted: NaN where one is not known, or not finite. */
+static void tm_fold_nearest(tm_fold *fold, double here, double value, size_t place) {
+  if (!(here == 0.0)) {
+    const bool first = (!fold->some) || (value < fold->value);
+    if (!(here == 1.0) || !tm_finite(value)) {
+      fold->place = TM_NAN;
+    } else if (first && (fold->place == fold->place)) {
+      fold->value = value;
+      fold->place = (double)place;
+    } else {
+      /* another one is nearer, or it is not known */
+    }
+    fold->some = true;
+  }
+}
+
 /** How far two margins are apart; equal infinities are not. */
 static double tm_apart(double x, double y) {
   return (x == y) ? 0.0 : (x - y);

@@ -70,14 +70,14 @@ static void tm_expect(tm_output *output, tm_look *look) {
   ++look->expected;
 }
 
-/** Whether a rule ran, and whether it makes a candidate unsafe. */
-static void tm_weigh(const tm_result *result, size_t *known, size_t *against) {
+/** Whether a rule ran, and whether it makes a candidate unsafe, which an advisory one does not. */
+static void tm_weigh(const tm_result *result, bool advisory, size_t *known, size_t *against) {
   const bool safe = (result->verdict == TM_SATISFIED) || (result->verdict == TM_INACTIVE);
   const bool undefined = (result->verdict == TM_UNDEFINED) && !(result->margin == TM_DID_NOT_RUN);
   if (safe || undefined || (result->verdict == TM_VIOLATED) || (result->verdict == TM_OPEN)) {
     ++*known;
   }
-  if (!safe) {
+  if (!safe && !advisory) {
     ++*against;
   }
 }
@@ -109,7 +109,7 @@ static void tm_rate(tm_context *c, tm_look *look) {
   for (size_t k = 0u; k < 2u; ++k) {
     for (size_t i = 0u; i < TM_RULES; ++i) {
       const size_t before = against;
-      tm_weigh(&outputs[k]->rule[i], &known, &against);
+      tm_weigh(&outputs[k]->rule[i], tm_advisory[i], &known, &against);
       if (against != before) {
         tm_blame(out, i, (k == 0u) ? TM_DRIVING : TM_EMERGENCY, &outputs[k]->rule[i]);
       }
