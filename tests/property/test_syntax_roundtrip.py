@@ -149,8 +149,9 @@ def disturbed(text: str, data: st.DataObject, *, comments: bool = True) -> str:
                 out.append(seed.choice(["", "  ", "\t"]) + seed.choice(COMMENTS) + "\n")
         elif token.isspace() and token != "\n" and seed.random() < 0.3:
             comment = f" {seed.choice(COMMENTS)}\n  " if comments and seed.random() < 0.3 else " \t "
-            # Not between a number and its unit, nor within `for all` and `set of`.
+            # Not between a number and its unit, nor within `for all`, `set of` and `exists nearest`.
             joined = re.search(r"[0-9.]\Z|for\Z|set\Z", text[: match.start()])
+            joined = joined or re.match("nearest", text[match.end() :])
             out.append(token if joined else comment)
         else:
             out.append(token)

@@ -10,6 +10,14 @@ from trackmarshal.node import Node
 from trackmarshal.source import NOWHERE, Span
 
 
+class Ranged(Node):
+    """A quantifier. Without `by` it is described as it was before there was one: what is kept of runs rests on descriptions of rules."""
+
+    def __repr__(self) -> str:
+        told = [name for name in self.compared if name != "by" or self.__dict__[name] is not None]
+        return f"{type(self).__name__}({', '.join(f'{name}={self.__dict__[name]!r}' for name in told)})"
+
+
 class Expr(Node):
     """An expression; numbers and formulas share one syntax and are told apart by the type checker."""
 
@@ -162,7 +170,7 @@ class Until(Expr):
     span: Span = NOWHERE
 
 
-class Quantified(Expr):
+class Quantified(Ranged, Expr):
     """`for all p in plan where c: body` inside an expression; `by`: of the nearest alone, `for nearest o in objects by E: body`."""
 
     quantifier: str
@@ -266,7 +274,7 @@ class Owner(Clause):
     span: Span = NOWHERE
 
 
-class Bind(Clause):
+class Bind(Ranged, Clause):
     """`for all o in objects where c`, `exists ...`, `for all consecutive p, q in plan`, `for nearest o in objects by E`."""
 
     quantifier: str
