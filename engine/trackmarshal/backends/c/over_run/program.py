@@ -14,7 +14,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import PLAN
 from trackmarshal.runtime.driven import as_driven, in_doubt
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.program import Judged, Memory, Rated
+from trackmarshal.runtime.program import Judged, Memory, Rated, advisory
 from trackmarshal.runtime.verdict import VERDICTS, About
 
 if TYPE_CHECKING:
@@ -109,4 +109,4 @@ class CRemembering:
                 codes[place], own[place] = _UNDEFINED, math.nan
 
         known = bytes(codes)
-        return Rated(known, own, partial(self._explaining.result, frame, known, own))
+        return Rated(known, own, partial(self._explaining.result, frame, known, own), advisory(self.rules))
