@@ -60,7 +60,7 @@ def test_every_node_is_in_one_of_the_unions() -> None:
         for made in vars(ir).values()
         if inspect.isclass(made) and issubclass(made, ir.IR) and made is not ir.IR
     }
-    kinds = [set(get_args(kind)) for kind in (ir.Num, ir.Formula)] + [{ir.Axis, ir.Line, ir.Area}]
+    kinds = [set(get_args(kind)) for kind in (ir.Num, ir.Formula)] + [{ir.Axis, ir.Line, ir.Area, ir.Machine}]
     assert set.union(*kinds) == classes == set(get_args(ir.AnyNode))
     assert sum(map(len, kinds)) == len(classes)
 
