@@ -18,7 +18,7 @@ from trackmarshal.evaluation import Evaluator, loads
 
 #: Rules of one program, so that not each needs a compiler.
 RULES = 12
-EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "12"))
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "4"))
 OTHERS = ("reference", "numpy")
 
 
