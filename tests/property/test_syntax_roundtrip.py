@@ -110,7 +110,10 @@ def test_written_parentheses_are_kept_and_mean_nothing(
         assert format_text(SourceFile("made.spec", text)) == text
     other = read_back(formatted(ast.Module(again.items, not unicode)))
     assert other.items == module.items
-    assert parentheses(other) == parentheses(again)
+    # In ASCII more may be needed: `0 %² m 0` is `(0 %^2) m 0`, since a unit goes on after its exponent.
+    assert all(
+        after or not before for before, after in zip(parentheses(again), parentheses(other), strict=True)
+    )
 
 
 @unhurried

@@ -85,7 +85,9 @@ def test_it_goes_on_after_a_syntax_error_and_ends_with_0(tmp_path: Path) -> None
     """The command itself: green, broken, green again, Ctrl-C."""
     assert run_command("init", str(tmp_path), "--quiet")[0] == 0
     said = tmp_path / "said.txt"
-    code = "import sys; from trackmarshal.cli.main import main; sys.exit(main())"
+    # Who starts the tests in the background ignores Ctrl-C, and so would their children.
+    code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    code += "import sys; from trackmarshal.cli.main import main; sys.exit(main())"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     with said.open("w") as out:
         process = subprocess.Popen(
