@@ -6,6 +6,7 @@ import random
 import shutil
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -16,7 +17,7 @@ from support.emitted import emit
 from support.processes import PATIENCE, Served
 from support.remembering import remembering
 from trackmarshal.evaluation import Evaluator
-from trackmarshal.process.client import Client
+from trackmarshal.process.client import Border, Client
 from trackmarshal.process.serving import build
 from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Cycle, Limits
@@ -53,6 +54,36 @@ def test_a_process_remembers(tmp_path: Path) -> None:
             safe += said.safe
         remote.close()
     assert 10 <= safe < 190
+
+
+@pytest.mark.parametrize(
+    ("count", "ids"), [(2, None), (2, []), (2, [7, 7]), (2, [7]), (1, None), (1, [7, 8])],
+    ids=["none", "empty", "alike", "too few", "none of one", "too many"],
+)  # fmt: skip
+def test_a_client_that_does_not_say_which_is_which(count: int, ids: list[int] | None, tmp_path: Path) -> None:
+    """Rules know elements again by their ids: where not each of them has one of its own, the cycle is refused."""
+    spec, limits, now = remembering(tmp_path), Limits(budget=1e9), 0.0
+    program = build(spec, Evaluator(spec, None, "c").rules, limits)
+    with Served(program, False) as served:
+        client = Client(program.layout, served.channel(), lambda: now)
+        found = []
+        for number, given_ids in enumerate(([7, 8][:count], ids)):
+            now, given = number * PERIOD, cycle(number, count)
+            signals: dict[str, Any] = {
+                name: {key: value for key, value in given.signals[name].items() if key != "id"}
+                for name in ("ego", "objects", "obstacles")
+            }
+            if given_ids is not None:
+                signals["objects"]["id"] = given_ids
+            signals["track"] = {side: Border(given.signals["track"][side]) for side in ("left", "right")}
+            sent = client.send(number, now, given.driving, given.emergency, signals)
+            answer = client.answer(sent, PATIENCE)
+            assert answer is not None
+            found.append(
+                {program.layout.faults[name] for name in answer["reason_name"][: answer["reason_count"]]}
+            )
+    assert not {"missing", "duplicate"} & found[0]
+    assert {"missing", "duplicate"} & found[1]
 
 
 def test_the_example_and_the_client_in_c(tmp_path: Path) -> None:

@@ -201,11 +201,10 @@ class Client:
             for name in known.lines:
                 kind.put(message, name, versions[name])
             return
-        if f"{group}/id" in kind.entries:
-            ids = value.ids if isinstance(value, Block) else value.get("id", ())
-            kind.put(message, f"{group}/id", ids[: kind.entries[f"{group}/id"].room])
         if isinstance(value, Block):
-            kind.put(message, f"{group}/count", value.write(message, known.columns))
+            count = value.write(message, known.columns)
+            kind.put(message, f"{group}/count", count)
+            self._name(message, group, value.ids, count)
             return
         absent, count = 0, 1 if known.record else 0
         for place, (field, entry) in enumerate(known.columns):
@@ -226,6 +225,15 @@ class Client:
         if not known.record:
             kind.put(message, f"{group}/count", count)
             kind.put(message, f"{group}/absent", absent)
+            self._name(message, group, value.get("id") or (), count)
+
+    def _name(self, message: bytearray, group: str, ids: Sequence[int], count: int) -> None:
+        """Put in by what elements are known again, where rules ask for it; the Supervisor refuses a set in which not each has an id."""
+        kind = self._cycle
+        entry = kind.entries.get(f"{group}/id")
+        if entry is not None and len(ids) == count:
+            kind.put(message, f"{group}/named", 1)
+            kind.set(message, entry, ids[: entry.room])
 
     def _lines(self, signals: Mapping[str, Any]) -> dict[str, int]:
         """The versions of all lines by their entries; those that are new are sent."""

@@ -317,6 +317,7 @@ def _columns(
             c_group,
         )
     if signal.named and asked:
+        yield own("named", "u64", "1: each entry has an id, and these stand here", None, group, c_group)
         yield own(
             "id", "u64", "what each is known by in other cycles; no two alike", capacity, group, c_group
         )
