@@ -8,12 +8,15 @@ import random
 import re
 from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from property.test_states import ASKED, Way, declared, guarded
 from support.run_formulas import SIGNALS, formulas, runs
+from trackmarshal.backends.c.program import CProgram
 from trackmarshal.diagnostics.base import Diagnostics
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
 
 #: Rules of one program, so that not each needs a compiler.
@@ -133,3 +136,19 @@ def test_machines(
     for cycles in several:
         found = said(evaluators, cycles)
         assert found["c"] == found["reference"] == found["numpy"], text
+
+
+def test_memory_has_a_bound() -> None:
+    """Windows that are long have room for fewer cycles a second; those that are too long are refused before there is memory for them."""
+    spec = loads(
+        SIGNALS + 'rule long "" for all o in objects require once[0 s, 10 min] o.v > 0 m/s\n'
+        'rule endless "" for all o in objects require once[0 s, 100 h] o.v > 0 m/s\n'
+    )
+    program = CProgram(spec, [rule for rule in spec.rules if rule.name == "long"])
+    library = program.library_for()
+    assert 50 <= library.sizes["TM_MAX_RATE"] < 1000
+    assert library.dll.tmg_size() < 300 << 20
+    with pytest.raises(TrackmarshalError) as caught:
+        CProgram(spec, spec.rules).library_for()
+    assert caught.value.code == "E473"
+    assert Evaluator(spec, backend="auto").program.identity["backend"] == "numpy"

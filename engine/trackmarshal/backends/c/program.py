@@ -14,6 +14,7 @@ from typing import Any
 from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.glue import Flat, flat
 from trackmarshal.backends.c.header import CAPACITIES, capacities, default
+from trackmarshal.backends.c.over_run.cells import bytes_of_rate
 from trackmarshal.backends.c.over_run.numbering import Numbering
 from trackmarshal.backends.c.places import PlaceSetter
 from trackmarshal.backends.c.source import Source, generate
@@ -29,8 +30,8 @@ from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 #: Sizes that programs are compiled with. Series cost memory for every sample, bounds of loops do not.
 _CLASSES = (256, 4096, 65536, 1 << 20, 1 << 24)
 _FREE = 1 << 24
-#: Cycles in a second that windows have room for where nobody says how fast they come.
-_RATE = 1000
+#: Cycles in a second that windows have room for where nobody says how fast they come, and the bytes that they may take.
+_RATE, _BYTES = 1000, 256 << 20
 
 
 class Library:
@@ -185,7 +186,14 @@ class CProgram(Stateless):
 
     def _size(self, name: str, wanted: int) -> int:
         if name == "TM_MAX_RATE":
-            return _RATE
+            each = bytes_of_rate(self.source.plan.kept.values(), default("TM_MAX_ELEMENTS", self.spec))
+            if each * default(name, self.spec) > _BYTES:
+                raise TrackmarshalError(
+                    "E473",
+                    f"windows of rules over the run take more than {_BYTES >> 20} MiB",
+                    help="choose another backend",
+                )
+            return int(min(_RATE, _BYTES / max(each, 1.0)))
         if name == "TM_MAX_ELEMENTS" and self.source.plan.named:
             return max(wanted, default(name, self.spec))
         if name == "TM_MAX_ELEMENTS" or (name == "TM_MAX_SAMPLES" and not self.source.series):

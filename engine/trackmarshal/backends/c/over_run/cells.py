@@ -142,3 +142,16 @@ def obstacle(node: Holder) -> str | None:
     if not isinstance(node, ir.Machine) and max(node.lower or 0, node.upper or 0) > MOST_NANOSECONDS:
         return f"the window is longer than {MOST_NANOSECONDS / 1e9:g} s"
     return None
+
+
+#: Bytes of an item of a window, by the sort of memory.
+_BYTES = {"once": 40, "historically": 40, "since": 88, "count": 40, "recount": 40}
+
+
+def bytes_of_rate(cells: Iterable[Cell], elements: int) -> float:
+    """About how many bytes windows take for each cycle a second that they have room for."""
+    found = 0.0
+    for cell in cells:
+        longest = cell.lower if cell.upper is None else cell.upper
+        found += _BYTES.get(cell.kind, 0) * (longest / 1e9) * (1 if cell.axis is None else elements)
+    return found
