@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from trackmarshal.backends.c.supervisor import CSupervisor
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import loads
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.supervisor import Supervisor
@@ -193,3 +194,9 @@ def test_more_cycles_than_windows_have_room_for(formula: str) -> None:
         seen |= mine
         assert mine in (wanted, {"undefined"}), number
     assert "undefined" in seen
+
+
+def test_a_memory_that_is_too_large_is_refused() -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        Rig('rule f "" require not once[0 s, 100 h] flag\n', "c", rate=1000)
+    assert caught.value.code == "E473"

@@ -27,6 +27,8 @@ Floats = NDArray[np.float64]
 #: Statuses of a configuration by number, those that can be.
 STATUSES = {3: "unusable", 5: "limit", 6: "parameter", 7: "table", 8: "constraint"}
 _NOWHERE = ctypes.c_size_t(-1).value
+#: What a context may take.
+_MOST_BYTES = 1 << 30
 _CLOCK = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p)
 
 
@@ -145,6 +147,12 @@ class Stepper:
             getattr(dll, name).argtypes, getattr(dll, name).restype = kinds, result
         if dll.tmg_reason_size() != ctypes.sizeof(_Reason):
             raise AssertionError("the compiler lays structs out differently than ctypes")
+        if dll.tmg_size() > _MOST_BYTES:
+            raise TrackmarshalError(
+                "E473",
+                f"the context takes {dll.tmg_size() >> 20} MiB, more than {_MOST_BYTES >> 20}",
+                help="lower the limits, or shorten windows",
+            )
         self._memory = ctypes.create_string_buffer(dll.tmg_size() + 64)
         self.context = (ctypes.addressof(self._memory) + 63) & ~63
         self._place = self.context - ctypes.addressof(self._memory)
