@@ -13,3 +13,5 @@ _CHECKOUT = _PACKAGE.parents[1] / "specs"
 
 #: The folder in which the names of the shipped modules start.
 LIBRARY = _INSTALLED if _INSTALLED.is_dir() else _CHECKOUT
+#: Whether it came with the package, and so is nobody's project, wherever that is installed.
+INSTALLED = LIBRARY is _INSTALLED

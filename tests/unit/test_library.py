@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -104,3 +108,26 @@ def test_replay_and_car_have_the_limits_of_the_project(limit: str, fault: str, t
             out_folder / "report.md"
         ).read_text("utf-8")
     assert run_command("trace", "--gate", *project)[0] == (1 if fault else 0)
+
+
+def test_a_package_that_is_installed_below_the_project_is_not_its_own(tmp_path: Path) -> None:
+    """An environment often stands in the folder of the project: what shipped rules satisfy is not asked of it even so."""
+    packages = tmp_path / ".venv" / "packages"
+    for root in ("engine", "trace"):
+        left_out = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(
+            REPOSITORY / root / "trackmarshal", packages / "trackmarshal", ignore=left_out, dirs_exist_ok=True
+        )
+    for name in ("supervisor", "vehicles", "tracks"):
+        shutil.copytree(REPOSITORY / "specs" / name, packages / "trackmarshal" / "specs" / name)
+    code = "import sys; from trackmarshal.cli.main import main; sys.exit(main())"
+    for words in (["init", str(tmp_path)], ["check", "--project", str(tmp_path)]):
+        if words[0] == "check":
+            text = "module ours\n\nuse supervisor.assumptions\nuse supervisor.collision\n"
+            (tmp_path / "specs" / "ours.spec").write_text(text, "utf-8")
+        done = subprocess.run(
+            [sys.executable, "-c", code, *words], env={**os.environ, "PYTHONPATH": str(packages)}, cwd=tmp_path, check=False,
+            capture_output=True, text=True,
+        )  # fmt: skip
+        assert "E206" not in done.stdout + done.stderr
+        assert done.returncode == 0 or words[0] == "check", done.stdout + done.stderr

@@ -11,7 +11,7 @@ import trackmarshal.prelude
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import below
-from trackmarshal.library import LIBRARY
+from trackmarshal.library import INSTALLED, LIBRARY
 from trackmarshal.node import Node
 from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
 from trackmarshal.source import TEXT, SourceFile, Span, of_text, read
@@ -325,7 +325,8 @@ def from_prelude(module: LoadedModule) -> bool:
 def from_library(module: LoadedModule, project: Path | None) -> bool:
     """Whether a module is a shipped one that a project uses; in the project that they are written in, they are its own."""
     path = _real(module.path)
-    return path.is_relative_to(LIBRARY) and not (project is not None and path.is_relative_to(_real(project)))
+    own = not INSTALLED and project is not None and path.is_relative_to(_real(project))
+    return path.is_relative_to(LIBRARY) and not own
 
 
 def load_or_raise(paths: Iterable[Path], shown_from: Path | None = None) -> tuple[Library, tuple[str, ...]]:
