@@ -131,3 +131,19 @@ def test_a_package_that_is_installed_below_the_project_is_not_its_own(tmp_path: 
         )  # fmt: skip
         assert "E206" not in done.stdout + done.stderr
         assert done.returncode == 0 or words[0] == "check", done.stdout + done.stderr
+
+
+def test_what_is_called_as_a_shipped_file_is_the_projects_own(tmp_path: Path) -> None:
+    """Shipped files are shown as `library/...`: a rule in such a file of the project is not let off the gate."""
+    assert run_command("init", str(tmp_path), "--quiet")[0] == 0
+    model = tmp_path / "requirements" / "v-model.yaml"
+    model.write_text(model.read_text("utf-8").replace("specs: [specs]", "specs: [specs, library]"), "utf-8")
+    module(
+        tmp_path,
+        "library.vehicles.devbot",
+        'event stray "x"\n\nrule hidden "nobody asks for it"\n  require not stray\n',
+    )
+    run_command("assess", "--project", str(tmp_path), "--out", str(tmp_path / "out"), "--quiet")
+    status, out, err = run_command("trace", "--gate", "--project", str(tmp_path))
+    assert status == 1
+    assert "the rule `hidden` has no test" in out + err

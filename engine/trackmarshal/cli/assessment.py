@@ -125,8 +125,11 @@ def _of_project(
     from trackmarshal.semantics.modules import from_library
 
     items, tests = evidence.spec_items(compiled.spec.rules), evidence.spec_tests(prepared)
-    modules = compiled.library.modules.values()
-    shipped = {module.file.path for module in modules if from_library(module, root)}
+    modules = [(module.file.path, from_library(module, root)) for module in compiled.library.modules.values()]
+    # What is called as a shipped file, and is the project's own, is not dropped for that.
+    shipped = {path for path, is_shipped in modules if is_shipped} - {
+        path for path, is_shipped in modules if not is_shipped
+    }
     if not shipped:
         return items, tests
     known, _ = demanded(root)
