@@ -8,8 +8,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from trackmarshal.backends.c import build
+
+#: `make acceptance`: everything as it ships, and more of each.
+AT_LENGTH = os.environ.get("TRACKMARSHAL_OPTIMIZED") == "1"
+settings.register_profile("daily", max_examples=60)
+if not AT_LENGTH:
+    settings.load_profile("daily")  # of those that do not say how many they need
 
 
 def pytest_collection_finish() -> None:
@@ -31,9 +38,9 @@ assert all((Path(__file__).parent / file).is_file() for file in AS_SHIPPED)
 def optimization(request: pytest.FixtureRequest) -> Iterator[None]:
     """Nothing that a test of another file compares depends on it, and without it a compiler takes a quarter of the time.
 
-    `make acceptance` (TRACKMARSHAL_OPTIMIZED=1) compiles all as it ships. Commands in a process of their own always do.
+    `make acceptance` compiles all as it ships. Commands in a process of their own always do.
     """
     with pytest.MonkeyPatch.context() as patch:
-        if os.environ.get("TRACKMARSHAL_OPTIMIZED") != "1" and not str(request.path).endswith(AS_SHIPPED):
+        if not AT_LENGTH and not str(request.path).endswith(AS_SHIPPED):
             patch.setattr(build, "FAST", ("-O0", *build.FAST[1:]))
         yield

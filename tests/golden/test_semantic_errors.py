@@ -50,7 +50,31 @@ UNREACHED = {
 }
 
 
+#: Calls that made a diagnostic: module and line.
+_LINES: set[tuple[str, int]] = set()
+
+
+@cache
 def said(path: Path) -> list[Diagnostic | TrackmarshalError]:
+    """What is said of an example; from where goes into `_LINES`. Once each: all tests here ask."""
+    original = Node.__init__
+
+    def watched(self: Node, *args: Any, **kwargs: Any) -> None:
+        if isinstance(self, Diagnostic):
+            frame = sys._getframe(1)
+            while frame is not None and frame.f_code.co_name == "fail":
+                frame = frame.f_back  # type: ignore[assignment]
+            _LINES.add((frame.f_globals["__name__"], frame.f_lineno))
+        original(self, *args, **kwargs)
+
+    Node.__init__ = watched  # type: ignore[method-assign]
+    try:
+        return _said(path)
+    finally:
+        Node.__init__ = original  # type: ignore[method-assign]
+
+
+def _said(path: Path) -> list[Diagnostic | TrackmarshalError]:
     root = FOLDER if path.is_file() else path
     project = path if (path / MARKER).is_file() else None
     return examine(compile_paths([path], root), project)
@@ -142,23 +166,8 @@ def _called(call: ast.Call) -> str:
 @cache
 def _reached() -> frozenset[Site]:
     """The sites from which the examples' diagnostics come."""
-    lines: set[tuple[str, int]] = set()
-    original = Node.__init__
-
-    def watched(self: Node, *args: Any, **kwargs: Any) -> None:
-        if isinstance(self, Diagnostic):
-            frame = sys._getframe(1)
-            while frame is not None and frame.f_code.co_name == "fail":
-                frame = frame.f_back  # type: ignore[assignment]
-            lines.add((frame.f_globals["__name__"], frame.f_lineno))
-        original(self, *args, **kwargs)
-
-    Node.__init__ = watched  # type: ignore[method-assign]
-    try:
-        for path in CASES:
-            said(path)
-    finally:
-        Node.__init__ = original  # type: ignore[method-assign]
+    for path in CASES:
+        said(path)
     return frozenset(
-        site for site in _sites() if any(site.module == m and site.line <= n <= site.last for m, n in lines)
+        site for site in _sites() if any(site.module == m and site.line <= n <= site.last for m, n in _LINES)
     )
