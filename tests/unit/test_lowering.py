@@ -8,8 +8,8 @@ import pytest
 
 from support.agreement import compiled, read, results
 from trackmarshal.backends.reference.evaluator import Reference
-from trackmarshal.cli.explain import _numbers
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.explaining.numbers import numbers
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.verdict import RuleResult
@@ -74,7 +74,7 @@ def test_explain_shows_the_sides_as_they_are_written() -> None:
     )
     values = Reference(spec, case)
     turned, straight = (
-        _numbers(rule.formula, {}, values)[:2] for rule in spec.rules if rule.formula is not None
+        numbers(rule.formula, {}, values)[:2] for rule in spec.rules if rule.formula is not None
     )
     assert turned == [("left side", "2 m"), ("right side", "1 m")]
     assert straight == [("left side", "1 m"), ("right side", "2 m")]

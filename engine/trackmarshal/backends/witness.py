@@ -72,10 +72,10 @@ class Descent:
         #: The deciding comparison that was found last, and where it was evaluated.
         self.decisive: tuple[ir.Formula, Env] | None = None
 
-    def find(self, node: ir.Formula | None) -> Witness | None:
-        """The witness of a closed formula; None where nothing decides (an empty range, a constant)."""
+    def find(self, node: ir.Formula | None, env: Env | None = None) -> Witness | None:
+        """The witness of a formula, for what its variables stand for; None where nothing decides (an empty range, a constant)."""
         self._names, self.decisive = {}, None
-        env: Env = {}
+        env = dict(env or {})
         while node is not None:
             step = self._step(node, env)
             if isinstance(step, Witness):

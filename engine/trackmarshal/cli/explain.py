@@ -7,23 +7,20 @@ trackmarshal explain run.tmrec.jsonl --rule friction --at 2.6
 from __future__ import annotations
 
 import argparse
-import math
 import re
 import textwrap
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.options import configure_with
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.units import beside
 
 if TYPE_CHECKING:
-    from trackmarshal.backends.reference.evaluator import Reference
     from trackmarshal.evaluation import Evaluator
-    from trackmarshal.ir import nodes as ir
-    from trackmarshal.runtime.verdict import RuleResult
+    from trackmarshal.scenarios.recording import Recording
 
 CODES = {
     "E441": ("unknown code", "`explain` takes a code as messages show it: a letter and three digits, such as E301."),
@@ -69,117 +66,63 @@ def _code(code: str) -> int:
 
 
 def _verdict(args: argparse.Namespace) -> int:
-    from trackmarshal.backends.reference.evaluator import Reference
-    from trackmarshal.backends.results import outcome, rule_result
+    from trackmarshal.backends.over_run.program import remembers
     from trackmarshal.cli.replay import default_spec, evaluator_for, overruled
     from trackmarshal.scenarios import load
     from trackmarshal.scenarios.replay import known_tables
-    from trackmarshal.scenarios.supervised import frame_at
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
     settings = [Path(p) for p in args.settings]
     recording = overruled(load(args.what), spec_path, settings)
-    evaluator = evaluator_for(
-        recording,
-        spec_path,
-        settings,
-        optional_project(args),
-        [args.rule],
-        "reference",
-    )
+    project = optional_project(args)
+    evaluator = evaluator_for(recording, spec_path, settings, project, [args.rule], "reference")
     place, cycle = min(enumerate(recording.cycles), key=lambda entry: abs(entry[1].t - args.at))
     if not abs(cycle.t - args.at) <= 1e-6:  # NaN too
         raise TrackmarshalError(
             "E442", f"no cycle at t = {args.at:g} s", help=f"the nearest is at {cycle.t:g} s"
         )
-    tables, _ = known_tables(recording, evaluator.spec)
-    frame = frame_at(recording, evaluator, tables, place)
-    for candidate in [args.candidate] if args.candidate else list(cycle.candidates):
+    candidates = [args.candidate] if args.candidate else list(cycle.candidates)
+    for candidate in candidates:
         recording.signals(cycle, candidate)  # refuses a candidate that is not there
-        case = frame.of(candidate)
-        values = Reference(evaluator.spec, case)
-        rule = evaluator.rules[0]
-        result = rule_result(rule, case, values, outcome(rule, case, values)[:2])
-        say(*_told(evaluator, result, values, f"{recording.name}, t = {cycle.t:g} s, {candidate}"))
+    tables, _ = known_tables(recording, evaluator.spec)
+    if remembers(evaluator.rules[0]):
+        # What was driven, which the others decide on too, is part of what is remembered.
+        every = evaluator_for(recording, spec_path, settings, project, None, "numpy")
+        found = _over_run(recording, every, tables, place, candidates, args.rule)
+    else:
+        found = _alone(recording, evaluator, tables, place, candidates)
+    for candidate, lines in found:
+        say(f"{recording.name}, t = {cycle.t:g} s, {candidate}", *lines)
     return 0
 
 
-def _told(evaluator: Evaluator, result: RuleResult, values: Reference, heading: str) -> list[str]:
-    """The verdict, the rule's text, the deciding comparison and every number in it."""
-    from trackmarshal.backends.witness import Descent
+def _alone(
+    recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int, candidates: Sequence[str]
+) -> Iterator[tuple[str, list[str]]]:  # fmt: skip
+    from trackmarshal.backends.reference.evaluator import Reference
+    from trackmarshal.backends.results import outcome, rule_result
+    from trackmarshal.explaining.telling import told
+    from trackmarshal.scenarios.supervised import frame_at
 
-    rule = evaluator.rules[0]
-    lines = [
-        heading,
-        f"{rule.name}: {rule.title}",
-        f"  {result.verdict}, margin {beside(result.margin, result.unit, result.shown, 9)}",
-    ]
-    lines.append(
-        f"  satisfies {', '.join(name for name, _ in rule.satisfies) or 'nothing'}; declared at {rule.span}"
-    )
-    if result.reason:
-        lines.append(f"  {result.reason}")
-    descent = Descent(values)
-    witness = (
-        None if rule.formula is None or values.frame.unusable(rule.reads) else descent.find(rule.formula)
-    )
-    if witness is None or descent.decisive is None:
-        return lines
-    node, env = descent.decisive
-    if witness.binders:
-        lines.append(
-            "  decided at " + ", ".join(f"{name} = {index}" for name, index in witness.binders.items())
-        )
-    if witness.span is not None:
-        lines.append(f"  by {witness.span}: {' '.join(witness.span.text.split())}")
-    lines += [f"    {text} = {shown}" for text, shown in _numbers(node, env, values)]
-    return lines
+    frame, rule = frame_at(recording, evaluator, tables, place), evaluator.rules[0]
+    for candidate in candidates:
+        case = frame.of(candidate)
+        values = Reference(evaluator.spec, case)
+        result = rule_result(rule, case, values, outcome(rule, case, values)[:2])
+        yield candidate, told(rule, result, values)
 
 
-def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[tuple[str, str]]:
-    """Both sides of a comparison, and each input, parameter and table value in them."""
-    from trackmarshal.ir import nodes as ir
+def _over_run(
+    recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int, candidates: Sequence[str], name: str
+) -> Iterator[tuple[str, list[str]]]:  # fmt: skip
+    from trackmarshal.backends.over_run.history import History
+    from trackmarshal.backends.over_run.keeping import past
+    from trackmarshal.explaining.telling import told_over_run
+    from trackmarshal.scenarios.supervised import run_until
 
-    rows: list[tuple[str, str]] = []
-    if isinstance(node, ir.Compare):
-        _, left, right = node.written
-        for name, side in (("left side", left), ("right side", right)):
-            rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
-    if isinstance(node, ir.SweptInside | ir.SweptClear):
-        rows.append(("swept", _way(node, env, values)))
-    leaves: dict[str, float] = {}
-    for part in ir.below(node):
-        if isinstance(part, ir.Column):
-            leaves[f"{part.axis.signal}[{max(0, env[part.axis.level] + part.offset)}].{part.field}"] = (
-                values.number(part, env)
-            )
-        elif isinstance(part, ir.Scalar):
-            leaves[f"{part.signal}.{part.field}"] = values.number(part, env)
-        elif isinstance(part, ir.Sample):
-            leaves[f"{part.signal}.{'first' if part.index == 0 else 'last'}.{part.field}"] = values.number(
-                part, env
-            )
-        elif isinstance(part, ir.Param):
-            leaves[part.name] = values.number(part, env)
-        elif isinstance(part, ir.Lookup):
-            leaves[f"{part.table}({_figure(values.number(part.argument, env))})"] = values.number(part, env)
-        elif isinstance(part, ir.Along):
-            ends = (part.start, part.end) if isinstance(part, ir.StationGap) else (part.x, part.y)
-            inside = ", ".join(_figure(values.number(end, env)) for end in ends)
-            leaves[f"{part.spoken} along {part.line.name} of ({inside})"] = values.number(part, env)
-    return rows + [(name, _figure(value)) for name, value in sorted(leaves.items())]
-
-
-def _way(node: ir.SweptInside | ir.SweptClear, env: dict[int, int], values: Reference) -> str:
-    """What is taken for swept: straight, or along a curve, and what is added to that."""
-    if not node.bend:
-        return "the footprint" if node.start == node.end else "the straight hull of two footprints"
-    curve = values.curve(node, env)
-    if curve is None:
-        return "along a curve of which a number is missing"
-    pieces = len(curve.poses) - 1
-    return f"along a curve, in {pieces} piece{'s' * (pieces > 1)}, and {_figure(curve.more)} m around {'them' if pieces > 1 else 'it'}"
-
-
-def _figure(value: float) -> str:
-    return f"{value:.9g}" if math.isfinite(value) else str(value)
+    judged, before, missing = run_until(recording, evaluator, tables, place)
+    number = [rule.name for rule in evaluator.rules].index(name)
+    for candidate in candidates:
+        this = past(evaluator.spec, judged.about.of(candidate), missing)
+        result = judged.rated[candidate].explain(number, False)
+        yield candidate, told_over_run(evaluator.rules[number], result, History([*before, this]))

@@ -22,20 +22,42 @@ class Lowered(Node):
     names: tuple[Called, ...] = ()
 
 
-class _Level(Node):
-    """A clause that the condition stands under: its axis, and its guard, both where it has them."""
+class Level(Node):
+    """A clause that the condition stands under: its axis, and its guard, both where it has them; and what is left out of its range."""
 
     clause: typed.Along | typed.Whenever | typed.ForEach
     axis: ir.Axis | None
     guard: ir.Formula | None
     #: Of all for which the guard holds, the clause is about the one of which this is least.
     by: ir.Num | None = None
+    excepted: tuple[tuple[typed.Except, ir.Formula], ...] = ()
+
+    def range(self, lowering: Lowering) -> ir.Formula | None:
+        """What holds of those that it is about, but for `by`; None: it is about all."""
+        allowed = self.guard
+        for _, condition in self.excepted:
+            other = lowering.make(ir.Not, condition)
+            allowed = other if allowed is None else lowering.make(ir.Connective, "and", allowed, other)
+        return allowed
 
 
 def lower_rule(rule: typed.Rule, interner: ir.Interner) -> Lowered:
     """The core of a rule."""
     lowering = Lowering(interner)
-    levels: list[_Level] = []
+    levels, body = _clauses(rule, lowering)
+    # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
+    levels.sort(key=lambda level: not isinstance(level.clause, typed.Along))
+    core = _nested(levels, body, lowering)
+    return Lowered(core.formula, core.active, core.along, tuple(lowering.names.values()))
+
+
+def levels_of(rule: typed.Rule) -> list[Level]:
+    """The clauses that a rule's condition stands under, as written, each with its core: for whoever tells where the rule applies."""
+    return _clauses(rule, Lowering(ir.Interner()))[0]
+
+
+def _clauses(rule: typed.Rule, lowering: Lowering) -> tuple[list[Level], ir.Formula]:
+    levels: list[Level] = []
     body: ir.Formula | None = None
     deadline: typed.Deadline | None = None
     for clause in rule.clauses:
@@ -44,41 +66,36 @@ def lower_rule(rule: typed.Rule, interner: ir.Interner) -> Lowered:
                 lowering.bind(clause.value, None)
                 lowering.named(clause.value, clause.name)
             case typed.Along():
-                levels.append(_Level(clause, lowering.things.axis(clause.range), None))
+                levels.append(Level(clause, lowering.things.axis(clause.range), None))
             case typed.Whenever():
-                levels.append(_Level(clause, None, lowering.formula(clause.condition)))
+                levels.append(Level(clause, None, lowering.formula(clause.condition)))
             case typed.ForEach():
                 guard = None if clause.where is None else lowering.formula(clause.where)
                 by = None if clause.by is None else lowering.number(clause.by)
-                levels.append(_Level(clause, lowering.things.axis(clause.range), guard, by))
+                levels.append(Level(clause, lowering.things.axis(clause.range), guard, by))
             case typed.Except():
                 place, level = next((i, one) for i, one in enumerate(levels) if one.clause is clause.of)
-                allowed: ir.Formula = interner.make(ir.Not, lowering.formula(clause.condition))
-                if level.guard is not None:
-                    allowed = interner.make(ir.Connective, "and", level.guard, allowed)
-                levels[place] = _Level(level.clause, level.axis, allowed, level.by)
+                excepted = (*level.excepted, (clause, lowering.formula(clause.condition)))
+                levels[place] = Level(level.clause, level.axis, level.guard, level.by, excepted)
             case typed.Deadline():
                 deadline = clause
             case typed.Require():
                 body = lowering.formula(clause.condition)
                 if deadline is not None:
                     window = (0, nanoseconds(deadline.seconds))
-                    body = interner.make(ir.OverRun, "eventually", (body,), *window, False, deadline.span)
+                    body = lowering.make(ir.OverRun, "eventually", (body,), *window, False, deadline.span)
             case _:
                 assert_never(clause)
     assert body is not None
-    # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
-    levels.sort(key=lambda level: not isinstance(level.clause, typed.Along))
-    core = _nested(levels, body, lowering)
-    return Lowered(core.formula, core.active, core.along, tuple(lowering.names.values()))
+    return levels, body
 
 
-def _nested(levels: list[_Level], body: ir.Formula, lowering: Lowering) -> Lowered:
+def _nested(levels: list[Level], body: ir.Formula, lowering: Lowering) -> Lowered:
     make = lowering.make
     active: ir.Formula | None = None
     along: ir.Axis | None = None
     for level in reversed(levels):
-        clause, axis, guard = level.clause, level.axis, level.guard
+        clause, axis, guard = level.clause, level.axis, level.range(lowering)
         match clause:
             case typed.ForEach():
                 assert axis is not None

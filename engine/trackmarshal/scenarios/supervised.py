@@ -7,6 +7,8 @@ from dataclasses import replace
 from itertools import islice
 from typing import Any
 
+from trackmarshal.backends.over_run.history import Past
+from trackmarshal.backends.over_run.keeping import Keeping
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
@@ -88,6 +90,26 @@ def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, An
     for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1):
         frame = door.admit(-1, cycle, cycle.t).frame  # what came before counts
     return shown(frame)
+
+
+def run_until(
+    recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int
+) -> tuple[Judged, list[Past], int]:
+    """What rules say of a cycle, by its place in the recording, the cycles before it, and how many are missing after the last of those."""
+    check_track(recording, evaluator)
+    clock = _Clock()
+    supervisor = rulebox(evaluator, recording.params, tables).supervisor(
+        Limits.open_loop(evaluator.spec), clock.read
+    )
+    kept = supervisor.program = Keeping(supervisor.program)
+    steps = _in_step(
+        supervisor, clock, islice(cycles(recording, further_names(recording, evaluator)), place + 1)
+    )
+    for _ in islice(steps, place):
+        pass
+    before, missing = list(kept.cycles), kept.missed_since
+    _, judged, _ = next(steps)
+    return judged, before, missing
 
 
 def _in_step(

@@ -56,6 +56,8 @@ class Element:
     final: bool = True
     #: How many cycles this may be: of a gap, those that were missed.
     cycles: int = 1
+    #: The cycle's place; None of a gap, of what is to come, and of what is no longer there.
+    place: int | None = None
 
 
 parts_of = cache(parts)
@@ -112,7 +114,7 @@ class History:
                 return self._counted(node, k, ids)
             case ir.InState():
                 # What its guards say is settled in their own cycles: they look back alone.
-                return Known(is_in(self._possible(node.machine, k, ids), node.state), True)
+                return Known(is_in(self.possible(node.machine, k, ids), node.state), True)
             case ir.Not():
                 operand = self.value(node.operand, k, ids)
                 return Known(negate(operand.value), operand.final)
@@ -149,7 +151,7 @@ class History:
 
     def _over_run(self, node: ir.OverRun, k: int, ids: Ids) -> Known:
         """From cycle k outwards: what the window holds, and of `since` and `until` what has to hold on the way there."""
-        given = list(self._elements(node, k, ids))
+        given = list(self.elements(node, k, ids))
         value, held = FALSE, TRUE
         match node.op:
             case "once" | "eventually":
@@ -173,7 +175,7 @@ class History:
 
     def _counted(self, node: ir.Counted, k: int, ids: Ids) -> Known:
         """From cycle k backwards, up to the last one in which the count starts anew: that it surely does, or that it may."""
-        given = list(self._elements(node, k, ids))
+        given = list(self.elements(node, k, ids))
         sure = possible = 0
         surely_on = possibly_on = True
         for element in given:
@@ -186,7 +188,7 @@ class History:
         limit = self.cycles[k].number(node.limit)
         return Known(compared(node, Range(sure, possible), limit), all(element.final for element in given))
 
-    def _possible(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
+    def possible(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
         """What a machine may be in after cycle k: from the first cycle of its life on, cycle by cycle."""
         members = self._members(machine, ids, k)[0]
         possible = begun(machine, self.cycles[members[0]].t)
@@ -207,7 +209,7 @@ class History:
     def _recalled(self, node: ir.Formula, k: int, ids: Ids) -> Truth:
         now = self._now(k)
         known = {
-            one: kept(one.machine, one.name, self._possible(one.machine, k, ids), now.t)
+            one: kept(one.machine, one.name, self.possible(one.machine, k, ids), now.t)
             for one in recalled_of(node)
         }
         return now.recalled(node, _named(node, ids), known)
@@ -232,7 +234,7 @@ class History:
                 found[node, key] = self.value(node, last, ids).value
         return found
 
-    def _elements(self, node: ir.Remembered, k: int, ids: Ids) -> Iterator[Element]:
+    def elements(self, node: ir.Remembered, k: int, ids: Ids) -> Iterator[Element]:
         """What there is from cycle k outwards, as far as the window reaches: cycles, gaps between them, and what is to come."""
         lower, upper = node.lower or 0, math.inf if node.upper is None else node.upper
         t = self.cycles[k].t
@@ -249,9 +251,8 @@ class History:
                 self.value(operand, this, {axis.level: ids[axis.level] for axis in sets_of(operand)})
                 for operand in node.operands
             ]
-            yield Element(
-                tuple(one.value for one in known), low <= now <= high, all(one.final for one in known)
-            )
+            final = all(one.final for one in known)
+            yield Element(tuple(one.value for one in known), low <= now <= high, final, place=this)
             if following is None:
                 break
             between = range(this, following, -1) if node.past else range(this + 1, following + 1)

@@ -48,20 +48,22 @@ class Now:
         """A number of this cycle, for elements of the sets that its variables are of; NaN where it has none."""
         if self.frame.unusable(reads(node)) is not None:
             return math.nan
-        return self._reference({}).number(node, self._env(node, ids))
+        return self.reference({}).number(node, self.env(node, ids))
 
     def recalled(self, node: ir.Formula, ids: tuple[str, ...], kept: Mapping[ir.Kept, float]) -> Truth:
         """The value of a formula about this cycle, and about numbers that state machines keep."""
         if self.frame.unusable(reads(node)) is not None:
             return UNDEFINED
-        return self._reference(kept).truth(node, self._env(node, ids))
+        return self.reference(kept).truth(node, self.env(node, ids))
 
-    def _reference(self, kept: Mapping[ir.Kept, float]) -> Reference:
+    def reference(self, kept: Mapping[ir.Kept, float]) -> Reference:
+        """The values of this cycle's nodes, given the numbers that state machines keep."""
         from trackmarshal.backends.reference.evaluator import Reference
 
         return Reference(self.values.spec, self.frame, kept)
 
-    def _env(self, node: ir.Formula | ir.Num, ids: tuple[str, ...]) -> dict[int, int]:
+    def env(self, node: ir.Formula | ir.Num, ids: tuple[str, ...]) -> dict[int, int]:
+        """What the variables of a node stand for, as places in this cycle."""
         return {axis.level: self.ids[axis.signal].index(name) for axis, name in zip(sets(node), ids)}
 
     def number(self, node: ir.Num) -> float:
@@ -74,7 +76,7 @@ class Now:
     def _leaf(self, node: ir.Formula, ids: tuple[str, ...]) -> Truth:
         if self.frame.unusable(reads(node)) is not None:
             return UNDEFINED
-        return self.values.truth(node, self._env(node, ids))
+        return self.values.truth(node, self.env(node, ids))
 
 
 def happening(frame: Frame, values: CaseValues) -> Now:

@@ -1,0 +1,1 @@
+"""Why a rule said what it said, in words and numbers: in one cycle, and over a run."""

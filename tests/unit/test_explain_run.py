@@ -1,0 +1,155 @@
+"""`explain` of rules over the run: which cycles, which comparison, which numbers; and of a rule that does not apply, what left it nothing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from support.project import run_command
+
+SPEC = """module town
+
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+signal objects : set of object { x: m, y: m, heading: rad, v: m/s }
+event emergency "the candidate is the emergency trajectory"
+
+param near : m = 12 m
+define gap(o: moving) -> m = abs(o.x - ego.x)
+
+state mood : { calm, hasty } starts calm
+  becomes hasty from calm when ego.v > 24 m/s
+    remember pace = ego.v
+  becomes calm from hasty when ego.v < 12 m/s
+
+rule brake "After 20 m/s, the car is below 15 m/s within half a second"
+  whenever  rising(ego.v > 20 m/s)
+  within    0.5 s
+  require   ego.v <= 15 m/s
+
+rule grace "Whoever came near has 0.3 s"
+  for all   o in objects where o.v > 1 m/s
+  except    once[0 s, 0.3 s] falling(gap(o) >= near) "it has only just come so near"
+  require   gap(o) >= near
+
+rule steady "No jump in the last second"
+  require   historically[0 s, 1 s] ego.v <= 23 m/s
+
+rule kept "Held since the last slow cycle"
+  require   ego.v <= 22 m/s since ego.v <= 18 m/s
+
+rule seldom "Fast in two cycles at most"
+  require   count(ego.v > 20 m/s, last: 1 s) <= 2
+
+rule in_state "Never hasty"
+  require   mood is calm
+
+rule pace "What is remembered"
+  whenever  mood is hasty
+  require   mood.pace <= 20 m/s
+
+rule before "Slower than 3 m/s the cycle before"
+  require   previous ego.v <= 3 m/s
+
+rule slow "Only in an emergency"
+  whenever  emergency
+  require   once plan.last.v <= 1 m/s
+"""
+#: The car's speed in each cycle of 0.1 s; the other car comes nearer by 2 m in each.
+SPEEDS = [15, 16, 17, 21, 22, 23, 24, 25, 19, 18, 17, 16]
+
+
+@pytest.fixture
+def explain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    monkeypatch.chdir(tmp_path)
+    Path("town.spec").write_text(SPEC)
+    lines: list[dict[str, Any]] = [
+        {"format": "trackmarshal-recording", "version": 1, "name": "made",
+         "track": {"left": [[-99, 5], [999, 5]], "right": [[-99, -5], [999, -5]]}}
+    ]  # fmt: skip
+    for k, v in enumerate(SPEEDS):
+        flat = {name: [0.0] * 2 for name in ("y", "heading", "kappa", "a")}
+        plan = {"t": [0.0, 1.0], "x": [0.0, 25.0], "v": [float(v), float(v)], **flat}
+        stop = {"t": [0.0, 4.0], "x": [0.0, 25.0], "v": [float(v), 0.0], **flat}
+        size = {"y": 9.0, "heading": 0.0, "length": 4.0, "width": 2.0}
+        others = [{"id": "red", "x": 20.0 - 2 * k, "v": 3.0, **size}]
+        others += [{"id": "parked", "x": 300.0, "v": 0.0, **size}]
+        ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": float(v)}
+        candidates = {"driving": plan, "emergency": stop}
+        lines.append({"t": round(0.1 * k, 1), "ego": ego, "objects": others, "candidates": candidates})
+    Path("run.tmrec.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+
+    def run(rule: str, at: float, candidate: str = "driving") -> str:
+        status, out, err = run_command(
+            "explain", "run.tmrec.jsonl", "--spec", "town.spec", "--rule", rule, "--at", f"{at:g}", "--candidate", candidate
+        )  # fmt: skip
+        assert status == 0, err
+        return out
+
+    return run
+
+
+def test_a_deadline_names_the_cycle_it_is_about_and_the_one_that_came_nearest(
+    explain: Callable[..., str],
+) -> None:
+    out = explain("brake", 0.8)
+    assert "violated, margin -4 m/s" in out
+    assert "about the cycle at 0.8 s: inactive" in out
+    assert "about the cycle at 0.3 s: violated, margin -4 m/s" in out
+    assert "the same in all 6 cycles from 0.3 s to 0.8 s, nearest to its limit at 0.8 s" in out
+    assert "ego.v <= 15 m/s" in out
+    assert "left side = 19 m/s" in out
+    assert "ego.v = 19" in out
+
+
+def test_what_is_open_says_so(explain: Callable[..., str]) -> None:
+    out = explain("brake", 0.5)
+    assert "about the cycle at 0.5 s: inactive" in out
+    assert "whenever rising(ego.v > 20 m/s): does not hold" in out
+    assert "violated" not in out
+
+
+def test_an_element_left_out_is_named_with_the_reason(explain: Callable[..., str]) -> None:
+    out = explain("grace", 0.6)
+    assert "inactive" in out
+    assert "red: left out, it has only just come so near" in out
+    assert "parked: its `where` does not hold" in out
+
+
+def test_what_definitions_came_to(explain: Callable[..., str]) -> None:
+    out = explain("grace", 0.9)
+    assert "decided at o = red" in out
+    assert "gap = 2" in out
+    assert "town.near = 12" in out
+
+
+@pytest.mark.parametrize(
+    ("rule", "at", "expected"),
+    [
+        ("steady", 1.1, ["historically[0 s, 1 s] ego.v <= 23 m/s: by the cycle at 0.7 s", "ego.v = 25"]),
+        ("steady", 0.2, ["the same in all 3 cycles from 0 s to 0.2 s, nearest to its limit at 0.2 s", "ego.v = 17"]),
+        ("kept", 0.4, ["since ego.v <= 18 m/s: by the cycle at 0.4 s", "ego.v <= 22 m/s", "ego.v = 22"]),
+        ("kept", 0.6, ["by the cycle at 0.6 s", "ego.v = 24"]),
+        ("seldom", 0.6, ["4 (0.3 s, 0.4 s, 0.5 s, 0.6 s), to be compared with 2"]),
+        ("in_state", 0.9, ["mood at 0.9 s: hasty for 0.2 s"]),
+        ("pace", 0.9, ["mood.pace = 25", "left side = 25 m/s"]),
+        ("before", 0.0, ["previous ego.v <= 3 m/s: there is no such cycle"]),
+        ("before", 0.1, ["previous ego.v <= 3 m/s: by the cycle at 0 s", "ego.v = 15"]),
+        ("slow", 0.3, ["whenever emergency: does not hold"]),
+    ],
+)  # fmt: skip
+def test_each_operator(explain: Callable[..., str], rule: str, at: float, expected: list[str]) -> None:
+    out = explain(rule, at)
+    for text in expected:
+        assert text in out, out
+
+
+def test_every_rule_at_every_cycle_says_something(explain: Callable[..., str]) -> None:
+    for rule in ("brake", "grace", "steady", "kept", "seldom", "in_state", "pace", "before", "slow"):
+        for k in range(0, len(SPEEDS), 3):
+            for candidate in ("driving", "emergency"):
+                assert f"{rule}: " in explain(rule, 0.1 * k, candidate)
