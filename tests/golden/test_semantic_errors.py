@@ -27,6 +27,7 @@ from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.node import Node
 from trackmarshal.semantics import (
+    arguments,
     calls,
     compile,
     errors,
@@ -136,7 +137,7 @@ class Site(Node):
 _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
     *(
         (module, frozenset(vars(errors)))
-        for module in (calls, compile, expressions, modules, rulebooks, rules, scope, states)
+        for module in (arguments, calls, compile, expressions, modules, rulebooks, rules, scope, states)
     ),
     (cases, frozenset({*vars(test_errors), "fail"})),
 )

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, assert_never
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.operators import FUNCTIONS, Dimensions, known
+from trackmarshal.semantics.arguments import counted, given, in_order
 from trackmarshal.semantics.errors import (
     Recursive,
     TooLarge,
@@ -87,12 +89,10 @@ def call(
     """A call of anything by its name; infix: `a f b`."""
     if function == COUNT and COUNT not in ctx.scope.names():
         return _count_of_cycles(self, args, names, span, ctx)
-    if any(names):
-        self.fail(
-            UnknownReference(
-                span, "named arguments are for the builders of tests", "write the arguments in order"
-            )
-        )
+    meant = ctx.scope.find(function)
+    if any(names) and (meant is None or not isinstance(meant.item, ast.Define)):
+        problem = "named arguments are for definitions and the builders of tests"
+        self.fail(UnknownReference(span, problem, "write the arguments in order"))
     if function not in ctx.scope.names():
         if function in FUNCTIONS:
             return _numeric(self, function, args, span, ctx)
@@ -100,17 +100,24 @@ def call(
             return _special(self, function, args, span, ctx)
     at = _name_of_call(function, args, span)
     found, item = _declared(self, function, args, at, ctx)
-    wanted = 1 if isinstance(item, ast.Table) else len(item.parameters)
-    fits = len(args) == wanted
-    if not fits:
-        comma, declared = decimal_comma(*(arg.__dict__["span"] for arg in args)), item.span.head
-        self.found.append(WrongArity(at, function, _count(wanted), _given(len(args)), declared, comma))
-    values = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
-    if not fits:
+    comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
+    if isinstance(item, ast.Define):
+        placed = in_order(self, item, args, names, at, comma)
+    elif len(args) == 1:
+        placed = list(args)
+    else:
+        self.found.append(WrongArity(at, function, counted(1), given(len(args)), item.span.head, comma))
+        placed = None
+    values = {
+        id(arg): value for arg, value in zip(args, self.all(*(partial(self.value, arg, ctx) for arg in args)))
+    }
+    if placed is None:
         raise Poison
+    ordered = [None if arg is None else values[id(arg)] for arg in placed]
     if isinstance(item, ast.Table):
-        return _table(self, found, item, values, span)
-    return expand(self, found, item, values, infix, span, ctx)
+        assert ordered[0] is not None
+        return _table(self, found, item, [ordered[0]], span)
+    return expand(self, found, item, ordered, infix, span, ctx)
 
 
 def _count_of_cycles(
@@ -170,12 +177,12 @@ def expand(
     self: Expressions,
     symbol: typed.Symbol,
     item: ast.Define,
-    args: list[typed.Value],
+    args: Sequence[typed.Value | None],
     infix: bool,
     span: Span,
     ctx: Context,
 ) -> typed.Number | typed.Formula:
-    """A definition written out with its arguments in place of its parameters."""
+    """A definition written out with its arguments in place of its parameters; None: the parameter's default."""
     if symbol.qualified in ctx.stack:
         cycle = " -> ".join(
             q.rpartition(".")[2] for q in (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified)
@@ -188,8 +195,29 @@ def expand(
     self.expansions += 1
     if self.expansions > MOST_EXPANSIONS:
         self.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
-    bound = self.all(*(lambda p=p, v=v: _argument(self, p, v) for p, v in zip(item.parameters, args)))
-    return _body(self, symbol, item, (tuple(args), tuple(bound)), infix, span, ctx)
+    inner = _inside(self, symbol, {}, span, ctx)
+    given_ = self.all(
+        *(
+            partial(_default, self, p, inner) if v is None else lambda v=v: v
+            for p, v in zip(item.parameters, args)
+        )
+    )
+    bound = self.all(*(partial(_argument, self, p, v) for p, v in zip(item.parameters, given_)))
+    return _body(self, symbol, item, (tuple(given_), tuple(bound)), infix, span, ctx)
+
+
+def _default(self: Expressions, parameter: ast.Parameter, inner: Context) -> typed.Value:
+    """What a parameter is where nothing is given: it sees what the definition's module sees, and no other parameter."""
+    assert parameter.default is not None
+    return self.value(parameter.default, inner)
+
+
+def _inside(
+    self: Expressions, symbol: typed.Symbol, local: dict[str, Local], span: Span, ctx: Context
+) -> Context:
+    """Where the body of a definition stands that is called from a context."""
+    scope, stack = self.scopes[symbol.module], (*ctx.stack, symbol.qualified)
+    return type(ctx)(scope, local, ctx.level, ctx.timeline, ctx.site or span, stack)
 
 
 def _body(
@@ -204,8 +232,7 @@ def _body(
     """What a definition comes to with these arguments: as they are, and as its body sees them."""
     given, bound = args
     local = {p.name: value for p, value in zip(item.parameters, bound)}
-    scope = self.scopes[symbol.module]
-    inner = type(ctx)(scope, local, ctx.level, ctx.timeline, ctx.site or span, (*ctx.stack, symbol.qualified))
+    inner = _inside(self, symbol, local, span, ctx)
     if item.keyword == "predicate":
         return typed.CalledFormula(symbol, given, infix, self.formula(item.body, inner), span)
     value = self.number(item.body, inner)
@@ -222,7 +249,11 @@ def _body(
 
 
 def check_definition(self: Expressions, symbol: typed.Symbol, item: ast.Define, ctx: Context) -> None:
-    """Check the body of a definition that may never be called: nothing is given for its parameters."""
+    """Check the body of a definition that may never be called, and its defaults: nothing is given for its parameters."""
+    inner = _inside(self, symbol, {}, item.span, ctx)
+    for one in item.parameters:
+        if one.default is not None:
+            _argument(self, one, _default(self, one, inner))
     bound = tuple(_open(p) for p in item.parameters)
     _body(self, symbol, item, ((), bound), False, item.span, ctx)
 
@@ -285,8 +316,8 @@ def _numeric(
             WrongArity(
                 _name_of_call(function, args, span),
                 function,
-                least + _count(wanted),
-                _given(len(args)),
+                least + counted(wanted),
+                given(len(args)),
                 None,
                 decimal_comma(*(arg.__dict__["span"] for arg in args)),
             )
@@ -347,7 +378,7 @@ def _special(
     if not fits:
         at = _name_of_call(function, args, span)
         comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
-        self.found.append(WrongArity(at, function, wanted, _given(len(args)), None, comma))
+        self.found.append(WrongArity(at, function, wanted, given(len(args)), None, comma))
     if function in typed.EDGES:
         operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))
         if not fits:
@@ -492,14 +523,6 @@ def _length(self: Expressions, value: typed.Value) -> typed.Number:
             WrongDimension(span_of(value), None, "this argument", quantity(LENGTH), _spoken(value), hint)
         )
     return value
-
-
-def _count(number: int) -> str:
-    return "no arguments" if number == 0 else "1 argument" if number == 1 else f"{number} arguments"
-
-
-def _given(number: int) -> str:
-    return f"{number} given" if number else "none given"
 
 
 _LITERAL = re.compile(r"([-−]?\s*[0-9.]+(?:[eE][+-]?[0-9]+)?)\s*(\S*)")

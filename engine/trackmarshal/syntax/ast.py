@@ -437,10 +437,11 @@ class Place(Item):
 
 
 class Parameter(Node):
-    """A parameter of a definition: a unit (number), a record shape, or a kind of signal."""
+    """A parameter of a definition: a unit (number), a record shape, or a kind of signal; and what it is where nothing is given."""
 
     name: str
     type: str
+    default: Expr | None = None
     span: Span = NOWHERE
 
 

@@ -151,7 +151,7 @@ class Builder:
         return ast.Place("line", spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))
 
     def parameter(self, meta: Meta, c: list[Any]) -> ast.Parameter:
-        return ast.Parameter(spelled(c[0]), plain_unit(c[1]), self._span(meta))
+        return ast.Parameter(spelled(c[0]), plain_unit(c[1]), c[2], self._span(meta))
 
     def parameters(self, meta: Meta, c: list[Any]) -> tuple[ast.Parameter, ...]:
         return tuple(c)

@@ -112,7 +112,7 @@ class Layout:
     def _define(self, item: ast.Define, columns: Columns) -> str:
         head = f"{item.keyword} {self._n.name(item.name)}"
         if item.parameters:
-            parameters = [(f"{self._n.name(p.name)}: {self._n.unit(p.type)}", None) for p in item.parameters]
+            parameters = [(self._parameter(p), None) for p in item.parameters]
             head += f"({self._w.fill(parameters, len(head) + 1, len(head) + 1, 12)})"
         head += " =" if item.result is None else f" -> {self._n.unit(item.result)} ="
         level = SUM if item.keyword == "define" else EXPRESSION
@@ -120,6 +120,10 @@ class Layout:
         if end_column(head, 0) + 1 + len(flat) <= WIDTH:
             return f"{head} {flat}"
         return f"{head}{new_line(2)}{self._w.lay(item.body, level, 2)}"
+
+    def _parameter(self, one: ast.Parameter) -> str:
+        text = f"{self._n.name(one.name)}: {self._n.unit(one.type)}"
+        return text if one.default is None else f"{text} = {self._n.expr(one.default, SUM)}"
 
     # Declarations that hold lists -----------------------------------------------------------------------------
 

@@ -285,9 +285,9 @@ def _definitions() -> SearchStrategy[ast.Define]:
     shapes = st.sampled_from(
         ["point", "pose", "moving", "body", "vehicle", "trajectory", "corridor", "polyline"]
     )
-    parameters = st.lists(st.builds(ast.Parameter, names(), st.one_of(units(), shapes)), max_size=4).map(
-        tuple
-    )
+    defaults = st.one_of(st.none(), expressions(1))
+    one = st.builds(ast.Parameter, names(), st.one_of(units(), shapes), defaults)
+    parameters = st.lists(one, max_size=4).map(tuple)
     result = st.one_of(st.none(), units())
     return st.one_of(
         st.builds(ast.Define, st.just("define"), names(), parameters, result, expressions()),
