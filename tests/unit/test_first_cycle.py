@@ -1,8 +1,10 @@
-"""Inline tests of rules over the run."""
+"""Inline tests of rules over the run: their first cycle, and those after it."""
 
 from __future__ import annotations
 
 from pathlib import Path
+
+import pytest
 
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing.cases import prepare
@@ -31,3 +33,47 @@ test near "far enough"
     tests, found = prepare(compiled)
     assert (compiled.found, found) == ((), [])
     assert [(o.outcome, o.message) for o in run_tests(compiled.spec, tests)] == [("passed", "")] * 2
+
+
+LATER = """module later
+signal ego : state { v: m/s }
+signal objects : set of object { x: m }
+event yellow "a yellow flag is shown"
+rule lasts "A flag counts for five seconds"
+  whenever  once[0 s, 5 s] yellow
+  require   ego.v <= 30 m/s
+rule soon "Slow within two seconds"
+  whenever  rising(yellow)
+  within    2 s
+  require   ego.v <= 30 m/s
+rule far "Never nearer than 3 m"
+  for all   o in objects
+  require   historically o.x >= 3 m
+"""
+BEGIN = "  given  yellow = true\n  given  ego = { v: 20 m/s }\n"
+FAST = "  given  yellow = false\n  given  ego = { v: 31 m/s }\n"
+
+
+@pytest.mark.parametrize(
+    ("rule", "steps", "expected"),
+    [
+        ("lasts", f"{BEGIN}  after  5 s\n{FAST}", "violated, margin -1 m/s"),
+        ("lasts", f"{BEGIN}  after  5.001 s\n{FAST}", "inactive"),
+        ("lasts", f"{BEGIN}  after  2.5 s\n  after  2.5 s\n{FAST}", "violated, margin -1 m/s"),
+        ("lasts", f"{BEGIN}  after  1 s\n{FAST}  after  1 s\n  given  ego = {{ v: 29 m/s }}\n", "satisfied, margin 1 m/s"),
+        ("soon", f"{BEGIN.replace('20', '40')}", "open"),
+        ("soon", f"{BEGIN.replace('20', '40')}  after  1 s\n  after  1.001 s\n", "violated, margin -10 m/s"),
+        ("soon", f"{BEGIN.replace('20', '40')}  after  1 s\n  given  ego = {{ v: 20 m/s }}\n", "satisfied, margin 10 m/s"),
+        ("far", "  given  objects = [{ x: 2 m }]\n  after  1 s\n  given  objects = [{ x: 5 m }]\n", "violated, margin -1 m"),
+        ("far", "  given  objects = [{ x: 2 m }]\n  after  1 s\n  given  objects = []\n  after  1 s\n  given  objects = [{ x: 5 m }]\n",
+         "satisfied, margin 2 m"),
+    ],
+)  # fmt: skip
+def test_cycles_after_the_first_one(tmp_path: Path, rule: str, steps: str, expected: str) -> None:
+    path = tmp_path / "later.spec"
+    for said, outcome in ((expected, "passed"), ("undefined", "failed")):
+        path.write_text(f'{LATER}test {rule} "x"\n{steps}  expect {said}\n', "utf-8")
+        compiled = compile_paths([path])
+        tests, found = prepare(compiled)
+        assert (compiled.found, found) == ((), [])
+        assert [one.outcome for one in run_tests(compiled.spec, tests)] == [outcome], (said, *tests)

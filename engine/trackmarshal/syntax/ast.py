@@ -547,6 +547,13 @@ class Given(Node):
     span: Span = NOWHERE
 
 
+class After(Node):
+    """`after 3 s`: the next cycle of a run, so long after the one before; what is given below is new in it, everything else stays."""
+
+    time: Expr
+    span: Span = NOWHERE
+
+
 class Expect(Node):
     """`expect satisfied, margin about 4784 N within 1 N, at p = 3`."""
 
@@ -559,11 +566,11 @@ class Expect(Node):
 
 
 class Test(Item):
-    """A worked case of one rule."""
+    """A worked case of one rule: what is given, cycle by cycle, and what is expected in the last one."""
 
     rule: str
     title: str
-    givens: tuple[Given, ...]
+    steps: tuple[Given | After, ...]
     expect: Expect
     span: Span = NOWHERE
 

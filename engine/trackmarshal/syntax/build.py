@@ -276,6 +276,9 @@ class Builder:
     def given(self, meta: Meta, c: list[Any]) -> ast.Given:
         return ast.Given(spelled(c[0]), c[1], c[2] or (), self._span(meta))
 
+    def after(self, meta: Meta, c: list[Any]) -> ast.After:
+        return ast.After(c[0], self._span(meta))
+
     def with_changes(self, meta: Meta, c: list[Any]) -> tuple[ast.Change, ...]:
         return tuple(c)
 

@@ -19,7 +19,7 @@ CLAUSES = {
         "along", "whenever", "within", "monitor",
     ),
     "state": ("becomes", "remember"),
-    "test": ("given", "expect"),
+    "test": ("given", "after", "expect"),
 }  # fmt: skip
 
 #: Words of expressions.

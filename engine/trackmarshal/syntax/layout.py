@@ -287,8 +287,11 @@ class Layout:
 
     def _test(self, item: ast.Test, columns: Columns) -> Laid:
         pieces = [Piece(self._titled("test", item.rule, item.title), 0)]
-        pieces += [_placed(self._given(given), given) for given in item.givens]
+        pieces += [_placed(self._step(step), step) for step in item.steps]
         return Laid([*pieces, _placed(self._expect(item.expect), item.expect)])
+
+    def _step(self, step: ast.Given | ast.After) -> str:
+        return f"after  {self._n.expr(step.time, SUM)}" if isinstance(step, ast.After) else self._given(step)
 
     def _given(self, given: ast.Given) -> str:
         start = f"given  {self._n.name(given.name)} = "

@@ -11,6 +11,7 @@ from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import margin_units
+from trackmarshal.ir.overrun import nanoseconds, over_run
 from trackmarshal.ir.spec import FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
@@ -29,7 +30,7 @@ from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfT
 from trackmarshal.testing.si import table_in_si
 from trackmarshal.units import NUMBER, Dimension, digits, in_full, parse_shown, parse_unit, quantity, show
 
-VERDICTS = ("satisfied", "violated", "undefined", "inactive")
+VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
 #: The units of the columns that builders make.
 _COLUMNS = {
     "t": "s",
@@ -44,12 +45,16 @@ _COLUMNS = {
 
 
 class PreparedTest(Node):
-    """A test ready to run: the rule, the case as plain data, and what is expected in SI."""
+    """A test ready to run: the rule, the case as plain data, and what is expected in SI.
+
+    later: of a test that goes on `after` its first cycle, the others: seconds since the first one, and all signals.
+    """
 
     rule: RuleInfo
     title: str
     #: In SI whatever the declared units are: for an evaluator of `spec_in_si`.
     case: dict[str, Any]
+    later: tuple[tuple[float, dict[str, Any]], ...]
     verdict: str
     margin: float | None
     tolerance: float
@@ -111,23 +116,48 @@ class _Preparation:
         """The test; None for one of a rule that has errors of its own, or no formula: what it gives is checked all the same."""
         case: dict[str, Any] = {"id": item.title, "signals": {}, "params": {}, "tables": {}, "places": {}}
         given: set[str] = set()
+        later: list[tuple[float, dict[str, Any]]] = []
 
-        def give(entry: ast.Given) -> None:
+        def give(entry: ast.Given | ast.After) -> None:
+            if isinstance(entry, ast.After):
+                given.clear()
+                t, before = later[-1] if later else (0.0, case["signals"])
+                later.append((t + self._after(entry, rule), dict(before)))
+                return
             if entry.name in given:
                 self.fail(entry.span, f"`{entry.name}` is given twice", "keep one of them")
             given.add(entry.name)
-            self._given(entry, case)
+            if not later:
+                self._given(entry, case)
+                return
+            now: dict[str, Any] = {"signals": later[-1][1], "params": {}, "tables": {}, "places": {}}
+            self._given(entry, now)
+            if now["params"] or now["tables"] or now["places"]:
+                self.fail(
+                    entry.span,
+                    f"`{entry.name}` stays as it is over a run",
+                    "give it before the first `after`",
+                )
 
         _, expect = self._x.all(
-            lambda: self._x.all(*(lambda e=entry: give(e) for entry in item.givens)),
+            lambda: self._x.all(*(lambda e=entry: give(e) for entry in item.steps)),
             lambda: self._expectation(item.expect, rule),
         )
         if rule is None or rule.formula is None:
             return None
         verdict, margin, tolerance, unit, binder, at = expect
         return PreparedTest(
-            rule, item.title, case, verdict, margin, tolerance, unit, binder, at, item.span.head
+            rule, item.title, case, tuple(later), verdict, margin, tolerance, unit, binder, at, item.span.head
         )
+
+    def _after(self, entry: ast.After, rule: RuleInfo | None) -> float:
+        """How long after the cycle before the next one comes [s]."""
+        if rule is not None and not over_run(rule.formula) and not over_run(rule.active):
+            self.fail(entry.span, f"`{rule.name}` speaks of one cycle alone", "a test for each cycle")
+        seconds = self._number(entry.time, "s", "the time of the next cycle")
+        if not (math.isfinite(seconds) and nanoseconds(seconds) > 0):
+            self.fail(_span(entry.time), "the next cycle comes later", "write a time above 0 s")
+        return seconds
 
     # What is given --------------------------------------------------------------------------------------------
 

@@ -15,7 +15,8 @@ class BadGiven(Diagnostic):
     explanation = (
         "`given NAME = VALUE` gives a signal, an event, a parameter, a table or a place that the test's module can see: builders "
         "(arc, line, ...), records `{ field: value }`, lists, and `with column[index] = value` to change what a builder made. Values "
-        "have the declared dimension. Every test of a rule has its own title."
+        "have the declared dimension. `after 3 s` begins the next cycle of a run, for rules that speak of more than one: signals and events may be given anew, "
+        "parameters, tables and places stay. Every test of a rule has its own title."
     )
 
     span: Span

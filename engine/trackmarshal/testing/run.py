@@ -67,8 +67,7 @@ def run_tests(
                 evaluators[key] = Evaluator(spec, [test.rule.name], backend)
             try:
                 evaluator = evaluators[key]
-                case = evaluator.read(_case(test))
-                result = next(iter(evaluator.evaluate([case]))).rules[test.rule.name]
+                result = _result(evaluator, test)
             except TrackmarshalError as error:
                 outcome, message = "error", f"{backend}: {error.message}"
                 break
@@ -79,16 +78,19 @@ def run_tests(
         yield Outcome(test, outcome, message)
 
 
-def _case(test: PreparedTest) -> dict[str, Any]:
-    """What a test gives; of a rule over the run it is the first and only cycle of one, whose elements are told apart by their numbers."""
+def _result(evaluator: Evaluator, test: PreparedTest) -> RuleResult:
+    """What the rule says in a test's case; of a rule over the run, in the last of its cycles."""
     if not remembers(test.rule):
-        return test.case
-    signals = {name: _named(value) for name, value in test.case["signals"].items()}
-    return {**test.case, "signals": signals, "t": 0.0}
+        return next(iter(evaluator.evaluate([evaluator.read(test.case)]))).rules[test.rule.name]
+    run = evaluator.over_run()
+    for t, signals in ((0.0, test.case["signals"]), *test.later):
+        named = {name: _named(value) for name, value in signals.items()}
+        result = run.step(evaluator.read({**test.case, "signals": named, "t": t}))
+    return result.rules[test.rule.name]
 
 
 def _named(value: Any) -> Any:
-    """The elements of a set with ids."""
+    """The elements of a set with ids: they are told apart by their places in the list."""
     if not isinstance(value, list):
         return value
     return [
