@@ -1,0 +1,138 @@
+"""The rulebook for duels: made-up races, in which cars come, go, pass and are passed; every evaluator says the same in every cycle."""
+
+from __future__ import annotations
+
+import math
+import os
+import random
+from collections import Counter
+from functools import cache
+from typing import Any
+
+import pytest
+
+from support.shared import REPOSITORY
+from trackmarshal.backends.c.build import compiler
+from trackmarshal.evaluation import Evaluator, load
+
+SPEC = REPOSITORY / "specs" / "rulebooks" / "racing.spec"
+RULES = ["one_move", "no_overtaking_under_yellow", "gives_back", "leaves_room"]
+STEP = 0.1
+#: Races in which every rule is kept, broken, and of no matter.
+TELLING = (10, 12, 14, 19)
+SEEDS = range(40) if os.environ.get("TRACKMARSHAL_OPTIMIZED") == "1" else TELLING
+
+
+@cache
+def evaluator(backend: str) -> Evaluator:
+    return Evaluator(load([SPEC]), RULES, backend)
+
+
+def ring(radius: float, width: float) -> dict[str, Any]:
+    turn = [2 * math.pi * i / 90 for i in range(90)]
+    left, right = (
+        [[r * math.cos(a), r * math.sin(a)] for a in turn] for r in (radius - width / 2, radius + width / 2)
+    )
+    return {"left": left, "right": right, "closed": True}
+
+
+def race(seed: int) -> list[dict[str, Any] | None]:
+    """Some seconds of a race on a ring: each car has a speed and a line that change; a flag is shown now and then; cycles get lost."""
+    r = random.Random(seed)
+    radius, width = r.choice([80.0, 300.0]), r.choice([9.0, 14.0])
+    track = ring(radius, width)
+    cars = [
+        {"id": name, "s": r.uniform(-15, 25), "d": r.uniform(-3, 3), "v": r.uniform(14, 26)} for name in "abc"
+    ]
+    me = {"s": 0.0, "d": 0.0, "v": r.choice([14.0, 26.0]), "across": 0.0}
+    flag: list[dict[str, float]] = []
+    cycles: list[dict[str, Any] | None] = []
+
+    def pose(s: float, d: float) -> dict[str, float]:
+        a = s / radius
+        return {
+            "x": (radius - d) * math.cos(a),
+            "y": (radius - d) * math.sin(a),
+            "heading": math.remainder(a + math.pi / 2, 2 * math.pi),
+        }
+
+    shown = r.random() < 0.8
+    for k in range(50):
+        if r.random() < 0.15:
+            me["across"] = r.choice([0.0, 0.0, 2.0, -2.0])
+        if r.random() < 0.01 or (shown and k == 0):
+            start = r.uniform(0, 6 * radius) if k else -0.5 * radius
+            flag = (
+                []
+                if flag
+                else [
+                    {
+                        "from": start % (2 * math.pi * radius),
+                        "to": (start + 2.5 * radius) % (2 * math.pi * radius),
+                    }
+                ]
+            )
+        me["v"] = max(5.0, me["v"] + r.uniform(-1.5, 1.5))
+        me["s"] += STEP * me["v"]
+        me["d"] = max(-3.0, min(3.0, me["d"] + STEP * me["across"]))
+        for car in cars:
+            car["v"] = max(5.0, car["v"] + r.uniform(-1.5, 1.5))
+            car["s"] += STEP * car["v"]
+        here = pose(me["s"], me["d"])
+        here["heading"] += math.atan2(me["across"], me["v"])
+        steps = [0.25 * i for i in range(9)]
+        plan = [pose(me["s"] + me["v"] * t, me["d"]) for t in steps]
+        there = [c for c in cars if r.random() > 0.002]
+        objects = [
+            {"id": c["id"], **pose(c["s"], c["d"]), "v": c["v"], "length": 4.7, "width": 2.0, "age": 0.0}
+            for c in there
+        ]
+        if r.random() < 0.01:
+            cycles.append(None)
+            continue
+        v = math.nan if r.random() < 0.02 else me["v"]
+        cycles.append(
+            {
+                "t": round(STEP * k, 3),
+                "params": {"rulebooks.racing.give_back": 0.2},
+                "signals": {
+                    "ego": {**here, "v": v, "age": 0.0}, "objects": objects, "track": track,
+                    "yellow_sectors": [{"id": str(n), **one} for n, one in enumerate(flag)],
+                    "plan": {
+                        "t": steps, "s": [me["v"] * t for t in steps], "v": [me["v"]] * 9, "a": [0.0] * 9, "kappa": [1 / radius] * 9,
+                        "grip": [1.0] * 9, **{name: [p[name] for p in plan] for name in ("x", "y", "heading")},
+                    },
+                },
+            }
+        )  # fmt: skip
+    return cycles
+
+
+def said(backend: str, cycles: list[dict[str, Any] | None]) -> list[list[tuple[str, str]]]:
+    one = evaluator(backend)
+    run, found = one.over_run(), []
+    for cycle in cycles:
+        if cycle is None:
+            run.missed()
+            continue
+        rules = run.step(one.read(cycle)).rules
+        found.append(
+            [(rules[n].verdict, "nan" if math.isnan(m := rules[n].margin) else float(m).hex()) for n in RULES]
+        )
+    return found
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_all_evaluators_say_the_same() -> None:
+    seen: Counter[str] = Counter()
+    for seed in SEEDS:
+        cycles = race(seed)
+        numpy = said("numpy", cycles)
+        assert said("c", cycles) == numpy
+        if seed == 12:
+            some = said("reference", cycles[:20])
+            assert some == numpy[: len(some)]
+        seen.update(f"{name} {verdict}" for row in numpy for name, (verdict, _) in zip(RULES, row))
+    for name in RULES:  # races in which nothing happens would show nothing
+        assert min(seen[f"{name} {verdict}"] for verdict in ("satisfied", "inactive")) >= 3, dict(seen)
+        assert seen[f"{name} violated"] >= 3, dict(seen)
