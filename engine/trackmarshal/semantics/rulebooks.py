@@ -75,7 +75,7 @@ class Rulebooks:
         """The rulebook that one builds on; None where there is none, or none that can be built on."""
         if item.base is None:
             return None
-        name, at = item.base.name, item.base.span.word(item.base.name)
+        name, at = item.base.name.name, item.base.name.span
         looked_up = self._scopes[module].look_up(name, at, "rulebook", set())
         match looked_up:
             case None:
@@ -135,7 +135,7 @@ class Rulebooks:
         for name, at in places.items():
             missing = next((rule for rule in known if rule not in ranks[name]), None)
             if name not in known and missing is not None:
-                self._found.append(RulebookNotRefined(at, base.span, name, base.name, missing))
+                self._found.append(RulebookNotRefined(at, base.span, name, base.name.name, missing))
                 return
 
 

@@ -515,7 +515,7 @@ class Base(Node):
     """`refines a` or `extends a`: the rulebook that another one builds on."""
 
     how: str
-    name: str
+    name: Name
     span: Span = NOWHERE
 
 
