@@ -11,6 +11,7 @@ from trackmarshal.rulebooks.choosing import Choice
 from trackmarshal.rulebooks.comparing import Comparison, Violations
 from trackmarshal.rulebooks.order import Order
 from trackmarshal.rulebooks.violation import UNKNOWN, Violation, violation, worst
+from trackmarshal.runtime.faults import FAULTS, Fault
 from trackmarshal.runtime.verdict import CaseResult
 
 CODES = {
@@ -20,6 +21,12 @@ CODES = {
         "A rulebook compares candidates of each of which every one of its rules says something, advisory ones included. Of a rule that was left out "
         "nothing is known, and of no candidate none can be chosen.",
     ),
+}  # fmt: skip
+
+#: Breaches of the input contract of which verdicts speak already: what reads them is undefined.
+_SPOKEN = {
+    FAULTS[name]
+    for name in ("missing", "wrong_type", "wrong_length", "too_short", "not_increasing", "not_finite", "bad_border")
 }  # fmt: skip
 
 #: What is said of a candidate: of one case, of the cycles of a run, or by rule its verdict and its margin in SI.
@@ -35,7 +42,7 @@ class Outcomes(Sized, Protocol):
     @property
     def margins(self) -> Mapping[str, Sequence[float]]: ...
     @property
-    def faults(self) -> Mapping[int, object]: ...
+    def faults(self) -> Mapping[int, tuple[Fault, ...]]: ...
     @property
     def broken(self) -> Mapping[int, object]: ...
 
@@ -55,8 +62,8 @@ def choose(order: Order, candidates: Sequence[Candidate] | Outcomes) -> Choice:
 def violations(order: Order, candidate: Candidate) -> Violations:
     """By rule of a rulebook, the violation of a candidate; over a run, the worst of its cycles.
 
-    Of a candidate that breaks the input contract, or with parameters that break a constraint of the spec, rules say nothing that could be relied on: all of them count
-    as undefined. Raises TrackmarshalError E409 for a rule that was left out, and for a run of no cycles.
+    Where a candidate breaks the input contract and rules are evaluated all the same (a value outside its range), or where a constraint of the spec does not hold, they
+    say nothing that could be relied on: all of them count as undefined. Raises TrackmarshalError E409 for a rule that was left out, and for a run of no cycles.
     """
     if isinstance(candidate, CaseResult):
         return _of_case(order, candidate)
@@ -71,9 +78,14 @@ def violations(order: Order, candidate: Candidate) -> Violations:
 
 def _of_case(order: Order, result: CaseResult) -> Violations:
     _complete(order, result.rules)
-    if result.faults or result.broken:
+    if unreliable(result):
         return dict.fromkeys(order.rules, UNKNOWN)
     return {rule: violation(result.rules[rule].verdict, result.rules[rule].margin) for rule in order.rules}
+
+
+def unreliable(result: CaseResult) -> bool:
+    """Whether rules say of a case what cannot be relied on, and do not know it."""
+    return bool(result.broken) or any(str(fault).partition(" ")[0] not in _SPOKEN for fault in result.faults)
 
 
 def _of_batch(order: Order, batch: Outcomes) -> list[Violations]:
@@ -82,7 +94,10 @@ def _of_batch(order: Order, batch: Outcomes) -> list[Violations]:
         rule: [violation(str(v), float(m)) for v, m in zip(batch.verdicts[rule], batch.margins[rule])]
         for rule in order.rules
     }
-    unknown = batch.faults.keys() | batch.broken.keys()
+    unknown = {
+        place for place, faults in batch.faults.items() if any(fault.code not in _SPOKEN for fault in faults)
+    }
+    unknown |= batch.broken.keys()
     return [
         {rule: UNKNOWN if place in unknown else column[place] for rule, column in columns.items()}
         for place in range(len(batch))
