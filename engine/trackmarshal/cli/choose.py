@@ -15,17 +15,15 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.evaluate import declared_within, read_cases, refuse_over_run
 from trackmarshal.cli.options import choose_backend, choose_rules
-from trackmarshal.cli.output import dump, number, rule_json, say, table
+from trackmarshal.cli.output import dump, rule_json, say
+from trackmarshal.cli.preferring import choice_json, reasons, violations_json, violations_table, why
 from trackmarshal.cli.project import optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.units import written
 
 if TYPE_CHECKING:
     from trackmarshal.ir.spec import Spec
     from trackmarshal.rulebooks.choosing import Choice
-    from trackmarshal.rulebooks.comparing import Comparison
-    from trackmarshal.rulebooks.violation import Violation
-    from trackmarshal.runtime.verdict import CaseResult, RuleResult
+    from trackmarshal.runtime.verdict import CaseResult
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -91,105 +89,27 @@ def _check_names(names: Sequence[str], file: str) -> None:
 def _text(choice: Choice, names: Sequence[str], results: Sequence[CaseResult]) -> list[str]:
     from trackmarshal.rulebooks.candidates import unreliable
 
-    order = choice.order
-    title = f": {order.title}" if order.title else ""
-    rows = [
-        [
-            f"{rule} (advisory)" if results[0].rules[rule].advisory else rule,
-            *(
-                violation_text(violations[rule], result.rules[rule])
-                for violations, result in zip(choice.violations, results)
-            ),
-        ]
-        for rule in order.rules
-    ]
-    lines = [f"rulebook {order.name}{title}", *table(rows, ["violation of", *names])]
+    lines = violations_table(choice, names, [result.rules for result in results])
     for name, result in zip(names, results):
         lines += [f"{name}: input: {fault}" for fault in result.faults]
         lines += [f"{name}: constraint: {' '.join(text.split())}" for text in result.broken]
         if unreliable(result):
             lines.append(f"{name}: all rules count as undefined, since what they say cannot be relied on")
-    lines += _reasons(choice, names)
+    lines += reasons(choice, names)
     safe = "safe" if results[choice.chosen].safe else "UNSAFE"
-    why = (
-        "no other one beats it"
-        if choice.alone
-        else f"the first given of {len(choice.best)} that no other one beats"
-    )
-    return [*lines, f"chosen: {names[choice.chosen]} ({safe}), {why}"]
-
-
-def _reasons(choice: Choice, names: Sequence[str]) -> list[str]:
-    """Of each that is beaten, by whom; of the others, how the chosen one stands to them."""
-    from trackmarshal.rulebooks.comparing import EQUAL, WORSE
-
-    lines = []
-    for place, name in enumerate(names):
-        if place == choice.chosen:
-            continue
-        if place in choice.best:
-            said = choice.comparison(choice.chosen, place)
-            best = names[choice.chosen]
-            if said.outcome == EQUAL:
-                lines.append(f"{best} and {name} are equal")
-            else:
-                lines.append(f"{best} and {name} are incomparable: {_sides(said, best, name)}")
-            continue
-        winner = next(one for one in choice.best if choice.comparison(place, one).outcome == WORSE)
-        said = choice.comparison(winner, place)
-        lines.append(f"{names[winner]} is better than {name}: {', '.join(said.for_)}")
-    return lines
-
-
-def _sides(said: Comparison, first: str, second: str) -> str:
-    return f"{', '.join(said.for_)} for {first}, {', '.join(said.against)} for {second}"
-
-
-def violation_text(violation: Violation, result: RuleResult) -> str:
-    """A violation for people: in the unit in which the limit is written."""
-    from trackmarshal.rulebooks.violation import KEPT, UNDEFINED
-
-    if violation.grade == KEPT:
-        return "-"
-    if violation.grade == UNDEFINED:
-        return "undefined"
-    if violation.size == float("inf"):
-        return "violated"
-    return f"by {written(violation.size, result.unit, result.shown)}"
+    return [*lines, f"chosen: {names[choice.chosen]} ({safe}), {why(choice)}"]
 
 
 def _json(choice: Choice, names: Sequence[str], results: Sequence[CaseResult]) -> dict[str, Any]:
     candidates = []
     for name, violations, result in zip(names, choice.violations, results):
         entry: dict[str, Any] = {
-            "id": name,
-            "safe": result.safe,
-            "violations": {
-                rule: {"grade": violations[rule].grade, "size": number(violations[rule].size)}
-                for rule in choice.order.rules
-            },
+            "id": name, "safe": result.safe, "violations": violations_json(violations),
             "rules": {rule: rule_json(each) for rule, each in result.rules.items()},
-        }
+        }  # fmt: skip
         if result.faults:
             entry["faults"] = list(result.faults)
         if result.broken:
             entry["constraints"] = list(result.broken)
         candidates.append(entry)
-    compared = [
-        {
-            "first": names[one],
-            "second": names[other],
-            "outcome": said.outcome,
-            "for": list(said.for_),
-            "against": list(said.against),
-        }
-        for (one, other), said in choice.compared.items()
-    ]
-    return {
-        "rulebook": choice.order.name,
-        "candidates": candidates,
-        "compared": compared,
-        "best": [names[place] for place in choice.best],
-        "chosen": names[choice.chosen],
-        "alone": choice.alone,
-    }
+    return {"candidates": candidates, **choice_json(choice, names)}
