@@ -65,6 +65,17 @@ def test_refining_keeps_what_is_better(
         assert compare(order(book(finer)), one, other).outcome == "better"
 
 
+@given(relations(), st.integers(1, len(RULES)), candidates, candidates)
+def test_extending_keeps_what_is_better_where_new_rules_are_alike(
+    steps: tuple[Relation, ...], size: int, one: Candidate, other: Candidate
+) -> None:
+    old = RULES[:size]
+    base = tuple(step for step in steps if step[0] in old and step[2] in old)
+    alike = {**other, **{rule: one[rule] for rule in RULES[size:]}}
+    if compare(order(book(base, old)), one, alike).outcome == "better":
+        assert compare(order(book(steps)), one, alike).outcome == "better"
+
+
 @given(relations(), st.lists(candidates, min_size=1, max_size=6))
 def test_a_choice_is_never_empty_and_never_beaten(steps: tuple[Relation, ...], many: list[Candidate]) -> None:
     made = choose(order(book(steps)), many)
