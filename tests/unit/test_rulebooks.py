@@ -296,6 +296,7 @@ def test_the_command_in_json(backend: str) -> None:
     arguments = ("--rulebook", "strict", "--format", "json", "--backend", backend)
     status, out, _ = run_command("choose", "lanes.spec", written(FAST, HARD, NEAR), *arguments)
     said = json.loads(out)
+    assert run_command("choose", "lanes.spec", "cases.jsonl", "--rulebook", "strict", "--json")[1] == out
     assert status == 0  # what is chosen brakes hard, which is advisory
     assert (said["rulebook"], said["best"], said["chosen"], said["alone"]) == ("strict", ["hard"], "hard", True)  # fmt: skip
     assert [each["safe"] for each in said["candidates"]] == [False, True, False]

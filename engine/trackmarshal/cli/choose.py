@@ -35,6 +35,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     choose_rules(parser, "evaluate")
     choose_backend(parser, "numpy", "default: numpy")
     parser.add_argument("--format", choices=("text", "json"), default="text")
+    parser.add_argument(
+        "--json", action="store_const", const="json", dest="format", help="the same as --format json"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

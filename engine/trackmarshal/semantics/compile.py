@@ -127,7 +127,8 @@ class _Compiler:
         rules = self._rules()
         broken = {name for scope in self.scopes.values() for name in scope.own_broken}
         names = {i.__dict__["name"] for i in self._items(ast.Rule, ast.Assume)} | broken
-        books = Rulebooks(self.scopes, names, self.found)
+        silent = {rule.name for rule in rules if rule.formula is None}
+        books = Rulebooks(self.scopes, names, silent, self.found)
         rulebooks = tuple(
             books.check(item, module) for module in self.order for item in self._own(module, ast.Rulebook)
         )

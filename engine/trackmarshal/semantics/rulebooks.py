@@ -47,8 +47,11 @@ class _Book:
 class Rulebooks:
     """The rulebooks of modules that are checked together; what is wrong with them is added to `found`."""
 
-    def __init__(self, scopes: Mapping[str, Scope], rules: set[str], found: list[Diagnostic]) -> None:
-        self._scopes, self._rules, self._found = scopes, rules, found
+    def __init__(
+        self, scopes: Mapping[str, Scope], rules: set[str], silent: set[str], found: list[Diagnostic]
+    ) -> None:
+        """`silent` are those of the rules that are assumptions without a condition."""
+        self._scopes, self._rules, self._silent, self._found = scopes, rules, silent, found
         self._known: dict[str, _Book] = {}
         #: Those that are being looked at, by place and name: each builds on the next.
         self._open: dict[str, str] = {}
@@ -108,6 +111,11 @@ class Rulebooks:
                         or "a rulebook orders the rules that are checked together with it"
                     )
                     self._found.append(UnknownReference(name.span, f"no rule `{name.name}`", hint))
+                if name.name in self._silent:
+                    problem = f"of the assumption `{name.name}` nothing is ever said: it has no `monitor`"
+                    self._found.append(
+                        UnknownReference(name.span, problem, "add a `monitor`, or leave it out here")
+                    )
         own = tuple(
             _Step(left.name, relation, right.name, left.span.to(right.span), item.name)
             for chain in item.chains
