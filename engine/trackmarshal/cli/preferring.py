@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.output import dump, number, table
@@ -91,8 +92,8 @@ def comparison_json(said: Comparison) -> dict[str, Any]:
 def choice_json(choice: Choice, names: Sequence[str]) -> dict[str, Any]:
     """All that a choice says, by the names of candidates."""
     compared = [
-        {"first": names[one], "second": names[other], **comparison_json(said)}
-        for (one, other), said in choice.compared.items()
+        {"first": names[one], "second": names[other], **comparison_json(choice.comparison(one, other))}
+        for one, other in combinations(range(len(names)), 2)
     ]
     return {
         "rulebook": choice.order.name,

@@ -8,19 +8,18 @@ from dataclasses import dataclass
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.rulebooks.comparing import BETTER, WORSE, Comparison, Violations, compare
 from trackmarshal.rulebooks.order import Order
+from trackmarshal.rulebooks.violation import Violation
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
     """What a rulebook chooses, by the places of candidates in the order in which they were given.
 
-    best: those that no other one beats, in order, at least one. chosen: the first of them. violations: of each candidate. compared: by pair of places,
-    the lower one first, what is said of the first beside the second.
+    best: those that no other one beats, in order, at least one. chosen: the first of them. violations: of each candidate.
     """
 
     order: Order
     violations: tuple[Violations, ...]
-    compared: dict[tuple[int, int], Comparison]
     best: tuple[int, ...]
 
     @property
@@ -34,28 +33,27 @@ class Choice:
         return len(self.best) == 1
 
     def comparison(self, first: int, second: int) -> Comparison:
-        """What is said of one candidate beside another one; raises KeyError for places that are none, or the same."""
-        if first < second:
-            return self.compared[first, second]
-        return self.compared[second, first].turned
+        """What is said of one candidate beside another one, by their places; raises IndexError."""
+        return compare(self.order, self.violations[first], self.violations[second])
 
 
 def choose(order: Order, candidates: Sequence[Violations]) -> Choice:
     """All candidates that no other one beats. Raises TrackmarshalError E409 for no candidate."""
     if not candidates:
         raise TrackmarshalError("E409", "there is no candidate to choose", help="give at least one")
-    places = range(len(candidates))
-    compared = {
-        (one, other): compare(order, candidates[one], candidates[other])
-        for one in places
-        for other in places[one + 1 :]
-    }
-    beaten = {
-        other if comparison.outcome == BETTER else one
-        for (one, other), comparison in compared.items()
-        if comparison.outcome in (BETTER, WORSE)
-    }
-    best = tuple(place for place in places if place not in beaten)
+    keys = [tuple(candidate[rule] for rule in order.rules) for candidate in candidates]
+    alike = dict(zip(keys, candidates))  # what is said of one is said of all that are alike
+    unbeaten: dict[tuple[Violation, ...], Violations] = {}
+    for key, candidate in alike.items():
+        # Who beats one that is beaten beats all that this one would: to be held against those who are left is enough.
+        outcomes = {other: compare(order, candidate, unbeaten[other]).outcome for other in unbeaten}
+        if WORSE in outcomes.values():
+            continue
+        for other, outcome in outcomes.items():
+            if outcome == BETTER:
+                del unbeaten[other]
+        unbeaten[key] = candidate
+    best = tuple(place for place, key in enumerate(keys) if key in unbeaten)
     if not best:
         raise AssertionError("each of the candidates is beaten by another one")
-    return Choice(order, tuple(candidates), compared, best)
+    return Choice(order, tuple(candidates), best)
