@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from trackmarshal.errors import TrackmarshalError
     from trackmarshal.evaluation import Evaluator, load, loads
     from trackmarshal.integration.planner import check_planner
+    from trackmarshal.rulebooks.candidates import choose, compare
+    from trackmarshal.rulebooks.order import rulebook
     from trackmarshal.runtime.cycle import Cycle, Limits
     from trackmarshal.runtime.decision import Decision
     from trackmarshal.runtime.door.lines import line
@@ -48,9 +50,9 @@ if TYPE_CHECKING:
 __path__ = pkgutil.extend_path(__path__, __name__)
 __version__ = "0.1.0"
 __all__ = [
-    "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "acceleration_along", "arc_length", "check_planner", "complete",
-    "curvature_along", "cut_at_rest", "cycles", "direction_along", "heading_from", "line", "load", "load_recording", "loads", "replay", "resample", "supervisor",
-    "time_along",
+    "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "acceleration_along", "arc_length", "check_planner", "choose",
+    "compare", "complete", "curvature_along", "cut_at_rest", "cycles", "direction_along", "heading_from", "line", "load", "load_recording", "loads", "replay", "resample",
+    "rulebook", "supervisor", "time_along",
 ]  # fmt: skip
 
 _OF_TRAJECTORIES = (
@@ -64,12 +66,15 @@ _HOMES = {
     "Limits": ("runtime.cycle", "Limits"),
     "TrackmarshalError": ("errors", "TrackmarshalError"),
     "check_planner": ("integration.planner", "check_planner"),
+    "choose": ("rulebooks.candidates", "choose"),
+    "compare": ("rulebooks.candidates", "compare"),
     "cycles": ("scenarios.supervised", "cycles"),
     "line": ("runtime.door.lines", "line"),
     "load": ("evaluation", "load"),
     "load_recording": ("scenarios", "load"),
     "loads": ("evaluation", "loads"),
     "replay": ("scenarios.replay", "replay"),
+    "rulebook": ("rulebooks.order", "rulebook"),
     "supervisor": ("supervision", "supervisor"),
     **{name: ("trajectories.public", name) for name in _OF_TRAJECTORIES},
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import subprocess
 import sys
 import time
 from dataclasses import replace
@@ -117,6 +118,30 @@ def test_the_page_about_memory(capsys: pytest.CaptureFixture[str]) -> None:
     (output,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
     exec(compile(program, "docs/memory.md", "exec"), {})
     assert capsys.readouterr().out == output
+
+
+def test_the_page_about_rulebooks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its spec, candidates, command and program, in one folder; and its C, as a strict compiler reads it."""
+    page = (ROOT / "docs" / "rulebooks.md").read_text("utf-8")
+    blocks: dict[str, list[str]] = {}
+    for language, text in re.findall(r"```(\w+)\n(.*?)```", page, re.DOTALL):
+        blocks.setdefault(language, []).append(text)
+    monkeypatch.chdir(tmp_path)
+    Path("lanes.spec").write_text(blocks["spec"][0], "utf-8")
+    Path("candidates.jsonl").write_text(blocks["json"][0], "utf-8")
+    assert main(blocks["sh"][0].split()[1:]) == 1
+    assert capsys.readouterr().out == blocks["text"][0]
+    exec(compile(blocks["python"][0], "docs/rulebooks.md", "exec"), {})
+    assert capsys.readouterr().out == blocks["text"][1]
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    assert main(["compile", "lanes.spec", "--target", "c", "--out", ".", "--quiet"]) == 0
+    Path("option.c").write_text(blocks["c"][0])
+    flags = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-c"]
+    for file in ("option.c", "supervisor.c"):
+        subprocess.run(["cc", *flags, file], check=True)
 
 
 def test_the_readme_supervises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

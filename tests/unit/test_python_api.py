@@ -455,9 +455,9 @@ def test_rules_without_margins_by_sample(rule: str, code: str, evaluator: tm.Eva
 # Names ----------------------------------------------------------------------------------------------------------
 
 PUBLIC = [
-    "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "acceleration_along", "arc_length", "check_planner",
-    "complete", "curvature_along", "cut_at_rest", "cycles", "direction_along", "heading_from", "line", "load", "load_recording", "loads",
-    "replay", "resample", "supervisor", "time_along",
+    "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "acceleration_along", "arc_length", "check_planner", "choose",
+    "compare", "complete", "curvature_along", "cut_at_rest", "cycles", "direction_along", "heading_from", "line", "load", "load_recording", "loads",
+    "replay", "resample", "rulebook", "supervisor", "time_along",
 ]  # fmt: skip
 
 

@@ -75,25 +75,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from trackmarshal.backends.over_run.program import remembers
     from trackmarshal.evaluation import CHUNK, Evaluator, load
 
     project = optional_project(args)
     spec = load([Path(args.spec)], [Path(p) for p in args.settings], project)
     within = project if args.project is not None else project_of(Path(args.spec).parent) or project
-    evaluator = Evaluator(spec, args.rule, args.backend, lambda: _declared(spec, within))
+    evaluator = Evaluator(spec, args.rule, args.backend, lambda: declared_within(spec, within))
     if args.run:
         return _run(evaluator, args)
-    over = next((rule for rule in evaluator.rules if remembers(rule)), None)
-    if over is not None:
-        raise TrackmarshalError(
-            "E407", f"`{over.name}` is a rule over the run", file=over.span.file.path, line=over.span.line,
-            help="give the cycles of one run with --run, or choose other rules with --rule",
-        )  # fmt: skip
+    refuse_over_run(evaluator, "give the cycles of one run with --run, or choose other rules with --rule")
     status = 0
     pending: list[tuple[object, Frame | TrackmarshalError]] = []
     read = 0
-    for read, item in enumerate(_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
+    for read, item in enumerate(read_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
         pending.append(item)
         if len(pending) == CHUNK:
             status = max(status, _flush(pending, evaluator, args))
@@ -103,10 +97,21 @@ def run(args: argparse.Namespace) -> int:
     return max(status, _flush(pending, evaluator, args))
 
 
+def refuse_over_run(evaluator: Evaluator, help_: str) -> None:
+    """Raise E407 where a rule speaks of other cycles than the one that a case is."""
+    from trackmarshal.backends.over_run.program import remembers
+
+    over = next((rule for rule in evaluator.rules if remembers(rule)), None)
+    if over is not None:
+        raise TrackmarshalError(
+            "E407", f"`{over.name}` is a rule over the run", file=over.span.file.path, line=over.span.line, help=help_
+        )  # fmt: skip
+
+
 def _run(evaluator: Evaluator, args: argparse.Namespace) -> int:
     """Evaluate and print the cycles of one run, then what was open after the last one."""
     going, status, read = evaluator.over_run(), 0, 0
-    for read, (identity, case) in enumerate(_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
+    for read, (identity, case) in enumerate(read_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
         try:
             if isinstance(case, TrackmarshalError):
                 raise case
@@ -141,7 +146,7 @@ def _end_lines(left: Mapping[str, Sequence[About]], format_: str) -> list[str]:
     return ["after the last cycle", *table(rows, ["rule", "cycle", "verdict", "margin"])]
 
 
-def _declared(spec: Spec, project: Path | None) -> frozenset[str]:
+def declared_within(spec: Spec, project: Path | None) -> frozenset[str]:
     """Names that data of a project may have, whichever of its specs declares them."""
     from trackmarshal.cli.replay import project_specs
     from trackmarshal.scenarios.fields import declared_names
@@ -149,7 +154,7 @@ def _declared(spec: Spec, project: Path | None) -> frozenset[str]:
     return declared_names([spec, *project_specs(project)])
 
 
-def _cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Frame | TrackmarshalError]]:
+def read_cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Frame | TrackmarshalError]]:
     """Every line's id and case, or what is wrong with the line."""
     for line_number, line in enumerate(_lines(path), start=1):
         if not line.strip():

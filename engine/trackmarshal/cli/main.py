@@ -18,6 +18,7 @@ VERBS = {
     "fmt": "the one layout",
     "test": "run the tests written in specs, with rule coverage",
     "eval": "evaluate rules on given data",
+    "choose": "which of several candidates a rulebook prefers, and why",
     "replay": "run the Supervisor's rules over a recording",
     "check-planner": "what does not fit the contract in a planner's cycles, with a mapping",
     "compile": "generated C99 with its header and a report",

@@ -53,12 +53,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     choose_backend(parser, None, "default: numpy; for a record, its own")
     parser.add_argument("--mcap", metavar="FILE", help="export a record of a run for Foxglove")
     parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")
+    parser.add_argument(
+        "--rulebook", metavar="NAME", help="compare both candidates of each cycle, and several recordings, by this rulebook"
+    )  # fmt: skip
     parser.add_argument("--format", choices=("text", "jsonl"), default="text")
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.cli.preferring import Runs
     from trackmarshal.cli.record import is_record, replay_record
     from trackmarshal.evaluation import load
+    from trackmarshal.rulebooks.order import rulebook
     from trackmarshal.scenarios import load as load_recording
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
@@ -66,11 +71,13 @@ def run(args: argparse.Namespace) -> int:
     status = 0
     settings = [Path(p) for p in args.settings]
     written: set[str] = set()
+    order = rulebook(load([spec_path], settings, project), args.rulebook) if args.rulebook else None
+    compared = Runs(args.format)
     for path in args.scenarios:
         if is_record(path):
             spec = load([spec_path], settings, project)
             status = max(status, replay_record(path, spec, args.backend, args.format, args.quiet, args.mcap))
-            if not args.out:
+            if not args.out and order is None:
                 continue
         elif args.mcap:
             raise TrackmarshalError(
@@ -91,12 +98,16 @@ def run(args: argparse.Namespace) -> int:
                 print(line)
         else:
             say(*summary(outcome, evaluator))
+        if order is not None:
+            say(*compared.of_candidates(order, outcome))
+            compared.add(order, outcome)
         if args.out:
             from trackmarshal.cli.evidence import write_run
 
             write_run(Path(args.out), outcome, evaluator, json_lines(outcome))
         if not outcome.met:
             status = max(status, 1)
+    say(*compared.of_all())
     return status
 
 

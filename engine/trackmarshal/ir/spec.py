@@ -137,10 +137,14 @@ class RuleInfo(Node):
 
 
 class RulebookInfo(Node):
-    """A pre-order of rules, as written: (rule, `>` outranks or `~` equals, rule)."""
+    """A pre-order of rules: all that it names, and what is said of them, those of the rulebook that it builds on first.
+
+    relations: (rule, `>` outranks, `~` equals or `&` counts as one with, rule).
+    """
 
     name: str
     title: str
+    rules: tuple[str, ...]
     relations: tuple[tuple[str, str, str], ...]
     span: Span
 

@@ -34,7 +34,7 @@ from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.errors import BadValue, Duplicate, NeverAsked, SignalConflict, WrongDimension
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.modules import Library
-from trackmarshal.semantics.rulebooks import check_rulebook, check_signal, check_test_target
+from trackmarshal.semantics.rulebooks import Rulebooks, check_signal, check_test_target
 from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope
 from trackmarshal.semantics.states import check_state
@@ -127,8 +127,10 @@ class _Compiler:
         rules = self._rules()
         broken = {name for scope in self.scopes.values() for name in scope.own_broken}
         names = {i.__dict__["name"] for i in self._items(ast.Rule, ast.Assume)} | broken
+        silent = {rule.name for rule in rules if rule.formula is None}
+        books = Rulebooks(self.scopes, names, silent, self.found)
         rulebooks = tuple(
-            check_rulebook(rulebook, names, self.found) for rulebook in self._items(ast.Rulebook)
+            books.check(item, module) for module in self.order for item in self._own(module, ast.Rulebook)
         )
         for test in self._items(ast.Test):
             check_test_target(test, names, self.found)

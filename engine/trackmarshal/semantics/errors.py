@@ -243,6 +243,57 @@ class RulebookCycle(Diagnostic):
     cycle: str
 
 
+class RulebookBases(Diagnostic):
+    code = "E244"
+    title = "rulebooks that build on each other in a circle"
+    text = "the rulebook `{name}` builds on itself: {cycle}"
+    label = "this closes the circle"
+    remedy = "let one of them stand by itself"
+    explanation = "A rulebook `refines` or `extends` one that is complete without it."
+
+    span: Span
+    name: str
+    cycle: str
+
+
+class RulebookContradicts(Diagnostic):
+    code = "E245"
+    title = "a rulebook that contradicts the one that it builds on"
+    text = "`{name}` would outrank itself: {cycle}"
+    label = "this contradicts `{base}`"
+    other_label = "this is how `{base}` ranks them"
+    remedy = "leave it out, or write a rulebook of its own without `{base}`"
+    explanation = (
+        "What a rulebook `refines` or `extends` stays in force: a rule that outranks another one there still does, and rules that rank equal there "
+        "still do. Rules that are not ranked there may be."
+    )
+
+    span: Span
+    other: Span
+    name: str
+    cycle: str
+    base: str
+
+
+class RulebookNotRefined(Diagnostic):
+    code = "E246"
+    title = "a refinement that may take back a preference"
+    text = "`{name}` is new to `{base}`, and not ranked below `{rule}`"
+    label = "`{rule}` does not outrank it"
+    other_label = "this promises to keep every preference of `{base}`"
+    remedy = "rank it below all rules of `{base}`, or write `extends {base}`, which keeps the ranks and may take back preferences"
+    explanation = (
+        "A rulebook that `refines` another one keeps all its preferences: what is better there is better here. A rule that is new, and that not every "
+        "rule of the other one outranks, could take one back: what is better there may be worse by the new rule alone."
+    )
+
+    span: Span
+    other: Span
+    name: str
+    base: str
+    rule: str
+
+
 class StateProblem(Diagnostic):
     code = "E217"
     title = "a state that never changes"

@@ -512,8 +512,16 @@ class State(Item):
     span: Span = NOWHERE
 
 
+class Base(Node):
+    """`refines a` or `extends a`: the rulebook that another one builds on."""
+
+    how: str
+    name: Name
+    span: Span = NOWHERE
+
+
 class Chain(Node):
-    """`a ~ b > c`: rule names, and the relation after each but the last."""
+    """`a & b ~ c > d`: rule names, and the relation after each but the last."""
 
     names: tuple[Name, ...]
     relations: tuple[str, ...]
@@ -521,10 +529,11 @@ class Chain(Node):
 
 
 class Rulebook(Item):
-    """A pre-order of rules."""
+    """A pre-order of rules, by itself or on top of another one."""
 
     name: str
     title: str
+    base: Base | None
     chains: tuple[Chain, ...]
     span: Span = NOWHERE
 

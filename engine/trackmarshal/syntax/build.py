@@ -263,7 +263,10 @@ class Builder:
         return ast.Keep(spelled(c[0]), c[1], self._span(meta))
 
     def rulebook(self, meta: Meta, c: list[Any]) -> ast.Rulebook:
-        return ast.Rulebook(spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))
+        return ast.Rulebook(spelled(c[0]), unquoted(c[1]), c[2], tuple(c[3:]), self._span(meta))
+
+    def base(self, meta: Meta, c: list[Any]) -> ast.Base:
+        return ast.Base(str(c[0]), self._name(c[1]), self._span(meta))
 
     def chain(self, meta: Meta, c: list[Any]) -> ast.Chain:
         return ast.Chain(tuple(c[0::2]), tuple(str(token) for token in c[1::2]), self._span(meta))

@@ -277,6 +277,8 @@ class Layout:
 
     def _rulebook(self, item: ast.Rulebook, columns: Columns) -> Laid:
         pieces = [Piece(self._titled("rulebook", item.name, item.title), 0)]
+        if item.base is not None:
+            pieces.append(_placed(f"{item.base.how} {self._n.name(item.base.name.name)}", item.base))
         for number, chain in enumerate(item.chains):
             names = [self._n.name(name.name) for name in chain.names]
             parts = names[:1] + [f"{relation} {name}" for relation, name in zip(chain.relations, names[1:])]

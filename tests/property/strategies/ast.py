@@ -316,9 +316,11 @@ def _rulebooks() -> SearchStrategy[ast.Rulebook]:
     def chain(names: list[ast.Name], relations: list[str]) -> ast.Chain:
         return ast.Chain(tuple(names), tuple(relations[: len(names) - 1]))
 
-    relations = st.lists(st.sampled_from("~>"), min_size=15, max_size=15)
+    relations = st.lists(st.sampled_from("~>&"), min_size=15, max_size=15)
+    base = st.none() | st.builds(ast.Base, st.sampled_from(("refines", "extends")), names().map(ast.Name))
     chains = st.builds(chain, st.lists(label_nodes(), min_size=1, max_size=15), relations)
-    return st.builds(ast.Rulebook, names(), strings(), st.lists(chains, min_size=1, max_size=3).map(tuple))
+    listed = st.lists(chains, min_size=1, max_size=3).map(tuple)
+    return st.builds(ast.Rulebook, names(), strings(), base, listed)
 
 
 @cache

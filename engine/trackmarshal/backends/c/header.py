@@ -37,6 +37,7 @@ def header(
     name: str,
     monitors: Sequence[Monitor],
     supervised: Supervised | None,
+    rulebooks: str = "",
 ) -> str:
     """The text of the header file."""
     begins, end = places.firsts(plan)
@@ -48,6 +49,7 @@ def header(
         "members": _members(plan, series, supervised), "rules": [(f"TM_RULE_{code.c_name.upper()}", _about(code)) for code in codes],
         "places": list(places.prototypes(plan, supervised is not None)), "cases": CASES, "monitor_types": TYPES,
         "named": plan.named, "remembered": remembered(plan, supervised is not None),
+        "rulebooks": rulebooks,
     }  # fmt: skip
     if supervised is not None:
         context |= interface.said(plan)

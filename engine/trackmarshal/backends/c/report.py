@@ -17,6 +17,7 @@ from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.expressions import called
 from trackmarshal.backends.c.header import CAPACITIES, capacities, default
 from trackmarshal.backends.c.online import CAPACITY
+from trackmarshal.backends.c.rulebooks import book_codes
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.operators import FUNCTIONS
@@ -151,6 +152,9 @@ def _lines(source: Source) -> Iterator[str]:
     yield f"- libm: {', '.join(libm(source)) or 'nothing'}."
     own = [f"{name} ({', '.join(functions)})" for name, functions in calls.inexact(source).items()]
     yield f"- Margins whose last digits depend on the C library: {', '.join(own) or 'none'}."
+    if plan.spec.rulebooks:
+        compiled = [f"`tm_compare_{book.c_name}`" for book in book_codes(plan.spec, source.rules)]
+        yield f"- Rulebooks, of which all rules are compiled: {', '.join(compiled) or 'none'}."
     yield ""
     if limits:
         yield "| capacity | default | bounds |"

@@ -19,6 +19,7 @@ from trackmarshal.backends.c.online import Monitor, monitors
 from trackmarshal.backends.c.over_run.writing import recalling, remembering
 from trackmarshal.backends.c.places import calls, initial, own_places, setters
 from trackmarshal.backends.c.rendering import render
+from trackmarshal.backends.c.rulebooks import RANKS, BookCode, book_codes, declared, defined
 from trackmarshal.backends.c.rules import CASES, FOLD, TRUTH, GroupCode, RuleCode, group_codes, rule_code
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -64,9 +65,10 @@ def generate(
     codes = tuple(rule_code(plan, rule, rule.name in grouped) for rule in plan.rules)
     series = max((code.series for code in codes), default=0)
     found = tuple(monitors(plan)) if online else ()
+    books = book_codes(spec, codes)
     return Source(
-        plan, codes, header(plan, codes, series, name, found, supervised),
-        _source(plan, codes, groups, name, found, supervised), name, found, supervised,
+        plan, codes, header(plan, codes, series, name, found, supervised, declared(books)),
+        _source(plan, codes, groups, name, found, supervised, books), name, found, supervised,
     )  # fmt: skip
 
 
@@ -77,6 +79,7 @@ def _source(
     name: str,
     found: Sequence[Monitor],
     supervised: Supervised | None,
+    books: Sequence[BookCode],
 ) -> str:
     """The text of the source file."""
     data = render("program/source/data.c.j2", _data(plan)).removesuffix("\n")
@@ -91,6 +94,9 @@ def _source(
             data, *setters(plan, True), "", *door.functions, *memory, *judge(plan, supervised, codes, groups),
             *machine.functions(supervised), *configuration(plan, supervised),
         ]  # fmt: skip
+    tail += defined(books)
+    if books:
+        types.append(RANKS)
     bodies = [
         *recalling(plan), *(code.text for code in codes), *(group.text for group in groups), *(monitor.text for monitor in found)
     ]  # fmt: skip

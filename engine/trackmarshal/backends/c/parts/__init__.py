@@ -21,6 +21,7 @@ FILES = (
     "prepare",
     "door",
     "machine",
+    "rulebooks",
 )
 #: Begins with letters, not with a word boundary: that is found ten times as fast.
 _NAME = re.compile(r"tm_[a-z0-9_]+")
