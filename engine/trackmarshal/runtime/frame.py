@@ -168,7 +168,9 @@ class Frame:
     def of(self, candidate: str) -> Frame:
         """The frame as rules see it that rate a candidate: with its `plan`, its own faults and those of what all share."""
         unseen = self.candidates.keys() - {candidate, FOLLOWED}
-        columns = {**self.columns, PLAN: self.candidates[candidate], FOLLOWED: self.candidates[FOLLOWED]}
+        columns = {**self.columns, PLAN: self.candidates[candidate]}
+        if FOLLOWED in self.candidates:  # else it is among the columns, missing, with a fault that says so
+            columns[FOLLOWED] = self.candidates[FOLLOWED]
         faults = [f for f in self.faults if f.signal not in unseen]
         faults += [
             Fault(f.code, PLAN, f.field, f.index, f.message) for f in self.faults if f.signal == candidate

@@ -12,6 +12,7 @@ from trackmarshal.backends.over_run.keeping import Keeping
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.runtime.contract import FOLLOWED
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door.door import Admission, Door
@@ -180,7 +181,9 @@ def shown(frame: Frame) -> Frame:
         f.signal for f in frame.faults if name_of(f) == "missing" and f.field == ""
     } & frame.candidates.keys()
     for name in gone:
-        del frame.candidates[name]
+        columns = frame.candidates.pop(name)
+        if name == FOLLOWED:  # the other candidate's rules may read it: they find it missing
+            frame.columns[FOLLOWED] = columns
     return frame
 
 
