@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from functools import partial
 from itertools import chain
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -219,7 +220,7 @@ class ColumnsReader:
             if name in self._flags:
                 read |= self._one(name, column, needed, faults, values.flags)
             elif name in self._members:
-                read |= self._one(name, column, needed, faults, lambda c, n=name: self._places(n, c, faults))
+                read |= self._one(name, column, needed, faults, partial(self._places, name, faults))
             else:
                 read |= self._one(name, column, needed, faults, lambda c: values.numbers(c, self._spelt))
         ids = self._read_ids(data.get("id"), faults) if self.signal.form == SET else None
@@ -283,7 +284,7 @@ class ColumnsReader:
             faults.append(fault("wrong_type", self.label, name, at, error.message))
         return {}
 
-    def _places(self, name: str, column: Any, faults: list[Fault]) -> Floats:
+    def _places(self, name: str, faults: list[Fault], column: Any) -> Floats:
         """The places of members; a name that is none of theirs is a fault, and nothing is known of it."""
         members = self._members[name]
         found, unknown = values.places(column, members, self._spelt)

@@ -22,7 +22,7 @@ def worded(name: str, field: Field, values: Any, index: int, count: int = 1) -> 
 def no_member(name: str, members: tuple[str, ...]) -> str:
     """A message about a name that is none of a member's."""
     shown = name if len(name) <= _LONG else f"{name[: _LONG - 1]}..."
-    hint = close_matches(name[:_LONG], members) or close_matches(name[:_LONG].lower(), members)
+    hint = close_matches(name[:_LONG], members)
     return f"`{shown}` is none of {listed(members)}" + (f"; {hint}" if hint else "")
 
 
