@@ -53,8 +53,27 @@ def written(node: typed.Value) -> ast.Expr:
             return number(node)
         case typed.FormulaNode():
             return formula(node)
+        case typed.MemberNode():
+            return member(node)
         case _:
             return thing(node)
+
+
+def member(node: typed.AnyMember) -> ast.Expr:
+    match node:
+        case typed.MemberField():
+            return ast.Attribute(written(node.record), node.name)
+        case typed.Member() | typed.NamedMember():
+            return ast.Name(node.name)
+        case _:
+            assert_never(node)
+
+
+def case_of(node: typed.NumberCase | typed.FormulaCase) -> ast.Expr:
+    branches = [
+        ast.Branch(() if one.rest else tuple(map(ast.Member, one.members)), written(one.value)) for one in node.branches
+    ]
+    return ast.Case(member(node.subject), tuple(branches))
 
 
 def number(node: typed.Number) -> ast.Expr:
@@ -77,6 +96,8 @@ def number(node: typed.Number) -> ast.Expr:
             return called(node.name, *node.arguments)
         case typed.Choice():
             return ast.IfElse(formula(node.condition), number(node.then), number(node.otherwise))
+        case typed.NumberCase():
+            return case_of(node)
         case typed.TableValue():
             return called(node.symbol.name, node.argument)
         case typed.OnLine():
@@ -140,6 +161,10 @@ def formula(node: typed.Formula) -> ast.Expr:
             return called(node.op, node.operand)
         case typed.InState():
             return ast.Call("is", (machine(node.machine), ast.Name(node.state)), ("", ""))
+        case typed.IsMember():
+            return ast.Call("is", (member(node.left), member(node.right)), ("", ""))
+        case typed.FormulaCase():
+            return case_of(node)
         case typed.CalledFormula():
             return call_of(node)
         case typed.NamedFormula():

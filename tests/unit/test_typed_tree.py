@@ -65,7 +65,7 @@ def of_kind(root: typed.Typed, kind: type) -> list[typed.Typed]:
 def test_every_node_is_in_one_of_the_unions() -> None:
     bases = {
         typed.Typed, typed.NumberNode, typed.FormulaNode, typed.SignalNode, typed.RecordNode, typed.LineNode, typed.AreaNode,
-        typed.RegionNode,
+        typed.RegionNode, typed.MemberNode,
     }  # fmt: skip
     classes = {
         made for made in vars(typed).values() if inspect.isclass(made) and issubclass(made, typed.Typed)
@@ -73,7 +73,7 @@ def test_every_node_is_in_one_of_the_unions() -> None:
     kinds = [
         set(get_args(typed.Value)),
         set(get_args(typed.Clause)),
-        {typed.Range, typed.TheRun, typed.Window, typed.Machine, typed.Transition, typed.Keep, typed.Rule},
+        {typed.Range, typed.TheRun, typed.Window, typed.Machine, typed.Transition, typed.Keep, typed.Rule, typed.NumberBranch, typed.FormulaBranch},
     ]
     assert set.union(*kinds) == classes
     assert sum(map(len, kinds)) == len(classes)

@@ -125,10 +125,17 @@ class IfElse(Expr):
     span: Span = NOWHERE
 
 
+class Member(Node):
+    """The name of a member of an enumeration."""
+
+    name: str
+    span: Span = NOWHERE
+
+
 class Branch(Node):
     """`green, blue: 30 m/s`: what a `case` comes to for these members; none named: `else`."""
 
-    members: tuple[Name, ...]
+    members: tuple[Member, ...]
     value: Expr
     span: Span = NOWHERE
 
@@ -408,7 +415,7 @@ class Enum(Item):
 
     name: str
     text: str
-    members: tuple[Name, ...]
+    members: tuple[Member, ...]
     span: Span = NOWHERE
 
 

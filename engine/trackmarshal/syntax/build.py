@@ -136,7 +136,7 @@ class Builder:
         return ast.Signal(spelled(c[0]), c[2], c[1] is not None, c[3] or (), self._span(meta))
 
     def enum(self, meta: Meta, c: list[Any]) -> ast.Enum:
-        members = tuple(self._name(member) for member in c[2:] if member is not None)
+        members = tuple(self._member(name) for name in c[2:] if name is not None)
         return ast.Enum(spelled(c[0]), unquoted(c[1]), members, self._span(meta))
 
     def event(self, meta: Meta, c: list[Any]) -> ast.Event:
@@ -379,11 +379,14 @@ class Builder:
     def if_else(self, meta: Meta, c: list[Any]) -> ast.IfElse:
         return ast.IfElse(c[0], c[1], c[2], self._span(meta))
 
-    def branch(self, meta: Meta, c: list[Any]) -> ast.Name:
-        return self._name(c[0])
+    def _member(self, token: Token) -> ast.Member:
+        return ast.Member(spelled(token), self._at(token))
+
+    def branch(self, meta: Meta, c: list[Any]) -> ast.Member:
+        return self._member(c[0])
 
     def branch_end(self, meta: Meta, c: list[Any]) -> ast.Branch:
-        return ast.Branch((self._name(c[0]),), c[1], self._span(meta))
+        return ast.Branch((self._member(c[0]),), c[1], self._span(meta))
 
     def branch_else(self, meta: Meta, c: list[Any]) -> ast.Branch:
         return ast.Branch((), c[0], self._span(meta))
@@ -391,9 +394,9 @@ class Builder:
     def case(self, meta: Meta, c: list[Any]) -> ast.Case:
         """Members that stand before others, without a value of their own, have that of the next one."""
         branches: list[ast.Branch] = []
-        waiting: list[ast.Name] = []
+        waiting: list[ast.Member] = []
         for part in c[1:]:
-            if isinstance(part, ast.Name):
+            if isinstance(part, ast.Member):
                 waiting.append(part)
             elif part is not None:
                 if waiting and not part.members:

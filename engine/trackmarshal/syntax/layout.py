@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from trackmarshal.node import Node
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.build import is_unit
 from trackmarshal.syntax.notation import EXPRESSION, SUM, Notation, quoted
 from trackmarshal.syntax.wrapping import WIDTH, Wrapping, end_column, new_line
 
@@ -146,7 +147,8 @@ class Layout:
         )
 
     def _field(self, field: ast.Field) -> str:
-        text = f"{self._n.name(field.name)}: {self._n.unit(field.type)}"
+        kind = self._n.unit(field.type) if is_unit(field.type) else self._n.name(field.type)
+        text = f"{self._n.name(field.name)}: {kind}"
         text += " increasing" if field.increasing else ""
         text += "" if field.range is None else f" {self._range(field.range)}"
         return text + ("" if field.default is None else f" default {self._n.expr(field.default)}")
