@@ -97,7 +97,10 @@ def case(number: int, dice: random.Random, dirt: float) -> dict[str, Any]:
         return dice.choice(WRONG) if dice.random() < dirt else dice.choice((members, range(len(members))))[dice.randrange(len(members))]  # fmt: skip
 
     n, m, k = dice.randint(2, 5), dice.randint(1, 5), dice.randint(0, 4)
-    plan = {"t": [0.1 * i for i in range(n)], **{f: [1.0 * i for i in range(n)] for f in ("x", "y", "heading")}}
+    plan = {
+        "t": [0.1 * i for i in range(n)],
+        **{f: [1.0 * i for i in range(n)] for f in ("x", "y", "heading")},
+    }
     plan["v"] = [float(dice.randint(0, 5)) for _ in range(n)]
     if dice.random() < 0.8:
         plan["lane"] = column(dice, FLAGS, n, dirt)
@@ -116,7 +119,11 @@ def case(number: int, dice: random.Random, dirt: float) -> dict[str, Any]:
         if dice.random() < 0.5:
             each["braking"] = dice.random() < 0.5
         objects.append(each)
-    columns = {"x": [float(i) for i in range(k)], "seen": column(dice, FLAGS, k, dirt), "class": column(dice, ("car", "truck"), k, dirt)}
+    columns = {
+        "x": [float(i) for i in range(k)],
+        "seen": column(dice, FLAGS, k, dirt),
+        "class": column(dice, ("car", "truck"), k, dirt),
+    }
     signals = {
         "plan": plan, "race": race, "ego": {"x": 0.0, "y": 0.0, "heading": 0.0},
         "trace": {"t": [0.1 * i for i in range(m)], "shown": column(dice, FLAGS, m, dirt)},
@@ -132,15 +139,26 @@ def test_all_evaluators_say_the_same(dirt: float) -> None:
     assert len(frames) == 400
     reference = results(spec, frames, "reference")
     for backend in ("numpy", *(["c"] if compiler() else [])):
-        found = [text for one, other in zip(reference, results(spec, frames, backend), strict=True) for text in differences(one, other)]
+        found = [
+            text
+            for one, other in zip(reference, results(spec, frames, backend), strict=True)
+            for text in differences(one, other)
+        ]
         assert found == []
     broken = [frame for frame in frames if frame.faults]
     assert (len(broken) > 100) == (dirt > 0.0)
     assert not any(result.safe for frame, result in zip(frames, reference) if frame.faults)
     verdicts = {(name, rule.verdict) for result in reference for name, rule in result.rules.items()}
-    assert {name for name, verdict in verdicts if verdict == "satisfied"} == {rule.name for rule in spec.rules}
+    assert {name for name, verdict in verdicts if verdict == "satisfied"} == {
+        rule.name for rule in spec.rules
+    }
     assert {name for name, verdict in verdicts if verdict == "violated"} == {rule.name for rule in spec.rules}
-    margins = {rule.margin for result in reference for name, rule in result.rules.items() if name in ("is_yellow", "same")}
+    margins = {
+        rule.margin
+        for result in reference
+        for name, rule in result.rules.items()
+        if name in ("is_yellow", "same")
+    }
     assert {margin for margin in margins if not math.isnan(margin)} == {math.inf, -math.inf}
 
 
@@ -149,7 +167,12 @@ def oracle(race: dict[str, Any]) -> dict[str, tuple[str, float]]:
     flag, v, wet = race["flag"], race["v"], race.get("wet", True)
     before = race.get("before", "red")
     limits = {"green": 80.0, "yellow": 40.0, "blue": 40.0, "red": 0.0}
-    parts = {"green": 50.0 - v, "blue": 50.0 - v, "yellow": 5.0 - v, "red": math.inf if not wet else -math.inf}
+    parts = {
+        "green": 50.0 - v,
+        "blue": 50.0 - v,
+        "yellow": 5.0 - v,
+        "red": math.inf if not wet else -math.inf,
+    }
     found = {"is_yellow": math.inf if flag == "yellow" else -math.inf, "same": math.inf if flag == before else -math.inf,
              "limit": limits[flag] - v, "formulas": parts[flag]}  # fmt: skip
     return {name: ("satisfied" if margin >= 0.0 else "violated", margin) for name, margin in found.items()}
@@ -164,7 +187,9 @@ def test_what_rules_come_to_is_what_they_say(backend: str) -> None:
         race |= {} if dice.random() < 0.5 else {"before": dice.choice(FLAGS), "wet": dice.random() < 0.5}
         races.append(race)
     evaluator = Evaluator(spec, ["is_yellow", "same", "limit", "formulas"], backend)
-    for race, result in zip(races, evaluator.evaluate(evaluator.read_all([{"signals": {"race": race}} for race in races]))):
+    for race, result in zip(
+        races, evaluator.evaluate(evaluator.read_all([{"signals": {"race": race}} for race in races]))
+    ):
         assert {name: (rule.verdict, rule.margin) for name, rule in result.rules.items()} == oracle(race)
 
 
@@ -183,9 +208,18 @@ def test_nothing_is_known_of_what_is_missing(backend: str) -> None:
 
 def test_a_name_that_is_none_is_told_with_the_members() -> None:
     evaluator = Evaluator(loads(TEXT), ["is_yellow", "some"])
-    frame = evaluator.read({"signals": {"race": {"flag": "yelow", "v": 0}, "objects": [{"x": 0, "seen": "red"}, {"x": 0, "seen": "RED"}]}})
+    frame = evaluator.read(
+        {
+            "signals": {
+                "race": {"flag": "yelow", "v": 0},
+                "objects": [{"x": 0, "seen": "red"}, {"x": 0, "seen": "RED"}],
+            }
+        }
+    )
     said = sorted(str(fault) for fault in frame.faults)
-    assert said[0].startswith("D237 objects.seen[1]: `RED` is none of green, yellow, blue, red; did you mean `red`?")
+    assert said[0].startswith(
+        "D237 objects.seen[1]: `RED` is none of green, yellow, blue, red; did you mean `red`?"
+    )
     assert said[1] == "D237 race.flag: `yelow` is none of green, yellow, blue, red; did you mean `yellow`?"
     frame = evaluator.read({"signals": {"race": {"flag": 1.5, "v": 0}, "objects": []}})
     assert [str(fault) for fault in frame.faults] == [
@@ -205,11 +239,18 @@ def test_arrays_of_many_cases(backend: str) -> None:
     objects = {"x": np.zeros((size, 2)), "seen": np.array(["green", "red"]), "class": np.array([1.0, 1.0])}
 
     def verdicts(flag: Any, lane: Any) -> list[Any]:
-        batch = evaluator.batch({"race": {"flag": flag, "v": v}, "plan": {"t": t, "lane": lane}, "objects": objects})
-        return [(list(batch.verdicts[name]), list(batch.margins[name])) for name in ("is_yellow", "samples", "several")]
+        batch = evaluator.batch(
+            {"race": {"flag": flag, "v": v}, "plan": {"t": t, "lane": lane}, "objects": objects}
+        )
+        return [
+            (list(batch.verdicts[name]), list(batch.margins[name]))
+            for name in ("is_yellow", "samples", "several")
+        ]
 
     places = {name: place for place, name in enumerate(FLAGS)}
-    by_place = verdicts(np.array([places[f] for f in flags]), np.array([[float(places[f]) for f in lane] for lane in lanes]))
+    by_place = verdicts(
+        np.array([places[f] for f in flags]), np.array([[float(places[f]) for f in lane] for lane in lanes])
+    )
     assert verdicts(np.array(flags), np.array(lanes)) == by_place
     single = [
         next(iter(evaluator.evaluate([evaluator.read({"signals": {
@@ -218,7 +259,9 @@ def test_arrays_of_many_cases(backend: str) -> None:
         }})])))
         for f, lane in zip(flags, lanes)
     ]  # fmt: skip
-    assert [by_place[0][1][i] == one.rules["is_yellow"].margin for i, one in enumerate(single)] == [True] * size
+    assert [by_place[0][1][i] == one.rules["is_yellow"].margin for i, one in enumerate(single)] == [
+        True
+    ] * size
     assert [by_place[1][1][i] == one.rules["samples"].margin for i, one in enumerate(single)] == [True] * size
 
 
@@ -316,4 +359,3 @@ def test_doors_of_cycles(backend: str) -> None:
     decision = run.step(with_signal("race", flag="red"))
     assert not decision.safe
     assert not decision.faults
-

@@ -29,6 +29,7 @@ from trackmarshal.node import Node
 from trackmarshal.semantics import (
     calls,
     compile,
+    enums,
     errors,
     expressions,
     modules,
@@ -112,7 +113,7 @@ class Site(Node):
 _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
     *(
         (module, frozenset(vars(errors)))
-        for module in (calls, compile, expressions, modules, rulebooks, rules, scope, states)
+        for module in (calls, compile, enums, expressions, modules, rulebooks, rules, scope, states)
     ),
     (cases, frozenset({*vars(test_errors), "fail"})),
 )

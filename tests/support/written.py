@@ -71,7 +71,8 @@ def member(node: typed.AnyMember) -> ast.Expr:
 
 def case_of(node: typed.NumberCase | typed.FormulaCase) -> ast.Expr:
     branches = [
-        ast.Branch(() if one.rest else tuple(map(ast.Member, one.members)), written(one.value)) for one in node.branches
+        ast.Branch(() if one.rest else tuple(map(ast.Member, one.members)), written(one.value))
+        for one in node.branches
     ]
     return ast.Case(member(node.subject), tuple(branches))
 

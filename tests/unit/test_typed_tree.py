@@ -73,7 +73,17 @@ def test_every_node_is_in_one_of_the_unions() -> None:
     kinds = [
         set(get_args(typed.Value)),
         set(get_args(typed.Clause)),
-        {typed.Range, typed.TheRun, typed.Window, typed.Machine, typed.Transition, typed.Keep, typed.Rule, typed.NumberBranch, typed.FormulaBranch},
+        {
+            typed.Range,
+            typed.TheRun,
+            typed.Window,
+            typed.Machine,
+            typed.Transition,
+            typed.Keep,
+            typed.Rule,
+            typed.NumberBranch,
+            typed.FormulaBranch,
+        },
     ]
     assert set.union(*kinds) == classes
     assert sum(map(len, kinds)) == len(classes)

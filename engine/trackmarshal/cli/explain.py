@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from trackmarshal.backends.reference.evaluator import Reference
     from trackmarshal.evaluation import Evaluator
     from trackmarshal.ir import nodes as ir
+    from trackmarshal.ir.spec import Spec
     from trackmarshal.runtime.verdict import RuleResult
 
 CODES = {
@@ -141,24 +142,19 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
     from trackmarshal.ir import nodes as ir
 
     rows: list[tuple[str, str]] = []
-    if isinstance(node, ir.Compare):
+    if isinstance(node, ir.Compare) and node.op != "is":
         _, left, right = node.written
         for name, side in (("left side", left), ("right side", right)):
             rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     if isinstance(node, ir.SweptInside | ir.SweptClear):
         rows.append(("swept", _way(node, env, values)))
     leaves: dict[str, float] = {}
+    members: dict[str, str] = {}
     for part in ir.below(node):
-        if isinstance(part, ir.Column):
-            leaves[f"{part.axis.signal}[{max(0, env[part.axis.level] + part.offset)}].{part.field}"] = (
-                values.number(part, env)
-            )
-        elif isinstance(part, ir.Scalar):
-            leaves[f"{part.signal}.{part.field}"] = values.number(part, env)
-        elif isinstance(part, ir.Sample):
-            leaves[f"{part.signal}.{'first' if part.index == 0 else 'last'}.{part.field}"] = values.number(
-                part, env
-            )
+        if isinstance(part, ir.Column | ir.Scalar | ir.Sample):
+            signal, name = _input(part, env)
+            leaves[name] = values.number(part, env)
+            members[name] = _member(values.spec, signal, part.field, leaves[name])
         elif isinstance(part, ir.Param):
             leaves[part.name] = values.number(part, env)
         elif isinstance(part, ir.Lookup):
@@ -167,7 +163,26 @@ def _numbers(node: ir.Formula, env: dict[int, int], values: Reference) -> list[t
             ends = (part.start, part.end) if isinstance(part, ir.StationGap) else (part.x, part.y)
             inside = ", ".join(_figure(values.number(end, env)) for end in ends)
             leaves[f"{part.spoken} along {part.line.name} of ({inside})"] = values.number(part, env)
-    return rows + [(name, _figure(value)) for name, value in sorted(leaves.items())]
+    return rows + [(name, members.get(name) or _figure(value)) for name, value in sorted(leaves.items())]
+
+
+def _input(part: ir.Column | ir.Scalar | ir.Sample, env: dict[int, int]) -> tuple[str, str]:
+    """The signal of an input, and what the input is called."""
+    from trackmarshal.ir import nodes as ir
+
+    if isinstance(part, ir.Column):
+        signal = part.axis.signal
+        return signal, f"{signal}[{max(0, env[part.axis.level] + part.offset)}].{part.field}"
+    if isinstance(part, ir.Sample):
+        return part.signal, f"{part.signal}.{'first' if part.index == 0 else 'last'}.{part.field}"
+    return part.signal, f"{part.signal}.{part.field}"
+
+
+def _member(spec: Spec, signal: str, field: str, value: float) -> str:
+    """The name of the member that a number is the place of; empty for any other number."""
+    info = spec.signals[signal].field(field)
+    members = () if info is None or info.enumeration is None else info.enumeration.members
+    return next((name for place, name in enumerate(members) if place == value), "")
 
 
 def _way(node: ir.SweptInside | ir.SweptClear, env: dict[int, int], values: Reference) -> str:

@@ -131,7 +131,9 @@ class Lowering:
             case typed.Not():
                 return make(ir.Not, self.formula(node.operand, site))
             case typed.IsMember():
-                return self._is(self.things.member(node.left), self.things.member(node.right), site or node.span)
+                return self._is(
+                    self.things.member(node.left), self.things.member(node.right), site or node.span
+                )
             case typed.FormulaCase():
                 return self._formula_case(node, site)
             case typed.Chained():

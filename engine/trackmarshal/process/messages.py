@@ -85,7 +85,12 @@ class Kind:
         self.length: int = said["length"]
         entries = (
             Entry(
-                e["name"], e["offset"], e["type"], e["count"], e["array"], _default(e.get("default")),
+                e["name"],
+                e["offset"],
+                e["type"],
+                e["count"],
+                e["array"],
+                _default(e.get("default")),
                 tuple(e.get("members", ())),
             )  # fmt: skip
             for e in said["entries"]

@@ -432,7 +432,9 @@ def _plain(value: Any, depth: int = 0) -> Any:
         if kind is tuple:
             return {"$": "tuple", "of": [_plain(item, depth + 1) for item in value]}
         if kind is np.ndarray and value.dtype.kind in "iufbU":
-            array = value if value.dtype.itemsize <= 8 or value.dtype.kind == "U" else value.astype(np.float64)
+            array = (
+                value if value.dtype.itemsize <= 8 or value.dtype.kind == "U" else value.astype(np.float64)
+            )
             values = _plain(array.ravel().tolist(), depth + 1)
             return {"$": "array", "type": array.dtype.str, "shape": array.shape, "of": values}
     return {"$": "opaque", "kind": kind.__name__}

@@ -159,7 +159,9 @@ def _columns(value: Any, where: str) -> Columns:
 
 def _value(value: Any, name: str, own: Iterable[str], where: str) -> Any:
     """A number; of a field that the format does not have itself, also a Boolean or a text, such as a member of an enumeration."""
-    further = name not in own and (isinstance(value, bool) or (isinstance(value, str) and value not in _SPELT))
+    further = name not in own and (
+        isinstance(value, bool) or (isinstance(value, str) and value not in _SPELT)
+    )
     return value if further else _number(value, where)
 
 

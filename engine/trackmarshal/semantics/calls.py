@@ -418,7 +418,13 @@ def _lacking(value: typed.Record, shape: Mapping[str, Dimension | None]) -> str:
             return f"it has no `{field}`" + (f"; {similar}" if similar else f": declare `{field}: {unit}`")
         if value.shape[field] != dimension:
             found = value.shape[field]
-            said = "a Boolean" if found is None else "a member" if isinstance(found, Enumeration) else quantity(found)
+            said = (
+                "a Boolean"
+                if found is None
+                else "a member"
+                if isinstance(found, Enumeration)
+                else quantity(found)
+            )
             return f"its `{field}` is {said}, not {quantity(wanted)}"
     return ""
 

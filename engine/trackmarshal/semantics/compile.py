@@ -286,9 +286,13 @@ class _Compiler:
             if isinstance(known, Diagnostic):
                 self.found.append(known)
             elif symbol is not None:
-                self.found.append(WrongKind(at, "a unit or an enumeration", f"the {spoken(symbol.item)} `{field.type}`"))
+                self.found.append(
+                    WrongKind(at, "a unit or an enumeration", f"the {spoken(symbol.item)} `{field.type}`")
+                )
             elif field.type not in scope.broken and not scope.incomplete:
-                self.found.append(UnknownUnit(at, "unit or enumeration", field.type, self._type_hint(field.type, scope)))
+                self.found.append(
+                    UnknownUnit(at, "unit or enumeration", field.type, self._type_hint(field.type, scope))
+                )
             return FieldType(field.name, "number", "1", False, None, None, None, field.span)
         made = declared(symbol.item, symbol.module)
         if field.range or field.increasing:
@@ -306,7 +310,9 @@ class _Compiler:
 
     def _type_hint(self, name: str, scope: Scope) -> str:
         """What may have been meant by the type of a field: an enumeration, or a unit."""
-        known = [n for n in scope.names() if (s := scope.find(n)) is not None and isinstance(s.item, ast.Enum)]
+        known = [
+            n for n in scope.names() if (s := scope.find(n)) is not None and isinstance(s.item, ast.Enum)
+        ]
         return close_matches(name, known) or unit_hint(name, name, "polyline, bool, or the name of an `enum`")
 
     def _range(

@@ -70,8 +70,18 @@ def _other(expr: ast.Expr, enumeration: Enumeration, x: Expressions, ctx: Contex
                 x.fail(unknown(enumeration, expr.name, span))
             return typed.Member(enumeration, expr.name, span)
         if expr.name in enumeration.members and isinstance(local, typed.NamedMember):
-            what = f"the member `{expr.name}`"
-            x.fail(Hides(span, local.span, "`let`", expr.name, what, "", "give the `let` a name of its own"))
+            where = f" of `{enumeration.name.rpartition('.')[2]}`"
+            x.fail(
+                Hides(
+                    local.span,
+                    None,
+                    "the `let`",
+                    expr.name,
+                    "member",
+                    where,
+                    "give the `let` a name of its own",
+                )
+            )
         if expr.name in enumeration.members:
             return typed.Member(enumeration, expr.name, span)
     value = x.value(expr, ctx)
@@ -87,7 +97,8 @@ def _other(expr: ast.Expr, enumeration: Enumeration, x: Expressions, ctx: Contex
 def case(expr: ast.Case, x: Expressions, ctx: Context) -> typed.NumberCase | typed.FormulaCase:
     """A number, or a formula, for each member."""
     subject, *values = x.all(
-        lambda: _subject(expr.value, x, ctx), *(lambda b=branch: x.value(b.value, ctx) for branch in expr.branches)
+        lambda: _subject(expr.value, x, ctx),
+        *(lambda b=branch: x.value(b.value, ctx) for branch in expr.branches),
     )
     members = _members(expr, subject.enumeration, x)
     formula = isinstance(values[0], typed.FormulaNode)
@@ -95,7 +106,11 @@ def case(expr: ast.Case, x: Expressions, ctx: Context) -> typed.NumberCase | typ
         if not isinstance(value, typed.FormulaNode if formula else typed.NumberNode):
             at: Span = branch.value.__dict__["span"]
             wanted = "a formula" if formula else "a number"
-            x.fail(WrongKind(at, wanted, spoken(value), "all branches of a `case` are numbers, or all are formulas"))
+            x.fail(
+                WrongKind(
+                    at, wanted, spoken(value), "all branches of a `case` are numbers, or all are formulas"
+                )
+            )
     rows = list(zip(members, [not branch.members for branch in expr.branches], values, strict=True))
     spans = [branch.span for branch in expr.branches]
     if formula:
@@ -130,7 +145,9 @@ def _members(expr: ast.Case, enumeration: Enumeration, x: Expressions) -> list[t
                 problems.append(CaseProblem(member.span, problem, "remove one of them", named[member.name]))
             named.setdefault(member.name, member.span)
         if not branch.members and other is not None:
-            problems.append(CaseProblem(branch.span.head, "a second `else`", "remove one of them", other.span.head))
+            problems.append(
+                CaseProblem(branch.span.head, "a second `else`", "remove one of them", other.span.head)
+            )
         elif not branch.members:
             other = branch
     left = tuple(name for name in enumeration.members if name not in named)

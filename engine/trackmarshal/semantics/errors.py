@@ -310,9 +310,7 @@ class UnknownMember(Diagnostic):
     text = "`{enumeration}` has no member `{name}`"
     label = "it has: {known}"
     remedy = "{hint}"
-    explanation = (
-        "An enumeration has the members that its declaration lists, and no others: what is asked for, and what data gives, is one of them."
-    )
+    explanation = "An enumeration has the members that its declaration lists, and no others: what is asked for, and what data gives, is one of them."
 
     span: Span
     enumeration: str

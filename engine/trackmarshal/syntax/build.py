@@ -400,13 +400,19 @@ class Builder:
                 waiting.append(part)
             elif part is not None:
                 if waiting and not part.members:
-                    raise Refused(UnexpectedText(waiting[-1].span, f"`{waiting[-1].name}`", "a member with a value", _ELSE))
+                    raise Refused(
+                        UnexpectedText(
+                            waiting[-1].span, f"`{waiting[-1].name}`", "a member with a value", _ELSE
+                        )
+                    )
                 span = waiting[0].span.to(part.span) if waiting else part.span
                 branches.append(ast.Branch((*waiting, *part.members), part.value, span))
                 waiting = []
         if waiting:
             hint = f"write what it is then: `{waiting[-1].name}: ...`"
-            raise Refused(UnexpectedText(waiting[-1].span, f"`{waiting[-1].name}`", "a member with a value", hint))
+            raise Refused(
+                UnexpectedText(waiting[-1].span, f"`{waiting[-1].name}`", "a member with a value", hint)
+            )
         return ast.Case(c[0], tuple(branches), self._span(meta))
 
     def in_range(self, meta: Meta, c: list[Any]) -> ast.Within:

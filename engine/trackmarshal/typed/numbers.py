@@ -205,7 +205,16 @@ def literal(number: Number) -> float | None:
             return literal(number.body)
         case NamedNumber():
             return None if number.value is None else literal(number.value)
-        case Parameter() | Field() | Arithmetic() | Power() | Function() | Choice() | NumberCase() | TableValue():
+        case (
+            Parameter()
+            | Field()
+            | Arithmetic()
+            | Power()
+            | Function()
+            | Choice()
+            | NumberCase()
+            | TableValue()
+        ):
             return None
         case OnLine() | StationGap() | Folded() | Kept():
             return None

@@ -277,7 +277,9 @@ def ranges() -> SearchStrategy[ast.Range | None]:
 @cache
 def _signals() -> SearchStrategy[ast.Signal]:
     kinds = st.sampled_from(["trajectory", "series", "state", "object", "corridor", "polyline"])
-    types = st.one_of(units(), st.sampled_from(["polyline", "bool"]), names().filter(lambda n: n not in UNITS))
+    types = st.one_of(
+        units(), st.sampled_from(["polyline", "bool"]), names().filter(lambda n: n not in UNITS)
+    )
     defaults = st.one_of(st.none(), bounds(), name_nodes(), st.builds(ast.Boolean, st.booleans()))
     field = st.builds(ast.Field, names(), types, st.booleans(), ranges(), defaults)
     return st.builds(ast.Signal, names(), kinds, st.booleans(), st.lists(field, max_size=12).map(tuple))
@@ -352,7 +354,12 @@ def items() -> SearchStrategy[ast.Item]:
         st.builds(ast.Reference, names(), strings()),
         _signals(),
         st.builds(ast.Event, names(), strings()),
-        st.builds(ast.Enum, names(), strings(), st.lists(names().map(ast.Member), min_size=1, max_size=40).map(tuple)),
+        st.builds(
+            ast.Enum,
+            names(),
+            strings(),
+            st.lists(names().map(ast.Member), min_size=1, max_size=40).map(tuple),
+        ),
         st.builds(ast.Param, names(), units(), expressions(), ranges(), optional),
         st.builds(ast.Constrain, expressions(), optional),
         st.builds(ast.Table, names(), names(), units(), units(), _pairs(1), optional),

@@ -97,8 +97,7 @@ def _says(comparison: Comparison) -> int:
 CALLS: dict[FunctionName, Callable[..., Any]] = {name: _function(name) for name in FUNCTIONS}
 #: How far a comparison is from its boundary, and what that says. By gradual underflow a difference is 0 for equal numbers only.
 MEASURED: dict[ComparisonOp, tuple[str, int]] = {
-    op: (_measured(comparison.measure), _says(comparison))
-    for op, comparison in COMPARISONS.items()
+    op: (_measured(comparison.measure), _says(comparison)) for op, comparison in COMPARISONS.items()
 }
 
 

@@ -29,7 +29,12 @@ def _remainder(x: float, y: float) -> float:
 
 
 #: What a condition may call, by the name that C has for it. IEEE 754 defines each to the last bit.
-_FUNCTIONS: dict[str, Callable[..., Any]] = {"fabs": abs, "floor": np.floor, "sqrt": _sqrt, "remainder": _remainder}
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "fabs": abs,
+    "floor": np.floor,
+    "sqrt": _sqrt,
+    "remainder": _remainder,
+}
 
 
 class Condition(Node):

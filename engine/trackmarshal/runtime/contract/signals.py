@@ -210,7 +210,11 @@ def _fits(followed: SignalType, plan: SignalType) -> None:
     """Raise E482 unless the driving trajectory has what a candidate has."""
     for field in followed.fields_:
         own = plan.field(field.name)
-        if own is None or (own.kind, own.unit, own.enumeration) != (field.kind, field.unit, field.enumeration):
+        if own is None or (own.kind, own.unit, own.enumeration) != (
+            field.kind,
+            field.unit,
+            field.enumeration,
+        ):
             raise _unfit(f"`{FOLLOWED}.{field.name}` is not declared as `{PLAN}.{field.name}` is")
 
 

@@ -251,7 +251,9 @@ class ColumnsReader:
                 marks[row, : len(own)] = own
             elif name not in data and name in self._defaults:
                 marks[row] = self._defaults[name]
-            marks[row, [place for place in left_out.get(name, ()) if place < count]] = self._defaults.get(name, -1)
+            marks[row, [place for place in left_out.get(name, ()) if place < count]] = self._defaults.get(
+                name, -1
+            )
         made = self._columns(
             numbers, marks, self._counted(count) if ids is None else (*ids, *["?"] * count)[:count]
         )

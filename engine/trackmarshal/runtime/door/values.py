@@ -110,7 +110,9 @@ def numbers(column: Any, spelt: bool = False) -> Floats:
     return np.array(values, dtype=np.float64)
 
 
-def places(column: Any, members: tuple[str, ...], spelt: bool = False) -> tuple[Floats, list[tuple[int, str]]]:
+def places(
+    column: Any, members: tuple[str, ...], spelt: bool = False
+) -> tuple[Floats, list[tuple[int, str]]]:
     """A column of members of an enumeration as their places, and the entries that are names of none, which are NaN; raises WrongTypeError.
 
     Members by name: lists, tuples, and arrays of texts or of objects; by place: what is a column of numbers. Both may be in one list.

@@ -328,7 +328,18 @@ def _columns(
             c_name, info = names[field.name]
             about = "1, 0, -1 for missing" if kind == "i8" else f"{unit(info)}; NaN: missing"
             yield Item(
-                group, field.name, kind, capacity, about, False, c_group, c_name, record, 0, field.default, field.members
+                group,
+                field.name,
+                kind,
+                capacity,
+                about,
+                False,
+                c_group,
+                c_name,
+                record,
+                0,
+                field.default,
+                field.members,
             )
 
 
