@@ -92,7 +92,7 @@ class Kind:
                 e["array"],
                 _default(e.get("default")),
                 tuple(e.get("members", ())),
-            )  # fmt: skip
+            )
             for e in said["entries"]
         )
         self.entries = {entry.name: entry for entry in entries}

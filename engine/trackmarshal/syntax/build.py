@@ -8,8 +8,8 @@ from typing import Any
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
-from trackmarshal.syntax.grammar import WORD_CHARACTERS
 from trackmarshal.syntax.errors import MixedChain, TooDeep, UnexpectedText, UnknownClause
+from trackmarshal.syntax.grammar import WORD_CHARACTERS
 from trackmarshal.syntax.keywords import CLAUSES
 from trackmarshal.syntax.lalr import Token
 from trackmarshal.syntax.names import spelled

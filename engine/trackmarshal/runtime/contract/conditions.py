@@ -8,8 +8,6 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
-import numpy as np
-
 from trackmarshal.node import Node
 
 _COMPARISONS: dict[type[ast.cmpop], str] = {
@@ -28,10 +26,16 @@ def _remainder(x: float, y: float) -> float:
     return math.remainder(x, y) if math.isfinite(x) else math.nan
 
 
+def _floor(x: Any) -> Any:
+    import numpy as np  # where there are values, it is there
+
+    return np.floor(x)
+
+
 #: What a condition may call, by the name that C has for it. IEEE 754 defines each to the last bit.
 _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "fabs": abs,
-    "floor": np.floor,
+    "floor": _floor,
     "sqrt": _sqrt,
     "remainder": _remainder,
 }

@@ -9,7 +9,6 @@ from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.runtime.contract import Field
 from trackmarshal.units import from_si
 
-
 #: Members that a message names, and letters of a name that is none of theirs.
 _MOST, _LONG = 12, 40
 
