@@ -409,6 +409,8 @@ def _plain(value: Any, depth: int = 0) -> Any:
     kind = type(value)
     if value is None or kind in (bool, str):
         return value
+    if isinstance(value, str):  # whatever is derived from it is taken as the text that it is
+        return str.__str__(value)
     if kind is int:
         return value if abs(value) < 2**63 else {"$": "int", "of": hex(value)}
     if kind is float or isinstance(value, np.floating):
