@@ -30,6 +30,7 @@ from trackmarshal.semantics import (
     arguments,
     calls,
     compile,
+    enums,
     errors,
     expressions,
     modules,
@@ -137,7 +138,18 @@ class Site(Node):
 _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
     *(
         (module, frozenset(vars(errors)))
-        for module in (arguments, calls, compile, expressions, modules, rulebooks, rules, scope, states)
+        for module in (
+            arguments,
+            calls,
+            compile,
+            enums,
+            expressions,
+            modules,
+            rulebooks,
+            rules,
+            scope,
+            states,
+        )
     ),
     (cases, frozenset({*vars(test_errors), "fail"})),
 )

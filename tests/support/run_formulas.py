@@ -8,8 +8,9 @@ from typing import Any
 from hypothesis import strategies as st
 
 SIGNALS = """module m
-signal ego : state { v: m/s, w: m/s }
-signal objects : set of object { v: m/s }
+enum shade { green, yellow, red }
+signal ego : state { v: m/s, w: m/s, seen: shade default green, on: bool default true }
+signal objects : set of object { v: m/s, seen: shade default red }
 event flag
 """
 _PAST = ("once", "historically")
@@ -25,8 +26,13 @@ def _window(bounds: tuple[float, float]) -> str:
 
 
 def _leaf(inside: bool) -> st.SearchStrategy[str]:
-    leaves = ["ego.v > 0 m/s", "ego.w <= 1 m/s", "flag", "ego.v >= ego.w"]
-    return st.sampled_from([*leaves, *(["o.v > 0 m/s", "o.v <= ego.v"] * 3 if inside else [])])
+    leaves = [
+        "ego.v > 0 m/s", "ego.w <= 1 m/s", "flag", "ego.v >= ego.w", "ego.seen is yellow", "ego.on",
+        "case ego.seen { green: ego.v > 0 m/s, else: flag }",
+        "ego.v <= case ego.seen { green, red: 1 m/s, yellow: ego.w }",
+    ]  # fmt: skip
+    own = ["o.v > 0 m/s", "o.v <= ego.v", "o.seen is red", "o.seen is ego.seen"]
+    return st.sampled_from([*leaves, *(own * 3 if inside else [])])
 
 
 @cache
@@ -90,9 +96,12 @@ _THERE = st.lists(st.sampled_from("abc"), unique=True)
 _NUMBERS = st.sampled_from([-2.0, -1.0, 0.0, 0.5, 1.0, 2.0, None])
 
 
+#: Names, places, nothing, and what is no member, which is the same to all but never safe; "": it is left out.
+_SEEN = st.sampled_from(["green", "yellow", "red", "yellow", 0, 1.0, 2, None, "", 1.5, -1, 99])
 _CYCLE = st.tuples(
-    _STEPS, st.integers(0, 6), _THERE, _NUMBERS, _NUMBERS, st.tuples(_NUMBERS, _NUMBERS, _NUMBERS), _FLAGS
-)
+    _STEPS, st.integers(0, 6), _THERE, _NUMBERS, _NUMBERS, st.tuples(_NUMBERS, _NUMBERS, _NUMBERS), _FLAGS,
+    st.tuples(_SEEN, _SEEN, _SEEN, _SEEN),
+)  # fmt: skip
 
 
 def runs() -> st.SearchStrategy[list[dict[str, Any] | None]]:
@@ -102,12 +111,14 @@ def runs() -> st.SearchStrategy[list[dict[str, Any] | None]]:
 
 def _cycles(drawn: list[Any]) -> list[dict[str, Any] | None]:
     t, cycles = 0.0, list[dict[str, Any] | None]()
-    for number, (step, refused, there, v, w, speeds, flag) in enumerate(drawn):
+    for number, (step, refused, there, v, w, speeds, flag, seen) in enumerate(drawn):
         t += step
         signals = {
-            "ego": {"v": v, "w": w},
+            "ego": {"v": v, "w": w} | ({} if seen[0] == "" else {"seen": seen[0], "on": flag}),
             "objects": {"id": there, "v": list(speeds[: len(there)])},
             "flag": flag,
         }
+        if "" not in seen[1:]:
+            signals["objects"]["seen"] = list(seen[1 : 1 + len(there)])
         cycles.append({"id": number, "t": round(t, 9), "signals": signals} if refused else None)
     return cycles

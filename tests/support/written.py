@@ -53,8 +53,28 @@ def written(node: typed.Value) -> ast.Expr:
             return number(node)
         case typed.FormulaNode():
             return formula(node)
+        case typed.MemberNode():
+            return member(node)
         case _:
             return thing(node)
+
+
+def member(node: typed.AnyMember) -> ast.Expr:
+    match node:
+        case typed.MemberField():
+            return ast.Attribute(written(node.record), node.name)
+        case typed.Member() | typed.NamedMember():
+            return ast.Name(node.name)
+        case _:
+            assert_never(node)
+
+
+def case_of(node: typed.NumberCase | typed.FormulaCase) -> ast.Expr:
+    branches = [
+        ast.Branch(() if one.rest else tuple(map(ast.Member, one.members)), written(one.value))
+        for one in node.branches
+    ]
+    return ast.Case(member(node.subject), tuple(branches))
 
 
 def number(node: typed.Number) -> ast.Expr:
@@ -77,6 +97,8 @@ def number(node: typed.Number) -> ast.Expr:
             return called(node.name, *node.arguments)
         case typed.Choice():
             return ast.IfElse(formula(node.condition), number(node.then), number(node.otherwise))
+        case typed.NumberCase():
+            return case_of(node)
         case typed.TableValue():
             return called(node.symbol.name, node.argument)
         case typed.OnLine():
@@ -138,14 +160,32 @@ def formula(node: typed.Formula) -> ast.Expr:
             return ast.Until(node.op, formula(node.left), formula(node.right), window_of(node.window))
         case typed.Edge():
             return called(node.op, node.operand)
+        case typed.CountComparison():
+            counted, limit = count(node.count), number(node.limit)
+            return ast.Binary(node.op, *((limit, counted) if node.turned else (counted, limit)))
         case typed.InState():
             return ast.Call("is", (machine(node.machine), ast.Name(node.state)), ("", ""))
+        case typed.IsMember():
+            return ast.Call("is", (member(node.left), member(node.right)), ("", ""))
+        case typed.FormulaCase():
+            return case_of(node)
         case typed.CalledFormula():
             return call_of(node)
         case typed.NamedFormula():
             return ast.Name(node.name)
         case _:
             assert_never(node)
+
+
+def count(node: typed.Count) -> ast.Expr:
+    arguments, names = [formula(node.counted)], [""]
+    if node.window is not None:
+        arguments.append(written(node.window.upper))
+        names.append("last")
+    if node.reset is not None:
+        arguments.append(formula(node.reset))
+        names.append("reset")
+    return ast.Call("count", tuple(arguments), tuple(names))
 
 
 def thing(node: typed.WholeSignal | typed.Record | typed.Line | typed.Area | typed.Region) -> ast.Expr:

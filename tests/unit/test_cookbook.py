@@ -76,6 +76,8 @@ def cycle(cells: dict[str, str]) -> dict[str, Any]:
             continue
         if not field:
             signals[name] = FLAGS[text]
+        elif owner == "race":
+            signals[owner] = {field: text}
         elif owner == "ego":
             ego[field] = float(text)
         elif text != "-":

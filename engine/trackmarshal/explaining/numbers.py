@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import outside_machines, sets
-from trackmarshal.ir.spec import Called
+from trackmarshal.ir.spec import Called, Spec
 from trackmarshal.units import beside
 
 if TYPE_CHECKING:
@@ -22,14 +22,14 @@ def numbers(
 ) -> list[tuple[str, str]]:
     """Both sides of a comparison, then what it is made of, each with its value; SI but for the sides."""
     rows: list[tuple[str, str]] = []
-    if isinstance(node, ir.Compare):
+    if isinstance(node, ir.Compare) and node.op != "is":
         _, left, right = node.written
         for name, side in (("left side", left), ("right side", right)):
             rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     if isinstance(node, ir.SweptInside | ir.SweptClear):
         rows.append(("swept", _way(node, env, values)))
     called = {id(one.node): one.name for one in names if one.own}
-    leaves: dict[str, float] = {}
+    leaves: dict[str, str] = {}
     for part in outside_machines(node):
         if isinstance(part, ir.Num) and any(axis.level not in env for axis in sets(part)):
             continue  # of a number of many: there are many
@@ -37,8 +37,18 @@ def numbers(
         if told is None and id(part) in called and isinstance(part, ir.Num):
             told = called[id(part)], values.number(part, env)
         if told is not None:
-            leaves[told[0]] = told[1]
-    return rows + [(name, figure(value)) for name, value in sorted(leaves.items())]
+            leaves[told[0]] = _member(part, values.spec, told[1]) or figure(told[1])
+    return rows + sorted(leaves.items())
+
+
+def _member(part: ir.AnyNode, spec: Spec, value: float) -> str:
+    """The name of the member that a number is the place of; empty for any other number."""
+    if not isinstance(part, ir.Column | ir.Scalar | ir.Sample):
+        return ""
+    signal = part.axis.signal if isinstance(part, ir.Column) else part.signal
+    info = spec.signals[signal].field(part.field)
+    members = () if info is None or info.enumeration is None else info.enumeration.members
+    return next((name for place, name in enumerate(members) if place == value), "")
 
 
 def _leaf(part: ir.AnyNode, env: Env, values: Reference) -> tuple[str, float] | None:

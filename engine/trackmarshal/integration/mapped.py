@@ -95,7 +95,8 @@ class Mapped:
         record = found.records.get(self.ego) if self.ego is not None else None
         if record is not None:
             signals["ego"] = {
-                n: c.convert(record.get(c.column, math.nan)) for n, c in self.ego_fields.items()
+                n: value if isinstance(value := record.get(c.column, math.nan), str) else c.convert(value)
+                for n, c in self.ego_fields.items()
             }
         if self.objects is not None or self.no_objects is not None:
             signals["objects"] = self.elements(found, self.objects, self.object_fields)

@@ -163,7 +163,7 @@ def compare(op: ComparisonOp, a: float, b: float) -> bool:
             return a < b
         case "<=":
             return a <= b
-        case "==":
+        case "==" | "is":
             return a == b
         case "!=":
             return a != b
@@ -181,6 +181,8 @@ def margin(op: ComparisonOp, a: float, b: float) -> float:
             return -abs(a - b)
         case Measure.DISTANCE:
             return abs(a - b)
+        case Measure.SAMENESS:
+            return math.inf if a == b else -math.inf
         case _:
             assert_never(measure)
 

@@ -18,7 +18,7 @@ def margin_unit(formula: ir.Formula | None) -> str:
 def margin_units(formula: ir.Formula) -> set[str]:
     """The units of a formula's comparisons, one of which is that of its margin."""
     atoms = formula_atoms(formula)
-    units = {n.unit for n in atoms if isinstance(n, ir.Compare)}
+    units = {n.unit for n in atoms if isinstance(n, ir.Compare) and n.op != "is"}  # that one is a Boolean
     return units | {"m" for n in atoms if isinstance(n, ir.Geometry)}
 
 

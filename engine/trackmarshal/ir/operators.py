@@ -12,7 +12,7 @@ from enum import Enum
 from typing import Literal, NamedTuple, TypeVar
 
 ArithmeticOp = Literal["+", "-", "*", "/"]
-ComparisonOp = Literal["<", "<=", "==", "!="]
+ComparisonOp = Literal["<", "<=", "==", "!=", "is"]
 ConnectiveOp = Literal["and", "or", "iff", "xor"]
 Quantifier = Literal["for all", "exists"]
 TemporalOp = Literal["always", "eventually", "historically", "once"]
@@ -31,6 +31,7 @@ class Measure(Enum):
     ROOM = "right - left"
     NEARNESS = "-|left - right|"
     DISTANCE = "|left - right|"
+    SAMENESS = "infinite where left is right, and minus infinite elsewhere"
 
 
 class Comparison(NamedTuple):
@@ -81,10 +82,11 @@ class Function(NamedTuple):
     more: bool = False
 
 
-#: Comparisons of two numbers.
+#: Comparisons of two numbers; `is` those of the places of members, which are as far apart as true and false are.
 COMPARISONS: dict[ComparisonOp, Comparison] = {
     "<": Comparison(Measure.ROOM, False), "<=": Comparison(Measure.ROOM, True),
     "==": Comparison(Measure.NEARNESS, True), "!=": Comparison(Measure.DISTANCE, False),
+    "is": Comparison(Measure.SAMENESS, False),
 }  # fmt: skip
 #: Arithmetic; dimensions are added for `*`, subtracted for `/`, equal for the other two.
 ARITHMETIC: tuple[ArithmeticOp, ...] = ("+", "-", "*", "/")

@@ -12,8 +12,18 @@ if TYPE_CHECKING:
     from trackmarshal.typed import Rule
 
 
+class Enumeration(Node):
+    """Names of which a field is one, by its qualified name. A field has the place of its member, from 0, as its number."""
+
+    name: str
+    members: tuple[str, ...]
+
+
 class FieldType(Node):
-    """One field of a signal. `kind` is number, bool or polyline; numbers come in `unit`, ranges and defaults are in SI."""
+    """One field of a signal. `kind` is number, bool or polyline; numbers come in `unit`, ranges and defaults are in SI.
+
+    enumeration: of a number that is the place of a member. The default of a bool is 1 or 0.
+    """
 
     name: str
     kind: str
@@ -23,6 +33,7 @@ class FieldType(Node):
     upper: float | None
     default: float | None
     span: Span
+    enumeration: Enumeration | None = None
 
 
 class SignalType(Node):

@@ -82,6 +82,8 @@ class Lowering:
                 return make(
                     ir.Choose, condition, self.number(node.then, site), self.number(node.otherwise, site)
                 )
+            case typed.NumberCase():
+                return self._number_case(node, site)
             case typed.Folded():
                 return self._folded(node, site)
             case typed.Negative():
@@ -128,6 +130,12 @@ class Lowering:
                 return self._formulas[node.value]
             case typed.Not():
                 return make(ir.Not, self.formula(node.operand, site))
+            case typed.IsMember():
+                return self._is(
+                    self.things.member(node.left), self.things.member(node.right), site or node.span
+                )
+            case typed.FormulaCase():
+                return self._formula_case(node, site)
             case typed.Chained():
                 return self._chained(node, site)
             case typed.Within():
@@ -248,6 +256,41 @@ class Lowering:
                 return self.make(ir.Compare, "<=", b, a, unit, span, shown, True)
             case _:
                 assert_never(op)
+
+    def _is(self, left: ir.Num, right: ir.Num, at: Span) -> ir.Formula:
+        return self.make(ir.Compare, "is", left, right, "1", at, "", False)
+
+    def _among(self, subject: typed.AnyMember, members: tuple[str, ...], at: Span) -> ir.Formula:
+        """Whether a member is one of several."""
+        place, all_of_them = self.things.member(subject), subject.enumeration.members
+        first, *others = [
+            self._is(place, self.make(ir.Const, float(all_of_them.index(name))), at) for name in members
+        ]
+        for other in others:
+            first = self.make(ir.Connective, "or", first, other)
+        return first
+
+    def _number_case(self, node: typed.NumberCase, site: Span | None) -> ir.Num:
+        """`if` of the first branch, else of the next one; the last is what is left. Undefined (NaN) where the member is."""
+        *others, last = node.branches
+        value = self.number(last.value, site)
+        for branch in reversed(others):
+            condition = self._among(node.subject, branch.members, site or node.subject.span)
+            value = self.make(ir.Choose, condition, self.number(branch.value, site), value)
+        return value
+
+    def _formula_case(self, node: typed.FormulaCase, site: Span | None) -> ir.Formula:
+        """One of the branches: it is this member, whose margin is infinite, and its formula holds."""
+        first, *others = [
+            self.make(
+                ir.Connective, "and",
+                self._among(node.subject, branch.members, site or node.subject.span), self.formula(branch.value, site),
+            )
+            for branch in node.branches
+        ]  # fmt: skip
+        for other in others:
+            first = self.make(ir.Connective, "or", first, other)
+        return first
 
     def _chained(self, node: typed.Chained, site: Span | None) -> ir.Formula:
         """Neighbours compared, and all of it joined by `and`; every operand is one number, however often it is compared."""

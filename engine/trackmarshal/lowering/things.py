@@ -57,6 +57,18 @@ class Things:
             case _:
                 assert_never(record)
 
+    def member(self, member: typed.AnyMember) -> ir.Num:
+        """The place of a member in its enumeration."""
+        match member:
+            case typed.Member():
+                return self.make(ir.Const, float(member.enumeration.members.index(member.name)))
+            case typed.MemberField():
+                return self.column(member.record, member.name)
+            case typed.NamedMember():
+                return self.member(member.value)
+            case _:
+                assert_never(member)
+
     def flag(self, record: typed.Record, name: str, at: Span) -> ir.Flag:
         """A Boolean field of a record."""
         match record:

@@ -221,7 +221,7 @@ class Client:
                 if count and len(column) != count:
                     raise LinkError(f"the columns of `{group}` have different lengths")
                 count = len(column)
-            kind.set(message, entry, column)
+            kind.set(message, entry, entry.places(column))
         if not known.record:
             kind.put(message, f"{group}/count", count)
             kind.put(message, f"{group}/absent", absent)

@@ -26,7 +26,7 @@ class LinkError(Exception):
 class Entry(NamedTuple):
     """An entry of a message: its place in bytes, its type, `room` for so many values; array: whether it is one.
 
-    default: what is put in for a field that is left out; None: nothing is.
+    default: what is put in for a field that is left out; None: nothing is. members: names of which the values are the places.
     """
 
     name: str
@@ -35,6 +35,22 @@ class Entry(NamedTuple):
     room: int
     array: bool
     default: float | None
+    members: tuple[str, ...] = ()
+
+    def places(self, value: Any) -> Any:
+        """A value, or a column, with the places of members in place of their names; raises LinkError for a name of none."""
+        if not self.members:
+            return value
+        if self.array and any(isinstance(one, str) for one in value):
+            return [float(self._place(one)) for one in value]
+        return value if self.array else self._place(value)
+
+    def _place(self, one: Any) -> Any:
+        if not isinstance(one, str):
+            return float("nan") if one is None else one
+        if one not in self.members:
+            raise LinkError(f"`{self.name}` is none of {', '.join(self.members)}: {one[:40]!r}")
+        return float(self.members.index(one))
 
     @property
     def format(self) -> str:
@@ -68,7 +84,15 @@ class Kind:
         self.up: bool = said["from"] == "planner"
         self.length: int = said["length"]
         entries = (
-            Entry(e["name"], e["offset"], e["type"], e["count"], e["array"], _default(e.get("default")))
+            Entry(
+                e["name"],
+                e["offset"],
+                e["type"],
+                e["count"],
+                e["array"],
+                _default(e.get("default")),
+                tuple(e.get("members", ())),
+            )
             for e in said["entries"]
         )
         self.entries = {entry.name: entry for entry in entries}

@@ -32,6 +32,7 @@ CODES = {
     "D234": ("the clock is wrong", "The Supervisor's clock raised an error, was not a finite number, or went back. Nothing can be said in time; the cycle is unsafe."),
     "D235": ("the Supervisor failed", "Its own code raised an error. The cycle is unsafe, and nothing that was stored is relied on where that is where it failed."),
     "D236": ("not configured", "The parameters or limits that were put into a generated Supervisor were refused, or none were put in. It admits no cycle until they are valid."),
+    "D237": ("no member of the enumeration", "A field of an enumeration has a member: by its name, or by its place in the declaration, a whole number from 0. Anything else is never taken for one of them: what depends on it is undefined where it is no name, and the case or cycle is not safe."),
     "D241": ("nothing is stored", "No cycle was safe so far, or the emergency trajectory that was stored has been lost. Nothing can be driven that is known to be safe."),
     "D242": ("the stored emergency trajectory is at its end", "Now is after its last sample: the car stands. It is not driven any more."),
     "D243": ("the car left the stored emergency trajectory", "The car is further beside its path, or more turned, than the limits `beside` and `turned` allow, or further along the path than `apart` from where it is due. What is elsewhere says nothing about what the car would drive. It is dropped for good."),

@@ -41,6 +41,7 @@ FAULTS = {
     "apart": "D243",
     "unconfirmed": "D244",
     "too_fast": "D245",
+    "no_member": "D237",
 }
 NAMES = {code: name for name, code in FAULTS.items()}
 

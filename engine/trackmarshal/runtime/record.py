@@ -409,6 +409,8 @@ def _plain(value: Any, depth: int = 0) -> Any:
     kind = type(value)
     if value is None or kind in (bool, str):
         return value
+    if isinstance(value, str):  # whatever is derived from it is taken as the text that it is
+        return str.__str__(value)
     if kind is int:
         return value if abs(value) < 2**63 else {"$": "int", "of": hex(value)}
     if kind is float or isinstance(value, np.floating):
@@ -431,8 +433,10 @@ def _plain(value: Any, depth: int = 0) -> Any:
             return [_plain(item, depth + 1) for item in value]
         if kind is tuple:
             return {"$": "tuple", "of": [_plain(item, depth + 1) for item in value]}
-        if kind is np.ndarray and value.dtype.kind in "iufb":
-            array = value if value.dtype.itemsize <= 8 else value.astype(np.float64)
+        if kind is np.ndarray and value.dtype.kind in "iufbU":
+            array = (
+                value if value.dtype.itemsize <= 8 or value.dtype.kind == "U" else value.astype(np.float64)
+            )
             values = _plain(array.ravel().tolist(), depth + 1)
             return {"$": "array", "type": array.dtype.str, "shape": array.shape, "of": values}
     return {"$": "opaque", "kind": kind.__name__}

@@ -61,7 +61,7 @@ def cycle(value: dict[str, Any]) -> tuple[Cycle, dict[str, bool | None]]:
         raise Wrong("candidates: there is none")
     result = Cycle(
         _finite(value["t"], "t"),
-        {name: _number(item, f"ego.{name}") for name, item in ego.items()},
+        {name: _value(item, name, OWN["ego"], f"ego.{name}") for name, item in ego.items()},
         objects,
         {name: _columns(item, f"candidates.{name}") for name, item in candidates.items()},
     )
@@ -136,7 +136,9 @@ def _object(value: Any, where: str) -> dict[str, Any]:
     fields = _mapping(value, where)
     _text(fields.get("id"), f"{where}.id")
     return {
-        name: item if name == "id" or isinstance(item, bool) else _number(item, f"{where}.{name}")
+        name: item
+        if name == "id" or isinstance(item, bool)
+        else _value(item, name, OWN["objects"], f"{where}.{name}")
         for name, item in fields.items()
     }
 
@@ -145,7 +147,7 @@ def _columns(value: Any, where: str) -> Columns:
     """Equally long lists of numbers; `s` is computed where it is missing, further columns are kept."""
     fields = _mapping(value, where)
     _keys(fields, where, needed=[name for name in COLUMNS if name != "s"], known=fields)
-    columns = {name: _column(column, f"{where}.{name}") for name, column in fields.items()}
+    columns = {name: _column(column, name, f"{where}.{name}") for name, column in fields.items()}
     lengths = {len(column) for column in columns.values()}
     if len(lengths) != 1 or 0 in lengths:
         counts = ", ".join(f"{name} {len(column)}" for name, column in columns.items())
@@ -155,11 +157,19 @@ def _columns(value: Any, where: str) -> Columns:
     return columns
 
 
-def _column(value: Any, where: str) -> list[float]:
+def _value(value: Any, name: str, own: Iterable[str], where: str) -> Any:
+    """A number; of a field that the format does not have itself, also a Boolean or a text, such as a member of an enumeration."""
+    further = name not in own and (
+        isinstance(value, bool) or (isinstance(value, str) and value not in _SPELT)
+    )
+    return value if further else _number(value, where)
+
+
+def _column(value: Any, name: str, where: str) -> list[Any]:
     column = _list(value, where)
     if all(type(item) is float and math.isfinite(item) for item in column):
         return column
-    return [_number(item, f"{where}[{i}]") for i, item in enumerate(column)]
+    return [_value(item, name, COLUMNS, f"{where}[{i}]") for i, item in enumerate(column)]
 
 
 def _table(value: Any, where: str) -> list[list[float]]:

@@ -119,6 +119,8 @@ class Advice:
                 return self.angle(node.operand)
             case typed.Choice():
                 return self.angle(node.then) or self.angle(node.otherwise)
+            case typed.NumberCase():
+                return any(self.angle(branch.value) for branch in node.branches)
             case typed.Folded():
                 return node.body is not None and self.angle(node.body)
             case typed.Function():
@@ -160,6 +162,8 @@ class Advice:
                 return self.measured(node.operand)
             case typed.Choice():
                 return self.measured(node.then) or self.measured(node.otherwise)
+            case typed.NumberCase():
+                return any(self.measured(branch.value) for branch in node.branches)
             case typed.Folded():
                 return node.body is not None and self.measured(node.body)
             case typed.Function():
@@ -234,4 +238,4 @@ def _reads(node: typed.Number) -> bool:
     return any(isinstance(part, _READING) for part in typed.below(node))
 
 
-_READING = (typed.Field, typed.OnLine, typed.StationGap, typed.RegionNode, typed.InZone)
+_READING = (typed.Field, typed.MemberField, typed.OnLine, typed.StationGap, typed.RegionNode, typed.InZone)

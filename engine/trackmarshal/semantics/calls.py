@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal, assert_never
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.operators import FUNCTIONS, Dimensions, known
+from trackmarshal.ir.spec import Enumeration
 from trackmarshal.semantics.arguments import counted, given, in_order
 from trackmarshal.semantics.errors import (
     Recursive,
@@ -448,7 +449,14 @@ def _lacking(value: typed.Record, shape: Mapping[str, Dimension | None]) -> str:
             return f"it has no `{field}`" + (f"; {similar}" if similar else f": declare `{field}: {unit}`")
         if value.shape[field] != dimension:
             found = value.shape[field]
-            return f"its `{field}` is {'a Boolean' if found is None else quantity(found)}, not {quantity(wanted)}"
+            said = (
+                "a Boolean"
+                if found is None
+                else "a member"
+                if isinstance(found, Enumeration)
+                else quantity(found)
+            )
+            return f"its `{field}` is {said}, not {quantity(wanted)}"
     return ""
 
 

@@ -8,10 +8,10 @@ from collections.abc import Iterable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import NoReturn, TypeVar
+from typing import NoReturn, TypeGuard, TypeVar
 
 from trackmarshal import typed
-from trackmarshal.diagnostics.base import Diagnostic, Diagnostics
+from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import (
@@ -31,16 +31,27 @@ from trackmarshal.semantics import calls
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal_problem, settled
 from trackmarshal.semantics.elsewhere import Elsewhere
-from trackmarshal.semantics.errors import BadValue, Duplicate, NeverAsked, SignalConflict, WrongDimension
+from trackmarshal.semantics.enums import check_enum, declared, unknown
+from trackmarshal.semantics.errors import (
+    BadValue,
+    Duplicate,
+    NeverAsked,
+    SignalConflict,
+    WrongDimension,
+    WrongKind,
+)
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.modules import Library
 from trackmarshal.semantics.rulebooks import Rulebooks, check_signal, check_test_target
 from trackmarshal.semantics.rules import RuleBuilder
-from trackmarshal.semantics.scope import KINDS, Scope
+from trackmarshal.semantics.scope import KINDS, Scope, spoken
 from trackmarshal.semantics.states import check_state
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.build import is_unit
+from trackmarshal.syntax.errors import UnknownUnit
+from trackmarshal.syntax.foreign_units import unit_hint
 from trackmarshal.typed import Symbol
 from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, to_si
 
@@ -114,6 +125,7 @@ class _Compiler:
             self._uses(module)
             self.scopes[module].check_own()
         for step in (
+            self._enums,
             self._signals,
             self._params,
             self._tables,
@@ -226,24 +238,84 @@ class _Compiler:
             if same is not None and same.span.file is not span.file:
                 self.found.append(SignalConflict(span.head, same.span.head, flag))
 
+    def _enums(self, module: str) -> None:
+        for item in self._own(module, ast.Enum):
+            check_enum(item, self.found)
+
     def _field(self, field: ast.Field, module: str) -> FieldType:
         """The contract of a field; where a part of it has an error, the field is there all the same."""
-        if field.type in ("polyline", "bool"):
+        if field.type == "polyline":
             if field.range or field.default or field.increasing:
-                self.found.append(BadValue(field.span, f"a {field.type} has no range, order or default"))
+                self.found.append(BadValue(field.span, "a polyline has no range, order or default"))
             return FieldType(field.name, field.type, "1", False, None, None, None, field.span)
+        if field.type == "bool":
+            if field.range or field.increasing:
+                self.found.append(BadValue(field.span, "a bool has no range or order"))
+            truth = self._truth_of(field)
+            return FieldType(field.name, field.type, "1", False, None, None, truth, field.span)
+        if not is_unit(field.type):
+            return self._member_of(field, module)
         unit, dimension = field.type, parse_unit(field.type)[2]
         lower, upper, default = None, None, None
         with suppress(Poison):
             lower, upper = self._range(field.range, unit, dimension, module)
         if field.default is not None:
             with suppress(Poison):
+                if isinstance(field.default, ast.Boolean) or _is_word(field.default):
+                    at = field.default.__dict__["span"]
+                    self.x.fail(BadValue(at, f"the default of `{field.name}` is a number in {unit}"))
                 default = self._finite(field.default, unit, dimension, module)
                 if not _inside(default, lower, upper):
                     at, limits = field.default.__dict__["span"], field.range.span if field.range else None
                     problem = f"the default of `{field.name}`, {in_full(default, unit)}, is {_outside(lower, upper, unit)}"
                     self.found.append(BadValue(at, problem, limits))
         return FieldType(field.name, "number", unit, field.increasing, lower, upper, default, field.span)
+
+    def _truth_of(self, field: ast.Field) -> float | None:
+        """The default of a Boolean."""
+        if field.default is None or isinstance(field.default, ast.Boolean):
+            return None if field.default is None else float(field.default.value)
+        at = field.default.__dict__["span"]
+        self.found.append(BadValue(at, f"the default of `{field.name}` is true or false"))
+        return None
+
+    def _member_of(self, field: ast.Field, module: str) -> FieldType:
+        """A field that is a member of an enumeration, by the place of the member."""
+        at, scope = field.span.word(field.type), self.scopes[module]
+        symbol = scope.find(field.type)
+        known = scope.look_up(field.type, at, "enumeration", set()) if field.type in scope.names() else None
+        if symbol is None or not isinstance(symbol.item, ast.Enum):
+            if isinstance(known, Diagnostic):
+                self.found.append(known)
+            elif symbol is not None:
+                self.found.append(
+                    WrongKind(at, "a unit or an enumeration", f"the {spoken(symbol.item)} `{field.type}`")
+                )
+            elif field.type not in scope.broken and not scope.incomplete:
+                self.found.append(
+                    UnknownUnit(at, "unit or enumeration", field.type, self._type_hint(field.type, scope))
+                )
+            return FieldType(field.name, "number", "1", False, None, None, None, field.span)
+        made = declared(symbol.item, symbol.module)
+        if field.range or field.increasing:
+            self.found.append(BadValue(field.span, "a member of an enumeration has no range or order"))
+        default = None
+        if _is_word(field.default) and field.default.name in made.members:
+            default = float(made.members.index(field.default.name))
+        elif _is_word(field.default):
+            self.found.append(unknown(made, field.default.name, field.default.span))
+        elif field.default is not None:
+            problem = f"the default of `{field.name}` is a member of `{field.type}`"
+            hint = f"its members are {', '.join(made.members)}"
+            self.found.append(BadValue(field.default.__dict__["span"], problem, None, hint))
+        return FieldType(field.name, "number", "1", False, None, None, default, field.span, made)
+
+    def _type_hint(self, name: str, scope: Scope) -> str:
+        """What may have been meant by the type of a field: an enumeration, or a unit."""
+        known = [
+            n for n in scope.names() if (s := scope.find(n)) is not None and isinstance(s.item, ast.Enum)
+        ]
+        return close_matches(name, known) or unit_hint(name, name, "polyline, bool, or the name of an `enum`")
 
     def _range(
         self, limits: ast.Range | None, unit: str, dimension: Dimension, module: str
@@ -496,6 +568,11 @@ class _Compiler:
                     rules.append(rule)
                 first.setdefault(item.name, item)
         return rules
+
+
+def _is_word(expr: ast.Expr | None) -> TypeGuard[ast.Name]:
+    """Whether a default is a word, and not the name of a number."""
+    return isinstance(expr, ast.Name) and expr.name != "inf"
 
 
 def _outside(lower: float | None, upper: float | None, unit: str) -> str:

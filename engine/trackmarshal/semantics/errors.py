@@ -355,6 +355,38 @@ class NeverTaken(Diagnostic):
     target: str
 
 
+class UnknownMember(Diagnostic):
+    code = "E244"
+    title = "no such member"
+    text = "`{enumeration}` has no member `{name}`"
+    label = "it has: {known}"
+    remedy = "{hint}"
+    explanation = "An enumeration has the members that its declaration lists, and no others: what is asked for, and what data gives, is one of them."
+
+    span: Span
+    enumeration: str
+    name: str
+    known: str
+    hint: str = ""
+
+
+class CaseProblem(Diagnostic):
+    code = "E245"
+    title = "a case that does not say what holds for each member"
+    text = "{problem}"
+    other_label = "it is here already"
+    remedy = "{hint}"
+    explanation = (
+        "A `case` has a value for each member of the enumeration, once: by name, or by `else` for all that are not named. Whoever adds a member "
+        "is shown every `case` that does not say yet what it means there; an `else` says that no further member could matter."
+    )
+
+    span: Span
+    problem: str
+    hint: str = ""
+    other: Span | None = None
+
+
 class OverRunProblem(Diagnostic):
     code = "E223"
     title = "a formula over the run that has no meaning"

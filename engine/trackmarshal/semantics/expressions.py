@@ -9,9 +9,9 @@ from typing import Any, NoReturn
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, known
-from trackmarshal.ir.spec import SignalType
+from trackmarshal.ir.spec import Enumeration, SignalType
 from trackmarshal.node import Node
-from trackmarshal.semantics import calls, states
+from trackmarshal.semantics import calls, enums, states
 from trackmarshal.semantics.advice import Advice
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
@@ -98,7 +98,7 @@ class Expressions:
         self.tables: dict[str, tuple[Dimension, Dimension]] = {}
         self.params: dict[str, Dimension] = {}
         self.advice = Advice()
-        self._shapes: dict[str, dict[str, Dimension | None]] = {}
+        self._shapes: dict[str, typed.Shape] = {}
         #: Definitions (qualified names) whose bodies have errors: nothing more is said about their uses.
         self.failed: set[str] = set()
         #: States (qualified names) that something asks for.
@@ -156,12 +156,16 @@ class Expressions:
             hint = "`if FORMULA then 1 else 0` makes a number of a formula"
         elif isinstance(value, typed.Count):
             hint = "compare it with a number: `count(...) <= 3`"
+        elif isinstance(value, typed.MemberNode):
+            hint = enums.hint(value)
         self.fail(WrongKind(_span(expr), "a number", value_spoken(value), hint))
 
     def formula(self, expr: ast.Expr, ctx: Context) -> typed.Formula:
         value = self.value(expr, ctx)
         if not isinstance(value, typed.FormulaNode):
             hint = "compare it with something" if isinstance(value, (typed.NumberNode, typed.Count)) else ""
+            if isinstance(value, typed.MemberNode):
+                hint = enums.hint(value)
             self.fail(WrongKind(_span(expr), "a formula", value_spoken(value), hint))
         return value
 
@@ -186,7 +190,9 @@ class Expressions:
             case ast.Call():
                 return calls.call(self, expr.function, expr.args, expr.names, False, span, ctx)
             case ast.Infix() if expr.predicate == states.IS:
-                return states.in_state(expr, self, ctx)
+                return enums.asked(expr, self, ctx)
+            case ast.Case():
+                return enums.case(expr, self, ctx)
             case ast.Infix():
                 return calls.call(self, expr.predicate, (expr.left, expr.right), ("", ""), True, span, ctx)
             case ast.Unary():
@@ -268,21 +274,24 @@ class Expressions:
             case ast.State():
                 hint = f"ask for it: `{item.name} is {item.start.name}`"
                 self.fail(WrongKind(span, "a value", f"the state `{item.name}`", hint))
+            case ast.Enum():
+                hint = f"ask a field of this type for its member: `... is {item.members[0].name}`"
+                self.fail(WrongKind(span, "a value", f"the enumeration `{item.name}`", hint))
             case ast.Reference() | ast.Rulebook():
                 self.fail(WrongKind(span, "a value", f"the name of a {type(item).__name__.lower()}"))
             case _:
                 raise AssertionError(f"unknown symbol {type(item).__name__}")
 
-    def shape_of(self, signal: str) -> dict[str, Dimension | None]:
+    def shape_of(self, signal: str) -> typed.Shape:
         """What can be read of a record of a signal, by its name."""
         return self._shape(self.signals[signal])
 
-    def _shape(self, signal: SignalType) -> dict[str, Dimension | None]:
+    def _shape(self, signal: SignalType) -> typed.Shape:
         """What can be read of a record of a signal."""
         shape = self._shapes.get(signal.name)
         if shape is None:
             shape = self._shapes[signal.name] = {
-                f.name: None if f.kind == "bool" else parse_unit(f.unit)[2]
+                f.name: None if f.kind == "bool" else f.enumeration or parse_unit(f.unit)[2]
                 for f in signal.fields_
                 if f.kind != "polyline"
             }
@@ -305,6 +314,8 @@ class Expressions:
             dimension = value.shape[expr.name]
             if dimension is None:
                 return typed.BooleanField(value, expr.name, span)
+            if isinstance(dimension, Enumeration):
+                return typed.MemberField(dimension, value, expr.name, span)
             field = None if value.signal is None else value.signal.field(expr.name)
             return typed.Field(
                 dimension, "" if field is None else own_unit(field.unit), value, expr.name, span
@@ -382,6 +393,7 @@ class Expressions:
             typed.Field,
             typed.Folded,
             typed.Choice,
+            typed.NumberCase,
             typed.TableValue,
             typed.OnLine,
             typed.StationGap,

@@ -23,7 +23,7 @@ class Broken(Node):
 #: What a local name stands for.
 Local: TypeAlias = (
     typed.Variable | typed.NamedNumber | typed.Count | typed.NamedFormula | typed.NamedSignal | typed.NamedRecord | typed.NamedLine
-    | typed.NamedArea | typed.NamedRegion | Broken
+    | typed.NamedMember | typed.NamedArea | typed.NamedRegion | Broken
 )  # fmt: skip
 
 
@@ -40,6 +40,8 @@ def named(called: str, value: typed.Value, span: Span) -> Local:
             return typed.NamedRecord(value.shape, value.signal, called, value, "", span)
         case typed.SignalNode():
             return typed.NamedSignal(value.signal, called, value, span)
+        case typed.MemberNode():
+            return typed.NamedMember(value.enumeration, called, value, span)
         case typed.LineNode():
             return typed.NamedLine(called, value, span)
         case typed.AreaNode():
@@ -70,6 +72,8 @@ def spoken(value: typed.Value) -> str:
         case typed.SignalNode():
             signal = value.signal
             return f"the {'set' if signal.many else signal.kind} `{signal.name}`"
+        case typed.MemberNode():
+            return f"a member of `{value.enumeration.name.rpartition('.')[2]}`"
         case typed.LineNode():
             return "a line"
         case typed.AreaNode():

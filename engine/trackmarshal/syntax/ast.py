@@ -125,6 +125,29 @@ class IfElse(Expr):
     span: Span = NOWHERE
 
 
+class Member(Node):
+    """The name of a member of an enumeration."""
+
+    name: str
+    span: Span = NOWHERE
+
+
+class Branch(Node):
+    """`green, blue: 30 m/s`: what a `case` comes to for these members; none named: `else`."""
+
+    members: tuple[Member, ...]
+    value: Expr
+    span: Span = NOWHERE
+
+
+class Case(Expr):
+    """`case race.flag { green, blue: 30 m/s, else: 10 m/s }`: a number or a formula for each member of an enumeration."""
+
+    value: Expr
+    branches: tuple[Branch, ...]
+    span: Span = NOWHERE
+
+
 class Within(Expr):
     """`x in [a, b]`, both ends included."""
 
@@ -367,7 +390,7 @@ class Range(Node):
 
 
 class Field(Node):
-    """One field of a signal: `kappa: 1/m in [-1, 1]`. `type` is a unit, `polyline` or `bool`."""
+    """One field of a signal: `kappa: 1/m in [-1, 1]`. `type` is a unit, `polyline`, `bool`, or the name of an enumeration."""
 
     name: str
     type: str
@@ -384,6 +407,15 @@ class Signal(Item):
     kind: str
     many: bool
     fields_: tuple[Field, ...]
+    span: Span = NOWHERE
+
+
+class Enum(Item):
+    """`enum flag "shown to the car" { green, yellow }`: names of which a field is one."""
+
+    name: str
+    text: str
+    members: tuple[Member, ...]
     span: Span = NOWHERE
 
 

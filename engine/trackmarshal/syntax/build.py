@@ -9,9 +9,11 @@ from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.errors import MixedChain, TooDeep, UnexpectedText, UnknownClause
+from trackmarshal.syntax.grammar import WORD_CHARACTERS
 from trackmarshal.syntax.keywords import CLAUSES
 from trackmarshal.syntax.lalr import Token
 from trackmarshal.syntax.names import spelled
+from trackmarshal.units import UNIT_PATTERN
 
 #: All words that start a clause.
 CLAUSE_WORDS = tuple(dict.fromkeys(word for words in CLAUSES.values() for word in words))
@@ -20,6 +22,11 @@ CLAUSE_WORDS = tuple(dict.fromkeys(word for words in CLAUSES.values() for word i
 Meta = tuple[int, int]
 
 _NUMBER = re.compile(r"(?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+
+#: A unit; in place of one, a field may have the name of an enumeration.
+_UNIT = re.compile(rf"(?:1|{UNIT_PATTERN})(?![{WORD_CHARACTERS}])")
+#: What is said of members that stand before `else` without a value.
+_ELSE = "`else` is for all that are not named: leave the others out, or give them a value"
 
 #: Comparisons of which several may stand in a row: those that lead the same way.
 _DIRECTIONS = ({"<", "<="}, {">", ">="})
@@ -39,6 +46,11 @@ def plain(text: str) -> str:
 def plain_unit(text: str) -> str:
     """A unit with ASCII exponents and products."""
     return str(text).replace("²", "^2").replace("³", "^3").replace("·", "*")
+
+
+def is_unit(text: str) -> bool:
+    """Whether the type of a field is a unit: a closed list, of which no other name is one."""
+    return _UNIT.match(text) is not None
 
 
 def unquoted(token: Any) -> str:
@@ -104,7 +116,9 @@ class Builder:
         return tuple(item for item in c if item is not None)
 
     def field(self, meta: Meta, c: list[Any]) -> ast.Field:
-        return ast.Field(spelled(c[0]), plain_unit(c[1]), c[2] is not None, c[3], c[4], self._span(meta))
+        kind = plain_unit(c[1])
+        kind = kind if is_unit(kind) else spelled(c[1])
+        return ast.Field(spelled(c[0]), kind, c[2] is not None, c[3], c[4], self._span(meta))
 
     def range(self, meta: Meta, c: list[Any]) -> ast.Range:
         return ast.Range(c[0], c[1], self._span(meta))
@@ -120,6 +134,10 @@ class Builder:
 
     def signal(self, meta: Meta, c: list[Any]) -> ast.Signal:
         return ast.Signal(spelled(c[0]), c[2], c[1] is not None, c[3] or (), self._span(meta))
+
+    def enum(self, meta: Meta, c: list[Any]) -> ast.Enum:
+        members = tuple(self._member(name) for name in c[2:] if name is not None)
+        return ast.Enum(spelled(c[0]), unquoted(c[1]), members, self._span(meta))
 
     def event(self, meta: Meta, c: list[Any]) -> ast.Event:
         return ast.Event(spelled(c[0]), unquoted(c[1]), self._span(meta))
@@ -366,6 +384,42 @@ class Builder:
 
     def if_else(self, meta: Meta, c: list[Any]) -> ast.IfElse:
         return ast.IfElse(c[0], c[1], c[2], self._span(meta))
+
+    def _member(self, token: Token) -> ast.Member:
+        return ast.Member(spelled(token), self._at(token))
+
+    def branch(self, meta: Meta, c: list[Any]) -> ast.Member:
+        return self._member(c[0])
+
+    def branch_end(self, meta: Meta, c: list[Any]) -> ast.Branch:
+        return ast.Branch((self._member(c[0]),), c[1], self._span(meta))
+
+    def branch_else(self, meta: Meta, c: list[Any]) -> ast.Branch:
+        return ast.Branch((), c[0], self._span(meta))
+
+    def case(self, meta: Meta, c: list[Any]) -> ast.Case:
+        """Members that stand before others, without a value of their own, have that of the next one."""
+        branches: list[ast.Branch] = []
+        waiting: list[ast.Member] = []
+        for part in c[1:]:
+            if isinstance(part, ast.Member):
+                waiting.append(part)
+            elif part is not None:
+                if waiting and not part.members:
+                    raise Refused(
+                        UnexpectedText(
+                            waiting[-1].span, f"`{waiting[-1].name}`", "a member with a value", _ELSE
+                        )
+                    )
+                span = waiting[0].span.to(part.span) if waiting else part.span
+                branches.append(ast.Branch((*waiting, *part.members), part.value, span))
+                waiting = []
+        if waiting:
+            hint = f"write what it is then: `{waiting[-1].name}: ...`"
+            raise Refused(
+                UnexpectedText(waiting[-1].span, f"`{waiting[-1].name}`", "a member with a value", hint)
+            )
+        return ast.Case(c[0], tuple(branches), self._span(meta))
 
     def in_range(self, meta: Meta, c: list[Any]) -> ast.Within:
         return ast.Within(c[0], c[1], c[2], self._span(meta))

@@ -42,7 +42,7 @@ def spoken(terminals: set[str]) -> str:
     words: list[str] = []
     if names >= _EXPRESSION:
         words.append("an expression")
-        names -= _EXPRESSION | _FORMULA | {"MINUS", "_IF", "√", "_TRUE", "_FALSE", "_IN", "__ANON_0"}
+        names -= _EXPRESSION | _FORMULA | {"MINUS", "_IF", "_CASE", "√", "_TRUE", "_FALSE", "_IN", "__ANON_0"}
         names = {name for name in names if not name.startswith("__")}
     elif len(names & _OPERATORS) > 2:
         words.append("an operator")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 #: Words that start a declaration, in column 1.
 DECLARATIONS = (
-    "module", "use", "reference", "signal", "event", "param", "constrain", "table", "zone", "line", "define",
+    "module", "use", "reference", "enum", "signal", "event", "param", "constrain", "table", "zone", "line", "define",
     "predicate", "assume", "rule", "state", "rulebook", "test",
 )  # fmt: skip
 
@@ -24,7 +24,7 @@ CLAUSES = {
 
 #: Words of expressions.
 OPERATORS = (
-    "and", "or", "not", "implies", "iff", "xor", "in", "where", "if", "then", "else", "true", "false", "with",
+    "and", "or", "not", "implies", "iff", "xor", "in", "where", "if", "then", "else", "case", "true", "false", "with",
     "always", "eventually", "historically", "once", "next", "previous", "weak", "until", "since", "consecutive", "by", "nearest", "all",
 )  # fmt: skip
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from trackmarshal.node import Node
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.build import is_unit
 from trackmarshal.syntax.notation import EXPRESSION, SUM, Notation, quoted
 from trackmarshal.syntax.wrapping import WIDTH, Wrapping, end_column, new_line
 
@@ -93,6 +94,14 @@ class Layout:
     def _event(self, item: ast.Event, columns: Columns) -> str:
         return self._titled("event", item.name, item.text)
 
+    def _enum(self, item: ast.Enum, columns: Columns) -> Laid:
+        head = f"{self._titled('enum', item.name, item.text)} {{"
+        names = [self._n.name(member.name) for member in item.members]
+        pieces = [Piece(head, 0), *(_placed(f"{name},", member) for name, member in zip(names, item.members))]
+        pieces.append(Piece("}", 0, item.span.end - 1, item.span.end))
+        filled = self._w.fill([(name, None) for name in names], len(head) + 1, 2, 2)
+        return Laid(pieces, f"{head} {filled} }}")
+
     def _param(self, item: ast.Param, columns: Columns) -> str:
         name, unit = self._n.name(item.name).ljust(columns.name), self._n.unit(item.unit).ljust(columns.unit)
         head = f"param {name} : {unit} = "
@@ -142,7 +151,8 @@ class Layout:
         )
 
     def _field(self, field: ast.Field) -> str:
-        text = f"{self._n.name(field.name)}: {self._n.unit(field.type)}"
+        kind = self._n.unit(field.type) if is_unit(field.type) else self._n.name(field.type)
+        text = f"{self._n.name(field.name)}: {kind}"
         text += " increasing" if field.increasing else ""
         text += "" if field.range is None else f" {self._range(field.range)}"
         return text + ("" if field.default is None else f" default {self._n.expr(field.default)}")
@@ -336,7 +346,7 @@ def _between(text: str, pair: tuple[ast.Expr, ast.Expr]) -> Piece:
 
 
 _ITEMS: dict[type[ast.Item], Callable[[Layout, Any, Columns], Laid | str]] = {
-    ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Event: Layout._event,
+    ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Enum: Layout._enum, ast.Event: Layout._event,
     ast.Param: Layout._param, ast.Constrain: Layout._constrain, ast.Define: Layout._define, ast.Signal: Layout._signal,
     ast.Table: Layout._table, ast.Place: Layout._place, ast.Assume: Layout._assume, ast.Rule: Layout._rule,
     ast.State: Layout._state, ast.Rulebook: Layout._rulebook, ast.Test: Layout._test,

@@ -206,6 +206,8 @@ class Mistake:
     def _misspelt(self, span: Span) -> str:
         if span.column == 1:
             return close_matches(self.found, DECLARATIONS)
+        if self.found in RESERVED:
+            return ""
         words = [
             name.lstrip("_").lower() for name in self.expected if name.startswith("_") and name[1:].isalpha()
         ]

@@ -181,6 +181,14 @@ class Notation:
         then, otherwise = self.operand(node.then, SUM, False), self.expr(node.otherwise, SUM)
         return f"if {self.expr(node.condition)} then {then} else {otherwise}"
 
+    def branch(self, node: ast.Branch) -> str:
+        """`green, blue: `, or `else: `."""
+        return f"{self.names(tuple(name.name for name in node.members)) or 'else'}: "
+
+    def _case(self, node: ast.Case) -> str:
+        branches = ", ".join(self.branch(each) + self.expr(each.value) for each in node.branches)
+        return f"case {self.expr(node.value, POSTFIX)} {{ {branches} }}"
+
     def _within(self, node: ast.Within) -> str:
         return f"{self.expr(node.value, ADDITIVE)} {self.range(node.lower, node.upper)}"
 
@@ -262,14 +270,14 @@ def level_of(node: ast.Expr) -> int:
 _NODE_LEVELS: dict[type[ast.Expr], int] = {
     ast.Number: POSTFIX, ast.Boolean: POSTFIX, ast.Name: POSTFIX, ast.Attribute: POSTFIX, ast.Call: POSTFIX,
     ast.Chained: COMPARISON, ast.Infix: COMPARISON, ast.IfElse: SUM, ast.Within: COMPARISON, ast.InZone: COMPARISON, ast.Temporal: UNARY,
-    ast.Until: UNTIL, ast.Quantified: UNARY, ast.Folded: POSTFIX, ast.RecordValue: POSTFIX, ast.ListValue: POSTFIX,
+    ast.Until: UNTIL, ast.Quantified: UNARY, ast.Folded: POSTFIX, ast.Case: POSTFIX, ast.RecordValue: POSTFIX, ast.ListValue: POSTFIX,
 }  # fmt: skip
 
 _HANDLERS: dict[type[ast.Expr], Callable[[Notation, Any], str]] = {
     ast.Number: Notation._number, ast.Boolean: Notation._boolean, ast.Name: Notation._name, ast.Attribute: Notation._attribute,
     ast.Call: Notation._call, ast.Infix: Notation._infix, ast.Unary: Notation._unary, ast.Binary: Notation._binary,
     ast.Chained: Notation._chained,
-    ast.IfElse: Notation._if_else, ast.Within: Notation._within, ast.InZone: Notation._in_zone,
+    ast.IfElse: Notation._if_else, ast.Case: Notation._case, ast.Within: Notation._within, ast.InZone: Notation._in_zone,
     ast.Temporal: Notation._temporal, ast.Until: Notation._until, ast.Quantified: Notation._quantified,
     ast.Folded: Notation._folded, ast.RecordValue: Notation._record, ast.ListValue: Notation._list,
 }  # fmt: skip

@@ -175,6 +175,15 @@ class Wrapping:
         lines.append("else " + self.lay(node.otherwise, SUM, column + len("else "), tail))
         return new_line(column).join(lines)
 
+    def _case(self, node: ast.Case, column: int, tail: int) -> str:
+        inner = column + 2
+        lines = []
+        for branch in node.branches:
+            lead = self.notation.branch(branch)
+            lines.append(lead + self.lay(branch.value, EXPRESSION, inner + len(lead), 1))
+        head = f"case {self.notation.expr(node.value, POSTFIX)} {{{new_line(inner)}"
+        return head + f",{new_line(inner)}".join(lines) + new_line(column) + "}"
+
     def _within(self, node: ast.Within, column: int, tail: int) -> str:
         value = self.lay(node.value, ADDITIVE, column)
         return f"{value}{new_line(column + 2)}{self.notation.range(node.lower, node.upper)}"
@@ -277,7 +286,7 @@ def _chain(node: ast.Binary) -> tuple[ast.Expr, list[tuple[str, ast.Expr]]]:
 
 _HANDLERS: dict[type[ast.Expr], Callable[[Wrapping, Any, int, int], str]] = {
     ast.Binary: Wrapping._binary, ast.Chained: Wrapping._chained, ast.Unary: Wrapping._unary, ast.Temporal: Wrapping._temporal, ast.Until: Wrapping._until,
-    ast.Quantified: Wrapping._quantified, ast.Infix: Wrapping._infix, ast.IfElse: Wrapping._if_else,
+    ast.Quantified: Wrapping._quantified, ast.Infix: Wrapping._infix, ast.IfElse: Wrapping._if_else, ast.Case: Wrapping._case,
     ast.Within: Wrapping._within, ast.InZone: Wrapping._in_zone, ast.Attribute: Wrapping._attribute, ast.Call: Wrapping._call,
     ast.Folded: Wrapping._folded, ast.RecordValue: Wrapping._record, ast.ListValue: Wrapping._list,
 }  # fmt: skip

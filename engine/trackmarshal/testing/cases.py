@@ -12,7 +12,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import margin_units
 from trackmarshal.ir.overrun import nanoseconds, over_run
-from trackmarshal.ir.spec import FieldType, ParamInfo, RuleInfo, SignalType
+from trackmarshal.ir.spec import Enumeration, FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 from trackmarshal.runtime.settings import check_table
@@ -301,7 +301,8 @@ class _Preparation:
     def _change(self, signal: SignalType, columns: dict[str, Any], change: ast.Change) -> None:
         field = self._field(signal, change.field, change.span)
         count = max((len(column) for column in columns.values()), default=0)
-        column = list(columns.get(change.field, [field.default] * count))
+        default = bool(field.default) if field.kind == "bool" and field.default is not None else field.default
+        column = list(columns.get(change.field, [default] * count))
         value = self._scalar(field, change.value)
         if change.index is None:
             column = [value] * count
@@ -384,7 +385,20 @@ class _Preparation:
             if not isinstance(value, ast.Boolean):
                 self.fail(_span(value), f"`{field.name}` is true or false")
             return value.value
+        if field.enumeration is not None:
+            return self._member(field, field.enumeration, value)
         return self._number(value, field.unit, f"`{field.name}`")
+
+    def _member(self, field: FieldType, enumeration: Enumeration, value: ast.Expr) -> str | float:
+        """A member by its name; `nan` is a missing one, where no member is called so."""
+        if isinstance(value, ast.Name) and value.name in enumeration.members:
+            return value.name
+        if isinstance(value, ast.Name) and value.name == "nan":
+            return math.nan
+        known, hint = ", ".join(enumeration.members), ""
+        if isinstance(value, ast.Name):
+            hint = close_matches(value.name, enumeration.members)
+        self.fail(_span(value), f"`{field.name}` is one of {known}", hint)
 
     def _list(self, value: ast.Expr) -> tuple[ast.Expr, ...]:
         if not isinstance(value, ast.ListValue):

@@ -43,7 +43,9 @@ class Coverage:
 
 def has_boundary(rule: RuleInfo) -> bool:
     """Whether a rule compares numbers, so that a case can lie exactly on its boundary."""
-    return rule.unit != "1" or "Compare" in {type(n).__name__ for n in _nodes(rule)}
+    return rule.unit != "1" or any(
+        type(n).__name__ == "Compare" and getattr(n, "op", "") != "is" for n in _nodes(rule)
+    )
 
 
 def _nodes(rule: RuleInfo) -> Iterator[object]:

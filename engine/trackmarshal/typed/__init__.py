@@ -34,10 +34,13 @@ from trackmarshal.typed.formulas import (
     Edge,
     Event,
     Formula,
+    FormulaBranch,
+    FormulaCase,
     FormulaNode,
     Inside,
     InState,
     InZone,
+    IsMember,
     Keep,
     Machine,
     NamedFormula,
@@ -65,6 +68,8 @@ from trackmarshal.typed.numbers import (
     NamedNumber,
     Negative,
     Number,
+    NumberBranch,
+    NumberCase,
     NumberNode,
     OnLine,
     Parameter,
@@ -78,6 +83,7 @@ from trackmarshal.typed.numbers import (
 from trackmarshal.typed.rules import Along, Clause, Deadline, Except, ForEach, Let, Require, Rule, Whenever
 from trackmarshal.typed.symbol import Symbol
 from trackmarshal.typed.things import (
+    AnyMember,
     Area,
     AreaNode,
     Border,
@@ -88,8 +94,12 @@ from trackmarshal.typed.things import (
     FootprintAt,
     Line,
     LineNode,
+    Member,
+    MemberField,
+    MemberNode,
     NamedArea,
     NamedLine,
+    NamedMember,
     NamedRecord,
     NamedRegion,
     NamedSignal,
@@ -101,6 +111,7 @@ from trackmarshal.typed.things import (
     Region,
     RegionNode,
     Sample,
+    Shape,
     Signal,
     SignalLine,
     SignalNode,
@@ -115,16 +126,16 @@ from trackmarshal.typed.things import (
 )
 
 #: Anything an expression can stand for.
-Value: TypeAlias = Number | Count | Formula | WholeSignal | Record | Line | Area | Region
+Value: TypeAlias = Number | Count | Formula | WholeSignal | Record | AnyMember | Line | Area | Region
 
 __all__ = [
-    "COMPARISONS", "CONNECTIVES", "EDGES", "FOLDINGS", "STEPS", "Along", "Area", "AreaNode", "Arithmetic", "Boolean", "BooleanField", "Border",
+    "COMPARISONS", "CONNECTIVES", "EDGES", "FOLDINGS", "STEPS", "Along", "AnyMember", "Area", "AreaNode", "Arithmetic", "Boolean", "BooleanField", "Border",
     "CalledFormula", "CalledLine", "CalledNumber", "Centre", "Chained", "Changing", "Choice", "Clause", "ClearOf", "Comparing",
-    "Comparison", "Connective", "Corridor", "Count", "CountComparison", "Deadline", "Edge", "Event", "Except", "Field", "Folded", "Folding", "Footprint", "FootprintAt", "ForEach", "Formula",
-    "FormulaNode", "Function", "InState", "InZone", "Inside", "Joining", "Keep", "Kept", "Let", "Line", "LineFunction", "LineNode", "Literally", "Machine", "NamedArea",
-    "NamedFormula", "NamedLine", "NamedNumber", "NamedRecord", "NamedRegion", "NamedSignal", "Negative", "Not", "Number",
+    "Comparison", "Connective", "Corridor", "Count", "CountComparison", "Deadline", "Edge", "Event", "Except", "Field", "Folded", "Folding", "Footprint", "FootprintAt", "ForEach", "Formula", "FormulaBranch", "FormulaCase",
+    "FormulaNode", "Function", "InState", "InZone", "Inside", "IsMember", "Joining", "Keep", "Kept", "Let", "Line", "LineFunction", "LineNode", "Literally", "Machine", "Member", "MemberField", "MemberNode", "NamedArea",
+    "NamedFormula", "NamedLine", "NamedMember", "NamedNumber", "NamedRecord", "NamedRegion", "NamedSignal", "Negative", "Not", "Number", "NumberBranch", "NumberCase",
     "NumberNode", "OnLine", "Parameter", "Path", "Pi", "PlacedLine", "Power", "Quantified", "Range", "Record", "RecordNode",
-    "Region", "RegionNode", "Require", "Rule", "Sample", "Signal", "SignalLine", "SignalNode", "State", "StationGap", "Step",
+    "Region", "RegionNode", "Require", "Rule", "Sample", "Shape", "Signal", "SignalLine", "SignalNode", "State", "StationGap", "Step",
     "Stepping", "Swept", "SweptSample", "Symbol", "TableValue", "Temporal", "TheRun", "TimeAxis", "Transition", "Typed", "Until", "Value", "Variable",
     "Whenever", "WholeSignal", "Window", "Within", "Zone", "below", "literal", "whole_exponent",
 ]  # fmt: skip

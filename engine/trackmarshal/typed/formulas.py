@@ -9,7 +9,7 @@ from trackmarshal.source import Span
 from trackmarshal.typed.base import Changing, Comparing, Joining, Stepping, Typed
 from trackmarshal.typed.numbers import Number
 from trackmarshal.typed.symbol import Symbol
-from trackmarshal.typed.things import Area, Range, Record, Region, TimeAxis, Zone
+from trackmarshal.typed.things import AnyMember, Area, Range, Record, Region, TimeAxis, Zone
 
 if TYPE_CHECKING:
     from trackmarshal.typed import Value
@@ -88,6 +88,31 @@ class ClearOf(FormulaNode):
 
     region: Region
     other: Region
+    span: Span
+
+
+class IsMember(FormulaNode):
+    """`race.flag is yellow`, `a.lane is b.lane`."""
+
+    left: AnyMember
+    right: AnyMember
+    span: Span
+
+
+class FormulaBranch(Typed):
+    """`green, blue: p`; `rest`: it is written `else`, and these are all members that are not named."""
+
+    members: tuple[str, ...]
+    rest: bool
+    value: Formula
+    span: Span
+
+
+class FormulaCase(FormulaNode):
+    """`case race.flag { green: p, else: q }`: a formula for each member, two branches at least."""
+
+    subject: AnyMember
+    branches: tuple[FormulaBranch, ...]
     span: Span
 
 
@@ -246,5 +271,5 @@ class NamedFormula(FormulaNode):
 #: A formula.
 Formula: TypeAlias = (
     Boolean | Event | BooleanField | Comparison | Chained | Within | InZone | Inside | ClearOf | Not | Connective | Quantified
-    | Temporal | Until | Step | Edge | CountComparison | InState | CalledFormula | NamedFormula
+    | Temporal | Until | Step | Edge | CountComparison | InState | IsMember | FormulaCase | CalledFormula | NamedFormula
 )  # fmt: skip

@@ -14,7 +14,7 @@ from trackmarshal.units import Dimension
 if TYPE_CHECKING:
     from trackmarshal.typed import Value
     from trackmarshal.typed.formulas import Formula, Machine
-    from trackmarshal.typed.things import Line, Range, Record
+    from trackmarshal.typed.things import AnyMember, Line, Range, Record
 
 #: Functions of a point and a line.
 LineFunction = Literal["station", "offset", "direction", "distance_to"]
@@ -101,6 +101,23 @@ class Choice(NumberNode):
     span: Span
 
 
+class NumberBranch(Typed):
+    """`green, blue: 30 m/s`; `rest`: it is written `else`, and these are all members that are not named."""
+
+    members: tuple[str, ...]
+    rest: bool
+    value: Number
+    span: Span
+
+
+class NumberCase(NumberNode):
+    """`case race.flag { green: 30 m/s, else: 10 m/s }`: a number for each member, two branches at least."""
+
+    subject: AnyMember
+    branches: tuple[NumberBranch, ...]
+    span: Span
+
+
 class TableValue(NumberNode):
     """`ax_max(v)`: a table's value."""
 
@@ -169,7 +186,7 @@ class NamedNumber(NumberNode):
 
 #: A number.
 Number: TypeAlias = (
-    Literally | Pi | Parameter | Field | Negative | Arithmetic | Power | Function | Choice | TableValue | OnLine | StationGap
+    Literally | Pi | Parameter | Field | Negative | Arithmetic | Power | Function | Choice | NumberCase | TableValue | OnLine | StationGap
     | Folded | Kept | CalledNumber | NamedNumber
 )  # fmt: skip
 
@@ -188,7 +205,16 @@ def literal(number: Number) -> float | None:
             return literal(number.body)
         case NamedNumber():
             return None if number.value is None else literal(number.value)
-        case Parameter() | Field() | Arithmetic() | Power() | Function() | Choice() | TableValue():
+        case (
+            Parameter()
+            | Field()
+            | Arithmetic()
+            | Power()
+            | Function()
+            | Choice()
+            | NumberCase()
+            | TableValue()
+        ):
             return None
         case OnLine() | StationGap() | Folded() | Kept():
             return None

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from trackmarshal.ir.spec import SignalType
+from trackmarshal.ir.spec import Enumeration, SignalType
 from trackmarshal.source import Span
 from trackmarshal.typed.base import Typed
 from trackmarshal.typed.symbol import Symbol
@@ -12,6 +13,10 @@ from trackmarshal.units import Dimension
 
 if TYPE_CHECKING:
     from trackmarshal.typed.numbers import Number
+
+
+#: What can be read of a record: names of fields with the dimensions of numbers, enumerations, and None for Booleans.
+Shape: TypeAlias = Mapping[str, Dimension | Enumeration | None]
 
 
 class Range(Typed):
@@ -66,12 +71,13 @@ class NamedSignal(SignalNode):
 
 
 class RecordNode(Typed):
-    """Something with fields. shape: those that can be read, with the dimension of a number and None for a Boolean.
+    """Something with fields. shape: those that can be read, with the dimension of a number, the enumeration of a
+    member, and None for a Boolean.
 
     signal: the one whose record it is; None for a parameter of a definition that nothing is given for.
     """
 
-    shape: dict[str, Dimension | None]
+    shape: Shape
     signal: SignalType | None
 
 
@@ -110,6 +116,38 @@ class NamedRecord(RecordNode):
     name: str
     value: Record | None
     kind: str
+    span: Span
+
+
+# Members of enumerations --------------------------------------------------------------------------------------
+
+
+class MemberNode(Typed):
+    """A member of an enumeration."""
+
+    enumeration: Enumeration
+
+
+class Member(MemberNode):
+    """`yellow`, where a member of an enumeration is asked for."""
+
+    name: str
+    span: Span
+
+
+class MemberField(MemberNode):
+    """`race.flag`."""
+
+    record: Record
+    name: str
+    span: Span
+
+
+class NamedMember(MemberNode):
+    """A member by the name that a `let` gave it."""
+
+    name: str
+    value: AnyMember
     span: Span
 
 
@@ -256,6 +294,8 @@ class NamedRegion(RegionNode):
 WholeSignal: TypeAlias = Signal | NamedSignal
 #: Something with fields.
 Record: TypeAlias = State | Sample | Variable | NamedRecord
+#: A member of an enumeration.
+AnyMember: TypeAlias = Member | MemberField | NamedMember
 #: A polyline.
 Line: TypeAlias = PlacedLine | SignalLine | Border | Path | Centre | CalledLine | NamedLine
 #: A zone or a corridor.

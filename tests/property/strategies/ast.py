@@ -122,7 +122,7 @@ def _leaves() -> SearchStrategy[ast.Expr]:
 _BINARY = ("+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!=", "and", "or", "implies", "iff", "xor")
 _SHAPES: dict[str, int] = {
     "leaf": 4, "binary": 8, "power": 1, "chained": 2, "unary": 3, "attribute": 2, "call": 3, "infix": 2, "if": 1, "within": 1, "zone": 1,
-    "temporal": 2, "step": 1, "until": 1, "quantified": 2, "nearest": 1, "counted": 1, "folded": 2,
+    "temporal": 2, "step": 1, "until": 1, "quantified": 2, "nearest": 1, "counted": 1, "folded": 2, "case": 1,
 }  # fmt: skip
 _WEIGHTED = [shape for shape, weight in _SHAPES.items() for _ in range(weight)]
 
@@ -156,6 +156,12 @@ def expressions(draw: st.DrawFn, depth: int = 3) -> ast.Expr:
             return ast.Infix(inner(), draw(predicates()), inner())
         case "if":
             return ast.IfElse(inner(), inner(), inner())
+        case "case":
+            member = names().map(ast.Member)
+            some = st.lists(member, min_size=1, max_size=3).map(tuple)
+            listed = [ast.Branch(draw(some), inner()) for _ in range(draw(st.integers(1, 3)))]
+            listed += [ast.Branch((), inner()) for _ in range(draw(st.integers(0, 1)))]
+            return ast.Case(inner(), tuple(listed))
         case "within":
             return ast.Within(inner(), inner(), inner())
         case "zone":
@@ -271,8 +277,11 @@ def ranges() -> SearchStrategy[ast.Range | None]:
 @cache
 def _signals() -> SearchStrategy[ast.Signal]:
     kinds = st.sampled_from(["trajectory", "series", "state", "object", "corridor", "polyline"])
-    types = st.one_of(units(), st.sampled_from(["polyline", "bool"]))
-    field = st.builds(ast.Field, names(), types, st.booleans(), ranges(), st.one_of(st.none(), bounds()))
+    types = st.one_of(
+        units(), st.sampled_from(["polyline", "bool"]), names().filter(lambda n: n not in UNITS)
+    )
+    defaults = st.one_of(st.none(), bounds(), name_nodes(), st.builds(ast.Boolean, st.booleans()))
+    field = st.builds(ast.Field, names(), types, st.booleans(), ranges(), defaults)
     return st.builds(ast.Signal, names(), kinds, st.booleans(), st.lists(field, max_size=12).map(tuple))
 
 
@@ -348,6 +357,12 @@ def items() -> SearchStrategy[ast.Item]:
         st.builds(ast.Reference, names(), strings()),
         _signals(),
         st.builds(ast.Event, names(), strings()),
+        st.builds(
+            ast.Enum,
+            names(),
+            strings(),
+            st.lists(names().map(ast.Member), min_size=1, max_size=40).map(tuple),
+        ),
         st.builds(ast.Param, names(), units(), expressions(), ranges(), optional),
         st.builds(ast.Constrain, expressions(), optional),
         st.builds(ast.Table, names(), names(), units(), units(), _pairs(1), optional),

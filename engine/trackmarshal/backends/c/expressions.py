@@ -61,6 +61,8 @@ def compared(op: ComparisonOp, turned: bool) -> str:
             return "equal"
         case "!=":
             return "unequal"
+        case "is":
+            return "is"
         case _:
             assert_never(op)
 

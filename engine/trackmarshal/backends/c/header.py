@@ -125,6 +125,8 @@ def unit(info: FieldType) -> str:
     """A field's unit and range, for a comment."""
     if info.kind == "bool":
         return "TM_TRUE, TM_FALSE, TM_MISSING"
+    if info.enumeration is not None:
+        return comment(", ".join(f"{place} {name}" for place, name in enumerate(info.enumeration.members)))
     unit = comment(show(parse_unit(info.unit)[2]))
     low = "" if info.lower is None else f", from {info.lower!r}"
     high = "" if info.upper is None else f", to {info.upper!r}"

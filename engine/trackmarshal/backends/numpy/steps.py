@@ -10,7 +10,7 @@ import numpy as np
 
 from trackmarshal.backends.numpy import logic
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import COMPARISONS, FUNCTIONS, ComparisonOp, FunctionName, Measure
+from trackmarshal.ir.operators import COMPARISONS, FUNCTIONS, Comparison, ComparisonOp, FunctionName, Measure
 
 #: Numbers that one thread adds up.
 FEW = 4096
@@ -80,16 +80,24 @@ def _measured(measure: Measure) -> str:
             return "-abs({x} - {y})"
         case Measure.DISTANCE:
             return "abs({x} - {y})"
+        case Measure.SAMENESS:
+            return "where({x} == {y}, inf, -inf)"
         case _:
             assert_never(measure)
+
+
+def _says(comparison: Comparison) -> int:
+    """What a margin's sign says: that of a Boolean is never 0."""
+    if comparison.measure is Measure.SAMENESS:
+        return logic.BOTH
+    return logic.AT_LEAST if comparison.holds_at_zero else logic.ABOVE
 
 
 #: What functions of numbers are called with.
 CALLS: dict[FunctionName, Callable[..., Any]] = {name: _function(name) for name in FUNCTIONS}
 #: How far a comparison is from its boundary, and what that says. By gradual underflow a difference is 0 for equal numbers only.
 MEASURED: dict[ComparisonOp, tuple[str, int]] = {
-    op: (_measured(comparison.measure), logic.AT_LEAST if comparison.holds_at_zero else logic.ABOVE)
-    for op, comparison in COMPARISONS.items()
+    op: (_measured(comparison.measure), _says(comparison)) for op, comparison in COMPARISONS.items()
 }
 
 

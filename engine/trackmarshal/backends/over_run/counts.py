@@ -33,6 +33,8 @@ def compared(node: ir.Counted, count: Range, limit: float) -> Truth:
             ends = (-farthest, -abs(nearest - limit))
         case Measure.DISTANCE:
             ends = (abs(nearest - limit), farthest)
+        case Measure.SAMENESS:
+            raise AssertionError("a count is no member of an enumeration")
         case _:
             assert_never(measure)
     worst, best = (Bound(end > 0.0 or (at_zero and end == 0.0), end) for end in ends)

@@ -60,6 +60,12 @@ def _range(info: FieldType | SignalType) -> Constants | None:
     )
 
 
+def _member(info: FieldType | SignalType) -> Constants | None:
+    if not isinstance(info, FieldType) or info.enumeration is None:
+        return None
+    return (("last", float(len(info.enumeration.members) - 1)),)
+
+
 def _increasing(info: FieldType | SignalType) -> Constants | None:
     return () if isinstance(info, FieldType) and info.increasing else None
 
@@ -102,6 +108,7 @@ KINDS: list[Kind] = [
     Kind("not_finite", "value", Condition("(x >= -most) & (x <= most)"), _number),
     Kind("not_finite", "value", Condition("(x == 0) | (x == 1)"), _flag),
     Kind("out_of_range", "value", Condition("(x >= low) & (x <= high)"), _range),
+    Kind("no_member", "value", Condition("(x >= 0) & (x <= last) & (floor(x) == x)"), _member),
     Kind("not_increasing", "step", Condition("before < x"), _increasing),
 ]
 

@@ -26,12 +26,23 @@ def _remainder(x: float, y: float) -> float:
     return math.remainder(x, y) if math.isfinite(x) else math.nan
 
 
+def _floor(x: Any) -> Any:
+    import numpy as np  # where there are values, it is there
+
+    return np.floor(x)
+
+
 #: What a condition may call, by the name that C has for it. IEEE 754 defines each to the last bit.
-_FUNCTIONS: dict[str, Callable[..., Any]] = {"fabs": abs, "sqrt": _sqrt, "remainder": _remainder}
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "fabs": abs,
+    "floor": _floor,
+    "sqrt": _sqrt,
+    "remainder": _remainder,
+}
 
 
 class Condition(Node):
-    """A condition as text: comparisons of names and numbers with + - *, fabs, sqrt and remainder, joined by `&` and `|`.
+    """A condition as text: comparisons of names and numbers with + - *, fabs, floor, sqrt and remainder, joined by `&` and `|`.
 
     A comparison with NaN does not hold. Raises ValueError where the text is anything else.
     """
@@ -52,7 +63,7 @@ class Condition(Node):
         return ast.parse(self.text, mode="eval").body
 
     def function(self, *names: str) -> Callable[..., Any]:
-        """A function of these names, in order: of numbers, or, where it calls no function but fabs, of arrays of them."""
+        """A function of these names, in order: of numbers, or, where it calls no function but fabs and floor, of arrays of them."""
         return _function(self, names)
 
     def c(self, names: Mapping[str, str]) -> str:

@@ -26,9 +26,9 @@ TIMELINE, SET, RECORD, LINES, EVENT = "timeline", "set", "record", "lines", "eve
 
 
 class Field(Node):
-    """A field: `kind` number, bool or polyline; numbers come in `unit`; the default is in SI.
+    """A field: `kind` number, bool or polyline; numbers come in `unit`; the default is in SI, that of a bool 1 or 0.
 
-    needed: whether it has to be there; one that only orders samples need not.
+    needed: whether it has to be there; one that only orders samples need not. members: names of which a number is the place; empty for all others.
     """
 
     name: str
@@ -37,6 +37,7 @@ class Field(Node):
     default: float | None
     checks: tuple[Check, ...]
     needed: bool
+    members: tuple[str, ...] = ()
 
     def checked(self, of: str) -> tuple[Check, ...]:
         """Its checks of values, steps, counts or points."""
@@ -182,7 +183,8 @@ def _line(name: str, span: Span) -> FieldType:
 
 
 def _field(kind: FieldType, needed: bool = True) -> Field:
-    return Field(kind.name, kind.kind, kind.unit, kind.default, checks_of(kind), needed)
+    members = () if kind.enumeration is None else kind.enumeration.members
+    return Field(kind.name, kind.kind, kind.unit, kind.default, checks_of(kind), needed, members)
 
 
 def _part(spec: Spec, name: str, kind: str, needed: dict[str, str]) -> SignalType:
@@ -208,7 +210,11 @@ def _fits(followed: SignalType, plan: SignalType) -> None:
     """Raise E482 unless the driving trajectory has what a candidate has."""
     for field in followed.fields_:
         own = plan.field(field.name)
-        if own is None or (own.kind, own.unit) != (field.kind, field.unit):
+        if own is None or (own.kind, own.unit, own.enumeration) != (
+            field.kind,
+            field.unit,
+            field.enumeration,
+        ):
             raise _unfit(f"`{FOLLOWED}.{field.name}` is not declared as `{PLAN}.{field.name}` is")
 
 

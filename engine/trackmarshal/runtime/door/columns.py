@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from functools import partial
 from itertools import chain
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.runtime.contract import RECORD, SET, TIMELINE, Signal
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.values import Floats, WrongTypeError
+from trackmarshal.runtime.door.wording import no_member
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import Columns, Names
 from trackmarshal.units import parse_unit
@@ -65,6 +67,7 @@ class ColumnsReader:
             if parse_unit(field.unit)[:2] != (1.0, 1.0)
         ]
         self._spared = {f.name for f in signal.fields_ if not f.needed}
+        self._members = {f.name: f.members for f in self._numbers if f.members}
         self._defaults = {f.name: f.default for f in signal.fields_ if f.default is not None}
         #: Whether there is nothing but numbers, of which all are in SI: then they can be taken as they come.
         self.plain = len(self._numbers) > 1 and not self._flags and not self._scaled
@@ -212,9 +215,13 @@ class ColumnsReader:
         for name in (*self.names.numbers, *self._flags):
             column = data.get(name)
             needed = name in data or name not in self._spared
+            if name not in data and name in self._defaults:
+                continue
             if name in self._flags:
                 read |= self._one(name, column, needed, faults, values.flags)
-            elif name in data or name not in self._defaults:
+            elif name in self._members:
+                read |= self._one(name, column, needed, faults, partial(self._places, name, faults))
+            else:
                 read |= self._one(name, column, needed, faults, lambda c: values.numbers(c, self._spelt))
         ids = self._read_ids(data.get("id"), faults) if self.signal.form == SET else None
         if ids is None and self.signal.named and data.get("id") is None and any(map(_some, data.values())):
@@ -232,6 +239,8 @@ class ColumnsReader:
                 if self.names.numbers[row] in read:  # a default is in SI
                     numbers[row] = numbers[row] * up / down
         for name, places in left_out.items():
+            if name in self._flags:
+                continue
             numbers[self.names.rows[name], [place for place in places if place < count]] = self._defaults[
                 name
             ]
@@ -240,6 +249,11 @@ class ColumnsReader:
             if name in read:
                 own = read[name][:count]
                 marks[row, : len(own)] = own
+            elif name not in data and name in self._defaults:
+                marks[row] = self._defaults[name]
+            marks[row, [place for place in left_out.get(name, ()) if place < count]] = self._defaults.get(
+                name, -1
+            )
         made = self._columns(
             numbers, marks, self._counted(count) if ids is None else (*ids, *["?"] * count)[:count]
         )
@@ -271,6 +285,17 @@ class ColumnsReader:
             at = None if record else error.index
             faults.append(fault("wrong_type", self.label, name, at, error.message))
         return {}
+
+    def _places(self, name: str, faults: list[Fault], column: Any) -> Floats:
+        """The places of members; a name that is none of theirs is a fault, and nothing is known of it."""
+        members = self._members[name]
+        found, unknown = values.places(column, members, self._spelt)
+        if unknown:
+            index, said = unknown[0]
+            more = f", and {len(unknown) - 1} more" if len(unknown) > 1 else ""
+            at = None if self.signal.form == RECORD else index
+            faults.append(fault("no_member", self.label, name, at, no_member(said, members) + more))
+        return found
 
     def _read_ids(self, column: Any, faults: list[Fault]) -> tuple[str, ...] | None:
         if column is None:
@@ -331,7 +356,7 @@ class ColumnsReader:
                 if len(lacking) == len(records):
                     continue
                 left_out[name] = lacking if name in self.names.rows else []
-                columns[name] = [record.get(name, 0.0) for record in records]
+                columns[name] = [record.get(name, name not in self._flags and 0.0) for record in records]
             elif len(lacking) < len(records):
                 columns[name] = [record.get(name) for record in records]
             if lacking and name in self.names.rows and name not in self._defaults:

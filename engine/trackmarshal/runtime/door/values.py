@@ -110,6 +110,46 @@ def numbers(column: Any, spelt: bool = False) -> Floats:
     return np.array(values, dtype=np.float64)
 
 
+def places(
+    column: Any, members: tuple[str, ...], spelt: bool = False
+) -> tuple[Floats, list[tuple[int, str]]]:
+    """A column of members of an enumeration as their places, and the entries that are names of none, which are NaN; raises WrongTypeError.
+
+    Members by name: lists, tuples, and arrays of texts or of objects; by place: what is a column of numbers. Both may be in one list.
+    """
+    if type(column) in ARRAYS and column.dtype.kind != "U":
+        made = floats(column)
+        if made is not None:
+            return made, []
+        column = objects(column)
+    elif type(column) in ARRAYS:
+        if column.ndim != 1 or type(column) is np.ma.MaskedArray:
+            raise WrongTypeError("something else is no column")
+        column = column.tolist()
+    known = {name: float(place) for place, name in enumerate(members)}
+    found: list[float] = []
+    unknown: list[tuple[int, str]] = []
+    for index, value in enumerate(entries(column)):
+        name = _text(value)
+        if name is None or (spelt and name in SPELT and name not in known):
+            place = number(value, spelt)
+            if place is None:
+                raise WrongTypeError(f"{worded(value)} is no member", index)
+        else:
+            place = known.get(name, math.nan)
+            if name not in known:
+                unknown.append((index, name))
+        found.append(place)
+    return np.array(found, dtype=np.float64), unknown
+
+
+def _text(value: Any) -> str | None:
+    """A text of Python or numpy, also in an array without axes; None for anything else."""
+    if type(value) is np.ndarray and value.ndim == 0 and value.dtype.kind == "U":
+        value = value.item()
+    return str.__str__(value) if is_a(value, str) else None
+
+
 def floats(array: Any, axes: int = 1) -> Floats | None:
     """A copy of an array of whole or real numbers, with NaN for what is masked; None for an array of anything else.
 

@@ -63,6 +63,12 @@ static inline tm_truth tm_unequal(double left, double right) {
   return tm_compared(left != right, fabs(left - right));
 }
 
+/** Both are places of one member of an enumeration: a Boolean of two numbers. */
+static inline tm_truth tm_is(double left, double right) {
+  const tm_truth a = {(left == right) ? TM_INF : -TM_INF, left == right, tm_finite(left) && tm_finite(right)};
+  return a;
+}
+
 /** A geometric predicate: its margin is a distance, and it holds where that is not negative. */
 static inline tm_truth tm_apart_by(double distance) {
   return tm_compared(distance >= 0.0, distance);
@@ -217,6 +223,11 @@ static inline tm_cases tm_equal_any(double left, double right) {
 /** left != right. */
 static inline tm_cases tm_unequal_any(double left, double right) {
   return tm_compared_any(left, right, left != right, fabs(left - right));
+}
+
+/** Both are places of one member of an enumeration: a Boolean of two numbers. */
+static inline tm_cases tm_is_any(double left, double right) {
+  return tm_compared_any(left, right, left == right, (left == right) ? TM_INF : -TM_INF);
 }
 
 /** A geometric predicate: its margin is a distance, and it holds where that is not negative. */

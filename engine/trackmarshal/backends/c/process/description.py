@@ -96,6 +96,7 @@ def _message(message: Message) -> dict[str, Any]:
         {
             "name": item.key, "offset": item.offset, "type": item.type, "count": item.count, "array": not item.scalar,
             "about": item.about, **({} if item.default is None else {"default": _number(item.default)}),
+            **({"members": [*item.members]} if item.members else {}),
         }
         for item in message.items
     ]  # fmt: skip

@@ -52,6 +52,7 @@ class Item:
 
     group: what it belongs to (`driving`, `signals.ego`), empty for the message itself. own: whether it is ours and not a field of the
     spec. c_group, c_name: its C names. scalar: one value, no array. default: in SI, what a client puts in for a field that is left out.
+    members: of an enumeration, whose places the values are.
     """
 
     group: str
@@ -65,6 +66,7 @@ class Item:
     scalar: bool
     offset: int = 0
     default: float | None = None
+    members: tuple[str, ...] = ()
 
     @property
     def key(self) -> str:
@@ -326,7 +328,18 @@ def _columns(
             c_name, info = names[field.name]
             about = "1, 0, -1 for missing" if kind == "i8" else f"{unit(info)}; NaN: missing"
             yield Item(
-                group, field.name, kind, capacity, about, False, c_group, c_name, record, 0, field.default
+                group,
+                field.name,
+                kind,
+                capacity,
+                about,
+                False,
+                c_group,
+                c_name,
+                record,
+                0,
+                field.default,
+                field.members,
             )
 
 

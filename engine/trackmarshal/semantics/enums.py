@@ -1,0 +1,167 @@
+"""Enumerations: what must hold of their declarations, what is asked of members, and `case`, which has a value for each of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from trackmarshal import typed
+from trackmarshal.diagnostics.base import close_matches
+from trackmarshal.ir.spec import Enumeration
+from trackmarshal.semantics import states
+from trackmarshal.semantics.errors import CaseProblem, Duplicate, Hides, UnknownMember, WrongKind
+from trackmarshal.semantics.values import common, spoken
+from trackmarshal.source import Span
+from trackmarshal.syntax import ast
+from trackmarshal.units import UNITS
+
+if TYPE_CHECKING:
+    from trackmarshal.diagnostics.base import Diagnostic
+    from trackmarshal.semantics.expressions import Context, Expressions
+
+
+def declared(item: ast.Enum, module: str) -> Enumeration:
+    """What a declaration declares; members that stand twice count once."""
+    return Enumeration(f"{module}.{item.name}", tuple(dict.fromkeys(member.name for member in item.members)))
+
+
+def check_enum(item: ast.Enum, found: list[Diagnostic]) -> None:
+    """Report members that stand twice, and a name that a field would take for a unit."""
+    first: dict[str, Span] = {}
+    for member in item.members:
+        if member.name in first:
+            found.append(Duplicate(member.span, first[member.name], "member", member.name))
+        first.setdefault(member.name, member.span)
+    if item.name in UNITS:
+        found.append(Hides(item.span.head, None, "enumeration", item.name, "unit", " of the language"))
+
+
+def unknown(enumeration: Enumeration, name: str, span: Span) -> UnknownMember:
+    """What is said of a word that is no member."""
+    known = ", ".join(enumeration.members)
+    hint = close_matches(name, enumeration.members) or f"its members are {known}"
+    return UnknownMember(span, enumeration.name.rpartition(".")[2], name, known, hint)
+
+
+def hint(value: typed.AnyMember) -> str:
+    """What to write in place of a member that stands where a number or a formula belongs."""
+    written = " ".join(value.span.text.split())
+    return f"ask for a member: `{written} is {value.enumeration.members[0]}`"
+
+
+def asked(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.Formula:
+    """`race.flag is yellow`, `a.lane is b.lane`; or `role(o) is offence`, of a state."""
+    left = expr.left
+    if isinstance(left, ast.Call) or (isinstance(left, ast.Name) and left.name not in ctx.local):
+        return states.in_state(expr, x, ctx)
+    value = x.value(left, ctx)
+    if not isinstance(value, typed.MemberNode):
+        wanted = "a state, or a field of an enumeration"
+        x.fail(WrongKind(left.__dict__["span"], wanted, spoken(value)))
+    return typed.IsMember(value, _other(expr.right, value.enumeration, x, ctx), expr.span)
+
+
+def _other(expr: ast.Expr, enumeration: Enumeration, x: Expressions, ctx: Context) -> typed.AnyMember:
+    """A member by its name, or another member of the same enumeration."""
+    span: Span = expr.__dict__["span"]
+    if isinstance(expr, ast.Name):
+        local = ctx.local.get(expr.name)
+        if local is None:
+            if expr.name not in enumeration.members:
+                x.fail(unknown(enumeration, expr.name, span))
+            return typed.Member(enumeration, expr.name, span)
+        if expr.name in enumeration.members and isinstance(local, typed.NamedMember):
+            where = f" of `{enumeration.name.rpartition('.')[2]}`"
+            x.fail(
+                Hides(
+                    local.span,
+                    None,
+                    "the `let`",
+                    expr.name,
+                    "member",
+                    where,
+                    "give the `let` a name of its own",
+                )
+            )
+        if expr.name in enumeration.members:
+            return typed.Member(enumeration, expr.name, span)
+    value = x.value(expr, ctx)
+    wanted = f"a member of `{enumeration.name.rpartition('.')[2]}`"
+    if not isinstance(value, typed.MemberNode) or value.enumeration != enumeration:
+        x.fail(WrongKind(span, wanted, spoken(value), f"its members are {', '.join(enumeration.members)}"))
+    return value
+
+
+# A value for each member ----------------------------------------------------------------------------------------
+
+
+def case(expr: ast.Case, x: Expressions, ctx: Context) -> typed.NumberCase | typed.FormulaCase:
+    """A number, or a formula, for each member."""
+    subject, *values = x.all(
+        lambda: _subject(expr.value, x, ctx),
+        *(lambda b=branch: x.value(b.value, ctx) for branch in expr.branches),
+    )
+    members = _members(expr, subject.enumeration, x)
+    formula = isinstance(values[0], typed.FormulaNode)
+    for branch, value in zip(expr.branches, values):
+        if not isinstance(value, typed.FormulaNode if formula else typed.NumberNode):
+            at: Span = branch.value.__dict__["span"]
+            wanted = "a formula" if formula else "a number"
+            x.fail(
+                WrongKind(
+                    at, wanted, spoken(value), "all branches of a `case` are numbers, or all are formulas"
+                )
+            )
+    rows = list(zip(members, [not branch.members for branch in expr.branches], values, strict=True))
+    spans = [branch.span for branch in expr.branches]
+    if formula:
+        cases = [typed.FormulaBranch(*row, span) for row, span in zip(rows, spans)]
+        return typed.FormulaCase(subject, tuple(cases), expr.span)
+    for value in values[1:]:
+        x.same("choose between", values[0], value)
+    parts = [typed.NumberBranch(*row, span) for row, span in zip(rows, spans)]
+    return typed.NumberCase(values[0].dimension, common(*values), subject, tuple(parts), expr.span)
+
+
+def _subject(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.AnyMember:
+    value = x.value(expr, ctx)
+    if not isinstance(value, typed.MemberNode):
+        help_ = "`if c then a else b` chooses by a formula"
+        x.fail(WrongKind(expr.__dict__["span"], "a field of an enumeration", spoken(value), help_))
+    return value
+
+
+def _members(expr: ast.Case, enumeration: Enumeration, x: Expressions) -> list[tuple[str, ...]]:
+    """The members that each branch is for; fails where one is unknown, stands twice, or is left out."""
+    called = enumeration.name.rpartition(".")[2]
+    named: dict[str, Span] = {}
+    problems: list[Diagnostic] = []
+    other: ast.Branch | None = None
+    for branch in expr.branches:
+        for member in branch.members:
+            if member.name not in enumeration.members:
+                problems.append(unknown(enumeration, member.name, member.span))
+            elif member.name in named:
+                problem = f"`{member.name}` stands twice in this `case`"
+                problems.append(CaseProblem(member.span, problem, "remove one of them", named[member.name]))
+            named.setdefault(member.name, member.span)
+        if not branch.members and other is not None:
+            problems.append(
+                CaseProblem(branch.span.head, "a second `else`", "remove one of them", other.span.head)
+            )
+        elif not branch.members:
+            other = branch
+    left = tuple(name for name in enumeration.members if name not in named)
+    if not problems and other is None and left:
+        listed = ", ".join(f"`{name}`" for name in left)
+        problem = f"this `case` does not say what holds for {listed}"
+        problems.append(CaseProblem(expr.span.head, problem, f"add `{', '.join(left)}: ...`, or `else: ...`"))
+    if not problems and other is not None and not left:
+        problem = f"nothing is left for this `else`: all members of `{called}` are named"
+        problems.append(CaseProblem(other.span.head, problem, "remove it"))
+    if not problems and len(expr.branches) < 2:
+        problem = "a `case` of one branch is the same for all members"
+        problems.append(CaseProblem(expr.span.head, problem, "write what it is without the `case`"))
+    if problems:
+        x.found += problems[1:]
+        x.fail(problems[0])
+    return [tuple(member.name for member in branch.members) or left for branch in expr.branches]
