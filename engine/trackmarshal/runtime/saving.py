@@ -188,10 +188,10 @@ class Writer:
         #: Whether the digest was the last line.
         self.done = False
 
-    def lines(self, most: int) -> list[str]:
-        """At most so many of the lines that are next. Raises as what makes the pieces does."""
+    def lines(self, most: int, full: float = math.inf) -> list[str]:
+        """At most so many of the lines that are next, fewer where they have that many characters. Raises as what makes the pieces does."""
         found: list[str] = []
-        while len(found) < most and not self.done:
+        while len(found) < most and not self.done and sum(map(len, found)) < full:
             piece = self._head if self._head is not None else next(self._pieces, None)
             self._head = None
             if piece is None:
