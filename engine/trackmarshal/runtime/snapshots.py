@@ -17,7 +17,7 @@ from trackmarshal.runtime.saving import Saving, Writer
 #: After how many cycles a snapshot is begun.
 EVERY = 200
 #: How many lines are made in a step, and in how many characters; from how many on they are written.
-_LINES, _LENGTH, _FULL = 4, 2_000, 32_000
+_LINES, _LENGTH, _FULL = 8, 2_000, 32_000
 _HEAD = re.compile(r'\{"snapshot":(\d+),"part":(\d+),"last":(true|false),"lines":\[')
 
 
