@@ -89,6 +89,21 @@ def test_and_with_machines(
     assert told(text, cycles, restarts) == told(text, cycles, set())
 
 
+@pytest.mark.parametrize("formula", ["once (always[0 s, 0.2 s] flag)", "(flag or ego.v > 0 m/s) since (eventually[0 s, 0.2 s] ego.w > 1 m/s)",
+                                     "historically (eventually[0 s, 0.3 s] flag)"])  # fmt: skip
+def test_what_is_left_of_cycles_that_are_dropped(formula: str) -> None:
+    """An operator without a bound, over what looks ahead: what decided it is long gone."""
+    cycles: Cycles = []
+    for number in range(40):
+        signals = {
+            "ego": {"v": 1.0, "w": 2.0 if number == 3 else 0.0}, "objects": {"id": [], "v": []},
+            "flag": 4 <= number <= 8 or (formula.startswith("historically") and number % 3 == 0),
+        }  # fmt: skip
+        cycles.append({"id": number, "t": number / 10, "signals": signals})
+    text = rule(f"require {formula}")
+    assert told(text, cycles, {15, 30}) == told(text, cycles, set())
+
+
 # What is refused --------------------------------------------------------------------------------------------------------
 
 REMEMBERING = """module m

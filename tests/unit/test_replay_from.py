@@ -245,6 +245,36 @@ def test_generated_runs(seed: int, backend: str, folder: Path, tmp_path: Path) -
         assert told(run, spec, None, snapshot) == whole[snapshot.after :], snapshot.after
 
 
+@pytest.mark.parametrize("backend", SAVING)
+@pytest.mark.parametrize("what", ["unsafe", "twice", "early", "clock"])
+def test_all_that_a_supervisor_keeps(what: str, backend: str, tmp_path: Path) -> None:
+    """The cycle after the snapshot drives what is stored, comes twice, comes too early, or is read at a clock that goes back."""
+    spec = loads(
+        RULES.partition("state light")[0] + 'rule slow "" require plan.first.v <= 11 m/s\n'
+    )
+    path, now = tmp_path / "run.arrows", 0.0
+    made: Any = supervisor(spec, None, backend, {"budget": 1e9}, lambda: now, record=path, snapshots=5)
+    decisions = []
+    for place in range(8):
+        number = place - (what == "twice" and place == 5)
+        t = round((number + 1) / 10, 9)
+        now = t - (0.3 if what == "clock" and place == 5 else 0.0)
+        v = 20.0 if what == "unsafe" and place >= 5 else 10.0
+        signals = {
+            "ego": {"x": 10.0 * t, "y": 0.0, "heading": 0.0, "v": 10.0},
+            "objects": {"id": [], "x": []},
+            "flag": False,
+        }
+        stamp = t - (0.0995 if what == "early" and place == 5 else 0.0)
+        decisions.append(made.step(Cycle(number, stamp, _plan(10.0 * t, v), _plan(10.0 * t, v), signals)))
+    made.close()
+    then = "no_safe_trajectory" if what == "clock" else "previous_emergency"
+    assert [one.state for one in decisions[:6]] == ["drive"] * 5 + [then]
+    run = read(path.read_bytes(), "run")
+    assert run.snapshots[0].after == 5
+    assert told(run, spec, None, run.snapshots[0]) == told(run, spec, None, None)[5:]
+
+
 # The file --------------------------------------------------------------------------------------------------------------
 
 
