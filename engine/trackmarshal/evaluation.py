@@ -7,6 +7,7 @@ import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
 from trackmarshal.ir.straight import Fields, curvatures, straightened
+from trackmarshal.runtime import saving
 from trackmarshal.runtime.contract.tracks import places_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import Judged, Program, Rated
@@ -195,9 +197,13 @@ class Evaluator:
                 for name, rated in judged.rated.items():
                     yield self.result(judged.about, rated, series, name)
 
-    def over_run(self) -> Run:
-        """A run to which cases are given as its cycles, one after the other: rules remember."""
-        return Run(self)
+    def over_run(self, saved: Sequence[str] | None = None) -> Run:
+        """A run to which cases are given as its cycles, one after the other: rules remember.
+
+        saved: what `Run.save` gave; the run then goes on from there. Raises TrackmarshalError D163 for a snapshot that is damaged, D164 for
+        one of another spec or evaluator, E486 for an evaluator that saves none.
+        """
+        return Run(self, saved)
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         """The outcome of frames. Where `auto` chose generated C and it does not hold one of them, numpy takes over."""
@@ -297,10 +303,37 @@ class Evaluator:
 class Run:
     """Cases as the cycles of one run. `step` takes them in order; `end` says what was open after the last one."""
 
-    def __init__(self, evaluator: Evaluator) -> None:
+    def __init__(self, evaluator: Evaluator, saved: Sequence[str] | None = None) -> None:
         self._evaluator = evaluator
         self._memory = evaluator.program.start()
         self._last: int | None = None
+        if saved is not None:
+            self._restore(saved)
+
+    def save(self) -> list[str]:
+        """What the rules remember now, as lines of JSON (docs/memory.md). Raises TrackmarshalError E486 for an evaluator that saves none, and
+        for a cycle whose name is neither a whole number nor a text."""
+        kind, of = self._of()
+        pieces: list[saving.Piece] = [["run", self._last]]
+        return saving.whole(
+            saving.Saving(kind, of, chain(pieces, saving.save(self._evaluator.program, self._memory)))
+        )
+
+    def _restore(self, saved: Sequence[str]) -> None:
+        pieces = saving.opened(saved, *self._of())
+        try:
+            (last,) = pieces.next("run", 1)
+            self._last = None if last is None else saving.checked(last, int)
+            self._memory = saving.restored(self._evaluator.program, pieces)
+            pieces.end()
+        except saving.NOT_SAVED as error:
+            raise saving.damaged(str(error)) from error
+
+    def _of(self) -> tuple[str, str]:
+        """Who can restore it, and the hash of all that it rests on."""
+        program = self._evaluator.program
+        kind, words = saving.kept_by(program)
+        return kind, saving.meaning(program.spec, [rule.name for rule in program.rules], words, more="run")
 
     def step(self, frame: Frame, series: bool = False) -> CaseResult:
         """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one."""

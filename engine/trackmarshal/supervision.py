@@ -15,6 +15,8 @@ from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import Settings
 from trackmarshal.runtime.record import Difference, Record, Run, differences
+from trackmarshal.runtime.saving import damaged
+from trackmarshal.runtime.snapshots import EVERY, Snapshot
 from trackmarshal.runtime.supervisor import Supervisor
 
 if TYPE_CHECKING:
@@ -66,34 +68,68 @@ def supervisor(
     record: str | Path | None = None,
     params: Mapping[str, float] | None = None,
     tables: Mapping[str, Any] | None = None,
+    snapshots: int = EVERY,
 ) -> Supervisor | CSupervisor:
     """A Supervisor for a spec, or for some of its rules.
 
     limits: those of the spec (`Limits.of`) with these changed, by name; or `Limits`, which stand for all of them. params and tables
     override the spec's, in declared units; clock gives s on the clock of the cycles' stamps; record is a new file that
-    keeps the run. Raises TrackmarshalError D203, D204, E401, E403, E404, E405, E481, E482, E483 or E485; E470 to E473 for what generated C
+    keeps the run, and snapshots after how many cycles it also keeps what a replay from the middle starts with (0: never). Raises TrackmarshalError D203, D204, E401, E403, E404, E405, E481, E482, E483 or E485; E470 to E473 for what generated C
     cannot do, where it is asked for.
     """
     box = rulebox(Evaluator(spec, rules, backend), params, tables)
     held = limits if isinstance(limits, Limits) else Limits.of(spec, **(limits or {}))
     made = box.running(held, clock)
     if record is not None:
-        made.recorder = Record(record, made.contract, made.limits, box.identity)
+        made.recorder = Record(
+            record, made.contract, made.limits, box.identity, saving=made.saving, every=snapshots
+        )
     return made
 
 
-def rerun(run: Run, box: Rulebox) -> Iterator[tuple[Decision, list[Difference]]]:
-    """The cycles of a record again, at the recorded times: each decision, and where it is not the recorded one."""
+def rerun(
+    run: Run, box: Rulebox, begin: Snapshot | None = None
+) -> Iterator[tuple[Decision, list[Difference]]]:
+    """The cycles of a record again, at the recorded times: each decision, and where it is not the recorded one.
+
+    begin: a snapshot of the record, after whose cycles it begins (`nearest`). Raises TrackmarshalError D163 or D164 where it cannot be used.
+    """
     ticks: list[float] = []
 
     def clock() -> float:
         return ticks.pop(0)
 
     again = box.running(run.limits, clock)
-    for place, recorded in enumerate(run.cycles):
+    first = 0
+    if begin is not None:
+        again.restore(begin.lines())
+        first = begin.after
+    for place, recorded in enumerate(run.cycles[first:], first):
         ticks[:] = recorded.readings
         decision = again.step(recorded.cycle)
         yield decision, differences(place, recorded, decision)
+
+
+def nearest(run: Run, box: Rulebox, place: int) -> tuple[Snapshot | None, TrackmarshalError | None]:
+    """The last snapshot of a record by a place in it that can be used, None where the replay has to start at the beginning; and why
+    the first one that was looked at cannot."""
+    refused: TrackmarshalError | None = None
+    for one in reversed(run.snapshots):
+        if one.after > place:
+            continue
+        try:
+            box.running(run.limits).restore(one.lines())
+        except ValueError as error:
+            refused = refused or damaged(str(error))
+        except TrackmarshalError as error:
+            if error.code not in ("D163", "D164", "E486"):
+                raise
+            refused = refused or error
+            if error.code != "D163":
+                break  # the others are no more of these rules than this one
+        else:
+            return one, refused
+    return None, refused
 
 
 def box_of(run: Run, spec: Spec, backend: str | None = None) -> Rulebox:

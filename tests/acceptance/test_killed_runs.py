@@ -13,7 +13,7 @@ import pytest
 from support import killed_runs
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.record import read
-from trackmarshal.supervision import box_of, rerun
+from trackmarshal.supervision import box_of, nearest, rerun
 
 #: Runs that `make test` kills; `make acceptance` kills 200.
 KILLS = int(os.environ.get("TRACKMARSHAL_KILLS", "10"))
@@ -37,7 +37,13 @@ def test_killed_at_random_moments(tmp_path: Path) -> None:
             continue
         assert completed <= len(run.cycles) <= completed + 1
         assert not run.ended
-        found = [d for _, differing in rerun(run, box_of(run, spec)) for d in differing]
-        assert found == []
+        box = box_of(run, spec)
+        begin, refused = nearest(run, box, len(run.cycles))
+        assert refused is None
+        # What was begun is whole some cycles later.
+        assert (0 if begin is None else begin.after) >= len(run.cycles) - 30
+        for snapshot in (None, begin):
+            found = [d for _, differing in rerun(run, box, snapshot) for d in differing]
+            assert found == []
         lengths.add(completed)
     assert len(lengths) > KILLS // 3, "the moments were not random"

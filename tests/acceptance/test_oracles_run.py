@@ -14,7 +14,11 @@ from support.shared import oracle
 from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
+from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.cycle import Cycle
+from trackmarshal.runtime.record import Run, read
 from trackmarshal.runtime.verdict import About
+from trackmarshal.supervision import box_of, nearest, rerun, supervisor
 
 #: Cycles are one second apart, as the oracles' samples are.
 ENGINES = ("reference", "numpy")
@@ -111,6 +115,56 @@ def test_generated_c(every: int) -> None:
         assert [[one.margin for one in each] for each in said] == [[value] for value in wanted], entry[
             "rtamt_text"
         ]
+
+
+SUPERVISED = """signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad }
+"""
+STANDS: Entry = {"t": [0.0, 9.0], **{name: [0.0, 0.0] for name in ("x", "y", "heading", "v")}}
+
+
+def recorded(entry: Entry, backend: str, path: Path) -> tuple[Run, Spec]:
+    """A run of a Supervisor, with the oracle's signals beside a car that stands: its record, with a snapshot every few cycles."""
+    spec = loads(spec_of(entry).replace("module m\n", f"module m\n{SUPERVISED}"))
+    now = 0.0
+    limits = dict.fromkeys(("longest_gap", "oldest", "budget", "blind"), 1e9)
+    made = supervisor(spec, None, backend, limits, lambda: now, path, snapshots=5)
+    count = len(next(iter(entry["trace"].values())))
+    for k in range(count):
+        now = float(k)
+        signals = {**cycle(entry, k)["signals"], "ego": {"x": 0.0, "y": 0.0, "heading": 0.0}}
+        assert not made.step(Cycle(k, now, STANDS, STANDS, signals)).faults
+    made.close()
+    assert made.record_error == ""
+    return read(path.read_bytes(), str(path)), spec
+
+
+@pytest.mark.parametrize(
+    ("backend", "every"),
+    [("numpy", 6), ("reference", 12), ("c", 15)]
+    + [pytest.param(backend, 1, marks=pytest.mark.acceptance) for backend in (*ENGINES, "c")],
+)
+def test_from_the_middle_of_a_record(backend: str, every: int, tmp_path: Path) -> None:
+    """A replay that starts at a snapshot says in each cycle from there on what the oracle says; of the reference, one from the beginning."""
+    entries = [entry for entry in oracle("stl_dev.json")["entries"] if entry["past_only"]][::every]
+    assert len(entries) >= 60 // every
+    for place, entry in enumerate(entries):
+        run, spec = recorded(entry, backend, tmp_path / f"{place}.arrows")
+        wanted = [number(value) for value in entry["robustness"]]
+        box = box_of(run, spec)
+        middle = len(wanted) // 2
+        begin, _ = nearest(run, box, middle)
+        assert (begin is None) == (
+            backend == "reference" or not run.snapshots or run.snapshots[0].after > middle
+        )
+        first = 0 if begin is None else begin.after
+        assert first > 0 or backend == "reference" or middle < 5
+        margins = []
+        for decision, differing in rerun(run, box, begin):
+            assert not differing
+            assert decision.judged is not None
+            margins.append([float(rated.margins[0]) for rated in decision.judged.rated.values()])
+        assert margins == [[value, value] for value in wanted[first:]], entry["rtamt_text"]
 
 
 def test_what_looks_back_is_known_at_once() -> None:

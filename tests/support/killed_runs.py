@@ -59,7 +59,9 @@ def main(folder: Path, count: int, seed: int) -> None:
         if child == 0:
             os.close(reading)
             supervisor = box.supervisor(limits)
-            supervisor.recorder = Record(path, supervisor.door.contract, limits, box.identity)
+            supervisor.recorder = Record(
+                path, supervisor.door.contract, limits, box.identity, saving=supervisor.saving, every=20
+            )
             run(supervisor, given, writing)
             os._exit(0)
         os.close(writing)

@@ -114,10 +114,11 @@ def test_the_page_about_python_names_all_of_it() -> None:
 
 def test_the_page_about_memory(capsys: pytest.CaptureFixture[str]) -> None:
     page = (ROOT / "docs" / "memory.md").read_text("utf-8")
-    (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    (output,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
-    exec(compile(program, "docs/memory.md", "exec"), {})
-    assert capsys.readouterr().out == output
+    programs = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    outputs = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    for program, output in zip(programs, outputs, strict=True):
+        exec(compile(program, "docs/memory.md", "exec"), {})
+        assert capsys.readouterr().out == output
 
 
 def test_the_page_about_rulebooks(

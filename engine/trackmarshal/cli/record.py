@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -9,13 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.output import dump, number, progress, rule_json, say
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
 from trackmarshal.runtime.faults import Fault
 
 if TYPE_CHECKING:
     from trackmarshal.ir.spec import RuleInfo, Spec
     from trackmarshal.runtime.decision import Decision
-    from trackmarshal.runtime.record import Difference, Run
+    from trackmarshal.runtime.record import Difference, Recorded, Run
 
 #: Differences that the text shows.
 SHOWN = 10
@@ -32,12 +34,13 @@ def is_record(path: str) -> bool:
 
 
 def replay_record(
-    path: str, spec: Spec, backend: str | None, format_: str, quiet: bool, mcap: str | None = None
-) -> int:
-    """Print what became of it; 0 when every decision is the recorded one and none is missing, else 1. Raises D120, D124, D161, D162, E484."""
+    path: str, spec: Spec, backend: str | None, format_: str, quiet: bool, mcap: str | None = None, begin: str | None = None
+) -> int:  # fmt: skip
+    """Print what became of it, from a place on where `begin` says one; 0 when every decision is the recorded one and none is missing,
+    else 1. Raises D120, D124, D161, D162, E436, E484."""
     from trackmarshal.runtime.record import read
     from trackmarshal.scenarios import content
-    from trackmarshal.supervision import box_of, rerun
+    from trackmarshal.supervision import box_of, nearest, rerun
 
     run = read(content.read(Path(path), path), path)
     box = box_of(run, spec, backend)
@@ -47,35 +50,84 @@ def replay_record(
             f"note: {path}: another spec was in force than the one given here; its decisions may differ",
             file=sys.stderr,
         )
+    first = 0 if begin is None else _place(begin, run, path)
+    snapshot, refused = (None, None) if begin is None else nearest(run, box, first)
+    if refused is not None and not quiet:
+        say(f"note: {path}: a snapshot is not used: {refused.code} {refused.message}", file=sys.stderr)
+    start = 0 if snapshot is None else snapshot.after
     decisions: list[Decision] = []
     found: list[Difference] = []
-    steps = rerun(run, box)
-    for _ in progress(range(len(run.cycles)), path, quiet):
+    steps = rerun(run, box, snapshot)
+    for place in progress(range(start, len(run.cycles)), path, quiet):
         decision, differing = next(steps)
-        decisions.append(decision)
-        found += differing
+        if place >= first:
+            decisions.append(decision)
+            found += differing
     if mcap is not None:
         from trackmarshal.scenarios import foxglove
 
         foxglove.write(run, decisions, mcap)
     if format_ == "jsonl":
         places = {difference.place for difference in found}
-        for place, decision in enumerate(decisions):
+        for place, decision in enumerate(decisions, first):
             for line in _lines(path, decision, box.evaluator.rules, place not in places):
                 print(line)
     else:
-        say(*_summary(path, run, decisions, found))
+        began = None if begin is None else start
+        say(*_summary(path, run, decisions, found, first, began))
     return 1 if found or run.missed else 0
 
 
-def _summary(path: str, run: Run, decisions: Sequence[Decision], found: Sequence[Difference]) -> list[str]:
+def _place(begin: str, run: Run, path: str) -> int:
+    """The place in a record that `--from` says: `120`, or `12.5s`; raises E436."""
+    text, seconds = begin.strip(), begin.strip().endswith("s")
+    try:
+        wanted = float(text[:-1]) if seconds else int(text)
+    except ValueError as error:
+        help_ = "a cycle by its number in the record (120), or a time with its unit (12.5s)"
+        raise TrackmarshalError("E436", f"`--from {begin}` is no place", file=path, help=help_) from error
+    if not seconds and 0 <= wanted < len(run.cycles):
+        return int(wanted)
+    if seconds:
+        for place, one in enumerate(run.cycles):
+            if _time(one) >= wanted:
+                return place
+    times = [t for t in map(_time, run.cycles) if math.isfinite(t)]
+    said = f", from {min(times):g} s to {max(times):g} s" if times else ""
+    raise TrackmarshalError(
+        "E436", f"the record has no cycle at `{begin}`", file=path, help=f"it has {len(run.cycles)} cycles, numbered from 0{said}"
+    )  # fmt: skip
+
+
+def _time(one: Recorded) -> float:
+    """The stamp of a cycle where it is a number, else when it arrived; NaN where neither is known."""
+    t: Any = getattr(one.cycle, "t", None)
+    stamp = float(t) if type(t) in (int, float) else math.nan
+    return stamp if math.isfinite(stamp) else one.readings[0]
+
+
+def _summary(
+    path: str,
+    run: Run,
+    decisions: Sequence[Decision],
+    found: Sequence[Difference],
+    first: int,
+    began: int | None,
+) -> list[str]:
+    """first: the place of the first decision; began: that of the first cycle that was run again, where one was asked for."""
     counts = Counter(decision.action for decision in decisions)
     ending = "" if run.ended else f"; not closed, {run.rest} bytes behind the last whole cycle"
     lines = [
-        f"{path}: {len(decisions)} cycles, "
+        f"{path}: {len(decisions)} cycles{'' if began is None else f' from cycle {first} on'}, "
         + ", ".join(f"{count} {action}" for action, count in counts.items())
         + ending
     ]
+    if began is not None:
+        lines.append(
+            f"started at the snapshot after {began} cycles"
+            if began
+            else "started at the beginning: there is no snapshot before that can be used"
+        )
     if run.missed:
         lines.append(f"{run.missed} cycles could not be written; what was decided in them is not known")
     if not found:

@@ -43,6 +43,11 @@ CODES = {
         "nothing to export",
         "`--mcap` exports the record of a run of the Supervisor, which has every decision and its reasons; a recording has none yet.",
     ),
+    "E436": (
+        "a place that a replay cannot start at",
+        "`--from 120` starts at the cycle that is number 120 in the record, from 0 as differences count them; `--from 12.0s` at the first one whose stamp is so late. Recordings "
+        "start at their beginning, and so do `--mcap` and `--out`, which need all cycles.",
+    ),
 }  # fmt: skip
 
 
@@ -52,6 +57,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     choose_rules(parser, "evaluate")
     choose_backend(parser, None, "default: numpy; for a record, its own")
     parser.add_argument("--mcap", metavar="FILE", help="export a record of a run for Foxglove")
+    parser.add_argument(
+        "--from",
+        dest="begin",
+        metavar="CYCLE|TIME",
+        help="of a record: start there, at the snapshot before (120, or 12.0s)",
+    )
     parser.add_argument("--out", metavar="DIR", help="write the lines and a summary of each run here")
     parser.add_argument(
         "--rulebook", metavar="NAME", help="compare both candidates of each cycle, and several recordings, by this rulebook"
@@ -76,9 +87,20 @@ def run(args: argparse.Namespace) -> int:
     for path in args.scenarios:
         if is_record(path):
             spec = load([spec_path], settings, project)
-            status = max(status, replay_record(path, spec, args.backend, args.format, args.quiet, args.mcap))
+            _alone(args, path)
+            status = max(
+                status,
+                replay_record(path, spec, args.backend, args.format, args.quiet, args.mcap, args.begin),
+            )
             if not args.out and order is None:
                 continue
+        elif args.begin is not None:
+            raise TrackmarshalError(
+                "E436",
+                "`--from` starts in a record of a run, and this is none",
+                file=path,
+                help="replay it from its beginning",
+            )
         elif args.mcap:
             raise TrackmarshalError(
                 "E434",
@@ -109,6 +131,18 @@ def run(args: argparse.Namespace) -> int:
             status = max(status, 1)
     say(*compared.of_all())
     return status
+
+
+def _alone(args: argparse.Namespace, path: str) -> None:
+    """Refuse `--from` beside what needs every cycle; raises E436."""
+    for name, given in (("--mcap", args.mcap), ("--out", args.out), ("--rulebook", args.rulebook)):
+        if args.begin is not None and given:
+            raise TrackmarshalError(
+                "E436",
+                f"`{name}` needs all cycles of the record",
+                file=path,
+                help=f"leave out `--from`, or `{name}`",
+            )
 
 
 def overruled(recording: Recording, spec_path: Path, settings: list[Path]) -> Recording:

@@ -6,7 +6,8 @@ An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
   the row before that has any;
 - `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
-- `missed`: how many cycles before this one could not be written (a full disk); a row without a `state` says only that;
+- `missed`: how many cycles before this one could not be written (a full disk); a row without a `state` is no cycle: it says only that, or has
+  in `raw` a part of a snapshot (`snapshots.py`), from which a replay can start;
 - the decision: `state`, `safe`, `driven`, `driven_number`, `driven_t`, `lost`, `faults` and `violations` (JSON), `verdicts.CANDIDATE` (a letter a
   rule: s, v, u, i, o) and `margins.CANDIDATE`.
 """
@@ -16,7 +17,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -33,6 +34,8 @@ from trackmarshal.runtime.door.lines import line
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.lines import Line
+from trackmarshal.runtime.saving import Saving
+from trackmarshal.runtime.snapshots import EVERY, Parts, Snapshot, Snapshots
 from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
@@ -55,7 +58,8 @@ _DECISION: tuple[Column, ...] = (
 class Record:
     """A record that is being written; satisfies `Recorder`. Close it, or let the process die: what was appended stays.
 
-    identity: the judge's. sync waits in every cycle until the disk has the data (against a power failure; a process that is killed loses
+    identity: the judge's. saving: what a replay from the middle needs (`Supervisor.saving`), saved after so many cycles (`every`; 0: never),
+    a little of it in each of the next ones; without it, a replay starts at the beginning. sync waits in every cycle until the disk has the data (against a power failure; a process that is killed loses
     nothing either way). Raises E483 where the file cannot be made or is there already.
     """
 
@@ -66,8 +70,11 @@ class Record:
         limits: Limits,
         identity: Mapping[str, Any],
         sync: bool = False,
+        saving: Callable[[], Saving] | None = None,
+        every: int = EVERY,
     ) -> None:
         self._sync = sync
+        self._snapshots = Snapshots(saving, every)
         self._inputs = _inputs(contract)
         #: The same with all numbers of a signal, which stand one after the other, as one part.
         self._parts = list(
@@ -125,10 +132,28 @@ class Record:
             self._kept = {}  # whoever reads the next row has no border from this one
             raise
         self._kept, self._missed = kept, 0
+        part = self._snapshots.next()
+        if part:
+            self._beside(part)
+
+    @property
+    def snapshot_error(self) -> str:
+        """Why the record has no snapshots any more; empty where it has."""
+        return self._snapshots.error
+
+    def _beside(self, part: str) -> None:
+        """A part of a snapshot, in a row that is no cycle. Where the disk refuses it, that snapshot is none: the cycles are whole."""
+        times = [-1, math.nan, math.nan, math.nan, 0]
+        try:
+            self._write(self._layout.batch([*times, part, *_empty(self._inputs), *_empty_decision()]))
+        except OSError:
+            self._snapshots.drop()
 
     def close(self) -> None:
         """End the stream; nothing can be appended any more."""
         if self._file >= 0:
+            for part in self._snapshots.rest():
+                self._beside(part)
             if self._missed:
                 times = [-1, math.nan, math.nan, math.nan, self._missed]
                 self._write(self._layout.batch([*times, "", *_empty(self._inputs), *_empty_decision()]))
@@ -233,7 +258,7 @@ class Recorded:
 @dataclass(frozen=True, slots=True)
 class Run:
     """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle; missed: cycles that could not be
-    written."""
+    written; snapshots: the whole ones, in order."""
 
     identity: dict[str, Any]
     limits: Limits
@@ -241,6 +266,7 @@ class Run:
     ended: bool
     rest: int
     missed: int = 0
+    snapshots: tuple[Snapshot, ...] = ()
 
 
 def is_record(data: bytes) -> bool:
@@ -279,17 +305,23 @@ def read(data: bytes, shown: str) -> Run:
     end = len(layout.schema)
     kept: dict[tuple[str, str], Any] = {}
     missed = 0
+    snapshots = Parts()
     for row in layout.rows(data):
         try:
             missed += int(row.values[len(_TIMES) - 1])
             if row.values[-len(_DECISION)]:
                 cycles.append(_recorded(row.values, inputs, kept))
+            elif row.values[len(_TIMES)]:
+                snapshots.add(row.values[len(_TIMES)], len(cycles))
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             message = f"cycle {len(cycles)} of the record cannot be read: {error}"
             raise TrackmarshalError("D162", message, file=shown, help="it was not written here") from error
         end = row.end
     rest = data[end:]
-    return Run(identity, limits, tuple(cycles), rest == END, 0 if rest == END else len(rest), missed)
+    ended = rest == END
+    return Run(
+        identity, limits, tuple(cycles), ended, 0 if ended else len(rest), missed, tuple(snapshots.whole)
+    )
 
 
 def _identity(given: Any) -> dict[str, Any]:

@@ -9,8 +9,9 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import asdict, dataclass, field
+from functools import cached_property, partial
+from itertools import chain
 from typing import Protocol
 
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -32,6 +33,22 @@ from trackmarshal.runtime.program import (
     Rated,
     advisory,
 )
+from trackmarshal.runtime.saving import (
+    NOT_SAVED,
+    Piece,
+    Saving,
+    checked,
+    count,
+    damaged,
+    kept_by,
+    meaning,
+    opened,
+    restored,
+    save,
+    spelt,
+    unspelt,
+)
+from trackmarshal.runtime.stored import held_of, held_pieces
 from trackmarshal.runtime.verdict import VERDICTS
 
 
@@ -113,6 +130,7 @@ class Supervisor:
         #: The input contract of its cycles.
         self.contract = of_cycles(spec, program.rules)
         self.door = Door(self.contract, self.limits, settings)
+        self._settings = settings
         #: Keeps the run, where there is one.
         self.recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
@@ -208,6 +226,42 @@ class Supervisor:
         except Exception as error:
             closing.late.append(internal(error))
             return NOTHING
+
+    def saving(self) -> Saving:
+        """All that the next steps depend on, as it is now, to be saved piece by piece. Raises TrackmarshalError E486 for rules whose memory
+        cannot be saved."""
+        door = self.door.last
+        own: Piece = ["supervisor", self._steps, spelt(self._last), door[0], _or_none(door[1])]
+        kept = save(self.program, self.memory)
+        return Saving(*self._of, chain([own], held_pieces(self.held), kept))
+
+    def restore(self, lines: Sequence[str], shown: str = "") -> None:
+        """Go on from where another Supervisor was when it was saved. Raises TrackmarshalError D163 for what is damaged, D164 for what is of
+        other rules, values or another evaluator; then it is as it was."""
+        pieces = opened(lines, *self._of, shown)
+        try:
+            steps, last, number, stamp = pieces.next("supervisor", 4)
+            held = held_of(pieces)
+            memory = restored(self.program, pieces)
+            pieces.end()
+            known = (
+                count(steps),
+                unspelt(last),
+                None if number is None else checked(number, int),
+                None if stamp is None else unspelt(stamp),
+            )
+        except NOT_SAVED as error:
+            raise damaged(str(error), shown) from error
+        self._steps, self._last, self.door.last = known[0], known[1], known[2:]
+        self.held, self.memory = held, memory
+
+    @cached_property
+    def _of(self) -> tuple[str, str]:
+        """Who can restore it, and the hash of all that it rests on."""
+        kind, words = kept_by(self.program)
+        rules = [rule.name for rule in self.program.rules]
+        limits = {name: spelt(value) for name, value in asdict(self.limits).items()}
+        return kind, meaning(self.program.spec, rules, words, self._settings, ["supervisor", limits])
 
     def close(self) -> None:
         """End the record, where there is one."""
@@ -355,6 +409,10 @@ def called(opened: Opened) -> tuple[int | None, float]:
     except Exception:  # what was handed in has a say in how it is read
         return None, math.nan
     return stamp.number, math.nan if stamp.t is None else stamp.t
+
+
+def _or_none(value: float | None) -> float | str | None:
+    return None if value is None else spelt(value)
 
 
 def _safe(closing: _Closing) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.interface import LIMITS
+from trackmarshal.backends.c.interface import LASTING, LIMITS
 from trackmarshal.runtime.contract import RECORD, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 
@@ -69,6 +69,14 @@ def glue(given: Supervised) -> Iterator[str]:
     for place, (_, c_name) in enumerate(given.plan.fields):
         yield f"    case {place}u: return offsetof(tm_context, stored.plan.{c_name});"
     yield "    default: return 0u;"
+    yield "  }"
+    yield "}"
+    yield "/* What a step leaves to the next: where each part of it stands in the context, and its size; 0 after the last. */"
+    yield "size_t tmg_lasting(size_t part, size_t *size) {"
+    yield "  switch (part) {"
+    for place, name in enumerate((*LASTING, *(["run"] if plan.kept else []))):
+        yield f"    case {place}u: *size = sizeof(((tm_context *)0)->{name}); return offsetof(tm_context, {name});"
+    yield "    default: *size = 0u; return 0u;"
     yield "  }"
     yield "}"
     yield "/* Limits, parameters; of tables knots, values and counts; what is wrong is named. */"

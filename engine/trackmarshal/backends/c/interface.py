@@ -55,6 +55,12 @@ def said(plan: Layout) -> dict[str, Any]:
 MARKS = ("door", "judge", "rating", "watchdog", "sound", "store", "machine")
 
 
+#: Members of the context that a step leaves to the next. What is configured is none of them, nor what is made of borders.
+LASTING = (
+    "serial", "marks", "reading", "stamp", "number", "stamped", "numbered", "state", "stored",
+)  # fmt: skip
+
+
 def members(plan: Layout, given: Supervised) -> list[str]:
     """Members of the context."""
     found = [

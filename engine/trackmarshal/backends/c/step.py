@@ -8,6 +8,7 @@ import struct
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -136,11 +137,14 @@ class Stepper:
         self.words = words(given)
         knots = max((len(rows[0]) for rows in (tables or {}).values()), default=0)
         self.sizes = self._sizes(source, limits, knots)
-        self._dll = dll = ctypes.CDLL(str(library(source, self.sizes)))
+        path = library(source, self.sizes)
+        #: Which program this is: its name has the hash of its source and of its code.
+        self.program = path.name
+        self._dll = dll = ctypes.CDLL(str(path))
         size, pointer = ctypes.c_size_t, ctypes.c_void_p
         for name, kinds, result in (
             ("tmg_size", [], size), ("tmg_decision_size", [], size), ("tmg_reasons", [], size), ("tmg_reason_size", [], size),
-            ("tmg_stored", [size], size), ("tmg_init", [pointer], ctypes.c_int),
+            ("tmg_stored", [size], size), ("tmg_lasting", [size, pointer], size), ("tmg_init", [pointer], ctypes.c_int),
             ("tmg_configure", [pointer] * 7, ctypes.c_int),
             ("tmg_step", [pointer], None),
         ):  # fmt: skip
@@ -286,6 +290,34 @@ class Stepper:
         self._bordered(lines, borders)
         head, tail = self._head.pack(1, 1, 1, 0, 0.0, 0.0, 0, 0), self._tail.pack(*borders, *closed, *events)
         words[: self.width] = np.frombuffer(head + self._middle.pack(*own) + tail, dtype=np.uint8)
+
+    # What a step leaves to the next ------------------------------------------------------------------------------
+
+    @cached_property
+    def lasting(self) -> list[tuple[int, int]]:
+        """Where it stands in the context, and how many bytes each part of it has."""
+        found: list[tuple[int, int]] = []
+        size = ctypes.c_size_t()
+        while True:
+            at = int(self._dll.tmg_lasting(len(found), ctypes.addressof(size)))
+            if not size.value:
+                return found
+            found.append((at, int(size.value)))
+
+    def save(self) -> tuple[bytes, dict[str, dict[str, int]], int]:
+        """It as bytes, which only the same program can read; the numbers that elements have, by signal, and the next one."""
+        parts = [ctypes.string_at(self.context + at, size) for at, size in self.lasting]
+        return b"".join(parts), *self._numbering.taken()
+
+    def load(self, data: bytes, numbers: dict[str, dict[str, int]], following: int) -> None:
+        """Go on from there. Raises ValueError for other bytes than a program of this layout saves."""
+        if len(data) != sum(size for _, size in self.lasting):
+            raise ValueError("it is of another size")
+        self._numbering.put(numbers, following)
+        begin = 0
+        for at, size in self.lasting:
+            ctypes.memmove(self.context + at, data[begin : begin + size], size)
+            begin += size
 
     # A cycle ---------------------------------------------------------------------------------------------------
 

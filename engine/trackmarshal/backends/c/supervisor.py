@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 from trackmarshal.backends.c.gather import fastest
 from trackmarshal.backends.c.over_run.explaining import Explaining
+from trackmarshal.backends.c.saving import loaded, pieces, words
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.c.step import Reason, Said, Stepper, Stepping
 from trackmarshal.backends.c.words import Wording
@@ -26,6 +27,7 @@ from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
 from trackmarshal.runtime.program import Judged, Rated, advisory
+from trackmarshal.runtime.saving import NOT_SAVED, Saving, damaged, meaning, opened, spelt, unsaved
 from trackmarshal.runtime.supervisor import Recorder, advisories, incomplete, internal, named_rules
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 
@@ -63,12 +65,13 @@ class CSupervisor:
         self.recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
-        words = self.stepper.words
+        self._settings = settings
+        order = self.stepper.words
         self._shared, self._lines, self._closed, self._events = (
-            words.columns[2:],
-            words.lines,
-            words.closed,
-            words.events,
+            order.columns[2:],
+            order.lines,
+            order.closed,
+            order.events,
         )
         self._reader = CycleReader(self.contract, settings, lambda readers: fastest(readers, self.limits))
         self._words = Wording(self.contract, self.limits)
@@ -111,6 +114,39 @@ class CSupervisor:
             except Exception as error:
                 self.record_error = f"{type(error).__name__}: {error}"
         return decision
+
+    def saving(self) -> Saving:
+        """All that the next steps depend on, as it is now, to be saved piece by piece. Raises TrackmarshalError E486 where steps are taken
+        elsewhere, or memory is too large to be copied in one."""
+        made = pieces(self._steps, self._words.last, self._stored, self._here.save())
+        return Saving("c", self._of, made)
+
+    def restore(self, lines: Sequence[str], shown: str = "") -> None:
+        """Go on from where another Supervisor of the same program was. Raises TrackmarshalError D163 for what is damaged, D164 for what is of
+        another program, E486 where steps are taken elsewhere; then it is as it was."""
+        given = opened(lines, "c", self._of, shown)
+        try:
+            steps, last, stored, data, numbers, following = loaded(given)
+            given.end()
+            self._here.load(data, numbers, following)
+        except NOT_SAVED as error:
+            raise damaged(str(error), shown) from error
+        self._steps, self._stored, self._words.last = steps, stored, last
+
+    @property
+    def _here(self) -> Stepper:
+        if not isinstance(self.stepper, Stepper):
+            raise unsaved("a Supervisor in another process saves nothing")
+        return self.stepper
+
+    @cached_property
+    def _of(self) -> str:
+        """The hash of all that what is saved rests on."""
+        here = self._here
+        limits = {name: spelt(value) for name, value in asdict(self.limits).items()}
+        names = [rule.name for rule in self.rules]
+        said = words(here.program, here.lasting, here.sizes)
+        return meaning(self.spec, names, said, self._settings, ["supervisor", limits])
 
     def close(self) -> None:
         """End the record, where there is one."""

@@ -23,7 +23,7 @@ class Wording:
         self._checker = FrameChecker(contract, limits)
         self._limits = limits
         #: The clock's last reading that could be one.
-        self._last = -math.inf
+        self.last = -math.inf
 
     def faults(
         self,
@@ -52,8 +52,8 @@ class Wording:
     def read(self, said: Said) -> None:
         """Note the clock's readings of a step."""
         for reading in (said.now, said.finished):
-            if math.isfinite(reading) and reading >= self._last:
-                self._last = reading
+            if math.isfinite(reading) and reading >= self.last:
+                self.last = reading
 
     def _values(self, frame: Frame, found: list[Fault]) -> list[Fault]:
         faults: list[Fault] = []
@@ -65,7 +65,7 @@ class Wording:
     def _message(self, one: Reason, frame: Frame | None, stamp: Stamp, now: float, said: Said) -> str:
         arrived = not math.isnan(said.now)
         if one.name == "bad_clock":
-            value, last = (said.finished, said.now) if arrived else (now, self._last)
+            value, last = (said.finished, said.now) if arrived else (now, self.last)
             return f"{value!r} after {last!r}"
         if one.name == "overrun":
             known = math.isfinite(said.finished) and said.finished >= said.now

@@ -112,6 +112,28 @@ class Cells:
             self._held[node] = later
         self._last, self._missed = now.t, 0
 
+    def taken(self) -> tuple[int | None, int, list[tuple[int, Key, Any]]]:
+        """All that is remembered, as it is now: the last stamp, the cycles missed since, and by the number of each holder what it holds of
+        which elements; of a window what `Sliding.taken` gives."""
+        held = [
+            (number, key, one.taken() if isinstance(one, Sliding) else one)
+            for number, holder in enumerate(self._holders)
+            for key, one in self._held[holder].items()
+        ]
+        return self._last, self._missed, held
+
+    def put(self, last: int | None, missed: int, held: Sequence[tuple[int, Key, Any]]) -> None:
+        """Remember what others of the same holders did: as `taken` gave it."""
+        self._last, self._missed = last, missed
+        for number, key, one in held:
+            holder = self._holders[number]
+            if isinstance(holder, ir.Machine) or (isinstance(holder, ir.OverRun) and holder.op == "previous"):
+                self._held[holder][key] = one
+            else:
+                window = _empty(holder)
+                window.put(*one)
+                self._held[holder][key] = window
+
     def _items(
         self, node: ir.OverRun | ir.Counted, now: Now, values: tuple[Truth, ...], before: bool
     ) -> list[Item[Any]]:

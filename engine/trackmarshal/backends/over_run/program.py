@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -15,6 +15,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.driven import as_driven, in_doubt
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory, Rated, advisory
+from trackmarshal.runtime.saving import Piece, Pieces
 from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
 
 if TYPE_CHECKING:
@@ -38,6 +39,16 @@ class Engine(Protocol):
 
     def end(self, state: Any) -> Sequence[tuple[About, ...]]:
         """What each rule says of the cycles that were left open, after the last one."""
+
+    @property
+    def described(self) -> str:
+        """In words, what a state is made of. Raises TrackmarshalError E486 where states are not saved."""
+
+    def save(self, state: Any) -> Iterator[Piece]:
+        """A state as plain data, taken now; raises TrackmarshalError E486."""
+
+    def load(self, pieces: Pieces) -> Any:
+        """The state again; raises ValueError, KeyError, TypeError or IndexError for what was not saved by an engine so described."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +113,19 @@ class Remembering:
     def end(self, memory: Memory) -> dict[str, tuple[About, ...]]:
         assert isinstance(memory, Remembered)
         return {rule.name: found for rule, found in zip(self._over, self._engine.end(memory.state)) if found}
+
+    def kept(self) -> tuple[str, str]:
+        """Who can restore what is remembered, and in words what that is made of. Raises TrackmarshalError E486 for an engine that saves none."""
+        return str(self.identity["backend"]), self._engine.described
+
+    def save(self, memory: Memory) -> Iterator[Piece]:
+        """What is remembered, taken now, as pieces that are made later. Raises TrackmarshalError E486."""
+        assert isinstance(memory, Remembered)
+        return self._engine.save(memory.state)
+
+    def restored(self, pieces: Pieces) -> Memory:
+        """What was remembered; raises ValueError, KeyError, TypeError or IndexError for what was not saved by such a program."""
+        return Remembered(self._engine.load(pieces))
 
     def _rated(self, state: Any, frame: Frame, inner: Outcomes) -> Rated:
         plain, values = inner.rated, inner.values

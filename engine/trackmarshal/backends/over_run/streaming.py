@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
 
 from trackmarshal.backends.over_run.cells import Cells, Present, cells_of
 from trackmarshal.backends.over_run.history import (
     Earlier,
     History,
-    Leaf,
     Past,
     looks_ahead,
     parts_ahead,
@@ -18,9 +19,20 @@ from trackmarshal.backends.over_run.history import (
 )
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import ALWAYS, Known, Outcome, Pending, outcome
+from trackmarshal.backends.over_run.saving import (
+    Cycles,
+    LookedUp,
+    Made,
+    described,
+    loaded_cells,
+    loaded_cycles,
+    saved_cells,
+    saved_cycles,
+)
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import back, leaves
 from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.runtime.saving import Piece, Pieces
 from trackmarshal.runtime.verdict import About, Truth
 
 
@@ -54,9 +66,12 @@ class Streaming:
         self._leaves = tuple(
             dict.fromkeys(leaf for formula in of_ahead for leaf in leaves(formula, parts_ahead))
         )
+        asking = cells_of(of_ahead, looks_ahead)
+        #: Numbers that what looks ahead asks of cycles that are past.
+        self._limits = tuple(dict.fromkeys(node.limit for node in asking if isinstance(node, ir.Counted)))
         self._unbounded: list[ir.OverRun] = [
             node
-            for node in cells_of(of_ahead, looks_ahead)
+            for node in asking
             if isinstance(node, ir.OverRun) and node.past and node.op != "previous" and node.upper is None
         ]
         #: How far back from the oldest open cycle anything is looked at: nanoseconds, and cycles.
@@ -80,11 +95,7 @@ class Streaming:
             for leaf in self._leaves
             for ids in now.combinations(sets_of(leaf))
         }
-        cycles = (
-            [*state.cycles, Past(now.t, now.name, now.ids, _looked_up(known), now.number, state.missed)]
-            if self._leaves
-            else []
-        )
+        cycles = [*state.cycles, self._to_keep(state, now, known)] if self._leaves else []
         found = self._outcomes(state, cycles, present)
         state.cells.remember(now, present)
         state.taken = True
@@ -130,6 +141,34 @@ class Streaming:
             )
         return found
 
+    @cached_property
+    def described(self) -> str:
+        """In words, what a state is made of: equal words, equal meanings."""
+        return described(self._nodes, self._made)
+
+    def save(self, state: _Kept) -> Iterator[Piece]:
+        """A state as pieces, which are made later of what is taken now. Raises TrackmarshalError E486 for a cycle's name that JSON does not have."""
+        self._fresh(state)
+        cycles = Cycles(state.cycles, state.dropped, state.missed, state.pending, state.earlier)
+        return chain(saved_cells(state.cells, self._nodes), saved_cycles(cycles, self._made))
+
+    def load(self, pieces: Pieces) -> _Kept:
+        """The state that was saved; raises ValueError, KeyError, TypeError or IndexError for what is none."""
+        cells = loaded_cells(pieces, self._nodes)
+        cycles, dropped, missed, pending, earlier = loaded_cycles(pieces, self._made)
+        return _Kept(cells, list(cycles), dropped, missed, list(pending), earlier)
+
+    @property
+    def _made(self) -> Made:
+        return Made(self._leaves, self._limits, tuple(self._unbounded), len(self._rules))
+
+    def _to_keep(
+        self, state: _Kept, now: Now, known: dict[tuple[ir.Formula, tuple[str, ...]], Truth]
+    ) -> Past:
+        """A cycle as it is kept: with all that is asked of it later, and without the cycle itself."""
+        numbers = {node: now.number(node) for node in self._limits}
+        return Past(now.t, now.name, now.ids, LookedUp(known), numbers.__getitem__, state.missed)
+
     def _past(self, state: _Kept, now: Now, present: Present) -> Past:
         return Past(now.t, now.name, now.ids, present.leaf, now.number, state.missed)
 
@@ -148,10 +187,6 @@ class Streaming:
             first -= 1
         # One more, so that a gap before the first is seen, and as many as steps go back.
         return max(0, first - steps - 1)
-
-
-def _looked_up(known: dict[tuple[ir.Formula, tuple[str, ...]], Truth]) -> Leaf:
-    return lambda leaf, ids: known[leaf, ids]
 
 
 def _placed(pending: Pending, by: int) -> Pending:

@@ -184,6 +184,21 @@ class Sliding(Generic[M]):
                 if low is not None:
                     self._newer.append(item)
 
+    def taken(self) -> tuple[list[Item[M]], list[tuple[int, M]], list[Item[M]], M]:
+        """All that it holds, as it is now: what is too young, the older part, the newer part, and what that comes to."""
+        return list(self._young), list(self._older), list(self._newer), self._newer_fold
+
+    def put(
+        self, young: Sequence[Item[M]], older: Sequence[tuple[int, M]], newer: Sequence[Item[M]], fold: M
+    ) -> None:
+        """Hold what another one of the same operator held."""
+        self._young, self._older, self._newer, self._newer_fold = (
+            deque(young),
+            list(older),
+            list(newer),
+            fold,
+        )
+
     def _low(self, t: int) -> int | None:
         return None if self._upper is None else t - self._upper
 

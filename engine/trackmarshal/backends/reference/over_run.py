@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.backends.over_run.history import History, Past, sets_of, values_of
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import Outcome, Pending, outcome
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import leaves
 from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.runtime.saving import Piece, Pieces, unsaved
 from trackmarshal.runtime.verdict import About, Truth
 
 
@@ -59,6 +61,16 @@ class KeepingAll:
             for rule, pending in zip(self._rules, state.pending)
         ]
 
+    @property
+    def described(self) -> str:
+        raise _unsaved()
+
+    def save(self, state: Kept) -> Iterator[Piece]:
+        raise _unsaved()
+
+    def load(self, pieces: Pieces) -> Kept:
+        raise _unsaved()
+
     def _outcomes(self, history: History, state: Kept, now: Now) -> list[Outcome]:
         this = Pending(len(history.cycles) - 1, now.name, False)
         values = values_of(history)
@@ -71,6 +83,11 @@ class KeepingAll:
             for ids in now.combinations(sets_of(leaf)):
                 found[leaf, ids] = now.leaf(leaf, ids)
         return found
+
+
+def _unsaved() -> TrackmarshalError:
+    """It keeps whole cycles, more with each: what is saved in a step would have no bound."""
+    return unsaved("the reference keeps every cycle of a run, and saves none of them")
 
 
 def _past(state: Kept, now: Now) -> Past:

@@ -87,6 +87,15 @@ class Door:
         self._number: int | None = None
         self._stamp: float | None = None
 
+    @property
+    def last(self) -> tuple[int | None, float | None]:
+        """Number and stamp of the last cycle in order, which the next one is compared with; None where there was none."""
+        return self._number, self._stamp
+
+    @last.setter
+    def last(self, given: tuple[int | None, float | None]) -> None:
+        self._number, self._stamp = given
+
     def admit(self, about: int, cycle: Cycle, now: float) -> Admission:
         """What there is to say of a cycle that arrived now (NaN: the clock is wrong)."""
         stamp = stamp_of(cycle)

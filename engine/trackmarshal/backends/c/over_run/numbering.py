@@ -28,6 +28,15 @@ class Numbering:
         self._present[signal] = frozenset(present)
         return found if found else array("Q", [0])
 
+    def taken(self) -> tuple[dict[str, dict[str, int]], int]:
+        """The numbers of the ids of each signal, and the one that comes next."""
+        return {signal: dict(known) for signal, known in self._numbers.items()}, self._next
+
+    def put(self, numbers: dict[str, dict[str, int]], following: int) -> None:
+        """Go on from what another one had."""
+        self._numbers = {signal: dict(known) for signal, known in numbers.items()}
+        self._present, self._next = {}, following
+
     def settle(self) -> None:
         """The last cycle is remembered: those that were not in it are gone, and whatever comes back under their ids is another one."""
         for signal, present in self._present.items():
