@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -81,6 +82,9 @@ def supervisor(
     held = limits if isinstance(limits, Limits) else Limits.of(spec, **(limits or {}))
     made = box.running(held, clock)
     if record is not None:
+        if snapshots:
+            with suppress(TrackmarshalError):  # the first one says why there is none
+                made.saving()  # what it is of is worked out now, and not in a step
         made.recorder = Record(
             record, made.contract, made.limits, box.identity, saving=made.saving, every=snapshots
         )

@@ -16,6 +16,7 @@ from support.supervised import ROOT
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.cli.main import main
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import loads
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
@@ -476,3 +477,32 @@ def test_shipped_scenarios(
     assert all(one[-1] == "[]" for one in whole)
     for snapshot in run.snapshots[1::2]:
         assert told(run, spec, None, snapshot) == whole[snapshot.after :], snapshot.after
+
+
+@needs_c
+def test_memory_that_is_too_large_to_be_copied(tmp_path: Path) -> None:
+    """The record goes on without snapshots, and says why."""
+    rules = RULES.partition("state light")[0] + 'rule f "" require not once[0 s, 1 h] flag\n'
+    made: Any = supervisor(
+        loads(rules),
+        None,
+        "c",
+        {"budget": 1e9, "rate": 50},
+        lambda: 0.1,
+        tmp_path / "run.arrows",
+        snapshots=1,
+    )
+    made.step(straight(0))
+    made.close()
+    assert made.record_error == ""
+    assert "E486" in made.recorder.snapshot_error or "MiB" in made.recorder.snapshot_error
+    run = read((tmp_path / "run.arrows").read_bytes(), "run")
+    assert (len(run.cycles), run.snapshots) == (1, ())
+
+
+@pytest.mark.parametrize("every", [-1, 1.5, True, None])
+def test_no_number_of_cycles(every: Any, tmp_path: Path) -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        recorded(tmp_path / "run.arrows", "numpy", 1, snapshots=every)
+    assert caught.value.code == "E481"
+    assert not (tmp_path / "run.arrows").exists()

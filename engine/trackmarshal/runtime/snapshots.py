@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.saving import Saving, Writer
 
 #: After how many cycles a snapshot is begun.
@@ -22,11 +23,12 @@ _HEAD = re.compile(r'\{"snapshot":(\d+),"part":(\d+),"last":(true|false),"lines"
 
 
 class Snapshots:
-    """Takes snapshots of something that counts cycles. every: after how many; 0, or nothing to save: never."""
+    """Takes snapshots of something that counts cycles. every: after how many; 0, or nothing to save: never. Raises TrackmarshalError E481 for what is no number of cycles."""
 
     def __init__(self, saving: Callable[[], Saving] | None, every: int = EVERY) -> None:
         if type(every) is not int or every < 0:
-            raise ValueError(f"snapshots are taken every so many cycles, not every {every!r}")
+            message = f"snapshots are taken after so many cycles, not after {every!r:.40}"
+            raise TrackmarshalError("E481", message, help="a whole number; 0: never")
         self._saving = saving if every else None
         self._every = every
         self._cycles = 0

@@ -118,8 +118,8 @@ class CSupervisor:
     def saving(self) -> Saving:
         """All that the next steps depend on, as it is now, to be saved piece by piece. Raises TrackmarshalError E486 where steps are taken
         elsewhere, or memory is too large to be copied in one."""
-        made = pieces(self._steps, self._words.last, self._stored, self._here.save())
-        return Saving("c", self._of, made)
+        of = self._of  # first: it says whether what is copied is small enough
+        return Saving("c", of, pieces(self._steps, self._words.last, self._stored, self._here.save()))
 
     def restore(self, lines: Sequence[str], shown: str = "") -> None:
         """Go on from where another Supervisor of the same program was. Raises TrackmarshalError D163 for what is damaged, D164 for what is of
