@@ -15,6 +15,7 @@ from support import typed
 from support.agreement import differences, read, results
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.evaluation import Evaluator, loads
+from trackmarshal.runtime.contract import Condition
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import name_of
@@ -359,3 +360,30 @@ def test_doors_of_cycles(backend: str) -> None:
     decision = run.step(with_signal("race", flag="red"))
     assert not decision.safe
     assert not decision.faults
+
+
+def test_what_is_whole_is_so_to_numbers_and_arrays() -> None:
+    """The condition that Python's door evaluates, of single numbers and of columns, is that of C's `floor`."""
+    numbers = [
+        0.0,
+        -0.0,
+        1.0,
+        3.0,
+        4.0,
+        0.5,
+        1.5,
+        2.5,
+        -1.0,
+        -0.5,
+        1e300,
+        math.inf,
+        -math.inf,
+        math.nan,
+        math.nextafter(3.0, 4.0),
+        5e-324,
+    ]
+    whole = Condition("(x >= 0) & (x <= last) & (floor(x) == x)").function("x", "last")
+    told = [bool(whole(x, 3.0)) for x in numbers]
+    assert told == [x in (0.0, 1.0, 2.0, 3.0) for x in numbers]
+    assert whole(np.array(numbers), 3.0).tolist() == told
+    assert [bool(whole(np.float64(x), 3.0)) for x in numbers] == told

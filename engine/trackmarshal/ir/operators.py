@@ -86,7 +86,7 @@ class Function(NamedTuple):
 COMPARISONS: dict[ComparisonOp, Comparison] = {
     "<": Comparison(Measure.ROOM, False), "<=": Comparison(Measure.ROOM, True),
     "==": Comparison(Measure.NEARNESS, True), "!=": Comparison(Measure.DISTANCE, False),
-    "is": Comparison(Measure.SAMENESS, False),
+    "is": Comparison(Measure.SAMENESS, True),
 }  # fmt: skip
 #: Arithmetic; dimensions are added for `*`, subtracted for `/`, equal for the other two.
 ARITHMETIC: tuple[ArithmeticOp, ...] = ("+", "-", "*", "/")

@@ -56,7 +56,9 @@ def subject(compiled: Compiled) -> Subject:
 def _readable(compiled: Compiled) -> tuple[SignalType, FieldType]:
     signals = [s for s in compiled.spec.signals.values() if s.kind in _KINDS]
     for signal in sorted(signals, key=lambda signal: list(_KINDS).index(signal.kind)):
-        numbers = [f for f in signal.fields_ if f.kind == "number" and not f.increasing]
+        numbers = [
+            f for f in signal.fields_ if f.kind == "number" and not f.increasing and f.enumeration is None
+        ]
         if numbers:
             return signal, next((field for field in numbers if field.name == "v"), numbers[0])
     raise TrackmarshalError(

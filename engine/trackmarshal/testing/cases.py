@@ -277,7 +277,11 @@ class _Preparation:
             for field in signal.fields_:
                 if field.name in built:
                     unit = _COLUMNS[field.name]
-                    if field.kind != "number" or parse_unit(field.unit)[2] != parse_unit(unit)[2]:
+                    if (
+                        field.enumeration
+                        or field.kind != "number"
+                        or parse_unit(field.unit)[2] != parse_unit(unit)[2]
+                    ):
                         problem = f"`{value.function}` gives `{field.name}` in {unit}, which does not fit its declaration"
                         self.fail(
                             value.span,

@@ -27,9 +27,11 @@ def _remainder(x: float, y: float) -> float:
 
 
 def _floor(x: Any) -> Any:
-    import numpy as np  # where there are values, it is there
-
-    return np.floor(x)
+    """Of a number, or of each of an array, which is not imported here."""
+    if type(x) in (int, float):
+        return math.floor(x) if math.isfinite(x) else x
+    nearest = x.round()
+    return nearest - (nearest > x)
 
 
 #: What a condition may call, by the name that C has for it. IEEE 754 defines each to the last bit.
