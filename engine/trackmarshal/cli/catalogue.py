@@ -30,9 +30,10 @@ def catalogue() -> dict[str, tuple[str, str]]:
                 and item.code
                 and item.__module__ == name
             ):
-                own[item.code] = (item.title, item.explanation)
+                entry = (item.title, item.explanation)
+                if own.setdefault(item.code, entry) != entry:
+                    raise AssertionError(f"code {item.code} is claimed twice in {name}")
         for code, entry in own.items():
-            if code in found and found[code] != entry:
+            if found.setdefault(code, entry) != entry:
                 raise AssertionError(f"code {code} is claimed twice")
-            found[code] = entry
     return dict(sorted(found.items()))

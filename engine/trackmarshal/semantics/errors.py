@@ -356,7 +356,7 @@ class NeverTaken(Diagnostic):
 
 
 class UnknownMember(Diagnostic):
-    code = "E244"
+    code = "E247"
     title = "no such member"
     text = "`{enumeration}` has no member `{name}`"
     label = "it has: {known}"
@@ -371,7 +371,7 @@ class UnknownMember(Diagnostic):
 
 
 class CaseProblem(Diagnostic):
-    code = "E245"
+    code = "E248"
     title = "a case that does not say what holds for each member"
     text = "{problem}"
     other_label = "it is here already"
