@@ -10,6 +10,7 @@ from functools import cache
 from typing import Any
 
 from support.shared import shared
+from trackmarshal.lanes import Lanelet, Network, Vehicle, cycle
 
 Scene = dict[str, Any]
 Cycle = dict[str, Any]
@@ -49,9 +50,7 @@ def nearest(point: tuple[float, float], line: Sequence[Sequence[float]]) -> floa
         du, dv = u - x, v - y
         square = du * du + dv * dv
         share = (
-            0.0
-            if square == 0.0
-            else min(1.0, max(0.0, ((point[0] - x) * du + (point[1] - y) * dv) / square))
+            0.0 if square == 0.0 else min(1.0, max(0.0, ((point[0] - x) * du + (point[1] - y) * dv) / square))
         )
         best = min(best, math.hypot(point[0] - x - share * du, point[1] - y - share * dv))
     return best
@@ -114,9 +113,7 @@ def cycles(scene: Scene, ego: int, first: int, count: int) -> list[Cycle]:
     ]
     found = []
     for step in range(first, first + count):
-        there = [
-            (v, step - v["t0"]) for v in scene["vehicles"] if 0 <= step - v["t0"] < len(v["x"])
-        ]
+        there = [(v, step - v["t0"]) for v in scene["vehicles"] if 0 <= step - v["t0"] < len(v["x"])]
         vehicles, own, places, occupied, touched = [], [], [], [], []
         at = next((v["x"][k], v["y"][k]) for v, k in there if v["id"] == ego)
         for v, k in there:
@@ -160,4 +157,34 @@ def cycles(scene: Scene, ego: int, first: int, count: int) -> list[Cycle]:
                 },
             }
         )  # fmt: skip
+    return found
+
+
+def mapped(scene: Scene) -> Network:
+    """The scene's map, as ours."""
+    return Network(
+        [
+            Lanelet(
+                one["id"], one["left"], one["right"], tuple(one["succ"]), one["adj_left"], one["adj_right"],
+                one["adj_left_same_dir"] is not False, one["adj_right_same_dir"] is not False, "mainCarriageWay" in one["types"],
+                "accessRamp" in one["types"], "shoulder" in one["types"], one["speed_limit"],
+            )
+            for one in scene["lanelets"]
+        ],
+        scene["name"],
+    )  # fmt: skip
+
+
+def measured(scene: Scene, ego: int, first: int, count: int) -> list[Cycle]:
+    """The cycles of one run, measured anew on the map: of the oracle, poses, speeds, accelerations, sizes and lanelets alone."""
+    network, found = mapped(scene), []
+    for step in range(first, first + count):
+        there = [
+            Vehicle(
+                v["id"], v["x"][k], v["y"][k], v["heading"][k], v["v"][k], v["a"][k], v["length"], v["width"], v["type"] == "truck"
+            )
+            for v in scene["vehicles"]
+            if 0 <= (k := step - v["t0"]) < len(v["x"])
+        ]  # fmt: skip
+        found.append({"id": step - first, **cycle(network, step * scene["dt"], ego, there)})
     return found
