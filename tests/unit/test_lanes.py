@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,9 @@ from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.lanes import Lanelet, Network, Vehicle, cycle
 from trackmarshal.lanes.box import touches
 from trackmarshal.lanes.curve import Curve
+from trackmarshal.semantics.compile import compile_paths
+from trackmarshal.testing.cases import prepare
+from trackmarshal.testing.run import run_tests
 
 SPECS = REPOSITORY / "specs" / "interstate"
 
@@ -296,3 +301,23 @@ def test_a_change_to_the_right_beside_one_that_enters(backend: str) -> None:
     # From the cycle in which it is decided that it enters within five seconds.
     assert verdicts("R_I5", cycles(3, enters=7), ROAD_OF_TWO, backend) == "ssvssssss"
     assert verdicts("R_I5", cycles(3, enters=99), ROAD_OF_TWO, backend) == "sssssssss"
+
+
+def test_the_page_about_it_says_what_comes_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = (REPOSITORY / "docs" / "interstate.md").read_text("utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (said,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "specs").symlink_to(REPOSITORY / "specs")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(program, "docs/interstate.md", "exec"), {})
+    assert capsys.readouterr().out == said
+
+
+def test_the_inline_tests_of_the_rulebook() -> None:
+    compiled = compile_paths([SPECS], REPOSITORY)
+    tests, _ = prepare(compiled)
+    outcomes = list(run_tests(compiled.spec, tests))
+    assert len(outcomes) >= 45
+    assert [(o.test.title, o.message) for o in outcomes if o.outcome != "passed"] == []
