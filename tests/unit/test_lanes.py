@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -321,3 +323,9 @@ def test_the_inline_tests_of_the_rulebook() -> None:
     outcomes = list(run_tests(compiled.spec, tests))
     assert len(outcomes) >= 45
     assert [(o.test.title, o.message) for o in outcomes if o.outcome != "passed"] == []
+
+
+def test_importing_costs_nothing() -> None:
+    program = "import sys, trackmarshal.lanes.codes; print('numpy' in sys.modules); from trackmarshal.lanes import cycle; print(callable(cycle))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\nTrue\n"
