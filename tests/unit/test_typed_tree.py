@@ -163,6 +163,8 @@ def test_everything_has_a_place_in_a_file() -> None:
     files = {module.file.path for module in made.library.modules.values()}
     for rule, _ in rules(made):
         for node in typed.below(rule):
+            if isinstance(node, typed.TheRun):
+                continue  # nobody writes it: it is what there is where no timeline is named
             span = node.__dict__["span"]
             assert span is not NOWHERE
             assert span.file.path in files
