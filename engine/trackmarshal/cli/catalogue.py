@@ -9,7 +9,7 @@ _SOURCES = (
     "trackmarshal.source", "trackmarshal.syntax.errors", "trackmarshal.semantics.errors", "trackmarshal.testing.errors",
     "trackmarshal.evaluation", "trackmarshal.cli.project", "trackmarshal.cli.evaluate", "trackmarshal.cli.replay", "trackmarshal.cli.import_log",
     "trackmarshal.cli.explain", "trackmarshal.cli.bench", "trackmarshal.testing.builders", "trackmarshal.runtime.codes", "trackmarshal.rulebooks.candidates", "trackmarshal.scenarios.codes",
-    "trackmarshal.start.codes",
+    "trackmarshal.start.codes", "trackmarshal.lanes.codes",
     "trackmarshal.trajectories.codes", "trackmarshal.integration.planner",
     "trackmarshal.backends.reference.temporal", "trackmarshal.backends.c.codes", "trackmarshal.trace.codes", "trackmarshal.trace.report.codes",
 )  # fmt: skip

@@ -27,7 +27,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.testing.cases import prepare
     from trackmarshal.testing.run import coverage, has_boundary, run_tests
 
-    paths = [Path(p) for p in args.paths] or [find_project(args) / "specs"]
+    paths = [Path(p) for p in args.paths] or _folders(find_project(args))
     compiled = compile_paths(paths, optional_project(args))
     compiled.raise_errors()
     tests, found = prepare(compiled)
@@ -70,6 +70,13 @@ def run(args: argparse.Namespace) -> int:
             f"{len(outcomes) - len(bad)} passed, {len(bad)} failed; {len(covered) - len(partial)} of {len(covered)} rules covered"
         )
     return 1 if bad or found or partial else 0
+
+
+def _folders(root: Path) -> list[Path]:
+    """The folders that the project names as its specs: those of which `assess` and `trace` ask for tests."""
+    from trackmarshal.trace import requirements
+
+    return [root / str(path) for path in requirements.load(root, []).specs] or [root / "specs"]
 
 
 def _mark(there: bool) -> str:
