@@ -143,7 +143,10 @@ class Supervisor:
 
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
-        opened = self.open(cycle)
+        return self.go_on(self.open(cycle))
+
+    def go_on(self, opened: Opened) -> Decision:
+        """The rest of a step, after its door. Never raises an Exception."""
         judged: Judged | None = None
         failed: list[Fault] = []
         if not opened.faults and opened.admission is not None:

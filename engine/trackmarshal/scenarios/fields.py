@@ -24,6 +24,12 @@ OWN: dict[str, tuple[str, ...]] = {
     "obstacles": ("id", *_POSE, "length", "width"),
     "tables": ("ax_max", "grip"),
 }
+#: Signals that the format has places of its own for.
+ELSEWHERE = {
+    "ego": "`ego` of the cycle", "objects": "`objects` of the cycle", "obstacles": "`obstacles` of the first line",
+    "track": "`track` of the first line", "plan": "a candidate of the cycle", DRIVING: "`candidates` of the cycle",
+    EMERGENCY: "which candidate it is",
+}  # fmt: skip
 
 
 def own_names(recording: Recording) -> frozenset[str]:
@@ -52,6 +58,7 @@ def further_names(recording: Recording, evaluator: Evaluator) -> frozenset[str]:
     """What else is declared, where a recording has names that neither it nor the evaluator's spec declares: looked for only then."""
     known = own_names(recording) | declared_names([evaluator.spec])
     names = {f"{where}.{name}" for where, name, _ in _names(recording) if where != "tables"}
+    names |= {name for name, _ in _signals(recording)}
     return frozenset() if names <= known else evaluator.declared()
 
 
@@ -70,6 +77,14 @@ def check_fields(recording: Recording, spec: Spec, others: Callable[[], Iterable
     known = {where: {*names, *recording.extra.get(where, ())} for where, names in OWN.items()}
     _declare(known, spec)
     asked = False
+    declared = {*spec.signals, *spec.events}
+    for name, at in _signals(recording):
+        if name not in declared:
+            declared |= {each for other in others() for each in (*other.signals, *other.events)}
+        if name not in declared:
+            help_ = suggestion(name, sorted(declared)) or "a module has to declare it: `signal`, or `event`"
+            message = f"the signal `{name}` is declared nowhere{at}"
+            raise TrackmarshalError("D145", message, file=recording.source, help=help_)
     for where, name, at in _names(recording):
         if name in known[where]:
             continue
@@ -113,6 +128,16 @@ def _declare(known: dict[str, set[str]], spec: Spec) -> None:
         if signal is not None:
             names.update(field.name for field in signal.fields_)
     known["tables"].update(name.rpartition(".")[2] for name in spec.tables)
+
+
+def _signals(recording: Recording) -> Iterator[tuple[str, str]]:
+    """Every signal besides the format's once: its name, and when for the first time."""
+    seen: set[str] = set()
+    rows = [("", recording.always), *((f", at t = {cycle.t:g} s", cycle.more) for cycle in recording.cycles)]
+    for at, signals in rows:
+        for name in signals.keys() - seen:
+            seen.add(name)
+            yield name, at
 
 
 def _names(recording: Recording) -> Iterator[tuple[str, str, str]]:

@@ -29,13 +29,14 @@ class Cycle:
     """One cycle of the Supervisor.
 
     t in s. ego: x, y, heading, v, mostly also kappa and a. objects: each with a text `id`, x, y, heading, v,
-    length, width, mostly also age. candidates: columns by name, see CANDIDATES and COLUMNS.
+    length, width, mostly also age. candidates: columns by name, see CANDIDATES and COLUMNS. more: any other signal that a spec declares, by name.
     """
 
     t: float
     ego: dict[str, float]
     objects: list[dict[str, Any]]
     candidates: dict[str, Columns]
+    more: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +57,8 @@ class Recording:
     obstacles: list[dict[str, Any]] = field(default_factory=list)
     use: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    #: Signals besides those of the format that are the same in every cycle that does not give them anew.
+    always: dict[str, Any] = field(default_factory=dict)
     #: Fields that the recording has beside what specs declare, by signal (`plan`, `ego`, `objects`, `obstacles`), and `tables`.
     extra: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
@@ -76,4 +79,6 @@ class Recording:
             "obstacles": self.obstacles,
             "track": self.track,
             "emergency": candidate == "emergency",
+            **self.always,
+            **cycle.more,
         }

@@ -50,6 +50,8 @@ def encode(recording: Recording) -> Iterator[str]:
         value = getattr(recording, name)
         if value:
             header[name] = value
+    if recording.always:
+        header["signals"] = recording.always
     yield _dump(header)
     for i, cycle in enumerate(recording.cycles):
         line: dict[str, Any] = {
@@ -58,6 +60,8 @@ def encode(recording: Recording) -> Iterator[str]:
             "objects": cycle.objects,
             "candidates": cycle.candidates,
         }
+        if cycle.more:
+            line["signals"] = cycle.more
         if recording.ground_truth:
             line["ground_truth"] = {name: truth[i] for name, truth in recording.ground_truth.items()}
         yield _dump(line)

@@ -10,14 +10,27 @@ from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any
 
-from trackmarshal.scenarios.fields import OWN, suggestion
+from trackmarshal.scenarios.fields import ELSEWHERE, OWN, suggestion
 from trackmarshal.scenarios.json_text import BadJson, kind, number
 from trackmarshal.scenarios.recording import CANDIDATES, COLUMNS, TRUTHS, Columns, Cycle, Track
 from trackmarshal.scenarios.trajectory import arc_length
 
 _SPELT = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
-_HEADER = ("format", "version", "name", "track", "params", "tables", "obstacles", "use", "notes", "extra")
-_CYCLE = ("t", "ego", "objects", "candidates", "ground_truth")
+_HEADER = (
+    "format",
+    "version",
+    "name",
+    "track",
+    "params",
+    "tables",
+    "obstacles",
+    "use",
+    "notes",
+    "extra",
+    "signals",
+)
+_CYCLE = ("t", "ego", "objects", "candidates", "ground_truth", "signals")
+_NEEDED = _CYCLE[:4]
 
 
 class Wrong(ValueError):
@@ -38,6 +51,7 @@ def header(value: dict[str, Any]) -> dict[str, Any]:
         "use": tuple(_text(item, "use") for item in _list(value.get("use", []), "use")),
         "notes": tuple(_text(item, "notes") for item in _list(value.get("notes", []), "notes")),
         "extra": _extra(value.get("extra", {})),
+        "always": _signals(value.get("signals", {})),
     }
 
 
@@ -52,7 +66,7 @@ def _extra(value: Any) -> dict[str, tuple[str, ...]]:
 
 def cycle(value: dict[str, Any]) -> tuple[Cycle, dict[str, bool | None]]:
     """A cycle and its ground truth. Raises Wrong."""
-    _keys(value, "cycle", needed=_CYCLE[:-1], known=_CYCLE)
+    _keys(value, "cycle", needed=_NEEDED, known=_CYCLE)
     ego = _mapping(value["ego"], "ego")
     objects = _objects(value["objects"], "objects")
     candidates = _mapping(value["candidates"], "candidates")
@@ -64,6 +78,7 @@ def cycle(value: dict[str, Any]) -> tuple[Cycle, dict[str, bool | None]]:
         {name: _value(item, name, OWN["ego"], f"ego.{name}") for name, item in ego.items()},
         objects,
         {name: _columns(item, f"candidates.{name}") for name, item in candidates.items()},
+        _signals(value.get("signals", {})),
     )
     truth = _mapping(value.get("ground_truth", {}), "ground_truth")
     _keys(truth, "ground_truth", needed=(), known=TRUTHS)
@@ -71,6 +86,26 @@ def cycle(value: dict[str, Any]) -> tuple[Cycle, dict[str, bool | None]]:
         if item is not None and not isinstance(item, bool):
             raise Wrong(f"ground_truth.{name}: {kind(item)} is not true, false or null")
     return result, truth
+
+
+def _signals(value: Any) -> dict[str, Any]:
+    """Signals besides those of the format: whether they are what a spec declares, its door says."""
+    signals = _mapping(value, "signals")
+    for name in signals:
+        if name in ELSEWHERE:
+            raise Wrong(f"signals: `{name}` has its own place: {ELSEWHERE[name]}")
+    return {name: _plain(item, f"signals.{name}") for name, item in signals.items()}
+
+
+def _plain(value: Any, where: str) -> Any:
+    """Any value, with numbers as they are meant."""
+    if isinstance(value, dict):
+        return {name: _plain(item, f"{where}.{name}") for name, item in value.items()}
+    if isinstance(value, list):
+        return [_plain(item, f"{where}[{place}]") for place, item in enumerate(value)]
+    if isinstance(value, bool) or (isinstance(value, str) and value not in _SPELT):
+        return value
+    return _number(value, where)
 
 
 def _keys(value: dict[str, Any], where: str, needed: Iterable[str], known: Iterable[str]) -> None:

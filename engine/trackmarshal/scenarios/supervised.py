@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
-from typing import Any
+from typing import Any, NoReturn
 
 from trackmarshal.backends.over_run.history import Past
 from trackmarshal.backends.over_run.keeping import Keeping
@@ -22,7 +22,7 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import NOTHING, Judged, Memory
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
-from trackmarshal.scenarios.fields import check_track, further_names, own_names
+from trackmarshal.scenarios.fields import ELSEWHERE, check_track, further_names, own_names
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.supervision import rulebox
@@ -44,6 +44,8 @@ def cycles(recording: Recording, declared: frozenset[str] = frozenset()) -> Iter
             "objects": cycle.objects,
             "obstacles": recording.obstacles,
             "track": track,
+            **recording.always,
+            **cycle.more,
         }
         driving, emergency = (cycle.candidates.get(name) for name in (DRIVING, EMERGENCY))
         yield Cycle(number, cycle.t, driving, emergency, signals, also)
@@ -120,12 +122,16 @@ def _in_step(
     door, program = _Seen(supervisor.door), supervisor.program
     supervisor.door = door  # type: ignore[assignment]
     for cycle in given:
-        clock.now, memory = cycle.t, supervisor.memory
-        decision = supervisor.step(cycle)
-        judged = decision.judged
-        if judged is None:
-            judged = program.judge(memory, shown(door.admitted.frame))
-        yield cycle.t, judged, decision
+        clock.now = cycle.t
+        opened = supervisor.open(cycle)
+        # Before the cycle is remembered as a gap: what remembers is never asked again about what it has left behind.
+        refused = program.judge(supervisor.memory, shown(door.admitted.frame)) if opened.faults else None
+        decision = supervisor.go_on(opened)
+        yield cycle.t, refused or decision.judged or _failed(decision), decision
+
+
+def _failed(decision: Decision) -> NoReturn:
+    raise RuntimeError(f"the evaluator failed: {'; '.join(str(fault) for fault in decision.faults)}")
 
 
 class _Seen:
@@ -211,6 +217,7 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
                 dict(cycle.signals["ego"]),
                 _records(cycle.signals.get("objects", {})),
                 {DRIVING: _columns(cycle.driving), EMERGENCY: _columns(cycle.emergency)},
+                {name: _plain(value) for name, value in cycle.signals.items() if name not in ELSEWHERE},
             )
         )
     if not kept:
@@ -229,6 +236,11 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
 
 def _list(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _plain(value: Any) -> Any:
+    """A signal of a record, whatever its kind, as lists."""
+    return {name: _list(part) for name, part in value.items()} if isinstance(value, Mapping) else _list(value)
 
 
 def _columns(columns: Mapping[str, Any]) -> dict[str, list[float]]:

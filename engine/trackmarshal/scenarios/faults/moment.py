@@ -8,6 +8,7 @@ from typing import Any
 
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.lines import Line
+from trackmarshal.scenarios.fields import ELSEWHERE
 
 #: Time that a verdict takes when nothing is wrong, s.
 USUAL_DELAY = 0.005
@@ -45,6 +46,7 @@ class Moment:
             "ego": dict(cycle.signals["ego"]),
             "objects": [dict(each) for each in cycle.signals["objects"]],
             "obstacles": [dict(each) for each in cycle.signals["obstacles"]],
+            **{name: value for name, value in cycle.signals.items() if name not in ELSEWHERE},
             "track": {
                 name: line.points.tolist() if isinstance(line, Line) else line
                 for name, line in cycle.signals["track"].items()
