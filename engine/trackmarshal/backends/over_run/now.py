@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import product
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,10 @@ from trackmarshal.runtime.verdict import Truth
 
 if TYPE_CHECKING:
     from trackmarshal.backends.reference.evaluator import Reference
+
+#: Asked of every leaf in every cycle, for each element.
+_reads = lru_cache(maxsize=4096)(reads)
+_sets = lru_cache(maxsize=4096)(sets)
 
 
 @dataclass(slots=True)
@@ -46,13 +51,13 @@ class Now:
 
     def measured(self, node: ir.Num, ids: tuple[str, ...]) -> float:
         """A number of this cycle, for elements of the sets that its variables are of; NaN where it has none."""
-        if self.frame.unusable(reads(node)) is not None:
+        if self.frame.unusable(_reads(node)) is not None:
             return math.nan
         return self.reference({}).number(node, self.env(node, ids))
 
     def recalled(self, node: ir.Formula, ids: tuple[str, ...], kept: Mapping[ir.Kept, float]) -> Truth:
         """The value of a formula about this cycle, and about numbers that state machines keep."""
-        if self.frame.unusable(reads(node)) is not None:
+        if self.frame.unusable(_reads(node)) is not None:
             return UNDEFINED
         return self.reference(kept).truth(node, self.env(node, ids))
 
@@ -64,7 +69,7 @@ class Now:
 
     def env(self, node: ir.Formula | ir.Num, ids: tuple[str, ...]) -> dict[int, int]:
         """What the variables of a node stand for, as places in this cycle."""
-        return {axis.level: self.ids[axis.signal].index(name) for axis, name in zip(sets(node), ids)}
+        return {axis.level: self.ids[axis.signal].index(name) for axis, name in zip(_sets(node), ids)}
 
     def number(self, node: ir.Num) -> float:
         """A number that no input changes."""
@@ -74,7 +79,7 @@ class Now:
         return found
 
     def _leaf(self, node: ir.Formula, ids: tuple[str, ...]) -> Truth:
-        if self.frame.unusable(reads(node)) is not None:
+        if self.frame.unusable(_reads(node)) is not None:
             return UNDEFINED
         return self.values.truth(node, self.env(node, ids))
 
