@@ -77,7 +77,11 @@ def test_comparisons(op: str) -> None:
     left, right = columns(2)
     measure, says = steps.MEASURED[op]
     with np.errstate(all="ignore"):
-        margin = eval(measure.format(x="left", y="right"))
+        margin = eval(
+            measure.format(x="left", y="right"),
+            {"where": np.where, "inf": math.inf},
+            {"left": left, "right": right},
+        )
         sat = logic.Side(margin, says).sat
     for a, b, holding, value in zip(
         left.tolist(), right.tolist(), sat.tolist(), margin.tolist(), strict=True

@@ -60,7 +60,11 @@ def test_every_field_is_described() -> None:
 def test_derivations_are_those_of_the_paper() -> None:
     project, found = trace.load(ROOT)
     assert found == ()
-    assert {str(r.id): list(r.derived_from) for r in project.requirements if r.derived_from} == DERIVED
+    derived = {str(r.id): list(r.derived_from) for r in project.requirements if r.derived_from}
+    # The paper does not race against others: what a duel demands is the project's own.
+    own = {name: interfaces for name, interfaces in derived.items() if name.startswith("CR-")}
+    assert own == {"CR-1": ["AV-TP"], "CR-2": ["AV-DI"], "CR-3": ["AV-TP"], "CR-4": ["AV-DI"]}
+    assert {name: interfaces for name, interfaces in derived.items() if name not in own} == DERIVED
     assert [str(r.id) for r in project.requirements if r.adopted] == [
         "S-1-B-1",
         "S-1-B-2",
