@@ -130,7 +130,7 @@ def test_all_evaluators_say_the_same() -> None:
         numpy = said("numpy", cycles)
         assert said("c", cycles) == numpy
         if seed == 12:
-            some = said("reference", cycles[:20])
+            some = said("reference", cycles[:8])
             assert some == numpy[: len(some)]
         seen.update(f"{name} {verdict}" for row in numpy for name, (verdict, _) in zip(RULES, row))
     for name in RULES:  # races in which nothing happens would show nothing

@@ -22,6 +22,8 @@ BACKENDS = ["numpy", "reference", *(["c"] if compiler() else [])]
 def test_the_other_one_is_judged(
     spec: str, gone: str, backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    if (spec, backend) == ("specs/supervisor", "reference"):
+        pytest.skip("it takes seconds, and says of `specs/fallback` how it takes what is missing")
     monkeypatch.chdir(REPOSITORY)
     head, *cycles = gzip.decompress(SHIPPED.read_bytes()).decode().splitlines()[:4]
     header, lost = json.loads(head), json.loads(cycles[1])
