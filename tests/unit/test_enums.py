@@ -14,6 +14,7 @@ from jsonschema import Draft202012Validator
 import trackmarshal as tm
 from support import typed
 from trackmarshal import scenarios
+from trackmarshal.backends.c.build import compiler
 from trackmarshal.cli.main import main
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.evaluation import Evaluator, loads
@@ -229,3 +230,21 @@ def test_messages_have_places() -> None:
     for entry, value in ((column, ["green", "grey"]), (one, "grey")):
         with pytest.raises(LinkError, match="is none of green, yellow: 'grey'"):
             entry.places(value)
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy", *(["c"] if compiler() else [])])
+@pytest.mark.parametrize("last", ["red", "else"])
+@pytest.mark.parametrize("place", [1.5, -1, 3, 99, 2**70])
+def test_the_place_of_no_member_has_no_number(place: float, last: str, backend: str) -> None:
+    """By the verdict of the rule alone, too, which is all that there is where no door looks first."""
+    text = f"""module m
+enum flag {{ green, yellow, red }}
+signal ego : state {{ flag: flag, v: m/s }}
+rule limit "x"
+  require ego.v <= case ego.flag {{ green: 10 m/s, yellow: 5 m/s, {last}: 100 m/s }}
+"""
+    evaluator = Evaluator(loads(text), backend=backend)
+    for given, verdict in ((place, "undefined"), (2, "satisfied"), ("red", "satisfied")):
+        (result,) = evaluator.evaluate([evaluator.read({"signals": {"ego": {"flag": given, "v": 50.0}}})])
+        assert result.rules["limit"].verdict == verdict
+        assert result.safe is (verdict == "satisfied")

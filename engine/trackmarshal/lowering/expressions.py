@@ -271,10 +271,9 @@ class Lowering:
         return first
 
     def _number_case(self, node: typed.NumberCase, site: Span | None) -> ir.Num:
-        """`if` of the first branch, else of the next one; the last is what is left. Undefined (NaN) where the member is."""
-        *others, last = node.branches
-        value = self.number(last.value, site)
-        for branch in reversed(others):
+        """`if` of the first branch, else of the next one; no number (NaN) of what is undefined, or the place of no member."""
+        value: ir.Num = self.make(ir.Const, math.nan)
+        for branch in reversed(node.branches):
             condition = self._among(node.subject, branch.members, site or node.subject.span)
             value = self.make(ir.Choose, condition, self.number(branch.value, site), value)
         return value
