@@ -203,7 +203,7 @@ def _init(plan: Layout, given: Supervised) -> Iterator[str]:
         yield f"  own.tables.{c_name}.values = NULL;"
         yield f"  own.tables.{c_name}.count = 0u;"
     yield from places(plan)
-    if plan.kept:
+    if plan.remembers:
         yield "  c->run.any = false;"
         yield "  c->run.missed = 0u;"
         yield "  c->run.crowded = false;"

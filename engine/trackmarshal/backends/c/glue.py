@@ -56,7 +56,7 @@ def flat(source: Source) -> Flat:
             )
         ),
         tuple(item.name for item in source.plan.named),
-        bool(source.plan.kept),
+        source.plan.remembers,
     )
 
 

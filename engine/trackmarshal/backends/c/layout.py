@@ -8,6 +8,7 @@ from typing import assert_never
 
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.backends.c.over_run.cells import Cell, cells_of
+from trackmarshal.backends.c.over_run.future import Future, future_of
 from trackmarshal.backends.c.usage import Facts, Same
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
@@ -51,6 +52,8 @@ class Layout:
     facts: Facts = field(default_factory=Facts)
     #: What operators over the run and state machines keep, those inside others before them.
     kept: dict[ir.Formula | ir.Machine, Cell] = field(default_factory=dict)
+    #: What rules that look ahead keep.
+    future: Future = field(default_factory=Future)
 
     def __post_init__(self) -> None:
         self._same = Same(self.facts)
@@ -71,11 +74,21 @@ class Layout:
     def remember(self) -> None:
         """Give all operators over the run their memory; raises TrackmarshalError E470 for what C cannot remember."""
         self.kept = cells_of(self.rules, self._same.formula)
+        self.future = future_of(self.rules, self._same.formula)
+
+    def same(self, node: ir.Formula) -> ir.Formula:
+        """The one formula of those that say the same."""
+        return self._same.formula(node)
+
+    @property
+    def remembers(self) -> bool:
+        """Whether anything is kept from one cycle to the next."""
+        return bool(self.kept or self.future.rules)
 
     @property
     def named(self) -> list[Input]:
         """The sets whose elements are known again in other cycles."""
-        axes = {each.axis.signal for each in self.kept.values() if each.axis is not None}
+        axes = {each.axis.signal for each in self.kept.values() if each.axis is not None} | set(self.future.sets)
         return [item for item in self.inputs.values() if item.name in axes]
 
     @property

@@ -106,7 +106,7 @@ def _source(
     ):
         types.append(FOLD)
     context = {
-        "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found or plan.kept else [CASES])],  # the header has it where it has what is made of them
+        "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found or plan.remembers else [CASES])],  # the header has it where it has what is made of them
         "functions": [known[function] for function in parts.needed([*bodies, *tail])], "bodies": bodies,
         "tail": "\n".join(tail),
     }  # fmt: skip
@@ -143,6 +143,6 @@ def _check(plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode],
     context = {
         "columns": [(i.c_name, i.signal is not None and i.signal.sequence) for i in plan.inputs.values() if i.kind == "columns"],
         "calls": list(rule_calls(codes, groups)), "data": data, "params": params, "tables": _data(plan)["tables"],
-        "shapes": list(initial(plan)), "over_run": bool(plan.kept),
+        "shapes": list(initial(plan)), "over_run": plan.remembers,
     }  # fmt: skip
     return render("program/source/check.c.j2", context).removesuffix("\n")
