@@ -88,7 +88,9 @@ class Layout:
     @property
     def named(self) -> list[Input]:
         """The sets whose elements are known again in other cycles."""
-        axes = {each.axis.signal for each in self.kept.values() if each.axis is not None} | set(self.future.sets)
+        axes = {each.axis.signal for each in self.kept.values() if each.axis is not None} | set(
+            self.future.sets
+        )
         return [item for item in self.inputs.values() if item.name in axes]
 
     @property

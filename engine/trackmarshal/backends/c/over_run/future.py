@@ -31,8 +31,8 @@ class Operator:
     operands: tuple[Table, ...]
 
     @property
-    def node(self) -> ir.OverRun:
-        assert isinstance(self.table.node, ir.OverRun)
+    def node(self) -> ir.OverRun | ir.Counted:
+        assert isinstance(self.table.node, ir.OverRun | ir.Counted)
         return self.table.node
 
 
@@ -61,7 +61,11 @@ class Future:
 
     @property
     def tables(self) -> list[Table]:
-        return [*self.leaves.values(), *self.given.values(), *(each.table for each in self.operators.values())]
+        return [
+            *self.leaves.values(),
+            *self.given.values(),
+            *(each.table for each in self.operators.values()),
+        ]
 
     @property
     def sets(self) -> list[str]:
@@ -73,6 +77,13 @@ class Future:
                     if isinstance(node, ir.Quantify) and looks_ahead(node):
                         found.setdefault(node.axis.signal)
         return list(found)
+
+    def bytes_of_rate(self, elements: int) -> float:
+        """About how many bytes are kept for each cycle a second that there is room for."""
+        each = sum(
+            112 * (1 if table.axis is None else elements) for table in self.tables
+        ) + 2 * elements * len(self.sets)
+        return (16 + 2 * len(self.rules) + each) * (self.reach + self.back) / 1e9
 
     @property
     def room(self) -> str:
@@ -129,14 +140,14 @@ def _collect(found: Future, rule: RuleInfo, formula: ir.Formula) -> None:
             if node not in found.leaves:
                 found.leaves[node] = Table(node, f"leaf_{len(found.leaves) + 1}", _axis(rule, node))
         elif ready:
-            if isinstance(node, ir.OverRun) and node not in found.operators:
+            if isinstance(node, ir.OverRun | ir.Counted) and node not in found.operators:
                 operands = tuple(_operand(found, rule, each) for each in node.operands)
                 table = Table(node, f"{_kind(node)}_ahead_{len(found.operators) + 1}", _axis(rule, node))
                 found.operators[node] = Operator(table, operands)
         elif node not in done:
             done.add(node)
-            if isinstance(node, ir.Counted):
-                raise _refused(rule, node, "generated C does not count what looks ahead")
+            if isinstance(node, ir.Counted) and (node.upper is None or len(node.operands) > 1):
+                raise _refused(rule, node, "generated C counts what looks ahead in windows alone")
             stack.append((node, True))
             stack += [(part, False) for part in below]
 
@@ -155,8 +166,8 @@ def _axis(rule: RuleInfo, node: ir.Formula) -> ir.Axis | None:
     return axes[0] if axes else None
 
 
-def _kind(node: ir.OverRun) -> str:
-    return node.op
+def _kind(node: ir.OverRun | ir.Counted) -> str:
+    return node.op if isinstance(node, ir.OverRun) else "count"
 
 
 def _refused(rule: RuleInfo, node: ir.Formula, why: str) -> TrackmarshalError:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.expressions import compared
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.over_run.future import Future, Operator, Table
@@ -32,7 +33,7 @@ def described(plan: Layout) -> dict[str, Any]:
         "leaves": [_table(plan, each) for each in future.leaves.values()],
         "given": [_table(plan, each) for each in future.given.values()],
         "operators": [_operator(plan, each) for each in future.operators.values()],
-        "steps_of": list(_order(plan)),
+        "steps_of": list(_order(plan)), "counts": any(isinstance(each.node, ir.Counted) for each in future.operators.values()),
     }  # fmt: skip
 
 
@@ -44,12 +45,15 @@ def _operator(plan: Layout, each: Operator) -> dict[str, Any]:
     node = each.node
     span = comment(f"{node.span.file.path}:{node.span.line}")
     operands = [_table(plan, one) for one in each.operands]
-    return {
-        **_table(plan, each.table), "about": f"`{node.op}`: {span}", "op": node.op, "past": node.past, "weak": node.weak,
-        "kind": _KINDS.get(node.op, ""), "lower": f"INT64_C({node.lower or 0})",
+    op = node.op if isinstance(node, ir.OverRun) else "count"
+    own = {
+        **_table(plan, each.table), "about": f"`{op}`: {span}", "op": op, "past": node.past, "lower": f"INT64_C({node.lower or 0})",
         "upper": None if node.upper is None else f"INT64_C({node.upper})", "p": operands[0], "q": operands[-1],
-        "waits": node.op in ("eventually", "always", "until"),
+        "waits": op in ("eventually", "always", "until"), "kind": _KINDS.get(op, ""),
     }  # fmt: skip
+    if isinstance(node, ir.Counted):
+        return {**own, "weak": False, "compared": f"tm_count_{compared(node.op, node.turned)}"}
+    return {**own, "compared": "", "weak": node.weak}
 
 
 def _order(plan: Layout) -> list[dict[str, Any]]:
@@ -70,7 +74,9 @@ def _order(plan: Layout) -> list[dict[str, Any]]:
 def put_together(plan: Layout) -> list[str]:
     """Functions of formulas that are put together from tables: operands of operators, and what rules say and where they apply."""
     future = plan.future
-    made = [_function(plan, future, each.node, f"tm_{each.c_name}", each.axis) for each in future.given.values()]
+    made = [
+        _function(plan, future, each.node, f"tm_{each.c_name}", each.axis) for each in future.given.values()
+    ]
     for rule in future.rules:
         name = plan.rule_names[rule.name]
         assert rule.formula is not None
@@ -138,12 +144,11 @@ class _Writing:
         function = "tm_for_all_known" if every else "tm_exists_known"
         inner.append(c.Evaluate(c.Call(function, (c.Address(c.Name(name)), guard, value))))
         there = c.Element(
-            c.Element(c.Member(_FUTURE, f"{self._plan.input(node.axis.signal).c_name}_there", True), _SLOT), index
+            c.Element(c.Member(_FUTURE, f"{self._plan.input(node.axis.signal).c_name}_there", True), _SLOT),
+            index,
         )
         loop = c.For(
             index.name, c.Binary("<", index, _ELEMENTS), c.Unary("++", index), (c.If(there, tuple(inner)),)
         )
         body.append(loop)
         return c.Name(name)
-
-

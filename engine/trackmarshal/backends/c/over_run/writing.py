@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.over_run import waiting
 from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment, identifier
+from trackmarshal.backends.c.over_run import waiting
 from trackmarshal.backends.c.over_run.cells import Cell
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import CASES, finished, remembers
@@ -230,6 +230,10 @@ def _settle(plan: Layout) -> c.Function:
         writer.add(scope, c.Assign(row, c.Call("tm_known_now", (writer.formula(node, scope),))))
         if each.axis is not None:
             writer.root.close(scope)
+    for operator in plan.future.operators.values():
+        if isinstance(operator.node, ir.Counted):
+            limit = c.Element(c.Member(future, f"{operator.table.c_name}_limit", False), slot)
+            writer.add(writer.root, c.Assign(limit, writer.number(operator.node.limit, writer.root, "limit")))
     body, _ = finished(writer, ("context", "in", "driven"))
     said = ("What is settled in the present cycle, for rules that look ahead.",)
     parameters = (("tm_context *", "context"), ("const tm_input *", "in"), ("bool ", "driven"))

@@ -231,6 +231,40 @@ static tm_known tm_ever_back(const tm_track *track, tm_window_kind kind, size_t 
   return known;
 }
 
+/** In how many cycles of a window something held that looks ahead. */
+static tm_tally_known tm_count_from(const tm_track *track, size_t own, int64_t lower, int64_t upper, tm_operand p) {
+  const int64_t t = track->t[tm_slot(track, own)];
+  const int64_t low = t - upper;
+  const int64_t high = t - lower;
+  tm_tally_known all = {tm_no_tally(), true};
+  bool over = false;
+  for (size_t left = own + 1u; (left > 0u) && !over; --left) {
+    const size_t place = left - 1u;
+    const size_t slot = tm_slot(track, place);
+    if (track->t[slot] < low) {
+      over = true;
+    } else {
+      const tm_known a = tm_given(track, p, place);
+      if (track->t[slot] <= high) {
+        all.tally = tm_tallied(all.tally, tm_tally_of(a.value, tm_false_any()));
+      }
+      all.final = all.final && a.final;
+      if (!tm_goes_on(track, place)) {
+        over = true; /* it was new there */
+      } else if ((place > 0u) && (track->missed[slot] > 0u)) {
+        if ((track->t[tm_slot(track, place - 1u)] < high) && (track->t[slot] > low)) {
+          all.tally = tm_tallied(all.tally, tm_any_tally(track->missed[slot], false));
+        }
+      } else if ((place == 0u) && tm_before_oldest(track)) {
+        all.tally = tm_tallied(all.tally, tm_any_tally(UINT64_C(1) << 60u, false)); /* they are not kept any more */
+      } else {
+        /* one further back */
+      }
+    }
+  }
+  return all;
+}
+
 /** What is said about one cycle, of which the formula has a value, and so has where it applies. */
 static tm_about tm_about_cycle(tm_known formula, tm_known applies) {
   tm_about said = {{TM_NAN, TM_OPEN}, formula.final && applies.final};
