@@ -166,3 +166,31 @@ def test_memory_has_a_bound() -> None:
         CProgram(spec, spec.rules).library_for()
     assert caught.value.code == "E473"
     assert Evaluator(spec, backend="auto").program.identity["backend"] == "numpy"
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "once (always[0 s, 0.6 s] ego.v > 1 m/s)",
+        "(always[0 s, 0.6 s] ego.w > 0 m/s) since (always[0 s, 0.6 s] ego.v > 1 m/s)",
+        "historically (eventually[0 s, 0.5 s] ego.v > 1 m/s)",
+        "count(eventually[0 s, 0.3 s] ego.v > 1 m/s, last: 1 s) <= 5",
+    ],
+)
+def test_cycles_in_which_nothing_is_demanded_are_asked_for_later(body: str) -> None:
+    """A rule that does not apply in a cycle says so at once, and what it looks ahead for there is open all the same."""
+    spec = loads(f'{SIGNALS}rule f "" whenever flag require {body}\n')
+    evaluators = {name: Evaluator(spec, backend=name) for name in (*OTHERS, "c")}
+    dice, verdicts = random.Random(3), set[str]()
+    for _ in range(12):
+        t, cycles = 0.0, list[dict[str, Any] | None]()
+        for number in range(16):
+            t = round(t + dice.choice([0.05, 0.1, 0.1, 0.2]), 9)
+            ego = {"v": dice.choice([0.0, 2.0, 2.0, 3.0]), "w": dice.choice([-1.0, 1.0, 2.0])}
+            signals = {"ego": ego, "objects": {"id": [], "v": []}, "flag": dice.random() < 0.25}
+            cycles.append({"id": number, "t": t, "signals": signals})
+        found = said(evaluators, cycles)
+        assert found["numpy"] == found["reference"]
+        assert found["c"] == found["reference"]
+        verdicts |= {each["f"][0] for each in found["c"][:-1]}
+    assert {"inactive", "satisfied"} <= verdicts

@@ -153,8 +153,8 @@ def test_generated_runs(part: int) -> None:
             seen.update(name_of(fault) for fault in decision.faults)
             seen.update([decision.lost] if decision.lost else [])
             states[decision.state] += 1
-    # What Python's code raises, or what was put into C, is the business of tests of its own.
-    wanted = set(FAULTS) - {"judge_failed", "incomplete", "not_configured", "internal"}
+    # What Python's code raises, or what was put into C, is the business of tests of its own; the shipped signals have no enumeration.
+    wanted = set(FAULTS) - {"judge_failed", "incomplete", "not_configured", "internal", "no_member"}
     if RUNS >= 200 * PARTS:
         assert set(seen) >= wanted, wanted - set(seen)
     assert len(seen) > 10

@@ -241,7 +241,9 @@ def test_generated_runs(seed: int, backend: str, folder: Path, tmp_path: Path) -
     made.close()
     assert (made.record_error, made.recorder.snapshot_error) == ("", "")
     run = read(path.read_bytes(), "run")
-    assert len(run.snapshots) >= 5
+    assert len(run.snapshots) >= (
+        3 if backend == "c" else 5
+    )  # C writes all its memory, a little in each step
     whole = told(run, spec, None, None)
     for snapshot in run.snapshots[1::4]:
         assert told(run, spec, None, snapshot) == whole[snapshot.after :], snapshot.after

@@ -199,4 +199,4 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
 
 
 #: What the names of a rule's functions end in, after the rule's own: no other rule's name may.
-_ENDINGS = ("_known", "_any", "_along", "_start", "_push", "_finish", "_advance")
+_ENDINGS = ("_known", "_any", "_along", "_start", "_push", "_finish", "_advance", "_said", "_applies")

@@ -101,7 +101,7 @@ def _waiting(plan: Layout, rule: RuleInfo) -> tuple[c.Function, int, frozenset[s
     """The function of a rule that looks ahead: what is said of the last cycles was worked out for all such rules."""
     future = c.Address(c.Member(c.Member(c.Name("context"), "run", True), "future", False))
     number = c.Literal(f"{[each.name for each in plan.future.rules].index(rule.name)}u")
-    said = c.Evaluate(c.Call("tm_outcome", (future, number, _OUT)))
+    said = c.Evaluate(c.Call("tm_worst_said", (future, number, _OUT)))
     body = (c.Evaluate(c.Name("in"), True), said)
     name = f"tm_rule_{plan.rule_names[rule.name]}_any"
     return c.Function((_SAID[False],), "void", name, PARAMETERS, body), 0, frozenset()

@@ -25,7 +25,7 @@ def described(plan: Layout) -> dict[str, Any]:
     """What the templates ask about what is kept of the last cycles."""
     future = plan.future
     return {
-        "room": future.room, "back": f"INT64_C({future.back})", "steps": f"{future.steps + 1}u",
+        "room": future.room, "back": f"INT64_C({future.back})", "reach": f"INT64_C({future.reach + future.back})", "steps": f"{future.steps + 1}u",
         "rules": [
             {"c_name": plan.rule_names[rule.name], "active": rule.active is not None} for rule in future.rules
         ],
@@ -33,7 +33,8 @@ def described(plan: Layout) -> dict[str, Any]:
         "leaves": [_table(plan, each) for each in future.leaves.values()],
         "given": [_table(plan, each) for each in future.given.values()],
         "operators": [_operator(plan, each) for each in future.operators.values()],
-        "steps_of": list(_order(plan)), "counts": any(isinstance(each.node, ir.Counted) for each in future.operators.values()),
+        "steps_of": list(_order(plan)), "looks_back": any(each.node.past for each in future.operators.values()),
+        "counts": any(isinstance(each.node, ir.Counted) for each in future.operators.values()),
     }  # fmt: skip
 
 
@@ -80,9 +81,9 @@ def put_together(plan: Layout) -> list[str]:
     for rule in future.rules:
         name = plan.rule_names[rule.name]
         assert rule.formula is not None
-        made.append(_function(plan, future, plan.same(rule.formula), f"tm_{name}_said", None))
+        made.append(_function(plan, future, plan.same(rule.formula), f"tm_rule_{name}_said", None))
         if rule.active is not None:
-            made.append(_function(plan, future, plan.same(rule.active), f"tm_{name}_applies", None))
+            made.append(_function(plan, future, plan.same(rule.active), f"tm_rule_{name}_applies", None))
     return ["\n".join([*c.printed(each), ""]) for each in made]
 
 

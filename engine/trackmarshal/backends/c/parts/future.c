@@ -267,7 +267,8 @@ static tm_tally_known tm_count_from(const tm_track *track, size_t own, int64_t l
 
 /** What is said about one cycle, of which the formula has a value, and so has where it applies. */
 static tm_about tm_about_cycle(tm_known formula, tm_known applies) {
-  tm_about said = {{TM_NAN, TM_OPEN}, formula.final && applies.final};
+  const bool settled = formula.final && applies.final;
+  tm_about said = {{TM_NAN, TM_OPEN}, settled, settled};
   tm_decide(&said.result, false, formula.value.worst_sat, formula.value.best_sat, formula.value.worst, formula.value.best);
   if (!applies.value.best_sat) {
     said.result.verdict = TM_INACTIVE;
