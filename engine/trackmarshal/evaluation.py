@@ -531,6 +531,17 @@ def configure(spec: Spec, settings: Spec) -> Spec:
     )
 
 
+def _ways(info: TableInfo) -> list[Any]:
+    """What a configuration cannot change of a table: how many arguments it has, of which dimension the second is, and how it is read."""
+    from trackmarshal.units import parse_unit
+
+    second = info.across
+    axes = (
+        [(info.way, None)] if second is None else [(info.way, None), (second.way, parse_unit(second.unit)[2])]
+    )
+    return [(way.steps, way.clamped, way.length > 0.0, dimension) for way, dimension in axes]
+
+
 def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | TableInfo | PlaceInfo) -> None:
     from trackmarshal.units import parse_unit
 
@@ -559,7 +570,9 @@ def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | Tab
         elif isinstance(info, TableInfo):
             if [parse_unit(u)[2] for u in info.units] != [parse_unit(u)[2] for u in old.units]:
                 problem = f"table `{short}` has other units than the one declared at {old.span}"
-            new = TableInfo(match, info.knots, info.values, old.units, info.span)
+            elif _ways(info) != _ways(old):
+                problem = f"table `{short}` is read in another way than the one declared at {old.span}"
+            new = TableInfo(match, info.knots, info.values, old.units, info.span, info.way, info.across)
         elif isinstance(info, PlaceInfo):
             if info.kind != old.kind:
                 problem = f"`{short}` is a {info.kind}, the spec declares a {old.kind}"

@@ -100,7 +100,7 @@ def number(node: typed.Number) -> ast.Expr:
         case typed.NumberCase():
             return case_of(node)
         case typed.TableValue():
-            return called(node.symbol.name, node.argument)
+            return called(node.symbol.name, *node.arguments)
         case typed.OnLine():
             return called(node.function, node.point, node.line)
         case typed.StationGap():

@@ -117,10 +117,18 @@ class Choose(IR):
 
 
 class Lookup(IR):
-    """A table, linear between knots and clamped outside; NaN for a non-finite argument."""
+    """A table of one argument, read as it is declared; NaN where it has no value."""
 
     table: str
     argument: Num
+
+
+class GridLookup(IR):
+    """A table of two arguments; NaN where it has no value."""
+
+    table: str
+    first: Num
+    second: Num
 
 
 class Ordinal(IR):
@@ -479,7 +487,7 @@ Projected: TypeAlias = Station | Offset | Direction
 Along: TypeAlias = Station | Offset | Direction | Distance | StationGap
 #: A number.
 Num: TypeAlias = (
-    Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup
+    Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup | GridLookup
     | Station | Offset | Direction | Distance | StationGap | Ordinal | Fold | Kept
 )  # fmt: skip
 #: Geometric predicates.

@@ -28,7 +28,16 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
                     result |= {(node.name, "left"), (node.name, "right")}
             case ir.Temporal() | ir.Until():
                 result.add((node.axis.signal, "t"))
-            case ir.Const() | ir.Param() | ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Lookup():
+            case (
+                ir.Const()
+                | ir.Param()
+                | ir.Arith()
+                | ir.Neg()
+                | ir.Func()
+                | ir.Choose()
+                | ir.Lookup()
+                | ir.GridLookup()
+            ):
                 pass  # what they are made of is below, too
             case ir.Ordinal() | ir.Fold():
                 pass

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from trackmarshal.ir.nodes import IR, Axis, Formula
+from trackmarshal.ir.tables import LINEAR_CLAMP, Way
 from trackmarshal.node import Node
 from trackmarshal.source import Span
 
@@ -66,14 +67,33 @@ class ParamInfo(Node):
     span: Span
 
 
+class Across(Node):
+    """The second argument of a table: its knots in SI, ascending, their unit, and how the table is read along it."""
+
+    knots: tuple[float, ...]
+    unit: str
+    way: Way
+
+
 class TableInfo(Node):
-    """A table: knots in SI, ascending; `units` are those that overrides come in."""
+    """A table: knots in SI, ascending; `units` are those that overrides come in. `way`: how it is read along its (first) argument.
+
+    across: of a table of two arguments the second one; `values` are then row by row.
+    """
 
     name: str
     knots: tuple[float, ...]
     values: tuple[float, ...]
     units: tuple[str, str]
     span: Span
+    way: Way = LINEAR_CLAMP
+    across: Across | None = None
+
+    def __repr__(self) -> str:
+        """A `linear clamp` of one argument is described as it was before there were others: what is kept of runs rests on it."""
+        more = {"way": self.way != LINEAR_CLAMP, "across": self.across is not None}
+        told = [name for name in self.compared if more.get(name, True)]
+        return f"TableInfo({', '.join(f'{name}={self.__dict__[name]!r}' for name in told)})"
 
 
 class PlaceInfo(Node):

@@ -92,7 +92,10 @@ class Lowering:
                     return make(ir.Const, -operand.value)
                 return make(ir.Neg, operand)
             case typed.TableValue():
-                return make(ir.Lookup, node.symbol.qualified, self.number(node.argument, site))
+                placed = [self.number(argument, site) for argument in node.arguments]
+                if len(placed) == 2:
+                    return make(ir.GridLookup, node.symbol.qualified, *placed)
+                return make(ir.Lookup, node.symbol.qualified, *placed)
             case typed.OnLine():
                 return self._on_line(node)
             case typed.StationGap():

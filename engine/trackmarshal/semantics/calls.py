@@ -104,10 +104,11 @@ def call(
     comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
     if isinstance(item, ast.Define):
         placed = in_order(self, item, args, names, at, comma)
-    elif len(args) == 1:
+    elif len(args) == (1 if item.second is None else 2):
         placed = list(args)
     else:
-        self.found.append(WrongArity(at, function, counted(1), given(len(args)), item.span.head, comma))
+        wanted = counted(1 if item.second is None else 2)
+        self.found.append(WrongArity(at, function, wanted, given(len(args)), item.span.head, comma))
         placed = None
     values = {
         id(arg): value for arg, value in zip(args, self.all(*(partial(self.value, arg, ctx) for arg in args)))
@@ -116,8 +117,7 @@ def call(
         raise Poison
     ordered = [None if arg is None else values[id(arg)] for arg in placed]
     if isinstance(item, ast.Table):
-        assert ordered[0] is not None
-        return _table(self, found, item, [ordered[0]], span)
+        return _table(self, found, item, [value for value in ordered if value is not None], span)
     return expand(self, found, item, ordered, infix, span, ctx)
 
 
@@ -360,15 +360,22 @@ def _dimension(
 def _table(
     self: Expressions, symbol: typed.Symbol, item: ast.Table, values: list[typed.Value], span: Span
 ) -> typed.Number:
-    value = values[0]
-    argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
-    if not isinstance(value, typed.NumberNode) or value.dimension != argument:
-        what = f"the argument of `{item.name}`"
-        hint = unit_hint(value, argument) if isinstance(value, typed.NumberNode) else ""
-        declared = item.span.head.word(item.unit)
-        self.fail(WrongDimension(span_of(value), declared, what, quantity(argument), _spoken(value), hint))
-    unit = written_unit((row for _, row in item.rows), item.result)
-    return typed.TableValue(result, unit, symbol, value, span)
+    result = parse_unit(item.result)[2]
+    units = [item.unit] if item.second is None else [item.unit, item.second.unit]
+    names = [""] if item.second is None else [f" `{item.argument}`", f" `{item.second.name}`"]
+    numbers: list[typed.Number] = []
+    for value, argument_unit, called_ in zip(values, units, names, strict=True):
+        argument = parse_unit(argument_unit)[2]
+        if not isinstance(value, typed.NumberNode) or value.dimension != argument:
+            what = f"the argument{called_} of `{item.name}`"
+            hint = unit_hint(value, argument) if isinstance(value, typed.NumberNode) else ""
+            declared = item.span.head.word(argument_unit)
+            self.fail(
+                WrongDimension(span_of(value), declared, what, quantity(argument), _spoken(value), hint)
+            )
+        numbers.append(value)
+    unit = written_unit((cell for row in item.rows for cell in row[1:]), item.result)
+    return typed.TableValue(result, unit, symbol, tuple(numbers), span)
 
 
 def _special(

@@ -46,6 +46,7 @@ from trackmarshal.semantics.rulebooks import Rulebooks, check_signal, check_test
 from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope, spoken
 from trackmarshal.semantics.states import check_state
+from trackmarshal.semantics.tables import table_info
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
@@ -456,29 +457,13 @@ class _Compiler:
             self.x.attempt(lambda item=item: self._table(item, module), item.span.head)  # type: ignore[misc]
 
     def _table(self, item: ast.Table, module: str) -> None:
-        argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
-        numbers = self.x.all(
-            *(lambda a=a: self._finite(a, item.unit, argument, module) for a, _ in item.rows),
-            *(lambda b=b: self._finite(b, item.result, result, module) for _, b in item.rows),
-        )
-        knots, values = tuple(numbers[: len(item.rows)]), tuple(numbers[len(item.rows) :])
-        for before, after, (above, _), (row, _) in zip(knots, knots[1:], item.rows, item.rows[1:]):
-            if not before < after:
-                hint, about = "sort the rows; each knot stands once", "not above this one"
-                self.x.fail(
-                    BadValue(
-                        row.__dict__["span"],
-                        f"the knots of a table ascend; {in_full(after, item.unit)} is not above {in_full(before, item.unit)}",
-                        above.__dict__["span"],
-                        hint,
-                        about,
-                    )
-                )
         qualified = f"{module}.{item.name}"
+        info = table_info(self.x, item, qualified, partial(self._finite_in, module))
         self.x.advice.units.setdefault(qualified, item.result)
-        self.tables.setdefault(
-            qualified, TableInfo(qualified, knots, values, (item.unit, item.result), item.span)
-        )
+        self.tables.setdefault(qualified, info)
+
+    def _finite_in(self, module: str, expr: ast.Expr, unit: str, dimension: Dimension) -> float:
+        return self._finite(expr, unit, dimension, module)
 
     def _places(self, module: str) -> None:
         for item in self._own(module, ast.Place):

@@ -484,6 +484,41 @@ class BadValue(Diagnostic):
     about: str = "the range is declared here"
 
 
+class TableShape(Diagnostic):
+    code = "E250"
+    title = "a table that does not fit its arguments"
+    text = "{problem}"
+    other_label = "as many values as knots here"
+    remedy = "{hint}"
+    explanation = (
+        "A table of one argument has rows `| knot: value`. A table of two arguments begins with a row of the second one's knots, "
+        "`| name: knot, knot`, and each row below it is a knot of the first one with as many values. How it is read is said once for all "
+        "arguments, or once for each: `linear clamp, step`."
+    )
+
+    span: Span
+    other: Span | None
+    problem: str
+    hint: str = ""
+
+
+class TablePeriod(Diagnostic):
+    code = "E251"
+    title = "a table whose period cannot be"
+    text = "{problem}"
+    other_label = "the length of the period"
+    remedy = "{hint}"
+    explanation = (
+        "`wrap LENGTH` repeats a table: what it says at a place x it says at x + LENGTH, too. Its knots lie in the first period, from 0 up to "
+        "LENGTH, which is 0 again. LENGTH is above 0, and of the argument's dimension."
+    )
+
+    span: Span
+    other: Span | None
+    problem: str
+    hint: str = ""
+
+
 class Unconstrained(Diagnostic):
     code = "E307"
     title = "a constraint does not hold"

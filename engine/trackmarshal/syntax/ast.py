@@ -446,15 +446,40 @@ class Constrain(Item):
     span: Span = NOWHERE
 
 
+class Way(Node):
+    """`linear clamp`, `step wrap 5000 m`: how a table is read along an argument; outside: clamp, wrap or "", length: of a `wrap`."""
+
+    reading: str
+    outside: str = ""
+    length: Expr | None = None
+    span: Span = NOWHERE
+
+
+class Second(Node):
+    """The second argument of a table, and the row of its knots, `| load: 900 kg, 1400 kg`, which begins with its name."""
+
+    name: str
+    unit: str
+    label: str
+    knots: tuple[Expr, ...]
+    span: Span = NOWHERE
+
+
 class Table(Item):
-    """`table ax_max(v: m/s) -> m/s^2 = linear clamp | 0 m/s: 6 m/s^2 | ... |`."""
+    """`table ax_max(v: m/s) -> m/s^2 = linear clamp | 0 m/s: 6 m/s^2 | ... |`.
+
+    rows: the knot and its value; of a table of two arguments as many values as the second one has knots. ways: one for all arguments, or
+    one each. second: its span is that of the row of knots, or of the argument where there is no such row.
+    """
 
     name: str
     argument: str
     unit: str
     result: str
-    rows: tuple[tuple[Expr, Expr], ...]
+    rows: tuple[tuple[Expr, ...], ...]
     source: str | None = None
+    ways: tuple[Way, ...] = (Way("linear", "clamp"),)
+    second: Second | None = None
     span: Span = NOWHERE
 
 

@@ -151,15 +151,53 @@ class Builder:
     def constrain(self, meta: Meta, c: list[Any]) -> ast.Constrain:
         return ast.Constrain(c[0], c[1].text if c[1] else None, self._span(meta))
 
-    def row(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ast.Expr]:
+    def point(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ast.Expr]:
         return (c[0], c[1])
 
-    point = row
+    def cells(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ...]:
+        return tuple(c)
+
+    def row(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ...]:
+        return (c[0], *c[1])
+
+    reading = kind
+
+    def clamp(self, meta: Meta, c: list[Any]) -> tuple[str, ast.Expr | None]:
+        return "clamp", None
+
+    def wrap(self, meta: Meta, c: list[Any]) -> tuple[str, ast.Expr | None]:
+        return "wrap", c[0]
+
+    def way(self, meta: Meta, c: list[Any]) -> ast.Way:
+        outside, length = c[1] or ("", None)
+        return ast.Way(c[0], outside, length, self._span(meta))
+
+    def ways(self, meta: Meta, c: list[Any]) -> tuple[ast.Way, ...]:
+        return tuple(way for way in c if way is not None)
+
+    def second(self, meta: Meta, c: list[Any]) -> ast.Second:
+        return ast.Second(spelled(c[0]), plain_unit(c[1]), "", (), self._span(meta))
+
+    def header(self, meta: Meta, c: list[Any]) -> ast.Second:
+        return ast.Second("", "", spelled(c[0]), c[1], self._span(meta))
 
     def table(self, meta: Meta, c: list[Any]) -> ast.Table:
-        rows = tuple(c[4:-1])
+        second, header, rows = c[3], c[6], tuple(c[7:-1])
+        if second is not None and header is not None:
+            second = ast.Second(second.name, second.unit, header.label, header.knots, header.span)
+        if second is None and header is not None:
+            hint = f"a table of two arguments names both: `({spelled(c[1])}: {plain_unit(c[2])}, {header.label}: ...)`"
+            raise Refused(UnexpectedText(header.span, "a row of names", "a row `| knot: value`", hint))
         return ast.Table(
-            spelled(c[0]), spelled(c[1]), plain_unit(c[2]), plain_unit(c[3]), rows, c[-1], self._span(meta)
+            spelled(c[0]),
+            spelled(c[1]),
+            plain_unit(c[2]),
+            plain_unit(c[4]),
+            rows,
+            c[-1],
+            c[5],
+            second,
+            self._span(meta),
         )
 
     def zone(self, meta: Meta, c: list[Any]) -> ast.Place:

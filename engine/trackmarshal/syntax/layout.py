@@ -158,18 +158,46 @@ class Layout:
         return text + ("" if field.default is None else f" default {self._n.expr(field.default)}")
 
     def _table(self, item: ast.Table, columns: Columns) -> Laid:
-        head = f"table {self._n.name(item.name)}({self._n.name(item.argument)}: {self._n.unit(item.unit)})"
-        head += f" -> {self._n.unit(item.result)} = linear clamp"
-        rows = [f"| {self._n.expr(key)}: {self._n.expr(value)}" for key, value in item.rows]
-        pieces = [Piece(head, 0), *(_between(text, row) for text, row in zip(rows, item.rows))]
+        head = f"table {self._n.name(item.name)}({self._n.name(item.argument)}: {self._n.unit(item.unit)}"
+        if item.second is not None:
+            head += f", {self._n.name(item.second.name)}: {self._n.unit(item.second.unit)}"
+        head += f") -> {self._n.unit(item.result)} = {', '.join(map(self._way, item.ways))}"
+        rows = self._rows(item)
+        pieces = [Piece(head, 0)]
+        if len(rows) > len(item.rows) and item.second is not None:
+            pieces.append(_placed(rows[0], item.second))
+        pieces += [_between(text, (row[0], row[-1])) for text, row in zip(rows[-len(item.rows) :], item.rows)]
         pieces[-1] = pieces[-1]._replace(text=f"{pieces[-1].text} |")
-        filled = self._w.fill([(row, None) for row in rows], 2, 2, 2, "")
+        if item.second is None:
+            filled = self._w.fill([(row, None) for row in rows], 2, 2, 2, "")
+        else:  # as a data sheet has it, whatever its width
+            filled = new_line(2).join(rows)
         compact = f"{head}{new_line(2)}{filled} |"
         if item.source is not None:
             source = f"source {quoted(item.source)}"
             pieces.append(Piece(source, 2, item.span.end - len(quoted(item.source)), item.span.end))
             compact += new_line(2) + source
         return Laid(pieces, compact)
+
+    def _way(self, way: ast.Way) -> str:
+        length = "" if way.length is None else f" {self._n.expr(way.length)}"
+        return f"{way.reading}{way.outside and ' '}{way.outside}{length}"
+
+    def _rows(self, item: ast.Table) -> list[str]:
+        """`| knot: value`; of a table of two arguments in columns, below the row of the second one's knots."""
+        texts = [[self._n.expr(cell) for cell in row] for row in item.rows]
+        if item.second is None:
+            return [f"| {row[0]}: {', '.join(row[1:])}" for row in texts]
+        if item.second.knots:
+            texts.insert(0, [self._n.name(item.second.label), *map(self._n.expr, item.second.knots)])
+        heads = [f"{row[0]}:" for row in texts]
+        lines = [[head, *(f"{cell}," for cell in row[1:-1]), row[-1]] for head, row in zip(heads, texts)]
+        widths = [
+            max(len(line[at]) for line in lines if at < len(line)) for at in range(max(map(len, lines)))
+        ]
+        return [
+            "| " + " ".join(cell.ljust(widths[at]) for at, cell in enumerate(line)).rstrip() for line in lines
+        ]
 
     def _place(self, item: ast.Place, columns: Columns) -> Laid:
         head = self._titled(item.kind, item.name, item.text) + (" = polygon" if item.kind == "zone" else " =")

@@ -290,6 +290,20 @@ def _pairs(least: int) -> SearchStrategy[tuple[tuple[ast.Expr, ast.Expr], ...]]:
 
 
 @cache
+def _tables() -> SearchStrategy[ast.Table]:
+    ways = st.builds(ast.Way, st.sampled_from(["linear", "step"]), st.sampled_from(["", "clamp"]))
+    ways |= st.builds(ast.Way, st.sampled_from(["linear", "step"]), st.just("wrap"), bounds())
+    cells = st.lists(bounds(), min_size=1, max_size=5).map(tuple)
+    rows = st.lists(st.tuples(bounds(), cells).map(lambda row: (row[0], *row[1])), min_size=1, max_size=6)
+    second = st.builds(ast.Second, names(), units(), names(), cells)
+    second |= st.builds(ast.Second, names(), units(), st.just(""), st.just(()))
+    return st.builds(
+        ast.Table, names(), names(), units(), units(), rows.map(tuple), st.none() | strings(),
+        st.lists(ways, min_size=1, max_size=2).map(tuple), st.none() | second,
+    )  # fmt: skip
+
+
+@cache
 def _definitions() -> SearchStrategy[ast.Define]:
     shapes = st.sampled_from(
         ["point", "pose", "moving", "body", "vehicle", "trajectory", "corridor", "polyline"]
@@ -365,7 +379,7 @@ def items() -> SearchStrategy[ast.Item]:
         ),
         st.builds(ast.Param, names(), units(), expressions(), ranges(), optional),
         st.builds(ast.Constrain, expressions(), optional),
-        st.builds(ast.Table, names(), names(), units(), units(), _pairs(1), optional),
+        _tables(),
         st.builds(ast.Place, st.sampled_from(["zone", "line"]), names(), strings(), places),
         _definitions(),
         st.builds(ast.Assume, labels(), strings(), clause_lists),

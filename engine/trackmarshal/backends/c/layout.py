@@ -11,6 +11,7 @@ from trackmarshal.backends.c.over_run.cells import Cell, cells_of
 from trackmarshal.backends.c.usage import Facts, Same
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
+from trackmarshal.ir.tables import LINEAR_CLAMP
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,8 @@ class Layout:
     inputs: dict[str, Input] = field(default_factory=dict)
     params: dict[str, str] = field(default_factory=dict)
     tables: dict[str, str] = field(default_factory=dict)
+    #: Tables of two arguments; those of one are `tables`, which can be replaced.
+    grids: dict[str, str] = field(default_factory=dict)
     shapes: dict[tuple[str, str, str], Shape] = field(default_factory=dict)
     rule_names: dict[str, str] = field(default_factory=dict)
     facts: Facts = field(default_factory=Facts)
@@ -71,6 +74,17 @@ class Layout:
     def remember(self) -> None:
         """Give all operators over the run their memory; raises TrackmarshalError E470 for what C cannot remember."""
         self.kept = cells_of(self.rules, self._same.formula)
+
+    def put_tables(self, names: set[str]) -> None:
+        """Name the tables of the spec that are read."""
+        read = {name: table for name, table in self.spec.tables.items() if name in names}
+        self.tables = distinct(name for name, table in read.items() if table.across is None)
+        self.grids = distinct(name for name, table in read.items() if table.across is not None)
+
+    @property
+    def other_ways(self) -> bool:
+        """Whether a table of one argument is read in another way than `linear clamp`."""
+        return any(self.spec.tables[name].way != LINEAR_CLAMP for name in self.tables)
 
     @property
     def named(self) -> list[Input]:
@@ -126,7 +140,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         columns.setdefault(node.axis.signal, set()).add("t")
                     case ir.Param():
                         params.append(node.name)
-                    case ir.Lookup():
+                    case ir.Lookup() | ir.GridLookup():
                         tables.append(node.table)
                     case ir.Line() if node.kind == "path":
                         columns.setdefault(node.name, set()).update(("x", "y"))
@@ -173,7 +187,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
             name, c_name, kind, signal, tuple((info, names[info.name]) for info in chosen)
         )
     result.params = distinct(name for name in spec.params if name in set(params))
-    result.tables = distinct(name for name in spec.tables if name in set(tables))
+    result.put_tables(set(tables))
     order = sorted(shapes)
     c_names = distinct(".".join(part for part in key if part) for key in order)
     for key, c_name in zip(order, c_names.values(), strict=True):

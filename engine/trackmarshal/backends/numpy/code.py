@@ -229,6 +229,8 @@ class Code:
                 return f"where({self.formulas[self._same[node.condition]].sat(False)}, {at[0]}, {at[1]})"
             case ir.Lookup():
                 return f"b.curve({node.table!r})({at[0]})"
+            case ir.GridLookup():
+                return f"b.grid({node.table!r})({at[0]}, {at[1]})"
             case ir.Station():
                 return f"{self._projected(node)}[0]"
             case ir.Offset():
