@@ -466,6 +466,8 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
                 what = f"the assumption `{item.name}`"
             case ast.Constrain():
                 what = "a `constrain`"
+            case ast.Scale():
+                what = "a `scale`"
             case ast.Signal():
                 what = f"the signal `{item.name}`"
             case ast.Event():
@@ -528,6 +530,7 @@ def configure(spec: Spec, settings: Spec) -> Spec:
         spec.rules,
         spec.rulebooks,
         digest.hexdigest(),
+        spec.scales,
     )
 
 

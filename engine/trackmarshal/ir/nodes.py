@@ -323,6 +323,13 @@ class Not(IR):
     operand: Formula
 
 
+class Scaled(IR):
+    """A comparison or a geometric predicate that holds as it is, with a margin divided by the scale of its dimension, a number above 0."""
+
+    operand: Formula
+    scale: float
+
+
 class Connective(IR):
     """and, or, iff, xor."""
 
@@ -498,7 +505,7 @@ Remembered: TypeAlias = OverRun | Counted | InState
 Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
-    Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
+    Truth | Flag | Compare | SweptInside | SweptClear | InArea | Scaled | Not | Connective | Quantify | Guarded
     | Temporal | Until | Shift | First | OverRun | Counted | InState
 )  # fmt: skip
 #: Any node.

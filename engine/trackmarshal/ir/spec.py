@@ -192,6 +192,12 @@ class Spec(Node):
     rules: tuple[RuleInfo, ...]
     rulebooks: tuple[RulebookInfo, ...]
     fingerprint: str
+    #: By SI unit what margins in it are divided by where they meet margins in other ones; units that are not there have 1.
+    scales: tuple[tuple[str, float], ...] = ()
+
+    def scale(self, rule: RuleInfo) -> float:
+        """What the margin of a rule is divided by before it is compared with that of another one: 1 where it is a number of scales already."""
+        return dict(self.scales).get(rule.unit, 1.0)
 
     def rule(self, name: str) -> RuleInfo | None:
         return next((rule for rule in self.rules if rule.name == name), None)

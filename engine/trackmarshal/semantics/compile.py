@@ -36,6 +36,7 @@ from trackmarshal.semantics.errors import (
     BadValue,
     Duplicate,
     NeverAsked,
+    ScaleConflict,
     SignalConflict,
     WrongDimension,
     WrongKind,
@@ -54,7 +55,7 @@ from trackmarshal.syntax.build import is_unit
 from trackmarshal.syntax.errors import UnknownUnit
 from trackmarshal.syntax.foreign_units import unit_hint
 from trackmarshal.typed import Symbol
-from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, to_si
+from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, show, to_si
 
 T = TypeVar("T", bound=ast.Item)
 
@@ -112,6 +113,8 @@ class _Compiler:
         self.events: dict[str, Span] = {}
         self.params: dict[str, ParamInfo] = {}
         self.tables: dict[str, TableInfo] = {}
+        #: By SI unit the scale of margins, and where it is declared first.
+        self.scaled: dict[str, tuple[float, ast.Scale]] = {}
         self.places: dict[str, PlaceInfo] = {}
         self.constraints: list[ConstraintInfo] = []
         self.interner = ir.Interner()
@@ -129,6 +132,7 @@ class _Compiler:
             self._enums,
             self._signals,
             self._params,
+            self._scales,
             self._tables,
             self._places,
             self._states,
@@ -151,6 +155,9 @@ class _Compiler:
         digest = hashlib.sha256("".join(r.fingerprint for r in rules).encode())
         for info in [*self.params.values(), *self.tables.values(), *self.places.values()]:
             digest.update(repr(info).encode())
+        scales = tuple(sorted(self.x.scales.items()))
+        if scales:  # of a spec without one, what is kept of runs rests on
+            digest.update(repr(scales).encode())
         spec = Spec(
             self.signals,
             self.events,
@@ -161,6 +168,7 @@ class _Compiler:
             tuple(rules),
             rulebooks,
             digest.hexdigest(),
+            scales,
         )
         found = tuple(told_once(self.found))
         return Compiled(
@@ -451,6 +459,21 @@ class _Compiler:
                     )
                 )
         raise Poison
+
+    def _scales(self, module: str) -> None:
+        for item in self._own(module, ast.Scale):
+            self.x.attempt(lambda item=item: self._scale(item, module), item.span.head)  # type: ignore[misc]
+
+    def _scale(self, item: ast.Scale, module: str) -> None:
+        dimension = parse_unit(item.unit)[2]
+        value, unit = self._finite(item.value, item.unit, dimension, module), show(dimension)
+        if not value > 0.0:
+            at, problem = item.value.__dict__["span"], f"a scale is above 0, not {in_full(value, item.unit)}"
+            self.x.fail(BadValue(at, problem, None, "write the margin that counts as 1"))
+        first = self.scaled.setdefault(unit, (value, item))
+        if first[0] != value:
+            self.x.fail(ScaleConflict(item.span, first[1].span, name(dimension)))
+        self.x.scales[unit] = value
 
     def _tables(self, module: str) -> None:
         for item in self._own(module, ast.Table):

@@ -519,6 +519,23 @@ class TablePeriod(Diagnostic):
     hint: str = ""
 
 
+class ScaleConflict(Diagnostic):
+    code = "E252"
+    title = "two scales for one dimension"
+    text = "this scale for {dimension} contradicts another one"
+    label = "another scale than there"
+    other_label = "the other one"
+    remedy = "declare it once, in a module that all others use"
+    explanation = (
+        "`scale` says how much of a dimension counts as 1 where margins of several dimensions are compared. It holds for everything that is "
+        "checked together, whichever module declares it: two may say the same, and must not say different things."
+    )
+
+    span: Span
+    other: Span
+    dimension: str
+
+
 class Unconstrained(Diagnostic):
     code = "E307"
     title = "a constraint does not hold"

@@ -94,8 +94,8 @@ class Expressions:
         self.signals = signals
         self.found = found
         self.scopes: dict[str, Scope] = {}
-        #: Names of tables -> (dimension of the argument, of the result).
-        self.tables: dict[str, tuple[Dimension, Dimension]] = {}
+        #: SI unit -> the scale of margins in it, where that is declared.
+        self.scales: dict[str, float] = {}
         self.params: dict[str, Dimension] = {}
         self.advice = Advice()
         self._shapes: dict[str, typed.Shape] = {}

@@ -446,6 +446,14 @@ class Constrain(Item):
     span: Span = NOWHERE
 
 
+class Scale(Item):
+    """`scale m/s = 5 m/s`: what margins of a dimension are divided by where they meet those of another one."""
+
+    unit: str
+    value: Expr
+    span: Span = NOWHERE
+
+
 class Way(Node):
     """`linear clamp`, `step wrap 5000 m`: how a table is read along an argument; outside: clamp, wrap or "", length: of a `wrap`."""
 

@@ -151,6 +151,9 @@ class Builder:
     def constrain(self, meta: Meta, c: list[Any]) -> ast.Constrain:
         return ast.Constrain(c[0], c[1].text if c[1] else None, self._span(meta))
 
+    def scale(self, meta: Meta, c: list[Any]) -> ast.Scale:
+        return ast.Scale(plain_unit(c[0]), c[1], self._span(meta))
+
     def point(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ast.Expr]:
         return (c[0], c[1])
 

@@ -118,6 +118,9 @@ class Layout:
         text = head + self._w.lay(item.condition, EXPRESSION, len(head))
         return text if item.because is None else self._w.append(text, 0, f"because {quoted(item.because)}", 2)
 
+    def _scale(self, item: ast.Scale, columns: Columns) -> str:
+        return f"scale {self._n.unit(item.unit)} = {self._n.expr(item.value)}"
+
     def _define(self, item: ast.Define, columns: Columns) -> str:
         head = f"{item.keyword} {self._n.name(item.name)}"
         if item.parameters:
@@ -375,7 +378,7 @@ def _between(text: str, pair: tuple[ast.Expr, ast.Expr]) -> Piece:
 
 _ITEMS: dict[type[ast.Item], Callable[[Layout, Any, Columns], Laid | str]] = {
     ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Enum: Layout._enum, ast.Event: Layout._event,
-    ast.Param: Layout._param, ast.Constrain: Layout._constrain, ast.Define: Layout._define, ast.Signal: Layout._signal,
+    ast.Param: Layout._param, ast.Constrain: Layout._constrain, ast.Scale: Layout._scale, ast.Define: Layout._define, ast.Signal: Layout._signal,
     ast.Table: Layout._table, ast.Place: Layout._place, ast.Assume: Layout._assume, ast.Rule: Layout._rule,
     ast.State: Layout._state, ast.Rulebook: Layout._rulebook, ast.Test: Layout._test,
 }  # fmt: skip

@@ -10,7 +10,7 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.margins import margin_units
+from trackmarshal.ir.margins import SCALED, margin_units, own_unit
 from trackmarshal.ir.overrun import nanoseconds, over_run
 from trackmarshal.ir.spec import Enumeration, FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.lowering.expressions import Lowering
@@ -529,18 +529,20 @@ class _Preparation:
             return special, None
         if rule is None or rule.formula is None:
             return 0.0, None
-        if rule.unit != "mixed":
+        if own_unit(rule.unit):
             return self._si(value, parse_shown(rule.unit), f"the margin of `{rule.name}`"), None
         number, dimension = self._constant(value, f"the margin of `{rule.name}`")
         unit, units = show(dimension), margin_units(rule.formula)
-        if number == 0.0 and dimension == NUMBER:
-            return 0.0, None
+        if dimension == NUMBER and (number == 0.0 or rule.unit == SCALED):
+            return number, None
         if unit not in units:
             listed = " and ".join(sorted(units))
             problem = (
                 f"no comparison of `{rule.name}` is in {unit if dimension != NUMBER else 'plain numbers'}"
             )
             self.fail(_span(value), problem, f"its comparisons are in {listed}; 0 needs no unit")
+        if rule.unit == SCALED:
+            return number / dict(self._spec.scales).get(unit, 1.0), unit
         return number, unit
 
 

@@ -380,6 +380,7 @@ def items() -> SearchStrategy[ast.Item]:
         st.builds(ast.Param, names(), units(), expressions(), ranges(), optional),
         st.builds(ast.Constrain, expressions(), optional),
         _tables(),
+        st.builds(ast.Scale, units(), bounds()),
         st.builds(ast.Place, st.sampled_from(["zone", "line"]), names(), strings(), places),
         _definitions(),
         st.builds(ast.Assume, labels(), strings(), clause_lists),

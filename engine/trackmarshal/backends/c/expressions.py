@@ -480,6 +480,8 @@ class Writer:
                 return self.over(compared(node.op, node.turned), left, right)
             case ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 return self.over("apart_by", self._geometry(node, at))
+            case ir.Scaled():
+                return self.over("scaled", self.formula(node.operand, at), c.Literal(literal(node.scale)))
             case ir.Not():
                 return self.over("not", self.formula(node.operand, at))
             case ir.Connective():

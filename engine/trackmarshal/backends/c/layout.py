@@ -160,7 +160,14 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass
                     case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
                         pass
-                    case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not() | ir.Connective():
+                    case (
+                        ir.SweptInside()
+                        | ir.SweptClear()
+                        | ir.InArea()
+                        | ir.Scaled()
+                        | ir.Not()
+                        | ir.Connective()
+                    ):
                         pass
                     case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                         pass

@@ -329,6 +329,13 @@ class Code:
             case ir.SweptClear():
                 self._line(node, f"{both} = clear({', '.join(at)})")
                 return own
+            case ir.Scaled():
+                (part,) = parts
+                by = self._hold(np.float64(node.scale), ("constant", repr(node.scale)))
+                return self._sides(
+                    node, number, parts, NEITHER,  # a margin that is hardly any may be rounded to 0
+                    lambda best: f"{part.margin(best)} / {by}", lambda best: f"{part.sat(best)}",
+                )  # fmt: skip
             case ir.Not():
                 return self._negation(node, number, parts[0])
             case ir.Connective():

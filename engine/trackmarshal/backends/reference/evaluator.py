@@ -17,7 +17,17 @@ from trackmarshal.ir.spec import Spec
 from trackmarshal.ir.tables import read, read_grid
 from trackmarshal.node import Node
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, known, least, negate
+from trackmarshal.runtime.kleene import (
+    FALSE,
+    TRUE,
+    UNDEFINED,
+    connect,
+    greatest,
+    known,
+    least,
+    negate,
+    scaled,
+)
 from trackmarshal.runtime.lines import Point
 from trackmarshal.runtime.verdict import Bound, Truth
 
@@ -207,6 +217,8 @@ class Reference:
             case ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 margin = self._geometry(node, env)
                 return UNDEFINED if math.isnan(margin) else known(margin >= 0.0, margin)
+            case ir.Scaled():
+                return scaled(self.truth(node.operand, env), node.scale)
             case ir.Not():
                 return negate(self.truth(node.operand, env))
             case ir.Connective():
