@@ -466,6 +466,8 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
                 what = f"the assumption `{item.name}`"
             case ast.Constrain():
                 what = "a `constrain`"
+            case ast.Shape():
+                what = f"the shape `{item.name}`"
             case ast.Scale():
                 what = "a `scale`"
             case ast.Signal():

@@ -37,6 +37,7 @@ from trackmarshal.semantics import (
     rulebooks,
     rules,
     scope,
+    shapes,
     states,
     tables,
 )
@@ -149,6 +150,7 @@ _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
             rulebooks,
             rules,
             scope,
+            shapes,
             states,
             tables,
         )

@@ -46,6 +46,7 @@ from trackmarshal.semantics.modules import Library
 from trackmarshal.semantics.rulebooks import Rulebooks, check_signal, check_test_target
 from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope, spoken
+from trackmarshal.semantics.shapes import check_shape, own_fields
 from trackmarshal.semantics.states import check_state
 from trackmarshal.semantics.tables import table_info
 from trackmarshal.semantics.values import Poison
@@ -130,6 +131,8 @@ class _Compiler:
             self.scopes[module].check_own()
         for step in (
             self._enums,
+            self._fields_of_shapes,
+            self._shapes,
             self._signals,
             self._params,
             self._scales,
@@ -250,6 +253,17 @@ class _Compiler:
     def _enums(self, module: str) -> None:
         for item in self._own(module, ast.Enum):
             check_enum(item, self.found)
+
+    def _fields_of_shapes(self, module: str) -> None:
+        for item in self._own(module, ast.Shape):
+            fields = own_fields(self.x, item, lambda field: self._field(field, module))
+            if fields is not None:
+                self.x.own_fields.setdefault(f"{module}.{item.name}", fields)
+
+    def _shapes(self, module: str) -> None:
+        for item in self._own(module, ast.Shape):
+            symbol = Symbol(item, module, f"{module}.{item.name}")
+            self.x.attempt(partial(check_shape, self.x, item, symbol), item.span.head)
 
     def _field(self, field: ast.Field, module: str) -> FieldType:
         """The contract of a field; where a part of it has an error, the field is there all the same."""

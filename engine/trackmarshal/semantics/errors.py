@@ -502,6 +502,21 @@ class TableShape(Diagnostic):
     hint: str = ""
 
 
+class ShapeProblem(Diagnostic):
+    code = "E253"
+    title = "a shape that cannot be"
+    text = "{problem}"
+    remedy = "{hint}"
+    explanation = (
+        "A shape lists fields: numbers by their units, `bool`, and members of enumerations. `a with { ... }` has those of the shape `a`, too. "
+        "It has each field once, and is not made of itself."
+    )
+
+    span: Span
+    problem: str
+    hint: str = ""
+
+
 class TablePeriod(Diagnostic):
     code = "E251"
     title = "a table whose period cannot be"

@@ -94,6 +94,9 @@ class Expressions:
         self.signals = signals
         self.found = found
         self.scopes: dict[str, Scope] = {}
+        #: By qualified name the fields of declared shapes: those that they declare themselves, and all.
+        self.own_fields: dict[str, dict[str, Dimension | Enumeration | None]] = {}
+        self.shapes: dict[str, typed.Shape] = {}
         #: SI unit -> the scale of margins in it, where that is declared.
         self.scales: dict[str, float] = {}
         self.params: dict[str, Dimension] = {}

@@ -501,6 +501,16 @@ class Place(Item):
     span: Span = NOWHERE
 
 
+class Shape(Item):
+    """`shape car = vehicle with { lane: 1, braking: bool }`: fields that a record has; base: the shape whose fields it has, too, or ""."""
+
+    name: str
+    text: str
+    base: str
+    fields_: tuple[Field, ...]
+    span: Span = NOWHERE
+
+
 class Parameter(Node):
     """A parameter of a definition: a unit (number), a record shape, or a kind of signal; and what it is where nothing is given."""
 

@@ -53,6 +53,12 @@ def is_unit(text: str) -> bool:
     return _UNIT.match(text) is not None
 
 
+def _type(text: str) -> str:
+    """A unit with ASCII exponents and products, or a name as it is spelled."""
+    unit = plain_unit(text)
+    return unit if is_unit(unit) else spelled(text)
+
+
 def unquoted(token: Any) -> str:
     """The text of a string token, or the empty string where it is absent."""
     return "" if token is None else str(token)[1:-1].replace('\\"', '"').replace("\\\\", "\\")
@@ -110,15 +116,13 @@ class Builder:
     def kind(self, meta: Meta, c: list[Any]) -> str:
         return str(c[0])
 
-    field_type = parameter_type = kind
+    field_type = parameter_type = base_shape = kind
 
     def fields(self, meta: Meta, c: list[Any]) -> tuple[ast.Field, ...]:
         return tuple(item for item in c if item is not None)
 
     def field(self, meta: Meta, c: list[Any]) -> ast.Field:
-        kind = plain_unit(c[1])
-        kind = kind if is_unit(kind) else spelled(c[1])
-        return ast.Field(spelled(c[0]), kind, c[2] is not None, c[3], c[4], self._span(meta))
+        return ast.Field(spelled(c[0]), _type(c[1]), c[2] is not None, c[3], c[4], self._span(meta))
 
     def range(self, meta: Meta, c: list[Any]) -> ast.Range:
         return ast.Range(c[0], c[1], self._span(meta))
@@ -210,10 +214,18 @@ class Builder:
         return ast.Place("line", spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))
 
     def parameter(self, meta: Meta, c: list[Any]) -> ast.Parameter:
-        return ast.Parameter(spelled(c[0]), plain_unit(c[1]), c[2], self._span(meta))
+        return ast.Parameter(spelled(c[0]), _type(c[1]), c[2], self._span(meta))
 
     def parameters(self, meta: Meta, c: list[Any]) -> tuple[ast.Parameter, ...]:
         return tuple(c)
+
+    def shape_field(self, meta: Meta, c: list[Any]) -> ast.Field:
+        return ast.Field(spelled(c[0]), _type(c[1]), False, None, None, self._span(meta))
+
+    def shape(self, meta: Meta, c: list[Any]) -> ast.Shape:
+        fields = tuple(field for field in c[3:] if field is not None)
+        base = "" if c[2] is None else spelled(c[2])
+        return ast.Shape(spelled(c[0]), unquoted(c[1]), base, fields, self._span(meta))
 
     def define(self, meta: Meta, c: list[Any]) -> ast.Define:
         result = None if c[2] is None else plain_unit(c[2])

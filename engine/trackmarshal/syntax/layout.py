@@ -134,7 +134,7 @@ class Layout:
         return f"{head}{new_line(2)}{self._w.lay(item.body, level, 2)}"
 
     def _parameter(self, one: ast.Parameter) -> str:
-        text = f"{self._n.name(one.name)}: {self._n.unit(one.type)}"
+        text = f"{self._n.name(one.name)}: {self._type(one.type)}"
         return text if one.default is None else f"{text} = {self._n.expr(one.default, SUM)}"
 
     # Declarations that hold lists -----------------------------------------------------------------------------
@@ -147,15 +147,24 @@ class Layout:
         pieces = [Piece(f"{head} {{", 0)]
         pieces += [_placed(f"{text},", field) for text, field in zip(fields, item.fields_)]
         pieces.append(Piece("}", 0, item.span.end - 1, item.span.end))
-        opened = f"{head} {{ "
-        return Laid(
-            pieces,
-            opened + self._w.fill([(text, None) for text in fields], len(opened), len(opened), 2) + " }",
-        )
+        return Laid(pieces, self._filled(f"{head} {{ ", fields))
+
+    def _filled(self, opened: str, fields: list[str]) -> str:
+        return opened + self._w.fill([(text, None) for text in fields], len(opened), len(opened), 2) + " }"
+
+    def _type(self, kind: str) -> str:
+        return self._n.unit(kind) if is_unit(kind) else self._n.name(kind)
+
+    def _shape(self, item: ast.Shape, columns: Columns) -> Laid:
+        head = f"{self._titled('shape', item.name, item.text)} = "
+        head += f"{self._n.name(item.base)} with {{" if item.base else "{"
+        fields = [self._field(field) for field in item.fields_]
+        pieces = [Piece(head, 0), *(_placed(f"{text},", field) for text, field in zip(fields, item.fields_))]
+        pieces.append(Piece("}", 0, item.span.end - 1, item.span.end))
+        return Laid(pieces, self._filled(f"{head} ", fields))
 
     def _field(self, field: ast.Field) -> str:
-        kind = self._n.unit(field.type) if is_unit(field.type) else self._n.name(field.type)
-        text = f"{self._n.name(field.name)}: {kind}"
+        text = f"{self._n.name(field.name)}: {self._type(field.type)}"
         text += " increasing" if field.increasing else ""
         text += "" if field.range is None else f" {self._range(field.range)}"
         return text + ("" if field.default is None else f" default {self._n.expr(field.default)}")
@@ -378,7 +387,7 @@ def _between(text: str, pair: tuple[ast.Expr, ast.Expr]) -> Piece:
 
 _ITEMS: dict[type[ast.Item], Callable[[Layout, Any, Columns], Laid | str]] = {
     ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Enum: Layout._enum, ast.Event: Layout._event,
-    ast.Param: Layout._param, ast.Constrain: Layout._constrain, ast.Scale: Layout._scale, ast.Define: Layout._define, ast.Signal: Layout._signal,
+    ast.Param: Layout._param, ast.Constrain: Layout._constrain, ast.Scale: Layout._scale, ast.Define: Layout._define, ast.Shape: Layout._shape, ast.Signal: Layout._signal,
     ast.Table: Layout._table, ast.Place: Layout._place, ast.Assume: Layout._assume, ast.Rule: Layout._rule,
     ast.State: Layout._state, ast.Rulebook: Layout._rulebook, ast.Test: Layout._test,
 }  # fmt: skip

@@ -290,6 +290,19 @@ def _pairs(least: int) -> SearchStrategy[tuple[tuple[ast.Expr, ast.Expr], ...]]:
 
 
 @cache
+def _shapes() -> SearchStrategy[ast.Shape]:
+    fields = st.builds(
+        ast.Field,
+        names(),
+        units() | names().filter(lambda n: n not in UNITS) | st.sampled_from(["bool", "polyline"]),
+    )
+    bases = names() | st.sampled_from(["", "point", "pose", "moving", "body", "vehicle"])
+    return st.builds(
+        ast.Shape, names(), strings(), bases, st.lists(fields, min_size=1, max_size=9).map(tuple)
+    )
+
+
+@cache
 def _tables() -> SearchStrategy[ast.Table]:
     ways = st.builds(ast.Way, st.sampled_from(["linear", "step"]), st.sampled_from(["", "clamp"]))
     ways |= st.builds(ast.Way, st.sampled_from(["linear", "step"]), st.just("wrap"), bounds())
@@ -309,7 +322,9 @@ def _definitions() -> SearchStrategy[ast.Define]:
         ["point", "pose", "moving", "body", "vehicle", "trajectory", "corridor", "polyline"]
     )
     defaults = st.one_of(st.none(), expressions(1))
-    one = st.builds(ast.Parameter, names(), st.one_of(units(), shapes), defaults)
+    one = st.builds(
+        ast.Parameter, names(), st.one_of(units(), shapes, names().filter(lambda n: n not in UNITS)), defaults
+    )
     parameters = st.lists(one, max_size=4).map(tuple)
     result = st.one_of(st.none(), units())
     return st.one_of(
@@ -381,6 +396,7 @@ def items() -> SearchStrategy[ast.Item]:
         st.builds(ast.Constrain, expressions(), optional),
         _tables(),
         st.builds(ast.Scale, units(), bounds()),
+        _shapes(),
         st.builds(ast.Place, st.sampled_from(["zone", "line"]), names(), strings(), places),
         _definitions(),
         st.builds(ast.Assume, labels(), strings(), clause_lists),
