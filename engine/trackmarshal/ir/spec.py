@@ -65,6 +65,19 @@ class ParamInfo(Node):
     upper: float | None
     source: str | None
     span: Span
+    #: The record of parameters that it is a field of; "": of none.
+    record: str = ""
+
+    def __repr__(self) -> str:
+        """One that is in no record is described as it was before there were any: what is kept of runs rests on it."""
+        told = [name for name in self.compared if name != "record" or self.record]
+        return f"ParamInfo({', '.join(f'{name}={self.__dict__[name]!r}' for name in told)})"
+
+    @property
+    def short(self) -> str:
+        """What it is called in its module: `mass`, `limits.response`."""
+        last = self.name.rpartition(".")[2]
+        return f"{self.record}.{last}" if self.record else last
 
 
 class Across(Node):
@@ -104,6 +117,11 @@ class PlaceInfo(Node):
     points: tuple[tuple[float, float], ...]
     span: Span
     track: str = ""
+
+
+def short_name(info: ParamInfo | TableInfo | PlaceInfo) -> str:
+    """What a setting is called in its module, by which others replace it."""
+    return info.short if isinstance(info, ParamInfo) else info.name.rpartition(".")[2]
 
 
 def track_of(module: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir.spec import ParamInfo, PlaceInfo, Spec, TableInfo
+from trackmarshal.ir.spec import ParamInfo, PlaceInfo, Spec, TableInfo, short_name
 from trackmarshal.ir.tables import in_period
 from trackmarshal.runtime.frame import Settings
 from trackmarshal.runtime.lines import Point
@@ -46,7 +46,7 @@ class SettingsReader:
 def check_param(info: ParamInfo, value: float) -> float:
     """An override in the declared unit to SI; raises D204 when it is not finite or outside the declared range."""
     number = to_si(value, info.unit)
-    short = info.name.rpartition(".")[2]
+    short = info.short
     if not math.isfinite(number):
         raise TrackmarshalError(
             "D204", f"parameter `{short}` is not finite", help="leave it out to keep the spec's own value"
@@ -107,14 +107,14 @@ def _by_short_name(infos: Mapping[str, Any]) -> dict[str, list[Any]]:
     result: dict[str, list[Any]] = {}
     for name, info in infos.items():
         result.setdefault(name, []).append(info)
-        result.setdefault(name.rpartition(".")[2], []).append(info)
+        result.setdefault(short_name(info), []).append(info)
     return result
 
 
 def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
     found = known.get(name, [])
     if not found:
-        shorts = [key for key in known if "." not in key]
+        shorts = list(dict.fromkeys(short_name(info) for infos in known.values() for info in infos))
         listed = (
             f"it declares {', '.join(shorts[:12])}" + (", ..." if len(shorts) > 12 else "")
             if shorts

@@ -43,6 +43,7 @@ from trackmarshal.semantics.errors import (
 )
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.modules import Library
+from trackmarshal.semantics.records import check_field, record_params
 from trackmarshal.semantics.rulebooks import Rulebooks, check_signal, check_test_target
 from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope, spoken
@@ -114,6 +115,8 @@ class _Compiler:
         self.events: dict[str, Span] = {}
         self.params: dict[str, ParamInfo] = {}
         self.tables: dict[str, TableInfo] = {}
+        #: The parameters of records, by the identity of their declaration.
+        self.record_params: dict[int, list[ast.Param]] = {}
         #: By SI unit the scale of margins, and where it is declared first.
         self.scaled: dict[str, tuple[float, ast.Scale]] = {}
         self.places: dict[str, PlaceInfo] = {}
@@ -256,7 +259,9 @@ class _Compiler:
 
     def _fields_of_shapes(self, module: str) -> None:
         for item in self._own(module, ast.Shape):
-            fields = own_fields(self.x, item, lambda field: self._field(field, module))
+            fields = own_fields(
+                self.x, item, f"{module}.{item.name}", lambda field: self._field(field, module)
+            )
             if fields is not None:
                 self.x.own_fields.setdefault(f"{module}.{item.name}", fields)
 
@@ -391,12 +396,33 @@ class _Compiler:
         return to_si(float(expr.text), expr.unit or unit)
 
     def _params(self, module: str) -> None:
-        items = self._own(module, ast.Param)
+        for record in self._own(module, ast.ParamRecord):
+            self.x.attempt(lambda record=record: self._record(record, module), record.span.head)  # type: ignore[misc]
+        for item in self._own(module, ast.Param):
+            check_field(self.x, item, self.scopes[module])
+        items = [
+            param
+            for item in self.library.modules[module].tree.items
+            for param in (
+                [item]
+                if isinstance(item, ast.Param)
+                else self.record_params.get(id(item), [])
+                if isinstance(item, ast.ParamRecord)
+                else []
+            )
+        ]
         for item in items:
             self.x.params.setdefault(f"{module}.{item.name}", parse_unit(item.unit)[2])
             self.x.advice.units.setdefault(f"{module}.{item.name}", item.unit)
         for item in items:
             self.x.attempt(lambda item=item: self._param(item, module), item.span.head)  # type: ignore[misc]
+
+    def _record(self, item: ast.ParamRecord, module: str) -> None:
+        """The parameters that a record is made of; they are looked at with all others, in the order of their declarations."""
+        qualified = f"{module}.{item.name}"
+        shape, params = record_params(self.x, item, self.scopes[module])
+        self.record_params[id(item)] = params
+        self.x.records.setdefault(qualified, shape)
 
     def _param(self, item: ast.Param, module: str) -> None:
         dimension = parse_unit(item.unit)[2]
@@ -413,7 +439,17 @@ class _Compiler:
             self.x.fail(BadValue(at, problem, item.range.span))
         qualified = f"{module}.{item.name}"
         self.params.setdefault(
-            qualified, ParamInfo(qualified, number, item.unit, lower, upper, item.source, item.span)
+            qualified,
+            ParamInfo(
+                qualified,
+                number,
+                item.unit,
+                lower,
+                upper,
+                item.source,
+                item.span,
+                item.name.partition(".")[0] if "." in item.name else "",
+            ),
         )
 
     def _param_value(self, item: ast.Param, dimension: Dimension, module: str) -> float:
@@ -455,9 +491,12 @@ class _Compiler:
 
     def _without_value(self, qualified: str, span: Span, module: str) -> NoReturn:
         """Fail for a parameter that has no value yet; where its own error was reported, silently."""
-        own, _, short = qualified.rpartition(".")
-        symbol = self.scopes[module].own.get(short)
-        if own == module and symbol is not None:
+        own = self.scopes[module].own.items()
+        symbol, short = next(
+            ((known, name) for name, known in own if f"{qualified}.".startswith(f"{module}.{name}.")),
+            (None, ""),
+        )
+        if symbol is not None:
             declared: Span = symbol.item.__dict__["span"]
             if declared.start < span.start < declared.end:
                 self.x.fail(

@@ -517,6 +517,24 @@ class ShapeProblem(Diagnostic):
     hint: str = ""
 
 
+class RecordProblem(Diagnostic):
+    code = "E254"
+    title = "a record of parameters that does not fit its shape"
+    text = "{problem}"
+    other_label = "{about}"
+    remedy = "{hint}"
+    explanation = (
+        "`param limits : shape = { field: value, ... }` says what each field of the shape is, once. All fields are numbers, and each is a parameter "
+        "of its own, with a range and a source if need be: `limits.field`."
+    )
+
+    span: Span
+    problem: str
+    hint: str
+    other: Span | None = None
+    about: str = "it stands here first"
+
+
 class TablePeriod(Diagnostic):
     code = "E251"
     title = "a table whose period cannot be"

@@ -78,6 +78,9 @@ def _resolved(x: Expressions, symbol: typed.Symbol, at: Span, stack: tuple[str, 
     x.failed.add(name)  # until it is known
     base = _base(x, item, symbol, (*stack, name)) if item.base else {}
     own = x.own_fields[name]
+    other = x.scopes[symbol.module].find(item.base) if item.base and item.base not in SHAPES else None
+    if other is not None:
+        x.units[name] = {**x.units[other.qualified], **x.units[name]}
     twice = next((field for field in item.fields_ if field.name in base), None)
     if twice is not None:
         x.fail(
@@ -112,11 +115,12 @@ def check_shape(x: Expressions, item: ast.Shape, symbol: typed.Symbol) -> None:
 
 
 def own_fields(
-    x: Expressions, item: ast.Shape, read: Callable[[ast.Field], FieldType]
+    x: Expressions, item: ast.Shape, qualified: str, read: Callable[[ast.Field], FieldType]
 ) -> dict[str, Kind] | None:
     """The fields that a shape declares itself; None where one of them has an error."""
     before, found = len(x.found), dict[str, Kind]()
     first: dict[str, Span] = {}
+    units = x.units.setdefault(qualified, {})
     if item.name in SHAPES or item.name in _SIGNALS or item.name in UNITS:
         what = "unit" if item.name in UNITS else "shape" if item.name in SHAPES else "type"
         x.found.append(Hides(item.span.head, None, "shape", item.name, what, " of the language"))
@@ -131,5 +135,6 @@ def own_fields(
             x.found.append(
                 ShapeProblem(field.span, "a shape has numbers, Booleans and members, and no lines", hint)
             )
+        units[field.name] = made.unit
         found[field.name] = None if made.kind == "bool" else made.enumeration or parse_unit(made.unit)[2]
     return found if len(x.found) == before else None

@@ -428,13 +428,32 @@ class Event(Item):
 
 
 class Param(Item):
-    """`param mass : kg = 1160 kg in [900, 1400] source "..."`."""
+    """`param mass : kg = 1160 kg in [900, 1400] source "..."`; in a configuration also `limits.response`, a field of a record."""
 
     name: str
     unit: str
     value: Expr
     range: Range | None = None
     source: str | None = None
+    span: Span = NOWHERE
+
+
+class ParamField(Node):
+    """`response: 0.5 s in [0.1, 1] source "..."`: a field of a record of parameters."""
+
+    name: str
+    value: Expr
+    range: Range | None = None
+    source: str | None = None
+    span: Span = NOWHERE
+
+
+class ParamRecord(Item):
+    """`param limits : rss_limits = { response: 0.5 s, braking: 4 m/s^2 }`: parameters as one record, by a shape."""
+
+    name: str
+    shape: str
+    entries: tuple[ParamField, ...]
     span: Span = NOWHERE
 
 

@@ -8,7 +8,8 @@ from typing import Any
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
-from trackmarshal.syntax.errors import MixedChain, TooDeep, UnexpectedText, UnknownClause
+from trackmarshal.syntax.errors import MixedChain, TooDeep, UnexpectedText, UnknownClause, UnknownUnit
+from trackmarshal.syntax.foreign_units import unit_hint
 from trackmarshal.syntax.grammar import WORD_CHARACTERS
 from trackmarshal.syntax.keywords import CLAUSES
 from trackmarshal.syntax.lalr import Token
@@ -116,7 +117,7 @@ class Builder:
     def kind(self, meta: Meta, c: list[Any]) -> str:
         return str(c[0])
 
-    field_type = parameter_type = base_shape = kind
+    field_type = parameter_type = kind
 
     def fields(self, meta: Meta, c: list[Any]) -> tuple[ast.Field, ...]:
         return tuple(item for item in c if item is not None)
@@ -147,7 +148,20 @@ class Builder:
         return ast.Event(spelled(c[0]), unquoted(c[1]), self._span(meta))
 
     def param(self, meta: Meta, c: list[Any]) -> ast.Param:
-        return ast.Param(spelled(c[0]), plain_unit(c[1]), c[2], c[3], c[4], self._span(meta))
+        name = spelled(c[0]) if c[1] is None else f"{spelled(c[0])}.{spelled(c[1])}"
+        return ast.Param(name, plain_unit(c[2]), c[3], c[4], c[5], self._span(meta))
+
+    def param_field(self, meta: Meta, c: list[Any]) -> ast.ParamField:
+        return ast.ParamField(spelled(c[0]), c[1], c[2], c[3], self._span(meta))
+
+    def param_unknown(self, meta: Meta, c: list[Any]) -> ast.Param:
+        """A name where a unit belongs: only a record `{ ... }` has a shape."""
+        name = spelled(c[1])
+        raise Refused(UnknownUnit(self._at(c[1]), "unit", name, unit_hint(name, name, "")))
+
+    def param_record(self, meta: Meta, c: list[Any]) -> ast.ParamRecord:
+        entries = tuple(entry for entry in c[2:] if entry is not None)
+        return ast.ParamRecord(spelled(c[0]), spelled(c[1]), entries, self._span(meta))
 
     def source_text(self, meta: Meta, c: list[Any]) -> str:
         return unquoted(c[0])

@@ -113,6 +113,21 @@ class Layout:
             text = self._w.append(text, 0, limits.ljust(columns.range) if source else limits, 2)
         return self._w.append(text, 0, source, 2) if source else text
 
+    def _param_record(self, item: ast.ParamRecord, columns: Columns) -> Laid:
+        head = f"param {self._n.name(item.name)} : {self._n.name(item.shape)} = {{"
+        entries = [self._param_field(entry) for entry in item.entries]
+        pieces = [Piece(head, 0), *(_placed(f"{text},", entry) for text, entry in zip(entries, item.entries))]
+        pieces.append(Piece("}", 0, item.span.end - 1, item.span.end))
+        flat = f"{head} {', '.join(entries)} }}"
+        return Laid(pieces, flat if len(flat) <= WIDTH and "\n" not in flat else None)
+
+    def _param_field(self, entry: ast.ParamField) -> str:
+        lead = f"{self._n.name(entry.name)}: "
+        text = lead + self._w.lay(entry.value, SUM, 2 + len(lead))
+        if entry.range is not None:
+            text = self._w.append(text, 2, self._range(entry.range), 4)
+        return text if entry.source is None else self._w.append(text, 2, f"source {quoted(entry.source)}", 4)
+
     def _constrain(self, item: ast.Constrain, columns: Columns) -> str:
         head = "constrain "
         text = head + self._w.lay(item.condition, EXPRESSION, len(head))
@@ -387,7 +402,7 @@ def _between(text: str, pair: tuple[ast.Expr, ast.Expr]) -> Piece:
 
 _ITEMS: dict[type[ast.Item], Callable[[Layout, Any, Columns], Laid | str]] = {
     ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Enum: Layout._enum, ast.Event: Layout._event,
-    ast.Param: Layout._param, ast.Constrain: Layout._constrain, ast.Scale: Layout._scale, ast.Define: Layout._define, ast.Shape: Layout._shape, ast.Signal: Layout._signal,
+    ast.Param: Layout._param, ast.ParamRecord: Layout._param_record, ast.Constrain: Layout._constrain, ast.Scale: Layout._scale, ast.Define: Layout._define, ast.Shape: Layout._shape, ast.Signal: Layout._signal,
     ast.Table: Layout._table, ast.Place: Layout._place, ast.Assume: Layout._assume, ast.Rule: Layout._rule,
     ast.State: Layout._state, ast.Rulebook: Layout._rulebook, ast.Test: Layout._test,
 }  # fmt: skip

@@ -164,7 +164,9 @@ class _Preparation:
     def _given(self, entry: ast.Given, case: dict[str, Any]) -> None:
         symbol = self._scope.find(entry.name)
         item = symbol.item if symbol is not None else None
-        if symbol is None or not isinstance(item, (ast.Signal, ast.Event, ast.Param, ast.Table, ast.Place)):
+        if symbol is None or not isinstance(
+            item, (ast.Signal, ast.Event, ast.Param, ast.ParamRecord, ast.Table, ast.Place)
+        ):
             if entry.name in self._scope.broken:
                 raise Poison  # its declaration has an error of syntax
             self._unknown(entry)
@@ -186,6 +188,8 @@ class _Preparation:
                 if info is None:
                     raise Poison  # its declaration was reported
                 case["params"][symbol.qualified] = self._param(info, entry.value)
+            case ast.ParamRecord():
+                case["params"] |= self._param_record(symbol, entry.value)
             case ast.Table():
                 table = self._spec.tables.get(symbol.qualified)
                 if table is None:
@@ -202,7 +206,7 @@ class _Preparation:
                 case["places"][symbol.qualified] = self._points(entry.value)
 
     def _unknown(self, entry: ast.Given) -> NoReturn:
-        kinds = (ast.Signal, ast.Event, ast.Param, ast.Table, ast.Place)
+        kinds = (ast.Signal, ast.Event, ast.Param, ast.ParamRecord, ast.Table, ast.Place)
         symbols = {name: self._scope.find(name) for name in self._scope.names()}
         known = [
             name for name, symbol in symbols.items() if symbol is not None and isinstance(symbol.item, kinds)
@@ -220,8 +224,29 @@ class _Preparation:
             raise Poison
         self.fail(entry.span.word(entry.name), problem, hint)
 
+    def _param_record(self, symbol: typed.Symbol, value: ast.Expr) -> dict[str, float]:
+        """Some fields of a record of parameters, or all; the others stay."""
+        if not isinstance(value, ast.RecordValue):
+            self.fail(_span(value), "a record is needed here", f"write `{symbol.name} = {{ field: value }}`")
+        infos = {
+            info.short: info
+            for info in self._spec.params.values()
+            if info.name.startswith(f"{symbol.qualified}.")
+        }
+        if not infos:
+            raise Poison  # its declaration was reported
+        given: dict[str, float] = {}
+        for name, each in zip(value.names, value.values):
+            info = infos.get(f"{symbol.name}.{name}")
+            if info is None:
+                fields = [short.partition(".")[2] for short in infos]
+                hint = close_matches(name, fields) or f"it has {', '.join(fields)}"
+                self.fail(_span(each), f"`{symbol.name}` has no field `{name}`", hint)
+            given[info.name] = self._param(info, each)
+        return given
+
     def _param(self, info: ParamInfo, value: ast.Expr) -> float:
-        number = self._number(value, info.unit, f"the parameter `{info.name.rpartition('.')[2]}`")
+        number = self._number(value, info.unit, f"the parameter `{info.short}`")
         if not math.isfinite(number):
             self.fail(_span(value), "a parameter is finite")
         if (info.lower is not None and number < info.lower) or (

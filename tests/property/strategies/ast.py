@@ -290,6 +290,13 @@ def _pairs(least: int) -> SearchStrategy[tuple[tuple[ast.Expr, ast.Expr], ...]]:
 
 
 @cache
+def _param_records() -> SearchStrategy[ast.ParamRecord]:
+    entries = st.builds(ast.ParamField, names(), expressions(), ranges(), st.none() | strings())
+    shapes = names().filter(lambda n: n not in UNITS) | st.sampled_from(["pose", "moving", "vehicle"])
+    return st.builds(ast.ParamRecord, names(), shapes, st.lists(entries, min_size=1, max_size=6).map(tuple))
+
+
+@cache
 def _shapes() -> SearchStrategy[ast.Shape]:
     fields = st.builds(
         ast.Field,
@@ -397,6 +404,7 @@ def items() -> SearchStrategy[ast.Item]:
         _tables(),
         st.builds(ast.Scale, units(), bounds()),
         _shapes(),
+        _param_records(),
         st.builds(ast.Place, st.sampled_from(["zone", "line"]), names(), strings(), places),
         _definitions(),
         st.builds(ast.Assume, labels(), strings(), clause_lists),
