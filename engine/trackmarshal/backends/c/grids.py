@@ -15,7 +15,7 @@ typedef struct {
   bool steps;
   bool clamped;
   double length;
-} tm_axis;
+} tm_table_axis;
 
 /* Where an argument lies among knots: between those of two, or at one. */
 typedef struct {
@@ -25,14 +25,14 @@ typedef struct {
   double end;
   double at;
   bool known;
-} tm_spot;
+} tm_table_spot;
 """
 _GRID = """/* A table of two arguments; its cells are row by row. */
 typedef struct {
-  tm_axis rows;
-  tm_axis columns;
+  tm_table_axis rows;
+  tm_table_axis columns;
   const double *cells;
-} tm_grid;
+} tm_table_grid;
 """
 
 
@@ -52,7 +52,7 @@ def types(plan: Layout) -> Iterator[str]:
             _axis(f"{own}_down", info.knots, info.way),
             _axis(f"{own}_across", info.across.knots, info.across.way),
         )
-        yield f"{text}static const tm_grid {own}_whole = {{{rows}, {columns}, {own}_cells}};\n"
+        yield f"{text}static const tm_table_grid {own}_whole = {{{rows}, {columns}, {own}_cells}};\n"
 
 
 def _array(name: str, values: Sequence[float]) -> str:

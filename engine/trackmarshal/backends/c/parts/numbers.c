@@ -166,12 +166,12 @@ static double tm_wrapped(double x, double length) {
 }
 
 /** Where an argument lies among the knots of an axis; it is not known where the table has no value. */
-static tm_spot tm_place_on(const tm_axis *axis, double argument) {
+static tm_table_spot tm_place_on(const tm_table_axis *axis, double argument) {
   const size_t last = axis->count - 1u;
   const double first = axis->knots[0];
   const double end = axis->knots[last];
   const bool periodic = axis->length > 0.0;
-  tm_spot spot = {0u, 0u, 0.0, 0.0, argument, true};
+  tm_table_spot spot = {0u, 0u, 0.0, 0.0, argument, true};
   double x = argument;
   size_t low = 0u;
   size_t high = last;
@@ -213,7 +213,7 @@ static tm_spot tm_place_on(const tm_axis *axis, double argument) {
 }
 
 /** The value at a place, of those of its two knots. */
-static double tm_value_at(const tm_spot *spot, double low, double high) {
+static double tm_value_at(const tm_table_spot *spot, double low, double high) {
   double value = low;
   if (spot->low != spot->high) {
     const double slope = (high - low) / (spot->end - spot->start);
@@ -224,15 +224,15 @@ static double tm_value_at(const tm_spot *spot, double low, double high) {
 
 /** A table that is not `linear clamp`; NaN where it has no value. */
 static double tm_read_table(const tm_table *table, bool steps, bool clamped, double length, double x) {
-  const tm_axis axis = {table->knot, table->count, steps, clamped, length};
-  const tm_spot spot = tm_place_on(&axis, x);
+  const tm_table_axis axis = {table->knot, table->count, steps, clamped, length};
+  const tm_table_spot spot = tm_place_on(&axis, x);
   return spot.known ? tm_value_at(&spot, table->value[spot.low], table->value[spot.high]) : TM_NAN;
 }
 
 /** A table of two arguments: along the columns in each of two rows, then along the rows; NaN where it has no value. */
-static double tm_read_grid(const tm_grid *grid, double x, double y) {
-  const tm_spot down = tm_place_on(&grid->rows, x);
-  const tm_spot across = tm_place_on(&grid->columns, y);
+static double tm_read_grid(const tm_table_grid *grid, double x, double y) {
+  const tm_table_spot down = tm_place_on(&grid->rows, x);
+  const tm_table_spot across = tm_place_on(&grid->columns, y);
   const double *first = &grid->cells[down.low * grid->columns.count];
   const double *second = &grid->cells[down.high * grid->columns.count];
   const double low = tm_value_at(&across, first[across.low], first[across.high]);
