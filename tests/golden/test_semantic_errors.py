@@ -34,10 +34,13 @@ from trackmarshal.semantics import (
     errors,
     expressions,
     modules,
+    records,
     rulebooks,
     rules,
     scope,
+    shapes,
     states,
+    tables,
 )
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing import cases
@@ -145,10 +148,13 @@ _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
             enums,
             expressions,
             modules,
+            records,
             rulebooks,
             rules,
             scope,
+            shapes,
             states,
+            tables,
         )
     ),
     (cases, frozenset({*vars(test_errors), "fail"})),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from trackmarshal.backends.c import machine, parts
+from trackmarshal.backends.c import grids, machine, parts
 from trackmarshal.backends.c.configuration import configuration
 from trackmarshal.backends.c.contract import Supervised, supervised_layout
 from trackmarshal.backends.c.door import Door
@@ -105,6 +105,7 @@ def _source(
         isinstance(node, ir.Fold) for rule in plan.rules for root in roots(rule) for node in ir.below(root)
     ):
         types.append(FOLD)
+    types += grids.types(plan)
     context = {
         "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found or plan.remembers else [CASES])],  # the header has it where it has what is made of them
         "functions": [known[function] for function in parts.needed([*bodies, *tail])], "bodies": bodies,

@@ -10,6 +10,7 @@ from trackmarshal.backends.c.rules import remembers
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.results import rule_result
+from trackmarshal.ir.margins import own_unit
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
@@ -36,7 +37,7 @@ class Explaining:
             return rule_result(rule, frame, CaseView(self._plain.run([frame]), 0), said, series)
         blocked = frame.unusable(rule.reads)
         reason = "nothing in its range" if said[0] == "inactive" else "" if blocked is None else str(blocked)
-        unit = rule.unit if rule.unit != "mixed" else "1"
+        unit = rule.unit if own_unit(rule.unit) else "1"
         own = about.get(number) if blocked is None else None
         told = own or (About(frame.number, *said, said[0] != "open"),)
         return RuleResult(rule.name, *said, unit, None, reason, None, "", told)
