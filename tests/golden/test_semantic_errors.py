@@ -38,6 +38,7 @@ from trackmarshal.semantics import (
     rules,
     scope,
     states,
+    stretches,
 )
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing import cases
@@ -149,6 +150,7 @@ _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
             rules,
             scope,
             states,
+            stretches,
         )
     ),
     (cases, frozenset({*vars(test_errors), "fail"})),

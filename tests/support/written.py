@@ -140,6 +140,12 @@ def formula(node: typed.Formula) -> ast.Expr:
             return ast.Within(number(node.value), number(node.lower), number(node.upper))
         case typed.InZone():
             return ast.InZone(written(node.point), node.zone.symbol.name)
+        case typed.InStretch() if node.symbol is not None:
+            return ast.InStretch(written(node.place), node.symbol.name)
+        case typed.InStretch():
+            return ast.BetweenStations(
+                written(node.place), written(node.line), number(node.start), number(node.end)
+            )
         case typed.Inside():
             return called("inside", node.region, node.area)
         case typed.ClearOf():

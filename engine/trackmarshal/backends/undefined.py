@@ -20,7 +20,7 @@ MOST = 3
 _WIDTH = 100
 _NUMBERS = (
     ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Station, ir.Offset,
-    ir.Direction, ir.Distance, ir.StationGap, ir.Ordinal, ir.Fold,
+    ir.Direction, ir.Distance, ir.StationGap, ir.StretchRoom, ir.Ordinal, ir.Fold,
 )  # fmt: skip
 
 
@@ -233,6 +233,9 @@ def _text(node: ir.Num, env: Env, frame: Frame) -> str:
             return f"{node.spoken} along {_line(node.line)} of ({of(node.x)}, {of(node.y)})"
         case ir.StationGap():
             return f"{node.spoken} along {_line(node.line)} of ({of(node.start)}, {of(node.end)})"
+        case ir.StretchRoom():
+            ends = f"from {of(node.start)} to {of(node.end)}"
+            return f"{node.spoken} along {_line(node.line)} {ends} of {of(node.station)}"
         case ir.Kept():
             machine = node.machine.name.rpartition(".")[2]
             return f"{machine}.{node.name}" if node.name else f"time_in({machine})"

@@ -68,6 +68,12 @@ def _leaf(part: ir.AnyNode, env: Env, values: Reference) -> tuple[str, float] | 
             return f"{part.machine.name}.{what}", values.number(part, env)
         case ir.Lookup():
             return f"{part.table}({figure(values.number(part.argument, env))})", values.number(part, env)
+        case ir.StretchRoom():
+            station, start, end = (
+                figure(values.number(each, env)) for each in (part.station, part.start, part.end)
+            )
+            told = f"{part.spoken} along {part.line.name} from {start} to {end} of {station}"
+            return told, values.number(part, env)
         case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
             ends = (part.start, part.end) if isinstance(part, ir.StationGap) else (part.x, part.y)
             inside = ", ".join(figure(values.number(end, env)) for end in ends)

@@ -30,7 +30,7 @@ def constant_value(node: ir.Num, param: Callable[[str], float | None]) -> float 
             return None
         case ir.Ordinal() | ir.Fold() | ir.Kept():
             return None
-        case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+        case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap() | ir.StretchRoom():
             return None
         case _:
             assert_never(node)

@@ -212,6 +212,21 @@ class StationGap(IR):
     end: Num
 
 
+class StretchRoom(IR):
+    """How far inside the stretch of a line from one station ahead to another a station lies, along the line [m]; negative: outside.
+
+    On a closed line a stretch goes on over the finish line, and one that ends where it begins is the whole lap. NaN on an open line
+    where `end` is before `start`. name: of its declaration, by which it may be on a certain track; "" without one.
+    """
+
+    spoken: ClassVar[str] = "room in a stretch"
+    line: Line
+    name: str
+    station: Num
+    start: Num
+    end: Num
+
+
 class Kept(IR):
     """A number that a state machine keeps, where it is known: since when it is in its state, as a duration [s], or what it remembers.
 
@@ -476,11 +491,11 @@ class InState(IR):
 #: What a projection of a point onto a line gives.
 Projected: TypeAlias = Station | Offset | Direction
 #: Numbers read off a line.
-Along: TypeAlias = Station | Offset | Direction | Distance | StationGap
+Along: TypeAlias = Station | Offset | Direction | Distance | StationGap | StretchRoom
 #: A number.
 Num: TypeAlias = (
     Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup
-    | Station | Offset | Direction | Distance | StationGap | Ordinal | Fold | Kept
+    | Station | Offset | Direction | Distance | StationGap | StretchRoom | Ordinal | Fold | Kept
 )  # fmt: skip
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea

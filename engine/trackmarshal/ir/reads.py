@@ -32,7 +32,14 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
                 pass  # what they are made of is below, too
             case ir.Ordinal() | ir.Fold():
                 pass
-            case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+            case (
+                ir.Station()
+                | ir.Offset()
+                | ir.Direction()
+                | ir.Distance()
+                | ir.StationGap()
+                | ir.StretchRoom()
+            ):
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass

@@ -158,6 +158,8 @@ class Lowering:
                 return make(ir.Flag, node.symbol.name, None, None, 0, site or node.span)
             case typed.Boolean():
                 return make(ir.Truth, node.value)
+            case typed.InStretch():
+                return self._in_stretch(node, site)
             case typed.Inside() | typed.ClearOf() | typed.InZone():
                 return self._geometry(node, site)
             case typed.Temporal() | typed.Until() | typed.Step() | typed.Edge():
@@ -306,6 +308,19 @@ class Lowering:
         for other in others:
             first = self.make(ir.Connective, "and", first, other)
         return first
+
+    def _in_stretch(self, node: typed.InStretch, site: Span | None) -> ir.Formula:
+        """How far inside it is, is not below zero."""
+        line = self.things.line(node.line)
+        if isinstance(node.place, typed.NumberNode):
+            station = self.number(node.place, site)
+        else:
+            station = self.make(ir.Station, line, *self.things.point(node.place))
+        start, end = self.number(node.start, site), self.number(node.end, site)
+        name = "" if node.symbol is None else node.symbol.qualified
+        room = self.make(ir.StretchRoom, line, name, station, start, end)
+        zero = self.make(ir.Const, 0.0)
+        return self.make(ir.Compare, "<=", zero, room, "m", site or node.span, "", False)
 
     def _geometry(
         self, node: typed.Inside | typed.ClearOf | typed.InZone, site: Span | None

@@ -33,6 +33,7 @@ from trackmarshal.semantics.constants import constant_value, literal_problem, se
 from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.enums import check_enum, declared, unknown
 from trackmarshal.semantics.errors import (
+    BackwardStretch,
     BadValue,
     Duplicate,
     NeverAsked,
@@ -46,6 +47,7 @@ from trackmarshal.semantics.rulebooks import Rulebooks, check_signal, check_test
 from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope, spoken
 from trackmarshal.semantics.states import check_state
+from trackmarshal.semantics.stretches import ends, on_open_line
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
@@ -130,6 +132,7 @@ class _Compiler:
             self._params,
             self._tables,
             self._places,
+            self._stretches,
             self._states,
             self._definitions,
             self._constraints,
@@ -498,6 +501,19 @@ class _Compiler:
         self.places.setdefault(
             qualified, PlaceInfo(qualified, item.kind, points, item.span, track_of(module))
         )
+
+    def _stretches(self, module: str) -> None:
+        for item in self._own(module, ast.Stretch):
+            if not self.x.attempt(lambda item=item: self._stretch(item, module), item.span.head):  # type: ignore[misc]
+                self.x.failed.add(f"{module}.{item.name}")
+
+    def _stretch(self, item: ast.Stretch, module: str) -> None:
+        line, *numbers = ends(item, self.x, self._context(module))
+        start, end = self.x.all(
+            *(lambda n=n: self._constant(Lowering(self.interner).number(n), n.span, module) for n in numbers)
+        )
+        if on_open_line(line) and end < start:
+            self.x.fail(BackwardStretch(numbers[1].span, line.span, in_full(start, "m"), in_full(end, "m")))
 
     def _definitions(self, module: str) -> None:
         # A definition may use the rule's timeline: check it with one at hand.

@@ -165,6 +165,24 @@ class InZone(Expr):
     span: Span = NOWHERE
 
 
+class InStretch(Expr):
+    """`p in stretch chicane`."""
+
+    value: Expr
+    stretch: str
+    span: Span = NOWHERE
+
+
+class BetweenStations(Expr):
+    """`p in stretch(track, 4900 m, 120 m)`."""
+
+    value: Expr
+    line: Expr
+    start: Expr
+    end: Expr
+    span: Span = NOWHERE
+
+
 class Window(Node):
     """The bounds of a temporal operator, `[0 s, 0.5 s]`."""
 
@@ -465,6 +483,17 @@ class Place(Item):
     name: str
     text: str
     points: tuple[tuple[Expr, Expr], ...]
+    span: Span = NOWHERE
+
+
+class Stretch(Item):
+    """`stretch chicane on track = 4900 m to 120 m`: what lies along a line from one station ahead to another."""
+
+    name: str
+    text: str
+    line: Expr
+    start: Expr
+    end: Expr
     span: Span = NOWHERE
 
 

@@ -48,6 +48,10 @@ class PlaceWriter(FormulaWriter):
         return [
             lambda: f"({self._one(self.known('point', scope))} in zone {self._one(zones)})",
             lambda: (
+                f"({self._one(self.known('point', scope))} in stretch({self._one(self._lines(scope))}, "
+                f"{self.number(LENGTH, depth - 1, scope, False)}, {self._leaf(LENGTH, scope)}))"
+            ),
+            lambda: (
                 f"({self._hull(depth, scope)} inside {self._one([*zones, *self.known('corridor', scope)])})"
             ),
             lambda: f"({self._hull(depth, scope)} clear_of {self._box(depth, scope)})",

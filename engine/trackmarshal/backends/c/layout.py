@@ -144,7 +144,9 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass  # what they are made of is below, too
                     case ir.Ordinal() | ir.Fold():
                         pass
-                    case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+                    case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance():
+                        pass
+                    case ir.StationGap() | ir.StretchRoom():
                         pass
                     case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not() | ir.Connective():
                         pass

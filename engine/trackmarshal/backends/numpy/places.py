@@ -183,6 +183,14 @@ def gap(batch: Batch, line: ir.Line, start: Any, end: Any) -> Any:
     return _ask(batch, line, "gap", (start, end), shape)[0] if 0 not in shape else np.empty(shape)
 
 
+def stretch_room(batch: Batch, line: ir.Line, station: Any, start: Any, end: Any) -> Any:
+    """How far inside stretches of a line stations lie."""
+    shape = np.broadcast(station, start, end).shape
+    if 0 in shape:
+        return np.empty(shape)
+    return _ask(batch, line, "stretch_room", (station, start, end), shape)[0]
+
+
 def fault(batch: Batch, index: int, area: ir.Area) -> str | None:
     """What makes an area unusable in one case."""
     owners = _owners(batch, area)

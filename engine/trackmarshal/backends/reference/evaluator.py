@@ -107,6 +107,15 @@ class Reference:
                 return geometry.station_gap(
                     points, self.number(node.start, env), self.number(node.end, env), closed
                 )
+            case ir.StretchRoom():
+                points, closed = self.line(node.line)
+                return geometry.stretch_room(
+                    points,
+                    self.number(node.station, env),
+                    self.number(node.start, env),
+                    self.number(node.end, env),
+                    closed,
+                )
             case ir.Kept():
                 return self._kept[node]
             case ir.Ordinal():
