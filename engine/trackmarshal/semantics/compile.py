@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import NoReturn, TypeGuard, TypeVar
 
-from trackmarshal import typed
+from trackmarshal import outlines, typed
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -34,6 +34,7 @@ from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.enums import check_enum, declared, unknown
 from trackmarshal.semantics.errors import (
     BackwardStretch,
+    BadPlace,
     BadValue,
     Duplicate,
     NeverAsked,
@@ -497,6 +498,11 @@ class _Compiler:
         if len(set(points)) < least:
             problem = f"a {item.kind} has at least {least} different points, not {len(set(points))}"
             self.x.fail(BadValue(item.span.head, problem))
+        wrong = outlines.problem(item.kind, points)
+        if wrong is not None:
+            other = None if wrong.other is None else _point(item, wrong.other)
+            text = f"the {item.kind} `{item.name}` {wrong.text}"
+            self.x.fail(BadPlace(_point(item, wrong.at), other, text, wrong.hint))
         qualified = f"{module}.{item.name}"
         self.places.setdefault(
             qualified, PlaceInfo(qualified, item.kind, points, item.span, track_of(module))
@@ -589,6 +595,12 @@ class _Compiler:
 def _is_word(expr: ast.Expr | None) -> TypeGuard[ast.Name]:
     """Whether a default is a word, and not the name of a number."""
     return isinstance(expr, ast.Name) and expr.name != "inf"
+
+
+def _point(item: ast.Place, index: int) -> Span:
+    """Where a point of a zone or a line stands."""
+    x, y = (expr.__dict__["span"] for expr in item.points[index])
+    return Span(x.file, x.start, y.end)
 
 
 def _outside(lower: float | None, upper: float | None, unit: str) -> str:

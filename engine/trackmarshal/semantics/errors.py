@@ -374,6 +374,25 @@ class BackwardStretch(Diagnostic):
     end: str
 
 
+class BadPlace(Diagnostic):
+    code = "E261"
+    title = "a zone or a line that is none"
+    text = "{problem}"
+    label = "here"
+    other_label = "this one, too"
+    remedy = "{hint}"
+    explanation = (
+        "A zone is what one ring encloses: it has an area, and crosses or touches itself nowhere. A line leads from point to point; it may cross itself, "
+        "but not run back over itself. Where a place is none, every rule that reads it would be undefined, so it is found before anything is driven. Data "
+        "that brings places of its own is held to the same (D204); points that repeat are dropped there."
+    )
+
+    span: Span
+    other: Span | None
+    problem: str
+    hint: str
+
+
 class UnknownMember(Diagnostic):
     code = "E247"
     title = "no such member"

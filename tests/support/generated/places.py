@@ -131,6 +131,15 @@ class Road:
             points.append([x + 1.0, y])
         return points
 
+    def mark(self) -> Points:
+        """A line that goes on to the right, and so lies nowhere twice: what a spec may declare."""
+        first, *others = self.line()
+        points = [first]
+        for point in others:
+            if point[0] > points[-1][0]:
+                points.append(point)
+        return points if len(points) > 1 else [first, [first[0] + 1.0, first[1]]]
+
     def ring(self) -> Points:
         """A simple polygon around some point, or a box."""
         x, y = self.choices.pick((0.0, 1.0, -5.0)), self.choices.pick((0.0, 2.0))

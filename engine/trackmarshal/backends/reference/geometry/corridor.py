@@ -6,7 +6,9 @@ import math
 from collections.abc import Sequence
 from functools import lru_cache
 
-from trackmarshal.backends.reference.geometry.points import (
+from trackmarshal.backends.reference.geometry.quads import union_of_quads
+from trackmarshal.backends.reference.geometry.region import Region, hull_margin, odd_crossings, point_margin
+from trackmarshal.points import (
     LIMIT,
     Point,
     Pose,
@@ -19,8 +21,6 @@ from trackmarshal.backends.reference.geometry.points import (
     side,
     usable,
 )
-from trackmarshal.backends.reference.geometry.quads import union_of_quads
-from trackmarshal.backends.reference.geometry.region import Region, hull_margin, odd_crossings, point_margin
 
 Side = tuple[Point, Point]
 Points = Sequence[Sequence[float]]

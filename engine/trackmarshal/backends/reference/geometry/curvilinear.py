@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from trackmarshal.backends.reference.geometry.points import (
+from trackmarshal.points import (
     Point,
     Segment,
     along,

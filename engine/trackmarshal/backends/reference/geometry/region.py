@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from trackmarshal.backends.reference.geometry.curve import Placed, curve, placed
 from trackmarshal.backends.reference.geometry.footprint import convex_hull, depth, swept_corners
-from trackmarshal.backends.reference.geometry.points import (
+from trackmarshal.points import (
     Point,
     Pose,
     Segment,
