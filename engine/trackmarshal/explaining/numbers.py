@@ -68,6 +68,11 @@ def _leaf(part: ir.AnyNode, env: Env, values: Reference) -> tuple[str, float] | 
             return f"{part.machine.name}.{what}", values.number(part, env)
         case ir.Lookup():
             return f"{part.table}({figure(values.number(part.argument, env))})", values.number(part, env)
+        case ir.OnLane():
+            inside = ", ".join(figure(values.number(end, env)) for end in part.ends)
+            lane = int(values.number(part.lane, env))
+            side = "" if part.side == "centre" else f".{part.side}"
+            return f"{part.spoken} of {part.signal}[{lane}]{side} of ({inside})", values.number(part, env)
         case ir.StretchRoom():
             station, start, end = (
                 figure(values.number(each, env)) for each in (part.station, part.start, part.end)

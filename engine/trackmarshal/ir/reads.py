@@ -30,6 +30,8 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
                 result.add((node.axis.signal, "t"))
             case ir.Const() | ir.Param() | ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Lookup():
                 pass  # what they are made of is below, too
+            case ir.OnLane():
+                result |= {(node.signal, "left"), (node.signal, "right")}
             case ir.Ordinal() | ir.Fold():
                 pass
             case (

@@ -314,6 +314,8 @@ class Expressions:
         value = self.value(expr.value, ctx)
         span = expr.span
         if isinstance(value, typed.RecordNode):
+            if expr.name in ("left", "right") and calls.is_lane(value):
+                return typed.LaneSide(value, expr.name, span)
             if expr.name not in value.shape:
                 hint = close_matches(expr.name, value.shape)
                 if not hint and value.signal is not None and value.signal.field(expr.name) is not None:

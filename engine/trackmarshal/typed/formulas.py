@@ -97,6 +97,14 @@ class Inside(FormulaNode):
     span: Span
 
 
+class Meets(FormulaNode):
+    """`footprint(o) meets l`: a footprint and a lane have a point in common."""
+
+    region: Region
+    area: Area
+    span: Span
+
+
 class ClearOf(FormulaNode):
     """`clear_of(footprint, other)`, of which the other one is at rest."""
 
@@ -284,6 +292,6 @@ class NamedFormula(FormulaNode):
 
 #: A formula.
 Formula: TypeAlias = (
-    Boolean | Event | BooleanField | Comparison | Chained | Within | InZone | InStretch | Inside | ClearOf | Not | Connective | Quantified
+    Boolean | Event | BooleanField | Comparison | Chained | Within | InZone | InStretch | Inside | Meets | ClearOf | Not | Connective | Quantified
     | Temporal | Until | Step | Edge | CountComparison | InState | IsMember | FormulaCase | CalledFormula | NamedFormula
 )  # fmt: skip

@@ -282,7 +282,7 @@ def ranges() -> SearchStrategy[ast.Range | None]:
 
 @cache
 def _signals() -> SearchStrategy[ast.Signal]:
-    kinds = st.sampled_from(["trajectory", "series", "state", "object", "corridor", "polyline"])
+    kinds = st.sampled_from(["trajectory", "series", "state", "object", "corridor", "polyline", "lane"])
     types = st.one_of(
         units(), st.sampled_from(["polyline", "bool"]), names().filter(lambda n: n not in UNITS)
     )

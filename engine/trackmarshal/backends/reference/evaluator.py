@@ -9,6 +9,7 @@ from typing import assert_never
 
 from trackmarshal.backends import witness
 from trackmarshal.backends.reference import geometry, temporal
+from trackmarshal.backends.reference.lanes import on_lane
 from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
@@ -118,6 +119,9 @@ class Reference:
                 )
             case ir.Kept():
                 return self._kept[node]
+            case ir.OnLane():
+                ends = [self.number(end, env) for end in node.ends]
+                return on_lane(node, self.frame, self.number(node.lane, env), ends)
             case ir.Ordinal():
                 return float(env[node.axis.level])
             case ir.Fold():

@@ -38,6 +38,13 @@ class Region:
         return any(odd_crossings(x, y, group) for group in self.groups)
 
 
+class Outside(Region):
+    """All that is not strictly inside a region, with the same border."""
+
+    def holds(self, x: float, y: float) -> bool:
+        return not super().holds(x, y)
+
+
 def odd_crossings(x: float, y: float, sides: Sequence[tuple[Point, Point]]) -> bool:
     """Whether the ray from a point along +x crosses the sides an odd number of times."""
     inside = False
