@@ -181,6 +181,34 @@ def test_what_cannot_be_read_is_refused(lanes: Any, code: str, text: str) -> Non
     assert text in str(raised.value) + str(raised.value.help)
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("lanes", "said"),
+    [
+        (None, ["D201 lanes: it is not there"]),
+        ([CROSSING, LANES[0], CROSSING], ["D217 lanes[0]: left border meets right border near (5.800, 0.000), and 1 more"]),
+        ([{}, {"left": LANES[0]["left"]}], ["lanes.left[0]: it is not there", "lanes.right[0]: it is not there, and 1 more"]),
+        ({"left": [LANES[0]["left"]], "right": [LANES[0]["right"]] * 2}, ["wrong_length", "lanes.left[1]: it is not there"]),
+    ],
+)  # fmt: skip
+def test_each_kind_of_fault_is_said_once(backend: str, lanes: Any, said: list[str]) -> None:
+    spec = made("exists l in lanes\n  require footprint(ego, 2 m, 2 m) meets l")
+    result = Evaluator(spec, backend=backend).case({"signals": {**SIGNALS, "lanes": lanes}})
+    assert result.rules["made"].verdict == "undefined"
+    assert len(result.faults) == len(said), result.faults
+    for fault, text in zip(result.faults, said):
+        assert text.partition(": ")[2] in fault or text == name_of(fault) or text in fault, fault
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_car_that_is_nowhere(backend: str) -> None:
+    found = judged(
+        "exists l in lanes\n  require footprint(ego, 2 m, 2 m) meets l", backend, ego={**EGO, "x": None}
+    )
+    assert found.verdict == "undefined"
+    assert "ego.x" in str(found)
+
+
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 def test_generated_c_has_none() -> None:
     spec = made("exists l in lanes\n  require footprint(ego, 2 m, 2 m) meets l")

@@ -290,6 +290,23 @@ def _corridor(batch: Batch, index: int, name: str) -> geometry.Corridor:
     return corridor
 
 
+def lane(batch: Batch, left: Line, right: Line) -> geometry.Corridor:
+    """The road between the borders of a lane, open at both ends."""
+    made: geometry.Corridor = _keep(
+        batch, ("corridor", id(left), id(right), False), (left, right),
+        lambda: geometry.Corridor(left.points, right.points, False),
+    )  # fmt: skip
+    return made
+
+
+def polyline(batch: Batch, line: Line) -> geometry.Polyline:
+    """A border of a lane."""
+    made: geometry.Polyline = _keep(
+        batch, ("line", id(line), False), line, lambda: geometry.Polyline(line.points, False)
+    )
+    return made
+
+
 def _area(batch: Batch, index: int, area: ir.Area) -> geometry.Polygon | geometry.Corridor:
     if area.kind == "corridor":
         return _corridor(batch, index, area.name)

@@ -9,7 +9,7 @@ from typing import Any
 from trackmarshal.runtime.contract import Signal
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
-from trackmarshal.runtime.faults import Fault, fault
+from trackmarshal.runtime.faults import Fault, fault, name_of
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.geometry.corridor import corridor_region
 from trackmarshal.runtime.lines import Line
@@ -30,15 +30,16 @@ class LanesReader:
         """Put the lanes into a frame. Where the set is none at all, that is said with its columns."""
         name = self.signal.name
         frame.lanes[name] = ((NOWHERE, NOWHERE),)
-        before = len(faults)
+        found: list[Fault] = []
         try:
             sides = _sides(raw)
             if sides is not None:
                 frame.lanes[name] = tuple(
-                    self._lane(index, pair, faults) for index, pair in enumerate(zip(*sides))
+                    self._lane(index, pair, found) for index, pair in enumerate(zip(*sides))
                 )
+            faults += _first(found)
         except Exception:  # what was handed in has a say in how it is read
-            del faults[before:]
+            frame.lanes[name] = ((NOWHERE, NOWHERE),)
             faults.append(fault("wrong_type", name, "", None, "its lanes cannot be read"))
 
     def _lane(self, index: int, pair: tuple[Any, Any], faults: list[Fault]) -> tuple[Line, Line]:
@@ -70,12 +71,15 @@ class LanesChecker:
         self._known: OrderedDict[tuple[int, int], str] = OrderedDict()
 
     def check(self, frame: Frame, faults: list[Fault]) -> None:
-        """A fault of every lane that cannot be used; those of which a border could not be read are named already."""
-        named = {found.index for found in faults if found.signal == self._name}
+        """A fault of the first lane that cannot be used; those of which a border could not be read are named already."""
+        if any(found.signal == self._name and not found.field and found.index is None for found in faults):
+            return  # there is no set
+        found = []
         for index, (left, right) in enumerate(frame.lanes[self._name]):
-            problem = self._problem(left, right)
-            if problem and index not in named:
-                faults.append(fault("bad_border", self._name, "", index, problem))
+            problem = "" if left is NOWHERE or right is NOWHERE else self._problem(left, right)
+            if problem:
+                found.append(fault("bad_border", self._name, "", index, problem))
+        faults += _first(found)
 
     def _problem(self, left: Line, right: Line) -> str:
         key = left.number, right.number
@@ -86,6 +90,19 @@ class LanesChecker:
             while len(self._known) > KEPT:
                 self._known.popitem(last=False)
         return known
+
+
+def _first(faults: list[Fault]) -> list[Fault]:
+    """The first fault of each kind and field, which says how many more there are."""
+    alike: dict[tuple[str, str], list[Fault]] = {}
+    for each in faults:
+        alike.setdefault((name_of(each), each.field), []).append(each)
+    return [
+        first
+        if not more
+        else fault(name, first.signal, field, first.index, f"{first.message}, and {len(more)} more")
+        for (name, field), (first, *more) in alike.items()
+    ]
 
 
 def _sides(raw: Any) -> tuple[Sequence[Any], Sequence[Any]] | None:
