@@ -488,6 +488,8 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
                 what = f"the event `{item.name}`"
             case ast.Enum():
                 what = f"the enumeration `{item.name}`"
+            case ast.Stretch():
+                what = f"the stretch `{item.name}`"
             case ast.State():
                 what = f"the state `{item.name}`"
             case ast.Rulebook():

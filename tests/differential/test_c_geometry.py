@@ -49,6 +49,7 @@ RULES = {
     "offsets": "for all p in plan|offset(p, track) <= 1 m",
     "directions": "for all p in plan|direction(p, track) <= 1",
     "gaps": "for all p in plan|station_gap(track, station(ego, track), station(p, track)) <= 1 m",
+    "stretches": "for all p in plan|p in stretch(track, station(ego, track), ego.x) or ego.y in stretch(plan, p.x, 2 * p.x)",
     "distances": "for all p in plan|distance_to(p, track) <= 1 m",
     "paths": "for all o in objects|station(o, plan) + 1000 * offset(o, plan) <= distance_to(o, plan)",
     "path_directions": "for all o in objects|direction(o, plan) <= 1",

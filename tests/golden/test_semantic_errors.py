@@ -40,6 +40,7 @@ from trackmarshal.semantics import (
     scope,
     shapes,
     states,
+    stretches,
     tables,
 )
 from trackmarshal.semantics.compile import compile_paths
@@ -154,6 +155,7 @@ _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
             scope,
             shapes,
             states,
+            stretches,
             tables,
         )
     ),

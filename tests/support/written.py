@@ -146,8 +146,16 @@ def formula(node: typed.Formula) -> ast.Expr:
             return ast.Within(number(node.value), number(node.lower), number(node.upper))
         case typed.InZone():
             return ast.InZone(written(node.point), node.zone.symbol.name)
+        case typed.InStretch() if node.symbol is not None:
+            return ast.InStretch(written(node.place), node.symbol.name)
+        case typed.InStretch():
+            return ast.BetweenStations(
+                written(node.place), written(node.line), number(node.start), number(node.end)
+            )
         case typed.Inside():
             return called("inside", node.region, node.area)
+        case typed.Meets():
+            return called("meets", node.region, node.area)
         case typed.ClearOf():
             return called("clear_of", node.region, node.other)
         case typed.Not():
@@ -212,11 +220,13 @@ def thing(node: typed.WholeSignal | typed.Record | typed.Line | typed.Area | typ
             return ast.Name(node.signal.name)
         case typed.Sample():
             return ast.Attribute(thing(node.of), "first" if node.index == 0 else "last")
+        case typed.LaneSide():
+            return ast.Attribute(thing(node.of), node.field)
         case typed.Border():
             return ast.Attribute(thing(node.of), node.field)
         case typed.PlacedLine() | typed.Zone():
             return ast.Name(node.symbol.name)
-        case typed.Path() | typed.Centre() | typed.Corridor():
+        case typed.Path() | typed.Centre() | typed.Corridor() | typed.Lane():
             return thing(node.of)
         case typed.CalledLine():
             return called(node.function, node.line)

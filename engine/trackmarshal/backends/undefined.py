@@ -20,7 +20,7 @@ MOST = 3
 _WIDTH = 100
 _NUMBERS = (
     ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.GridLookup, ir.Station, ir.Offset,
-    ir.Direction, ir.Distance, ir.StationGap, ir.Ordinal, ir.Fold,
+    ir.Direction, ir.Distance, ir.StationGap, ir.StretchRoom, ir.OnLane, ir.Ordinal, ir.Fold,
 )  # fmt: skip
 
 
@@ -235,6 +235,12 @@ def _text(node: ir.Num, env: Env, frame: Frame) -> str:
             return f"{node.spoken} along {_line(node.line)} of ({of(node.x)}, {of(node.y)})"
         case ir.StationGap():
             return f"{node.spoken} along {_line(node.line)} of ({of(node.start)}, {of(node.end)})"
+        case ir.OnLane():
+            ends = ", ".join(map(of, node.ends))
+            return f"{node.spoken} {_of_lane(node)} of ({ends})"
+        case ir.StretchRoom():
+            ends = f"from {of(node.start)} to {of(node.end)}"
+            return f"{node.spoken} along {_line(node.line)} {ends} of {of(node.station)}"
         case ir.Kept():
             machine = node.machine.name.rpartition(".")[2]
             return f"{machine}.{node.name}" if node.name else f"time_in({machine})"
@@ -244,6 +250,10 @@ def _text(node: ir.Num, env: Env, frame: Frame) -> str:
             return f"({node.op} of {of(node.body)} over {node.axis.signal})"
         case _:
             assert_never(node)
+
+
+def _of_lane(node: ir.OnLane) -> str:
+    return f"one of {node.signal}" + ("" if node.side == "centre" else f", its {node.side} border")
 
 
 def _line(line: ir.Line) -> str:

@@ -71,6 +71,17 @@ def _leaf(part: ir.AnyNode, env: Env, values: Reference) -> tuple[str, float] | 
         case ir.GridLookup():
             inside = ", ".join(figure(values.number(each, env)) for each in (part.first, part.second))
             return f"{part.table}({inside})", values.number(part, env)
+        case ir.OnLane():
+            inside = ", ".join(figure(values.number(end, env)) for end in part.ends)
+            lane = int(values.number(part.lane, env))
+            side = "" if part.side == "centre" else f".{part.side}"
+            return f"{part.spoken} of {part.signal}[{lane}]{side} of ({inside})", values.number(part, env)
+        case ir.StretchRoom():
+            station, start, end = (
+                figure(values.number(each, env)) for each in (part.station, part.start, part.end)
+            )
+            told = f"{part.spoken} along {part.line.name} from {start} to {end} of {station}"
+            return told, values.number(part, env)
         case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
             ends = (part.start, part.end) if isinstance(part, ir.StationGap) else (part.x, part.y)
             inside = ", ".join(figure(values.number(end, env)) for end in ends)

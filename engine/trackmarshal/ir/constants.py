@@ -28,9 +28,9 @@ def constant_value(node: ir.Num, param: Callable[[str], float | None]) -> float 
             return apply(node.name, known) if len(known) == len(values) else None
         case ir.Column() | ir.Sample() | ir.Scalar() | ir.Choose() | ir.Lookup() | ir.GridLookup():
             return None
-        case ir.Ordinal() | ir.Fold() | ir.Kept():
+        case ir.Ordinal() | ir.Fold() | ir.Kept() | ir.OnLane():
             return None
-        case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+        case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap() | ir.StretchRoom():
             return None
         case _:
             assert_never(node)

@@ -220,6 +220,42 @@ class StationGap(IR):
     end: Num
 
 
+class StretchRoom(IR):
+    """How far inside the stretch of a line from one station ahead to another a station lies, along the line [m]; negative: outside.
+
+    On a closed line a stretch goes on over the finish line, and one that ends where it begins is the whole lap. NaN on an open line
+    where `end` is before `start`. name: of its declaration, by which it may be on a certain track; "" without one.
+    """
+
+    spoken: ClassVar[str] = "room in a stretch"
+    line: Line
+    name: str
+    station: Num
+    start: Num
+    end: Num
+
+
+class OnLane(IR):
+    """A number of one of a set of lanes, which is the road between two borders, open at both ends.
+
+    lane: which one, from 0. ends: what it is of, in this order. station, offset, direction: of a point x, y along `side` (a border, or
+    the centre); distance: of a point from it; gap: of two stations; room: of a station in a stretch from one to another. inside, meets:
+    how far what a box sweeps from one pose to another (x, y, heading of both, length, width, and the curvatures where it follows a
+    curve) lies inside the lane, and how far it reaches into it [m].
+    """
+
+    what: LaneWhat
+    signal: str
+    side: LaneSide
+    lane: Num
+    ends: tuple[Num, ...]
+
+    @property
+    def spoken(self) -> str:
+        """What messages call it."""
+        return _OF_LANE[self.what]
+
+
 class Kept(IR):
     """A number that a state machine keeps, where it is known: since when it is in its state, as a duration [s], or what it remembers.
 
@@ -230,6 +266,12 @@ class Kept(IR):
     name: str
 
 
+LaneWhat: TypeAlias = Literal["station", "offset", "direction", "distance", "gap", "room", "inside", "meets"]
+LaneSide: TypeAlias = Literal["left", "right", "centre"]
+_OF_LANE: dict[LaneWhat, str] = {
+    "station": "station", "offset": "offset", "direction": "direction", "distance": "distance", "gap": "station_gap",
+    "room": "room in a stretch", "inside": "room inside", "meets": "reach into",
+}  # fmt: skip
 #: What is written of a comparison that was turned round.
 _TURNED: dict[str, str] = {"<": ">", "<=": ">="}
 
@@ -491,11 +533,11 @@ class InState(IR):
 #: What a projection of a point onto a line gives.
 Projected: TypeAlias = Station | Offset | Direction
 #: Numbers read off a line.
-Along: TypeAlias = Station | Offset | Direction | Distance | StationGap
+Along: TypeAlias = Station | Offset | Direction | Distance | StationGap | StretchRoom
 #: A number.
 Num: TypeAlias = (
     Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup | GridLookup
-    | Station | Offset | Direction | Distance | StationGap | Ordinal | Fold | Kept
+    | Station | Offset | Direction | Distance | StationGap | StretchRoom | OnLane | Ordinal | Fold | Kept
 )  # fmt: skip
 #: Geometric predicates.
 Geometry: TypeAlias = SweptInside | SweptClear | InArea

@@ -39,9 +39,18 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
                 | ir.GridLookup()
             ):
                 pass  # what they are made of is below, too
+            case ir.OnLane():
+                result |= {(node.signal, "left"), (node.signal, "right")}
             case ir.Ordinal() | ir.Fold():
                 pass
-            case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+            case (
+                ir.Station()
+                | ir.Offset()
+                | ir.Direction()
+                | ir.Distance()
+                | ir.StationGap()
+                | ir.StretchRoom()
+            ):
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass

@@ -19,6 +19,10 @@ from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import show
 
+#: What the core calls numbers of a point and a lane's line.
+_OF_LANE: dict[typed.LineFunction, ir.LaneWhat] = {
+    "station": "station", "offset": "offset", "direction": "direction", "distance_to": "distance",
+}  # fmt: skip
 #: Numbers that no input changes, and what they are made of.
 _FIXED = (ir.Const, ir.Param, ir.Arith, ir.Neg, ir.Func)
 
@@ -103,6 +107,9 @@ class Lowering:
                 return self._on_line(node)
             case typed.StationGap():
                 start, end = self.number(node.start, site), self.number(node.end, site)
+                lane = self.things.lane(node.line)
+                if lane is not None:
+                    return self._on_lane("gap", lane, start, end)
                 return make(ir.StationGap, self.things.line(node.line), start, end)
             case typed.Kept():
                 return make(ir.Kept, self._machine(node.machine), node.name)
@@ -164,6 +171,12 @@ class Lowering:
                 return make(ir.Flag, node.symbol.name, None, None, 0, site or node.span)
             case typed.Boolean():
                 return make(ir.Truth, node.value)
+            case typed.InStretch():
+                return self._in_stretch(node, site)
+            case typed.Meets():
+                met = self._swept_on_lane("meets", node, site)
+                assert met is not None
+                return met
             case typed.Inside() | typed.ClearOf() | typed.InZone():
                 return self._geometry(node, site)
             case typed.Temporal() | typed.Until() | typed.Step() | typed.Edge():
@@ -203,7 +216,11 @@ class Lowering:
         return product if whole > 0 else self.make(ir.Arith, "/", self.make(ir.Const, 1.0), product)
 
     def _on_line(self, node: typed.OnLine) -> ir.Num:
-        (x, y), line = self.things.point(node.point), self.things.line(node.line)
+        x, y = self.things.point(node.point)
+        lane = self.things.lane(node.line)
+        if lane is not None:
+            return self._on_lane(_OF_LANE[node.function], lane, x, y)
+        line = self.things.line(node.line)
         match node.function:
             case "station":
                 return self.make(ir.Station, line, x, y)
@@ -318,6 +335,44 @@ class Lowering:
             first = self.make(ir.Connective, "and", first, other)
         return first
 
+    def _in_stretch(self, node: typed.InStretch, site: Span | None) -> ir.Formula:
+        """How far inside it is, is not below zero."""
+        start, end = self.number(node.start, site), self.number(node.end, site)
+        lane, station = self.things.lane(node.line), None
+        if isinstance(node.place, typed.NumberNode):
+            station = self.number(node.place, site)
+        if lane is not None:
+            if not isinstance(node.place, typed.NumberNode):
+                station = self._on_lane("station", lane, *self.things.point(node.place))
+            assert station is not None
+            return self._not_negative(self._on_lane("room", lane, station, start, end), site or node.span)
+        line = self.things.line(node.line)
+        if not isinstance(node.place, typed.NumberNode):
+            station = self.make(ir.Station, line, *self.things.point(node.place))
+        assert station is not None
+        name = "" if node.symbol is None else node.symbol.qualified
+        room = self.make(ir.StretchRoom, line, name, station, start, end)
+        return self._not_negative(room, site or node.span)
+
+    def _not_negative(self, room: ir.Num, at: Span) -> ir.Formula:
+        """A signed distance [m] that is a formula's margin, as that of geometric predicates is."""
+        return self.make(ir.Compare, "<=", self.make(ir.Const, 0.0), room, "m", at, "", False)
+
+    def _on_lane(self, what: ir.LaneWhat, lane: tuple[ir.LaneSide, str, ir.Num], *ends: ir.Num) -> ir.Num:
+        side, signal, place = lane
+        return self.make(ir.OnLane, what, signal, side, place, ends)
+
+    def _swept_on_lane(
+        self, what: ir.LaneWhat, node: typed.Inside | typed.Meets, site: Span | None
+    ) -> ir.Formula | None:
+        """How what is swept lies to a lane; None where the area is no lane."""
+        lane = self.things.lane(node.area)
+        if lane is None:
+            return None
+        swept = self.things.region(node.region, lambda part: self.number(part, site))
+        ends = (*swept.start, *swept.end, swept.length, swept.width, *swept.bend)
+        return self._not_negative(self._on_lane(what, lane, *ends), site or node.span)
+
     def _geometry(
         self, node: typed.Inside | typed.ClearOf | typed.InZone, site: Span | None
     ) -> ir.Formula:  # fmt: skip
@@ -331,6 +386,9 @@ class Lowering:
             case typed.InZone():
                 return self.make(ir.InArea, *self.things.point(node.point), self.things.area(node.zone), at)
             case typed.Inside():
+                on_lane = self._swept_on_lane("inside", node, site)
+                if on_lane is not None:
+                    return on_lane
                 swept = self.things.region(node.region, number)
                 return self.make(
                     ir.SweptInside,

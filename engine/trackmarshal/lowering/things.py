@@ -107,6 +107,8 @@ class Things:
                 return self.make(ir.Line, "signal", line.signal.name, "")
             case typed.Border():
                 return self.make(ir.Line, "signal", line.of.signal.name, line.field)
+            case typed.LaneSide():
+                raise AssertionError("a line of a lane is none of the cycle's")
             case typed.Path():
                 return self.make(ir.Line, "path", line.of.signal.name, "")
             case typed.Centre():
@@ -120,12 +122,44 @@ class Things:
             case _:
                 assert_never(line)
 
+    def lane(self, place: typed.Line | typed.Area) -> tuple[ir.LaneSide, str, ir.Num] | None:
+        """Which line of which lane something is, or the lane itself: its side, the set, and its place in it; None for what is no lane's."""
+        match place:
+            case typed.LaneSide():
+                side: ir.LaneSide = "left" if place.field == "left" else "right"
+                return (side, *self._element(place.of))
+            case typed.Lane():
+                return ("centre", *self._element(place.of))
+            case typed.Centre():
+                return self.lane(place.of)
+            case typed.CalledLine():
+                return self.lane(place.line)
+            case typed.NamedLine() | typed.NamedArea():
+                return None if place.value is None else self.lane(place.value)
+            case (
+                typed.PlacedLine()
+                | typed.SignalLine()
+                | typed.Border()
+                | typed.Path()
+                | typed.Zone()
+                | typed.Corridor()
+            ):
+                return None
+            case _:
+                assert_never(place)
+
+    def _element(self, record: typed.Record) -> tuple[str, ir.Num]:
+        axis = self.element(record)
+        return axis.signal, self.make(ir.Ordinal, axis)
+
     def area(self, area: typed.Area) -> ir.Area:
         match area:
             case typed.Zone():
                 return self.make(ir.Area, "zone", area.symbol.qualified)
             case typed.Corridor():
                 return self.make(ir.Area, "corridor", area.of.signal.name)
+            case typed.Lane():
+                raise AssertionError("a lane is no area of the cycle's")
             case typed.NamedArea():
                 if area.value is None:
                     raise nothing_given(area.name)

@@ -164,6 +164,8 @@ class Frame:
     t: float | None = None
     #: What its cycle is called in a run: its number, or the case's own name.
     number: object = None
+    #: Of each set of lanes the left and the right border of every one.
+    lanes: dict[str, tuple[tuple[Line, Line], ...]] = field(default_factory=dict)
 
     def of(self, candidate: str) -> Frame:
         """The frame as rules see it that rate a candidate: with its `plan`, its own faults and those of what all share."""
@@ -177,7 +179,7 @@ class Frame:
         ]
         return Frame(
             candidate, self.settings, columns, {**self.events, IS_EMERGENCY: int(candidate == EMERGENCY)}, self.lines, self.closed, {},
-            faults, self.orders, t=self.t, number=self.number,
+            faults, self.orders, t=self.t, number=self.number, lanes=self.lanes,
         )  # fmt: skip
 
     def seen(self) -> list[tuple[str, Frame]]:
@@ -216,7 +218,13 @@ class Frame:
             name = name_of(fault)
             # How samples are ordered, and which of them belong together, counts for every rule.
             whole = name in _WHOLE or (fault.signal, fault.field) in self.orders
-            if whole or name in UNUSABLE or fault.field == ID or (fault.signal, fault.field) in self.lines:
+            if (
+                whole
+                or name in UNUSABLE
+                or fault.field == ID
+                or (fault.signal, fault.field) in self.lines
+                or fault.signal in self.lanes
+            ):
                 for signal, field_ in reads:
                     if signal == fault.signal and (whole or fault.field in ("", field_)):
                         return fault

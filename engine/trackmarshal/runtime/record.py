@@ -394,12 +394,14 @@ def _numbers(signal: Signal) -> list[str]:
 
 
 def _all_si(contract: Contract) -> bool:
-    """Whether all fields are numbers in SI units, or borders; anything else is kept as it came in, in `raw`."""
+    """Whether all fields are numbers in SI units, or borders of the road; anything else, lanes too, is kept as it came in, in `raw`."""
     assert contract.plan is not None
-    fields = [f for s in (contract.plan, *contract.signals) if s.form != EVENT for f in s.fields_]
+    fields = [(s, f) for s in (contract.plan, *contract.signals) if s.form != EVENT for f in s.fields_]
     return all(
-        field.kind == "polyline" or (field.kind == "number" and parse_unit(field.unit)[:2] == (1.0, 1.0))
-        for field in fields
+        signal.form == LINES
+        if field.kind == "polyline"
+        else field.kind == "number" and parse_unit(field.unit)[:2] == (1.0, 1.0)
+        for signal, field in fields
     )
 
 

@@ -238,4 +238,12 @@ def _reads(node: typed.Number) -> bool:
     return any(isinstance(part, _READING) for part in typed.below(node))
 
 
-_READING = (typed.Field, typed.MemberField, typed.OnLine, typed.StationGap, typed.RegionNode, typed.InZone)
+_READING = (
+    typed.Field,
+    typed.MemberField,
+    typed.OnLine,
+    typed.StationGap,
+    typed.RegionNode,
+    typed.InZone,
+    typed.InStretch,
+)

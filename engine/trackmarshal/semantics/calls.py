@@ -51,6 +51,7 @@ _SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
     "swept_footprint": ((3,), "3 arguments (a sample of a trajectory, length, width)"),
     "swept_hull": ((3,), "3 arguments (a sample of a trajectory, length, width)"),
     "swept": ((4,), "4 arguments (two poses, length, width)"), "inside": ((2,), "2 arguments (a footprint, an area)"),
+    "meets": ((2,), "2 arguments (a footprint, a lane)"),
     "clear_of": ((2,), "2 arguments (two footprints)"), "station": ((2,), "2 arguments (a point, a line)"),
     "offset": ((2,), "2 arguments (a point, a line)"), "direction": ((2,), "2 arguments (a point, a line)"),
     "distance_to": ((2,), "2 arguments (a point, a line)"), "station_gap": ((3,), "3 arguments (a line, two stations)"),
@@ -421,6 +422,12 @@ def _special(
     if function == "inside":
         region = _region(self, values[0], spans[0])
         return typed.Inside(region, _area(self, values[1], spans[1]), span)
+    if function == "meets":
+        region, lane = _region(self, values[0], spans[0]), values[1]
+        if not isinstance(lane, typed.RecordNode) or not is_lane(lane):
+            hint = "bind one first: `exists l in lanes: footprint(o) meets l`"
+            self.fail(WrongKind(spans[1], "a lane", value_spoken(lane), hint))
+        return typed.Meets(region, typed.Lane(lane, spans[1]), span)
     if function == "clear_of":
         region, other = _region(self, values[0], spans[0]), _region(self, values[1], spans[1])
         if not _at_rest(other):
@@ -492,6 +499,8 @@ def line(self: Expressions, value: typed.Value, span: Span) -> typed.Line:
         return typed.Centre(typed.Corridor(value, span), span)
     if isinstance(value, typed.AreaNode) and _is_corridor(value):
         return typed.Centre(value, span)
+    if isinstance(value, typed.RecordNode) and is_lane(value):
+        return typed.Centre(typed.Lane(value, span), span)
     self.fail(WrongKind(span, "a line, a trajectory or a corridor", value_spoken(value)))
 
 
@@ -500,7 +509,16 @@ def _area(self: Expressions, value: typed.Value, span: Span) -> typed.Area:
         return value
     if isinstance(value, typed.SignalNode) and value.signal.kind == "corridor":
         return typed.Corridor(value, span)
+    if isinstance(value, typed.RecordNode) and is_lane(value):
+        return typed.Lane(value, span)
     self.fail(WrongKind(span, "a zone or a corridor", value_spoken(value)))
+
+
+def is_lane(record: typed.Record) -> bool:
+    """Whether a record is an element of a set of lanes, with its borders: not what a definition asks for by a shape."""
+    while isinstance(record, typed.NamedRecord) and record.value is not None and not record.kind:
+        record = record.value
+    return isinstance(record, typed.Variable) and record.signal.kind == "lane"
 
 
 def _is_corridor(area: typed.Area) -> bool:

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import NoReturn, TypeGuard, TypeVar
 
-from trackmarshal import typed
+from trackmarshal import outlines, typed
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -33,6 +33,8 @@ from trackmarshal.semantics.constants import constant_value, literal_problem, se
 from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.enums import check_enum, declared, unknown
 from trackmarshal.semantics.errors import (
+    BackwardStretch,
+    BadPlace,
     BadValue,
     Duplicate,
     NeverAsked,
@@ -49,6 +51,7 @@ from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope, spoken
 from trackmarshal.semantics.shapes import check_shape, own_fields
 from trackmarshal.semantics.states import check_state
+from trackmarshal.semantics.stretches import ends, on_open_line
 from trackmarshal.semantics.tables import table_info
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
@@ -141,6 +144,7 @@ class _Compiler:
             self._scales,
             self._tables,
             self._places,
+            self._stretches,
             self._states,
             self._definitions,
             self._constraints,
@@ -555,10 +559,28 @@ class _Compiler:
         if len(set(points)) < least:
             problem = f"a {item.kind} has at least {least} different points, not {len(set(points))}"
             self.x.fail(BadValue(item.span.head, problem))
+        wrong = outlines.problem(item.kind, points)
+        if wrong is not None:
+            other = None if wrong.other is None else _point(item, wrong.other)
+            text = f"the {item.kind} `{item.name}` {wrong.text}"
+            self.x.fail(BadPlace(_point(item, wrong.at), other, text, wrong.hint))
         qualified = f"{module}.{item.name}"
         self.places.setdefault(
             qualified, PlaceInfo(qualified, item.kind, points, item.span, track_of(module))
         )
+
+    def _stretches(self, module: str) -> None:
+        for item in self._own(module, ast.Stretch):
+            if not self.x.attempt(lambda item=item: self._stretch(item, module), item.span.head):  # type: ignore[misc]
+                self.x.failed.add(f"{module}.{item.name}")
+
+    def _stretch(self, item: ast.Stretch, module: str) -> None:
+        line, *numbers = ends(item, self.x, self._context(module))
+        start, end = self.x.all(
+            *(lambda n=n: self._constant(Lowering(self.interner).number(n), n.span, module) for n in numbers)
+        )
+        if on_open_line(line) and end < start:
+            self.x.fail(BackwardStretch(numbers[1].span, line.span, in_full(start, "m"), in_full(end, "m")))
 
     def _definitions(self, module: str) -> None:
         # A definition may use the rule's timeline: check it with one at hand.
@@ -634,6 +656,12 @@ class _Compiler:
 def _is_word(expr: ast.Expr | None) -> TypeGuard[ast.Name]:
     """Whether a default is a word, and not the name of a number."""
     return isinstance(expr, ast.Name) and expr.name != "inf"
+
+
+def _point(item: ast.Place, index: int) -> Span:
+    """Where a point of a zone or a line stands."""
+    x, y = (expr.__dict__["span"] for expr in item.points[index])
+    return Span(x.file, x.start, y.end)
 
 
 def _outside(lower: float | None, upper: float | None, unit: str) -> str:

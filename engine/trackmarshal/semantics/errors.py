@@ -355,6 +355,44 @@ class NeverTaken(Diagnostic):
     target: str
 
 
+class BackwardStretch(Diagnostic):
+    code = "E260"
+    title = "a stretch that leads backwards"
+    text = "this stretch ends at {end}, before it begins at {start}"
+    label = "behind the station at which it begins"
+    other_label = "this line is open"
+    remedy = "swap the two stations; only a closed line, such as a track's, goes on over the finish line"
+    explanation = (
+        "A stretch leads ahead from one station to another. On a closed line it goes on over the finish line where the second one is the lower "
+        "number; an open line has an end there, and nothing lies in such a stretch. Where data brings the line or the stations, such a stretch "
+        "leaves the rule undefined."
+    )
+
+    span: Span
+    other: Span
+    start: str
+    end: str
+
+
+class BadPlace(Diagnostic):
+    code = "E261"
+    title = "a zone or a line that is none"
+    text = "{problem}"
+    label = "here"
+    other_label = "this one, too"
+    remedy = "{hint}"
+    explanation = (
+        "A zone is what one ring encloses: it has an area, and crosses or touches itself nowhere. A line leads from point to point; it may cross itself, "
+        "but not run back over itself. Where a place is none, every rule that reads it would be undefined, so it is found before anything is driven. Data "
+        "that brings places of its own is held to the same (D204); points that repeat are dropped there."
+    )
+
+    span: Span
+    other: Span | None
+    problem: str
+    hint: str
+
+
 class UnknownMember(Diagnostic):
     code = "E247"
     title = "no such member"

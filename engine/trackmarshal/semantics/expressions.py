@@ -11,7 +11,7 @@ from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, known
 from trackmarshal.ir.spec import Enumeration, SignalType
 from trackmarshal.node import Node
-from trackmarshal.semantics import calls, enums, states
+from trackmarshal.semantics import calls, enums, states, stretches
 from trackmarshal.semantics.advice import Advice
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
@@ -79,6 +79,10 @@ class Context(Node):
             self.site,
             self.stack,
         )
+
+    def elsewhere(self, scope: Scope, span: Span) -> Context:
+        """Where a declaration stands that is used here, at `span`: it sees the names of its own module."""
+        return Context(scope, {}, self.level, self.timeline, self.site or span, self.stack)
 
 
 def any_timeline(span: Span) -> typed.TimeAxis:
@@ -217,6 +221,10 @@ class Expressions:
                 return self._chained(expr, ctx)
             case ast.InZone():
                 return self._in_zone(expr, ctx)
+            case ast.InStretch():
+                return stretches.in_stretch(expr, self, ctx)
+            case ast.BetweenStations():
+                return stretches.between_stations(expr, self, ctx)
             case ast.Temporal():
                 return self._temporal(expr, ctx)
             case ast.Until():
@@ -277,6 +285,9 @@ class Expressions:
                 if item.kind == "zone":
                     return typed.Zone(symbol, span)
                 return typed.PlacedLine(symbol, span)
+            case ast.Stretch():
+                hint = f"ask what lies in it: `p in stretch {item.name}`"
+                self.fail(WrongKind(span, "a value", f"the stretch `{item.name}`", hint))
             case ast.Define() if not item.parameters:
                 return calls.expand(self, symbol, item, [], False, span, ctx)
             case ast.Define() | ast.Table():
@@ -318,6 +329,8 @@ class Expressions:
         value = self.value(expr.value, ctx)
         span = expr.span
         if isinstance(value, typed.RecordNode):
+            if expr.name in ("left", "right") and calls.is_lane(value):
+                return typed.LaneSide(value, expr.name, span)
             if expr.name not in value.shape:
                 hint = close_matches(expr.name, value.shape)
                 if not hint and value.signal is not None and value.signal.field(expr.name) is not None:

@@ -198,14 +198,15 @@ def _contradicts(circle: tuple[_Step, ...], item: ast.Rulebook) -> RulebookContr
 def check_signal(item: ast.Signal, found: list[Diagnostic]) -> None:
     """What a signal of a kind may hold."""
     head, kind = item.span.head, item.kind
-    if item.many != (kind == "object"):
-        problem = f"there is no set of {kind}s" if item.many else "objects come in sets"
+    if item.many != (kind in ("object", "lane")):
+        problem = f"there is no set of {kind}s" if item.many else f"{kind}s come in sets"
         found.append(
             BadValue(
                 head,
                 problem,
                 None,
-                "write `set of object`" + ("" if item.many else ", or `state` for a single record"),
+                f"write `set of {kind if kind == 'lane' else 'object'}`"
+                + ("" if item.many else ", or `state` for a single record"),
             )
         )
     if kind == "polyline" and item.fields_:
@@ -226,11 +227,24 @@ def check_signal(item: ast.Signal, found: list[Diagnostic]) -> None:
                 found.append(
                     BadValue(head, f"the corridor `{item.name}` lacks `{side}: polyline`", None, _CORRIDOR)
                 )
+    sides = {field.name for field in item.fields_ if field.type == "polyline"}
+    for side in ("left", "right") if kind == "lane" else ():
+        if side not in sides:
+            found.append(BadValue(head, f"a lane lacks `{side}: polyline`", None, _LANE))
     for field in item.fields_ if kind not in ("corridor", "polyline") else ():
+        if kind == "lane" and field.type == "polyline" and field.name in ("left", "right"):
+            continue
         if field.type == "polyline":
             found.append(
                 BadValue(
-                    field.span, f"a {kind} has no polylines", None, "polylines stand in a corridor, or alone"
+                    field.span,
+                    f"a lane has no border `{field.name}`"
+                    if kind == "lane"
+                    else f"a {kind} has no polylines",
+                    None,
+                    "it has `left` and `right`"
+                    if kind == "lane"
+                    else "polylines stand in a corridor, or alone",
                 )
             )
         if field.increasing and kind not in ("trajectory", "series"):
@@ -245,6 +259,7 @@ def check_signal(item: ast.Signal, found: list[Diagnostic]) -> None:
 
 
 _CORRIDOR = "its fields are `left: polyline` and `right: polyline`"
+_LANE = "write `set of lane { left: polyline, right: polyline, ... }`"
 
 
 def check_test_target(item: ast.Item, rules: set[str], found: list[Diagnostic]) -> None:

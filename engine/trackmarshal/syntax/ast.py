@@ -165,6 +165,24 @@ class InZone(Expr):
     span: Span = NOWHERE
 
 
+class InStretch(Expr):
+    """`p in stretch chicane`."""
+
+    value: Expr
+    stretch: str
+    span: Span = NOWHERE
+
+
+class BetweenStations(Expr):
+    """`p in stretch(track, 4900 m, 120 m)`."""
+
+    value: Expr
+    line: Expr
+    start: Expr
+    end: Expr
+    span: Span = NOWHERE
+
+
 class Window(Node):
     """The bounds of a temporal operator, `[0 s, 0.5 s]`."""
 
@@ -527,6 +545,17 @@ class Shape(Item):
     text: str
     base: str
     fields_: tuple[Field, ...]
+    span: Span = NOWHERE
+
+
+class Stretch(Item):
+    """`stretch chicane on track = 4900 m to 120 m`: what lies along a line from one station ahead to another."""
+
+    name: str
+    text: str
+    line: Expr
+    start: Expr
+    end: Expr
     span: Span = NOWHERE
 
 

@@ -227,6 +227,9 @@ class Builder:
     def line(self, meta: Meta, c: list[Any]) -> ast.Place:
         return ast.Place("line", spelled(c[0]), unquoted(c[1]), tuple(c[2:]), self._span(meta))
 
+    def stretch(self, meta: Meta, c: list[Any]) -> ast.Stretch:
+        return ast.Stretch(spelled(c[0]), unquoted(c[1]), c[2], c[3], c[4], self._span(meta))
+
     def parameter(self, meta: Meta, c: list[Any]) -> ast.Parameter:
         return ast.Parameter(spelled(c[0]), _type(c[1]), c[2], self._span(meta))
 
@@ -493,6 +496,12 @@ class Builder:
 
     def in_zone(self, meta: Meta, c: list[Any]) -> ast.InZone:
         return ast.InZone(c[0], spelled(c[1]), self._span(meta))
+
+    def in_stretch(self, meta: Meta, c: list[Any]) -> ast.InStretch:
+        return ast.InStretch(c[0], spelled(c[1]), self._span(meta))
+
+    def between_stations(self, meta: Meta, c: list[Any]) -> ast.BetweenStations:
+        return ast.BetweenStations(c[0], c[1], c[2], c[3], self._span(meta))
 
     def infix(self, meta: Meta, c: list[Any]) -> ast.Infix:
         where = self._at(c[1])

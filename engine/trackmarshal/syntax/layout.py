@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from trackmarshal.node import Node
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.build import is_unit
-from trackmarshal.syntax.notation import EXPRESSION, SUM, Notation, quoted
+from trackmarshal.syntax.notation import EXPRESSION, POSTFIX, SUM, Notation, quoted
 from trackmarshal.syntax.wrapping import WIDTH, Wrapping, end_column, new_line
 
 #: Where the bodies of clauses start, in rules and assumptions, and in tests.
@@ -234,6 +234,13 @@ class Layout:
         filled = new_line(2) + self._w.fill([(point, None) for point in points], 2, 2, 0, "")
         return Laid(pieces, flat if len(flat) <= WIDTH else head + filled)
 
+    def _stretch(self, item: ast.Stretch, columns: Columns) -> str:
+        head = f"{self._titled('stretch', item.name, item.text)} on {self._n.expr(item.line, POSTFIX)} ="
+        ends = f"{self._n.expr(item.start, SUM)} to {self._n.expr(item.end, SUM)}"
+        return (
+            f"{head} {ends}" if end_column(head, 0) + 1 + len(ends) <= WIDTH else f"{head}{new_line(2)}{ends}"
+        )
+
     # Declarations with clauses --------------------------------------------------------------------------------
 
     def _assume(self, item: ast.Assume, columns: Columns) -> Laid:
@@ -403,7 +410,7 @@ def _between(text: str, pair: tuple[ast.Expr, ast.Expr]) -> Piece:
 _ITEMS: dict[type[ast.Item], Callable[[Layout, Any, Columns], Laid | str]] = {
     ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Enum: Layout._enum, ast.Event: Layout._event,
     ast.Param: Layout._param, ast.ParamRecord: Layout._param_record, ast.Constrain: Layout._constrain, ast.Scale: Layout._scale, ast.Define: Layout._define, ast.Shape: Layout._shape, ast.Signal: Layout._signal,
-    ast.Table: Layout._table, ast.Place: Layout._place, ast.Assume: Layout._assume, ast.Rule: Layout._rule,
+    ast.Table: Layout._table, ast.Place: Layout._place, ast.Stretch: Layout._stretch, ast.Assume: Layout._assume, ast.Rule: Layout._rule,
     ast.State: Layout._state, ast.Rulebook: Layout._rulebook, ast.Test: Layout._test,
 }  # fmt: skip
 

@@ -195,6 +195,21 @@ class Notation:
     def _in_zone(self, node: ast.InZone) -> str:
         return f"{self.expr(node.value, ADDITIVE)} {self.sign('in')} zone {self.name(node.zone)}"
 
+    def _in_stretch(self, node: ast.InStretch) -> str:
+        return f"{self.expr(node.value, ADDITIVE)} {self.in_stretch(node)}"
+
+    def in_stretch(self, node: ast.InStretch) -> str:
+        """`in stretch chicane`."""
+        return f"{self.sign('in')} stretch {self.name(node.stretch)}"
+
+    def _between_stations(self, node: ast.BetweenStations) -> str:
+        return f"{self.expr(node.value, ADDITIVE)} {self.between_stations(node)}"
+
+    def between_stations(self, node: ast.BetweenStations) -> str:
+        """`in stretch(track, 4900 m, 120 m)`."""
+        parts = self.expr(node.line, POSTFIX), self.expr(node.start, SUM), self.expr(node.end, SUM)
+        return f"{self.sign('in')} stretch({', '.join(parts)})"
+
     def temporal(self, node: ast.Temporal) -> str:
         """`weak next`, `always[0 s, 1 s]`."""
         return f"{'weak ' if node.weak else ''}{node.op}{self.window(node.window)}"
@@ -269,7 +284,8 @@ def level_of(node: ast.Expr) -> int:
 
 _NODE_LEVELS: dict[type[ast.Expr], int] = {
     ast.Number: POSTFIX, ast.Boolean: POSTFIX, ast.Name: POSTFIX, ast.Attribute: POSTFIX, ast.Call: POSTFIX,
-    ast.Chained: COMPARISON, ast.Infix: COMPARISON, ast.IfElse: SUM, ast.Within: COMPARISON, ast.InZone: COMPARISON, ast.Temporal: UNARY,
+    ast.Chained: COMPARISON, ast.Infix: COMPARISON, ast.IfElse: SUM, ast.Within: COMPARISON, ast.InZone: COMPARISON, ast.InStretch: COMPARISON,
+    ast.BetweenStations: COMPARISON, ast.Temporal: UNARY,
     ast.Until: UNTIL, ast.Quantified: UNARY, ast.Folded: POSTFIX, ast.Case: POSTFIX, ast.RecordValue: POSTFIX, ast.ListValue: POSTFIX,
 }  # fmt: skip
 
@@ -278,6 +294,7 @@ _HANDLERS: dict[type[ast.Expr], Callable[[Notation, Any], str]] = {
     ast.Call: Notation._call, ast.Infix: Notation._infix, ast.Unary: Notation._unary, ast.Binary: Notation._binary,
     ast.Chained: Notation._chained,
     ast.IfElse: Notation._if_else, ast.Case: Notation._case, ast.Within: Notation._within, ast.InZone: Notation._in_zone,
+    ast.InStretch: Notation._in_stretch, ast.BetweenStations: Notation._between_stations,
     ast.Temporal: Notation._temporal, ast.Until: Notation._until, ast.Quantified: Notation._quantified,
     ast.Folded: Notation._folded, ast.RecordValue: Notation._record, ast.ListValue: Notation._list,
 }  # fmt: skip

@@ -192,6 +192,14 @@ class Wrapping:
         zone = f" {self.notation.sign('in')} zone {self.notation.name(node.zone)}"
         return self.lay(node.value, ADDITIVE, column, tail + len(zone)) + zone
 
+    def _in_stretch(self, node: ast.InStretch, column: int, tail: int) -> str:
+        stretch = f" {self.notation.in_stretch(node)}"
+        return self.lay(node.value, ADDITIVE, column, tail + len(stretch)) + stretch
+
+    def _between_stations(self, node: ast.BetweenStations, column: int, tail: int) -> str:
+        value = self.lay(node.value, ADDITIVE, column)
+        return f"{value}{new_line(column + 2)}{self.notation.between_stations(node)}"
+
     def _attribute(self, node: ast.Attribute, column: int, tail: int) -> str:
         name = f".{self.notation.name(node.name)}"
         if isinstance(node.value, ast.Number):
@@ -287,6 +295,7 @@ def _chain(node: ast.Binary) -> tuple[ast.Expr, list[tuple[str, ast.Expr]]]:
 _HANDLERS: dict[type[ast.Expr], Callable[[Wrapping, Any, int, int], str]] = {
     ast.Binary: Wrapping._binary, ast.Chained: Wrapping._chained, ast.Unary: Wrapping._unary, ast.Temporal: Wrapping._temporal, ast.Until: Wrapping._until,
     ast.Quantified: Wrapping._quantified, ast.Infix: Wrapping._infix, ast.IfElse: Wrapping._if_else, ast.Case: Wrapping._case,
-    ast.Within: Wrapping._within, ast.InZone: Wrapping._in_zone, ast.Attribute: Wrapping._attribute, ast.Call: Wrapping._call,
+    ast.Within: Wrapping._within, ast.InZone: Wrapping._in_zone, ast.InStretch: Wrapping._in_stretch,
+    ast.BetweenStations: Wrapping._between_stations, ast.Attribute: Wrapping._attribute, ast.Call: Wrapping._call,
     ast.Folded: Wrapping._folded, ast.RecordValue: Wrapping._record, ast.ListValue: Wrapping._list,
 }  # fmt: skip

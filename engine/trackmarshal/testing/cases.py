@@ -389,7 +389,12 @@ class _Preparation:
     def _record(self, signal: SignalType, value: ast.Expr) -> dict[str, Any]:
         if not isinstance(value, ast.RecordValue):
             self.fail(_span(value), f"`{signal.name}` takes a record", _HOW["record"])
-        return self._entries(value, lambda n, v: self._scalar(self._field(signal, n, _span(v)), v))
+
+        def read(name: str, value: ast.Expr) -> Any:
+            field = self._field(signal, name, _span(value))
+            return self._points(value) if field.kind == "polyline" else self._scalar(field, value)
+
+        return self._entries(value, read)
 
     def _entries(self, record: ast.RecordValue, read: Any) -> dict[str, Any]:
         """The entries of `{ name: value }`, each read by a function of both."""

@@ -9,7 +9,7 @@ from trackmarshal.source import Span
 from trackmarshal.typed.base import Changing, Comparing, Joining, Stepping, Typed
 from trackmarshal.typed.numbers import Number
 from trackmarshal.typed.symbol import Symbol
-from trackmarshal.typed.things import AnyMember, Area, Range, Record, Region, TimeAxis, Zone
+from trackmarshal.typed.things import AnyMember, Area, Line, Range, Record, Region, TimeAxis, Zone
 
 if TYPE_CHECKING:
     from trackmarshal.typed import Value
@@ -75,8 +75,30 @@ class InZone(FormulaNode):
     span: Span
 
 
+class InStretch(FormulaNode):
+    """`p in stretch chicane`, `s in stretch(track, 4900 m, 120 m)`: along a line, ahead of one station and not ahead of the other.
+
+    place: what is asked about, a point or a station. symbol: the declaration; None where line and ends stand here.
+    """
+
+    place: Record | Number
+    symbol: Symbol | None
+    line: Line
+    start: Number
+    end: Number
+    span: Span
+
+
 class Inside(FormulaNode):
     """`inside(footprint, area)`."""
+
+    region: Region
+    area: Area
+    span: Span
+
+
+class Meets(FormulaNode):
+    """`footprint(o) meets l`: a footprint and a lane have a point in common."""
 
     region: Region
     area: Area
@@ -270,6 +292,6 @@ class NamedFormula(FormulaNode):
 
 #: A formula.
 Formula: TypeAlias = (
-    Boolean | Event | BooleanField | Comparison | Chained | Within | InZone | Inside | ClearOf | Not | Connective | Quantified
+    Boolean | Event | BooleanField | Comparison | Chained | Within | InZone | InStretch | Inside | Meets | ClearOf | Not | Connective | Quantified
     | Temporal | Until | Step | Edge | CountComparison | InState | IsMember | FormulaCase | CalledFormula | NamedFormula
 )  # fmt: skip

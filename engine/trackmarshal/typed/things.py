@@ -187,6 +187,14 @@ class Border(LineNode):
     span: Span
 
 
+class LaneSide(LineNode):
+    """`l.left`: a border of a lane, which is an element of a set of lanes."""
+
+    of: Record
+    field: str
+    span: Span
+
+
 class Path(LineNode):
     """The path of a trajectory that stands where a line is wanted."""
 
@@ -235,6 +243,13 @@ class Corridor(AreaNode):
     """What lies between the borders of a corridor of the input."""
 
     of: WholeSignal
+    span: Span
+
+
+class Lane(AreaNode):
+    """What lies between the borders of a lane, which is an element of a set of lanes."""
+
+    of: Record
     span: Span
 
 
@@ -304,8 +319,8 @@ Record: TypeAlias = State | ParameterRecord | Sample | Variable | NamedRecord
 #: A member of an enumeration.
 AnyMember: TypeAlias = Member | MemberField | NamedMember
 #: A polyline.
-Line: TypeAlias = PlacedLine | SignalLine | Border | Path | Centre | CalledLine | NamedLine
+Line: TypeAlias = PlacedLine | SignalLine | Border | LaneSide | Path | Centre | CalledLine | NamedLine
 #: A zone or a corridor.
-Area: TypeAlias = Zone | Corridor | NamedArea
+Area: TypeAlias = Zone | Corridor | Lane | NamedArea
 #: A footprint.
 Region: TypeAlias = Footprint | FootprintAt | SweptSample | Swept | NamedRegion

@@ -122,7 +122,7 @@ def _leaves() -> SearchStrategy[ast.Expr]:
 _BINARY = ("+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!=", "and", "or", "implies", "iff", "xor")
 _SHAPES: dict[str, int] = {
     "leaf": 4, "binary": 8, "power": 1, "chained": 2, "unary": 3, "attribute": 2, "call": 3, "infix": 2, "if": 1, "within": 1, "zone": 1,
-    "temporal": 2, "step": 1, "until": 1, "quantified": 2, "nearest": 1, "counted": 1, "folded": 2, "case": 1,
+    "stretch": 1, "temporal": 2, "step": 1, "until": 1, "quantified": 2, "nearest": 1, "counted": 1, "folded": 2, "case": 1,
 }  # fmt: skip
 _WEIGHTED = [shape for shape, weight in _SHAPES.items() for _ in range(weight)]
 
@@ -166,6 +166,10 @@ def expressions(draw: st.DrawFn, depth: int = 3) -> ast.Expr:
             return ast.Within(inner(), inner(), inner())
         case "zone":
             return ast.InZone(inner(), draw(names()))
+        case "stretch":
+            if draw(st.booleans()):
+                return ast.InStretch(inner(), draw(names()))
+            return ast.BetweenStations(inner(), inner(), inner(), inner())
         case "temporal":
             op = draw(st.sampled_from(["always", "eventually", "historically", "once"]))
             return ast.Temporal(op, inner(), draw(_windows(depth)))
@@ -189,7 +193,9 @@ def expressions(draw: st.DrawFn, depth: int = 3) -> ast.Expr:
             return ast.Quantified(quantifier, False, (draw(names()),), inner(), where, inner(), inner())
         case "counted":
             where = inner() if draw(st.booleans()) else None
-            domain = ast.Name(draw(names().filter(lambda name: name != "zone")))  # `a in zone b` is a formula
+            domain = ast.Name(
+                draw(names().filter(lambda name: name not in ("zone", "stretch")))
+            )  # `a in zone b`, `a in stretch b` are formulas
             return ast.Folded(draw(names()), None, False, (draw(names()),), domain, where, None)
         case "folded":
             where, otherwise = (inner() if draw(st.booleans()) else None for _ in range(2))
@@ -276,7 +282,7 @@ def ranges() -> SearchStrategy[ast.Range | None]:
 
 @cache
 def _signals() -> SearchStrategy[ast.Signal]:
-    kinds = st.sampled_from(["trajectory", "series", "state", "object", "corridor", "polyline"])
+    kinds = st.sampled_from(["trajectory", "series", "state", "object", "corridor", "polyline", "lane"])
     types = st.one_of(
         units(), st.sampled_from(["polyline", "bool"]), names().filter(lambda n: n not in UNITS)
     )
@@ -406,6 +412,7 @@ def items() -> SearchStrategy[ast.Item]:
         _shapes(),
         _param_records(),
         st.builds(ast.Place, st.sampled_from(["zone", "line"]), names(), strings(), places),
+        st.builds(ast.Stretch, names(), strings(), expressions(1), expressions(1), expressions(1)),
         _definitions(),
         st.builds(ast.Assume, labels(), strings(), clause_lists),
         st.builds(ast.Rule, labels(), strings(), clause_lists),

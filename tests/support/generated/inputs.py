@@ -136,6 +136,6 @@ class Inputs:
         if tables:
             case["tables"] = tables
         places = {name: self._road.ring() for name in self.world.zones if self.choices.chance(15)}
-        places |= {name: self._road.line() for name in self.world.lines if self.choices.chance(15)}
+        places |= {name: self._road.mark() for name in self.world.lines if self.choices.chance(15)}
         if places:
             case["places"] = places

@@ -118,7 +118,7 @@ class ModuleWriter:
             self.lines.append(f"zone area{index} = polygon {_points(road.ring())}")
         for index in range(self.choices.integer(0, 1)):
             self.world.lines.append(f"mark{index}")
-            self.lines.append(f"line mark{index} = {_points(road.line())}")
+            self.lines.append(f"line mark{index} = {_points(road.mark())}")
 
     def _definitions(self, depth: int) -> None:
         for index in range(self.choices.integer(0, 3)):

@@ -48,6 +48,10 @@ class PlaceWriter(FormulaWriter):
         return [
             lambda: f"({self._one(self.known('point', scope))} in zone {self._one(zones)})",
             lambda: (
+                f"({self._one(self.known('point', scope))} in stretch({self._one(self._lines(scope))}, "
+                f"{self.number(LENGTH, depth - 1, scope, False)}, {self._leaf(LENGTH, scope)}))"
+            ),
+            lambda: (
                 f"({self._hull(depth, scope)} inside {self._one([*zones, *self.known('corridor', scope)])})"
             ),
             lambda: f"({self._hull(depth, scope)} clear_of {self._box(depth, scope)})",
@@ -126,6 +130,15 @@ class Road:
         if all(point == points[0] for point in points):
             points.append([x + 1.0, y])
         return points
+
+    def mark(self) -> Points:
+        """A line that goes on to the right, and so lies nowhere twice: what a spec may declare."""
+        first, *others = self.line()
+        points = [first]
+        for point in others:
+            if point[0] > points[-1][0]:
+                points.append(point)
+        return points if len(points) > 1 else [first, [first[0] + 1.0, first[1]]]
 
     def ring(self) -> Points:
         """A simple polygon around some point, or a box."""

@@ -366,6 +366,11 @@ class Writer:
                 return self._on_line("distance", node.line, self.number(node.x, at), self.number(node.y, at))
             case ir.StationGap():
                 return self._on_line("gap", node.line, self.number(node.start, at), self.number(node.end, at))
+            case ir.OnLane():
+                raise self.refuse(node, f"generated C has no lanes, and it asks for one of `{node.signal}`")
+            case ir.StretchRoom():
+                parts = (self.number(part, at) for part in (node.station, node.start, node.end))
+                return self._on_line("stretch_room", node.line, *parts)
             case ir.Kept():
                 function = f"tm_{self.plan.memory(node.machine).c_name}_kept"
                 place = 1 + node.machine.names.index(node.name) if node.name else 0

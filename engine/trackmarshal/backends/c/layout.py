@@ -171,9 +171,11 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         | ir.Compare()
                     ):
                         pass  # what they are made of is below, too
-                    case ir.Ordinal() | ir.Fold():
+                    case ir.Ordinal() | ir.Fold() | ir.OnLane():
                         pass
-                    case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
+                    case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance():
+                        pass
+                    case ir.StationGap() | ir.StretchRoom():
                         pass
                     case (
                         ir.SweptInside()

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, assert_never
 
 import numpy as np
 
-from trackmarshal.backends.numpy import folds, logic, places, steps, time
+from trackmarshal.backends.numpy import folds, lanes, logic, places, steps, time
 from trackmarshal.backends.numpy.batch import before, column_index
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
 from trackmarshal.backends.numpy.sharing import representatives
@@ -25,7 +25,7 @@ _CALLED: dict[str, Any] = {
     "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
-    "project": places.project, "distance": places.distance, "gap": places.gap, "inside_area": places.swept_inside, "clear": places.swept_clear,
+    "project": places.project, "distance": places.distance, "gap": places.gap, "stretch_room": places.stretch_room, "on_lane": lanes.on_lane, "inside_area": places.swept_inside, "clear": places.swept_clear,
     "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator,
     "ordinal": folds.ordinal, "fold": folds.fold,
 }  # fmt: skip
@@ -241,6 +241,10 @@ class Code:
                 return f"distance(b, {self._hold(node.line)}, {', '.join(at)})"
             case ir.StationGap():
                 return f"gap(b, {self._hold(node.line)}, {', '.join(at)})"
+            case ir.OnLane():
+                return f"on_lane(b, {self._hold(node)}, {', '.join(at)})"
+            case ir.StretchRoom():
+                return f"stretch_room(b, {self._hold(node.line)}, {', '.join(at)})"
             case ir.Kept():
                 raise AssertionError("one cycle does not say what a state machine keeps")
             case ir.Ordinal():

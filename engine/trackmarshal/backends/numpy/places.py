@@ -183,6 +183,14 @@ def gap(batch: Batch, line: ir.Line, start: Any, end: Any) -> Any:
     return _ask(batch, line, "gap", (start, end), shape)[0] if 0 not in shape else np.empty(shape)
 
 
+def stretch_room(batch: Batch, line: ir.Line, station: Any, start: Any, end: Any) -> Any:
+    """How far inside stretches of a line stations lie."""
+    shape = np.broadcast(station, start, end).shape
+    if 0 in shape:
+        return np.empty(shape)
+    return _ask(batch, line, "stretch_room", (station, start, end), shape)[0]
+
+
 def fault(batch: Batch, index: int, area: ir.Area) -> str | None:
     """What makes an area unusable in one case."""
     owners = _owners(batch, area)
@@ -280,6 +288,23 @@ def _corridor(batch: Batch, index: int, name: str) -> geometry.Corridor:
         batch, key, (left, right), lambda: geometry.Corridor(left.points, right.points, closed)
     )
     return corridor
+
+
+def lane(batch: Batch, left: Line, right: Line) -> geometry.Corridor:
+    """The road between the borders of a lane, open at both ends."""
+    made: geometry.Corridor = _keep(
+        batch, ("corridor", id(left), id(right), False), (left, right),
+        lambda: geometry.Corridor(left.points, right.points, False),
+    )  # fmt: skip
+    return made
+
+
+def polyline(batch: Batch, line: Line) -> geometry.Polyline:
+    """A border of a lane."""
+    made: geometry.Polyline = _keep(
+        batch, ("line", id(line), False), line, lambda: geometry.Polyline(line.points, False)
+    )
+    return made
 
 
 def _area(batch: Batch, index: int, area: ir.Area) -> geometry.Polygon | geometry.Corridor:

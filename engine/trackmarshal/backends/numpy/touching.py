@@ -14,7 +14,8 @@ import numpy as np
 
 from trackmarshal.backends.reference import geometry
 from trackmarshal.backends.reference.geometry.curve import curve, placed
-from trackmarshal.backends.reference.geometry.region import Region, hull_margin
+from trackmarshal.backends.reference.geometry.region import Outside, Region, hull_margin
+from trackmarshal.points import sized, usable
 from trackmarshal.runtime.geometry.border import Border
 
 #: Margins that are no farther from zero are computed anew; far more than rounding makes of tracks of any size [m].
@@ -66,6 +67,27 @@ def inside(border: Border, row: Sequence[float]) -> float:
     near = ahead & ((border.ax <= right) | (border.bx <= right))
     region = Region(_segments(border, near), (_segments(border, ahead),))
     return hull_margin(region, first, second, length, width, bend)
+
+
+def meets(border: Border, row: Sequence[float]) -> float:
+    """How far what a box sweeps reaches into a region [m]; negative: how far apart they are. The reference's steps, with the segments that matter."""
+    x0, y0, heading0, x1, y1, heading1, length, width, *bend = row
+    if not usable(*row) or not sized(length, width):
+        return math.nan
+    first, second = (x0, y0, heading0), (x1, y1, heading1)
+    reach = length + width + 2.0 * math.hypot(x1 - x0, y1 - y0)  # of all that is swept, from the first place
+    if bend:
+        reach += curve(placed(first), placed(second), bend, length, width).more
+    # The nearest segment is at most `reach` farther from any part of what is swept, so one that is twice as far beyond it is nearest to none.
+    ex, ey, px, py = border.bx - border.ax, border.by - border.ay, x0 - border.ax, y0 - border.ay
+    along = np.clip((ex * px + ey * py) / (ex * ex + ey * ey), 0.0, 1.0)
+    away = np.hypot(px - along * ex, py - along * ey)
+    near = away <= away.min() + 2.0 * reach + APART
+    low, high = y0 - reach - APART, y0 + reach + APART
+    ahead = ((border.ay >= low) | (border.by >= low)) & ((border.ay <= high) | (border.by <= high))
+    ahead &= (border.ax >= x0 - reach - APART) | (border.bx >= x0 - reach - APART)
+    region = Outside(_segments(border, near), (_segments(border, ahead),))
+    return -hull_margin(region, first, second, length, width, bend)
 
 
 def _segments(border: Border, which: Any) -> tuple[tuple[tuple[float, float], tuple[float, float]], ...]:

@@ -9,6 +9,7 @@ from typing import assert_never
 
 from trackmarshal.backends import witness
 from trackmarshal.backends.reference import geometry, temporal
+from trackmarshal.backends.reference.lanes import on_lane
 from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
@@ -124,8 +125,20 @@ class Reference:
                 return geometry.station_gap(
                     points, self.number(node.start, env), self.number(node.end, env), closed
                 )
+            case ir.StretchRoom():
+                points, closed = self.line(node.line)
+                return geometry.stretch_room(
+                    points,
+                    self.number(node.station, env),
+                    self.number(node.start, env),
+                    self.number(node.end, env),
+                    closed,
+                )
             case ir.Kept():
                 return self._kept[node]
+            case ir.OnLane():
+                ends = [self.number(end, env) for end in node.ends]
+                return on_lane(node, self.frame, self.number(node.lane, env), ends)
             case ir.Ordinal():
                 return float(env[node.axis.level])
             case ir.Fold():

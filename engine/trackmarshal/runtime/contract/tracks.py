@@ -9,18 +9,20 @@ from collections.abc import Iterable, Mapping, Set
 from typing import Any
 
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.ir.spec import RuleInfo, Spec, track_of
 
 #: Pairs of a place, by its qualified name, and the track that it is on.
 Places = tuple[tuple[str, str], ...]
 
 
 def places_of(spec: Spec, rules: Iterable[RuleInfo]) -> Places:
-    """The places of named tracks that rules read."""
+    """The places of named tracks that rules read, and stretches."""
     found: dict[str, str] = {}
     for rule in rules:
         for formula in (rule.formula, rule.active):
             for node in ir.below(formula) if formula is not None else ():
+                if isinstance(node, ir.StretchRoom) and (track := track_of(node.name.rpartition(".")[0])):
+                    found[node.name] = track
                 place = isinstance(node, ir.Area) and node.kind == "zone"
                 if place or (isinstance(node, ir.Line) and node.kind == "place"):
                     name = node.name  # type: ignore[union-attr]

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from trackmarshal.runtime.contract import EVENT, LINES, Check, Contract, Field, Kind, Signal
+from trackmarshal.runtime.contract import EVENT, LINES, SET, Check, Contract, Field, Kind, Signal
 from trackmarshal.runtime.cycle import CAPACITIES, DRIVING, EMERGENCY, Limits
 from trackmarshal.runtime.door.columns import rows_of
+from trackmarshal.runtime.door.lanes import LanesChecker
 from trackmarshal.runtime.door.wording import worded
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import Columns, Frame
@@ -163,8 +164,10 @@ class FrameChecker:
         self._lines = {
             (s.name, field.name): LineChecker(s.name, field, limits)
             for s in contract.signals
+            if s.form == LINES
             for field in s.lines
         }
+        self._lanes = {s.name: LanesChecker(s) for s in contract.signals if s.form == SET and s.lines}
         self._order = contract.signals
 
     def check_candidates(self, frame: Frame, found: set[str], faults: list[Fault]) -> None:
@@ -179,6 +182,7 @@ class FrameChecker:
         if not found and passed >= self.columns.keys():
             for place, checker in self._lines.items():
                 checker.check(frame.lines[place], faults)
+            self.check_lanes(frame, faults)
             return
         for signal in self._order:
             name = signal.name
@@ -189,6 +193,12 @@ class FrameChecker:
                     self._lines[name, field.name].check(frame.line(name, field.name), faults)
             elif signal.form != EVENT:  # an event that is none is a fault of structure
                 self.columns[name].check(frame.columns[name], faults)
+        self.check_lanes(frame, faults)
+
+    def check_lanes(self, frame: Frame, faults: list[Fault]) -> None:
+        """Lanes, whatever else is wrong with their set: which of them can be used matters to all that read it."""
+        for lanes in self._lanes.values():
+            lanes.check(frame, faults)
 
 
 def _together(fields: tuple[Field, ...]) -> list[_Together]:

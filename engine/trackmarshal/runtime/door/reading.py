@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from trackmarshal.runtime.contract import EVENT, FOLLOWED, LINES, PLAN, Contract, Signal
+from trackmarshal.runtime.contract import EVENT, FOLLOWED, LINES, PLAN, SET, Contract, Signal
 from trackmarshal.runtime.contract.tracks import elsewhere
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.at_once import AtOnce
 from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
+from trackmarshal.runtime.door.lanes import LanesReader
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.stacks import Stacks
 from trackmarshal.runtime.door.values import WrongTypeError
@@ -94,6 +95,7 @@ class SignalsReader:
         columns = [s for s in contract.signals if s.form not in (LINES, EVENT)]
         self.columns = {s.name: ColumnsReader(s, spelt=spelt) for s in columns}
         self.lines = {s.name: LinesReader(s) for s in contract.signals if s.form == LINES}
+        self.lanes = {s.name: LanesReader(s) for s in contract.signals if s.form == SET and s.lines}
         self.events = [s.name for s in contract.signals if s.form == EVENT]
         self.known = contract.known
         self._places = contract.places
@@ -119,6 +121,8 @@ class SignalsReader:
         """Put lines and events into a frame."""
         for name, lines in self.lines.items():
             lines.read(raw.get(name), frame, faults)
+        for name, lanes in self.lanes.items():
+            lanes.read(raw.get(name), frame, faults)
         for name in self.events:
             frame.events[name] = self.event(name, raw.get(name), faults)
         for name in self._corridors:

@@ -111,6 +111,37 @@ class Polyline:
             gap -= self.length * np.ceil(gap / self.length - 0.5)
         return gap if self.fault is None else np.full(gap.size, np.nan)
 
+    def stretch_room(self, station: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:
+        """How far inside the stretch from `start` ahead to `end` stations lie, along the line [m]: (N,); negative: outside.
+
+        On a closed line a stretch goes on over the finish line; one that ends where it begins is the whole lap. On an open line it
+        ends ahead of where it begins, or where it does; otherwise NaN.
+        """
+        s, a, b = np.broadcast_arrays(vector(station), vector(start), vector(end))
+        if self.fault is not None:
+            return np.full(s.size, np.nan)
+        with np.errstate(invalid="ignore", over="ignore"):
+            fine = np.isfinite(s) & np.isfinite(a) & np.isfinite(b)
+            if not self.closed:
+                return np.where(fine & (a <= b), np.minimum(s - a, b - s), np.nan)
+            s, a, b = self._on_lap(s), self._on_lap(a), self._on_lap(b)
+            # Which side it is on is compared, not computed, so that rounding cannot change it.
+            inside = np.where(a < b, (a <= s) & (s <= b), (a <= s) | (s <= b))
+            within = np.minimum(self._ahead(a, s), self._ahead(s, b))
+            outside = -np.minimum(self._ahead(s, a), self._ahead(b, s))
+            return np.where(fine, np.where(inside, within, outside), np.nan)
+
+    def _on_lap(self, station: Floats) -> Floats:
+        """Stations of a closed line in [0, length)."""
+        rest = np.fmod(station, self.length)
+        rest = np.where(rest < 0.0, rest + self.length, rest)
+        return np.where(rest >= self.length, 0.0, rest)
+
+    def _ahead(self, start: Floats, end: Floats) -> Floats:
+        """How far it is from stations in [0, length) ahead to others [m]."""
+        way = end - start
+        return np.where(start <= end, way, way + self.length)
+
 
 def centre_line(left: Floats, right: Floats, closed: bool = False) -> Floats:
     """The line midway between two borders: midpoints of paired points, or else from each left point to the right border.

@@ -1332,6 +1332,42 @@ static double tm_line_gap(const tm_context *c, const tm_shape *line, double from
   return gap;
 }
 
+/** A station of a closed line in [0, length). */
+static double tm_on_lap(double station, double length) {
+  double rest = fmod(station, length);
+  if (rest < 0.0) {
+    rest += length;
+  }
+  return (rest >= length) ? 0.0 : rest;
+}
+
+/** How far it is from one station in [0, length) ahead to another [m]. */
+static double tm_ahead(double start, double end, double length) {
+  const double way = end - start;
+  return (start <= end) ? way : (way + length);
+}
+
+/** How far inside the stretch from `start` ahead to `end` a station lies, along the line [m]; negative: outside. */
+static double tm_line_stretch_room(const tm_context *c, const tm_shape *line, double station, double start, double end) {
+  double s;
+  double a;
+  double b;
+  bool inside;
+  (void)c;
+  if (!line->usable || !tm_finite(station) || !tm_finite(start) || !tm_finite(end)) {
+    return TM_NAN;
+  }
+  if (!line->closed) {
+    return (start <= end) ? tm_least(station - start, end - station) : TM_NAN;
+  }
+  s = tm_on_lap(station, line->length);
+  a = tm_on_lap(start, line->length);
+  b = tm_on_lap(end, line->length);
+  inside = (a < b) ? ((a <= s) && (s <= b)) : ((a <= s) || (s <= b));
+  return inside ? tm_least(tm_ahead(a, s, line->length), tm_ahead(s, b, line->length))
+                : -tm_least(tm_ahead(s, a, line->length), tm_ahead(b, s, line->length));
+}
+
 /** Whether two points are one. */
 static bool tm_same(double ax, double ay, double bx, double by) {
   return (fabs(ax - bx) <= 1e-9) && (fabs(ay - by) <= 1e-9);
@@ -1425,4 +1461,12 @@ static double tm_path_gap(const double *px, const double *py, size_t n, double f
     return TM_NAN;
   }
   return to - from;
+}
+
+/** How far inside the stretch from `start` ahead to `end` a station of a path lies [m]; negative: outside. */
+static double tm_path_stretch_room(const double *px, const double *py, size_t n, double station, double start, double end) {
+  if (!tm_finite(station) || !tm_finite(start) || !tm_finite(end) || !tm_path_usable(px, py, n)) {
+    return TM_NAN;
+  }
+  return (start <= end) ? tm_least(station - start, end - station) : TM_NAN;
 }

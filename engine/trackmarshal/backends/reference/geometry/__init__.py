@@ -4,6 +4,7 @@ from trackmarshal.backends.reference.geometry.corridor import (
     corridor_fault,
     hull_in_polygon_margin,
     hull_inside_margin,
+    hull_meets_margin,
     in_zone_margin,
     zone_fault,
 )
@@ -15,6 +16,7 @@ from trackmarshal.backends.reference.geometry.curvilinear import (
     line_fault,
     project,
     station_gap,
+    stretch_room,
 )
 from trackmarshal.backends.reference.geometry.footprint import (
     clear_margin,
@@ -26,6 +28,6 @@ from trackmarshal.backends.reference.geometry.footprint import (
 
 __all__ = [
     "Curve", "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "curve_between", "distance_to_line", "distance_to_path",
-    "footprint", "hull_in_polygon_margin", "hull_inside_margin", "in_zone_margin", "line_fault", "project", "station_gap", "swept",
+    "footprint", "hull_in_polygon_margin", "hull_inside_margin", "hull_meets_margin", "in_zone_margin", "line_fault", "project", "station_gap", "stretch_room", "swept",
     "swept_clearance", "zone_fault",
 ]  # fmt: skip

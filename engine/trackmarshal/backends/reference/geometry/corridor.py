@@ -6,7 +6,15 @@ import math
 from collections.abc import Sequence
 from functools import lru_cache
 
-from trackmarshal.backends.reference.geometry.points import (
+from trackmarshal.backends.reference.geometry.quads import union_of_quads
+from trackmarshal.backends.reference.geometry.region import (
+    Outside,
+    Region,
+    hull_margin,
+    odd_crossings,
+    point_margin,
+)
+from trackmarshal.points import (
     LIMIT,
     Point,
     Pose,
@@ -19,8 +27,6 @@ from trackmarshal.backends.reference.geometry.points import (
     side,
     usable,
 )
-from trackmarshal.backends.reference.geometry.quads import union_of_quads
-from trackmarshal.backends.reference.geometry.region import Region, hull_margin, odd_crossings, point_margin
 
 Side = tuple[Point, Point]
 Points = Sequence[Sequence[float]]
@@ -41,6 +47,26 @@ def hull_inside_margin(
     """The signed margin [m] of what a vehicle sweeps between two poses inside a corridor; NaN for an unusable one."""
     region = corridor_region(_frozen(left), _frozen(right), closed)
     return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width, bend)
+
+
+def hull_meets_margin(
+    left: Points,
+    right: Points,
+    closed: bool,
+    pose0: Pose,
+    pose1: Pose,
+    length: float,
+    width: float,
+    bend: Sequence[float] = (),
+) -> float:
+    """How far what a vehicle sweeps between two poses reaches into a corridor [m]; negative: how far apart they are. NaN for an unusable one.
+
+    It is minus the margin of lying outside: 0 where they touch.
+    """
+    region = corridor_region(_frozen(left), _frozen(right), closed)
+    if isinstance(region, str):
+        return math.nan
+    return -hull_margin(Outside(region.border, region.groups), pose0, pose1, length, width, bend)
 
 
 def hull_in_polygon_margin(

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from trackmarshal.backends.reference.geometry.points import Pose, sized, usable
+from trackmarshal.points import Pose, sized, usable
 
 #: A way is cut into so many pieces at most.
 MOST = 32

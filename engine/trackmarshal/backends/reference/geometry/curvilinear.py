@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from trackmarshal.backends.reference.geometry.points import (
+from trackmarshal.points import (
     Point,
     Segment,
     along,
@@ -73,6 +73,38 @@ def station_gap(points: Points, s_from: float, s_to: float, closed: bool = False
         length = stations(chain(distinct(points, True), True))[-1]
         gap -= length * math.ceil(gap / length - 0.5)
     return gap
+
+
+def stretch_room(points: Points, station: float, start: float, end: float, closed: bool = False) -> float:
+    """How far inside the stretch from `start` ahead to `end` a station lies, along the line [m]; negative: outside.
+
+    On a closed line the stretch goes on over the finish line; one that ends where it begins is the whole lap. On an open line it ends
+    ahead of where it begins, or where it does; otherwise NaN.
+    """
+    if line_fault(points, closed) or not all(map(math.isfinite, (station, start, end))):
+        return math.nan
+    if not closed:
+        return min(station - start, end - station) if start <= end else math.nan
+    length = stations(chain(distinct(points, True), True))[-1]
+    s, a, b = (on_lap(each, length) for each in (station, start, end))
+    # Which side it is on is compared, not computed, so that rounding cannot change it.
+    inside = a <= s <= b if a < b else a <= s or s <= b
+    if inside:
+        return min(ahead(a, s, length), ahead(s, b, length))
+    return -min(ahead(s, a, length), ahead(b, s, length))
+
+
+def on_lap(station: float, length: float) -> float:
+    """A station of a closed line in [0, length)."""
+    rest = math.fmod(station, length)
+    if rest < 0.0:
+        rest += length
+    return 0.0 if rest >= length else rest
+
+
+def ahead(start: float, end: float, length: float) -> float:
+    """How far it is from one station in [0, length) ahead to another [m]."""
+    return end - start if start <= end else (end - start) + length
 
 
 def distance_to_line(x: float, y: float, points: Points, closed: bool = False) -> float:

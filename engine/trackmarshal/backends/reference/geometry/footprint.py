@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from trackmarshal.backends.reference.geometry.curve import Placed, curve, placed
-from trackmarshal.backends.reference.geometry.points import (
+from trackmarshal.points import (
     Point,
     Pose,
     Segment,

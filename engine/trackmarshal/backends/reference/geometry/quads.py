@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from trackmarshal.backends.reference.geometry.points import (
+from trackmarshal.backends.reference.geometry.region import Region, odd_crossings
+from trackmarshal.points import (
     Point,
     along,
     distinct,
@@ -17,7 +18,6 @@ from trackmarshal.backends.reference.geometry.points import (
     segment,
     side,
 )
-from trackmarshal.backends.reference.geometry.region import Region, odd_crossings
 
 Side = tuple[Point, Point]
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from trackmarshal.backends.reference.geometry.curve import Placed, curve, placed
 from trackmarshal.backends.reference.geometry.footprint import convex_hull, depth, swept_corners
-from trackmarshal.backends.reference.geometry.points import (
+from trackmarshal.points import (
     Point,
     Pose,
     Segment,
@@ -36,6 +36,13 @@ class Region:
     def holds(self, x: float, y: float) -> bool:
         """Whether a point that is not on the border lies inside."""
         return any(odd_crossings(x, y, group) for group in self.groups)
+
+
+class Outside(Region):
+    """All that is not strictly inside a region, with the same border."""
+
+    def holds(self, x: float, y: float) -> bool:
+        return not super().holds(x, y)
 
 
 def odd_crossings(x: float, y: float, sides: Sequence[tuple[Point, Point]]) -> bool:

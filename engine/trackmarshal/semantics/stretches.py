@@ -1,0 +1,90 @@
+"""Stretches of lines: their declarations, and whether a point or a station lies in one."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from trackmarshal import typed
+from trackmarshal.semantics import calls
+from trackmarshal.semantics.errors import WrongDimension, WrongKind
+from trackmarshal.semantics.scope import spoken
+from trackmarshal.semantics.shapes import SHAPES
+from trackmarshal.semantics.values import Poison
+from trackmarshal.semantics.values import spoken as value_spoken
+from trackmarshal.source import Span
+from trackmarshal.syntax import ast
+from trackmarshal.units import LENGTH, quantity
+
+if TYPE_CHECKING:
+    from trackmarshal.semantics.expressions import Context, Expressions
+
+#: A line, and the stations [m] at which a stretch of it begins and ends.
+Ends = tuple[typed.Line, typed.Number, typed.Number]
+
+
+def in_stretch(expr: ast.InStretch, x: Expressions, ctx: Context) -> typed.Formula:
+    """`p in stretch chicane`."""
+    at = Span(expr.span.file, span_of_expr(expr.value).end, expr.span.end).word(expr.stretch)
+    found = x.look_up(expr.stretch, at, "stretch", set(), ctx)
+    if not isinstance(found.item, ast.Stretch):
+        x.fail(WrongKind(at, "a stretch", f"the {spoken(found.item)} `{expr.stretch}`"))
+    if found.qualified in x.failed:
+        raise Poison  # reported with the declaration
+    place = _place(expr.value, x, ctx)
+    line, start, end = ends(found.item, x, ctx.elsewhere(x.scopes[found.module], at))
+    return typed.InStretch(place, found, line, start, end, expr.span)
+
+
+def between_stations(expr: ast.BetweenStations, x: Expressions, ctx: Context) -> typed.Formula:
+    """`p in stretch(track, s.from, s.to)`."""
+    place, (line, start, end) = x.all(lambda: _place(expr.value, x, ctx), lambda: ends(expr, x, ctx))
+    return typed.InStretch(place, None, line, start, end, expr.span)
+
+
+def ends(expr: ast.Stretch | ast.BetweenStations, x: Expressions, ctx: Context) -> Ends:
+    """The line of a stretch, where it begins and where it ends."""
+    line, start, end = x.all(
+        lambda: calls.line(x, x.value(expr.line, ctx), span_of_expr(expr.line)),
+        *(partial(_station, one, what, x, ctx) for one, what in ((expr.start, "begins"), (expr.end, "ends"))),
+    )
+    return line, start, end
+
+
+def on_open_line(line: typed.Line) -> bool:
+    """Whether a line is known to be open, before there is data: a `line` of a spec, or the path of a trajectory."""
+    match line:
+        case typed.PlacedLine() | typed.Path():
+            return True
+        case typed.CalledLine():
+            return on_open_line(line.line)
+        case typed.NamedLine():
+            return line.value is not None and on_open_line(line.value)
+        case _:
+            return False
+
+
+def _station(expr: ast.Expr, what: str, x: Expressions, ctx: Context) -> typed.Number:
+    number = x.number(expr, ctx)
+    if number.dimension != LENGTH:
+        told, hint = f"the station at which a stretch {what}", calls.unit_hint(number, LENGTH)
+        x.fail(WrongDimension(number.span, None, told, quantity(LENGTH), quantity(number.dimension), hint))
+    return number
+
+
+def _place(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Record | typed.Number:
+    """What is asked about: a station, or a point, which stands for its station."""
+    value = x.value(expr, ctx)
+    if isinstance(value, typed.NumberNode) and value.dimension == LENGTH:
+        return value
+    if isinstance(value, typed.RecordNode):
+        return calls.shaped(x, value, "point", span_of_expr(expr))
+    found = quantity(value.dimension) if isinstance(value, typed.NumberNode) else value_spoken(value)
+    wanted = f"a station, or something with {', '.join(SHAPES['point'])}"
+    x.fail(WrongKind(span_of_expr(expr), wanted, found))
+
+
+def span_of_expr(expr: ast.Expr) -> Span:
+    """Where an expression stands."""
+    span: Span = expr.__dict__["span"]
+    return span
