@@ -470,6 +470,8 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
                 what = f"the signal `{item.name}`"
             case ast.Event():
                 what = f"the event `{item.name}`"
+            case ast.Course():
+                what = f"the course `{item.name}`"
             case ast.Enum():
                 what = f"the enumeration `{item.name}`"
             case ast.State():
@@ -528,6 +530,7 @@ def configure(spec: Spec, settings: Spec) -> Spec:
         spec.rules,
         spec.rulebooks,
         digest.hexdigest(),
+        spec.courses,
     )
 
 

@@ -37,7 +37,7 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
                 stack.append(node.body)
             case ir.Connective() | ir.Until():
                 stack += [node.left, node.right]
-            case ir.Not() | ir.Temporal() | ir.Shift() | ir.First():
+            case ir.Not() | ir.Temporal() | ir.Shift() | ir.At():
                 stack.append(node.operand)
             case ir.OverRun():
                 stack += node.operands

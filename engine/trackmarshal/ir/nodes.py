@@ -386,12 +386,13 @@ class Shift(IR):
     weak: bool
 
 
-class First(IR):
-    """The value at the first sample of the timeline."""
+class At(IR):
+    """The value at the sample of a timeline at which a rule is judged: the first one, the last one, or the one that is now."""
 
     axis: Axis
     name: str
     operand: Formula
+    place: JudgedAt
 
 
 class OverRun(IR):
@@ -491,13 +492,16 @@ Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
     Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
-    | Temporal | Until | Shift | First | OverRun | Counted | InState
+    | Temporal | Until | Shift | At | OverRun | Counted | InState
 )  # fmt: skip
 #: Any node.
 AnyNode: TypeAlias = Num | Formula | Axis | Line | Area | Machine
 
 #: Nodes that have no value of their own: what others are about.
 _SUBJECTS = (Axis, Line, Area, Machine)
+
+#: Where along a timeline a rule is judged.
+JudgedAt: TypeAlias = Literal["first", "last", "now"]
 
 T = TypeVar("T")
 Parts = ParamSpec("Parts")

@@ -117,7 +117,7 @@ def _free(root: ir.AnyNode) -> set[ir.Axis]:
             continue
         if isinstance(part, _ABOUT) and part.axis is not None:
             found.add(part.axis)
-        elif isinstance(part, (ir.Quantify, ir.First)):
+        elif isinstance(part, (ir.Quantify, ir.At)):
             bound.add(part.axis)
         stack += [child for child in part.children() if isinstance(child, ir.IR)]  # type: ignore[misc]
     return found - bound

@@ -36,7 +36,7 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass
-            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
+            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.At():
                 pass
             case ir.Machine():
                 pass

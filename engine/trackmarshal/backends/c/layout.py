@@ -148,7 +148,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass
                     case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not() | ir.Connective():
                         pass
-                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
+                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.At():
                         pass
                     case ir.OverRun() | ir.Counted() | ir.InState() | ir.Kept() | ir.Machine():
                         pass  # see `remember`

@@ -57,7 +57,7 @@ class Facts:
                 inner = self.free(node.body) | (frozenset() if node.guard is None else self.free(node.guard))
                 outer = frozenset() if node.otherwise is None else self.free(node.otherwise)
                 return (inner - {node.axis}) | outer
-            case ir.First():
+            case ir.At():
                 return self.free(node.operand) - {node.axis}
             case ir.Temporal() | ir.Shift():
                 return self.free(node.operand) | {node.axis}
