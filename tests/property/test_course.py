@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from operator import eq, ge, gt, le, lt, ne
 from typing import Any, NamedTuple
 
 from hypothesis import given, settings
@@ -21,6 +22,7 @@ course driven = ego for 0.5 s then plan
 #: Worst and best case: whether it holds.
 Kleene = tuple[bool, bool]
 UNKNOWN: Kleene = (False, True)
+OPERATORS = {"<": lt, "<=": le, ">": gt, ">=": ge, "==": eq, "!=": ne}
 PLACES = {"": "now", " at now": "now", " at last": "last"}
 
 
@@ -40,6 +42,7 @@ class Element(NamedTuple):
     end: int
     v: float | None
     on: bool | None
+    missing: int = 1
 
 
 speeds = st.sampled_from([-2.0, -1.0, 0.0, 1.0, 2.0])
@@ -62,6 +65,10 @@ def cycles(draw: st.DrawFn) -> list[Cycle]:
     return found
 
 
+def _compared() -> tuple[st.SearchStrategy[Any], ...]:
+    return st.sampled_from(sorted(OPERATORS)), st.integers(0, 4), st.booleans()
+
+
 @cache
 def formulas(depth: int) -> st.SearchStrategy[Any]:
     """Formulas as tuples; bounds in ms."""
@@ -78,6 +85,11 @@ def formulas(depth: int) -> st.SearchStrategy[Any]:
         st.tuples(st.sampled_from(["and", "or"]), one, one),
         st.tuples(st.sampled_from(["once", "historically", "eventually", "always"]), bounds, one),
         st.tuples(st.sampled_from(["since", "until"]), bounds, one, one),
+        st.tuples(
+            st.just("count"), one, st.just("last"), st.integers(0, 12).map(lambda n: 50 * n), *_compared()
+        ),
+        st.tuples(st.just("count"), one, st.just("reset"), one, *_compared()),
+        st.tuples(st.just("count"), one, st.just(""), st.none(), *_compared()),
         st.tuples(st.sampled_from(["previous", "next", "weak previous", "weak next", "rising"]), one),
     )
 
@@ -98,6 +110,12 @@ def text(formula: Any) -> str:
             return f"({text(p)} {op} {text(q)})"
         case ("since" | "until" as op, window, p, q):
             return f"({text(p)} {op}{_window(window)} {text(q)})"
+        case ("count", p, word, more, op, limit, turned):
+            told = (
+                f", last: {more / 1000!r} s" if word == "last" else f", reset: {text(more)}" if word else ""
+            )
+            counted = f"count({text(p)}{told})"
+            return f"({limit} {op} {counted})" if turned else f"({counted} {op} {limit})"
         case ("rising", p):
             return f"rising({text(p)})"
         case (("previous" | "next" | "weak previous" | "weak next") as op, p):
@@ -114,16 +132,17 @@ def _window(bounds: tuple[int, int] | None) -> str:
 def timeline(run: list[Cycle]) -> tuple[list[Element], int]:
     """The course in the last cycle, written down from its definition, and the place of the sample that is now."""
     now, found = run[-1].at, list[Element]()
-    last, missed = None, False
+    last, missed = None, 0
     for cycle in run:
         if cycle.v is None and cycle is not run[-1]:
-            missed = True
+            missed += 1 + cycle.missed
             continue
-        if last is not None and (missed or cycle.missed) and cycle.at > now - 500:
-            found.append(Element(last, cycle.at, None, None))
+        missed += cycle.missed
+        if last is not None and missed and cycle.at > now - 500:
+            found.append(Element(last, cycle.at, None, None, missed))
         if cycle.at >= now - 500:
             found.append(Element(cycle.at, cycle.at, cycle.v, cycle.on))
-        last, missed = cycle.at, False
+        last, missed = cycle.at, 0
     at = len(found) - 1
     return found + [Element(now + due, now + due, v, on) for due, v, on in run[-1].plan if due > 0], at
 
@@ -171,6 +190,17 @@ class Judge:
                     for j in self._inside(k, window, False)
                 ]
                 return _any([_all(way) for way in ways])
+            case ("count", p, word, more, op, limit, turned):
+                inside = self._inside(k, (0, more) if word == "last" else None, True)
+                found = {0}  # all numbers that it may be, sample by sample, each way that is possible
+                for j in inside:
+                    worst, best = self.of(p, j)
+                    again, may = self.of(more, j) if word == "reset" else (False, False)
+                    kept = (set() if again else found) | ({0} if may else set())
+                    most = self.elements[j].missing if best else 0
+                    found = {one + n for one in kept for n in range(1 if worst else 0, most + 1)}
+                said = [OPERATORS[op](*((limit, one) if turned else (one, limit))) for one in found]
+                return all(said), any(said)
             case ("rising", p):
                 return _all([self.of(p, k), self.of(("not", ("previous", p)), k)])
             case (("previous" | "weak previous") as op, p):

@@ -135,7 +135,7 @@ class Descent:
                     if self._outside(node, env)
                     else (node.operand, {**env, level: env[level] + node.step})
                 )
-            case ir.OverRun() | ir.Counted() | ir.InState():
+            case ir.OverRun() | ir.Counted() | ir.Tallied() | ir.InState():
                 return None
             case _:
                 assert_never(node)

@@ -43,8 +43,8 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
                 stack += node.operands
             case ir.InState():
                 pass  # a Boolean
-            case ir.Counted():
-                pass  # cycles are counted, whatever is counted is measured in
+            case ir.Counted() | ir.Tallied():
+                pass  # cycles or samples are counted, whatever is counted is measured in
             case _:
                 assert_never(node)
     return atoms

@@ -91,7 +91,7 @@ def leaves(
 
 
 #: What depends on the variable of an axis by itself.
-_ABOUT = (ir.Column, ir.Flag, ir.Ordinal, ir.Temporal, ir.Until, ir.Shift, ir.Machine)
+_ABOUT = (ir.Column, ir.Flag, ir.Ordinal, ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.Machine)
 
 
 def sets(node: ir.Formula | ir.Num | ir.Machine) -> tuple[ir.Axis, ...]:

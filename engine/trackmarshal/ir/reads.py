@@ -26,7 +26,7 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
             case ir.Area():
                 if node.kind == "corridor":
                     result |= {(node.name, "left"), (node.name, "right")}
-            case ir.Temporal() | ir.Until():
+            case ir.Temporal() | ir.Until() | ir.Tallied():
                 result.add((node.axis.signal, "t"))
             case ir.Const() | ir.Param() | ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Lookup():
                 pass  # what they are made of is below, too

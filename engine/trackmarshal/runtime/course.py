@@ -23,20 +23,21 @@ _MISSING = -1
 
 
 class Sample(NamedTuple):
-    """A record of what was driven at a stamp [ns]; after: the stamp before it, if cycles between the two are missing, else None."""
+    """A record of what was driven at a stamp [ns]; missed: how many cycles are missing between the stamp `after` and it; 0: there is no gap."""
 
     t: int
     values: tuple[float, ...]
     flags: tuple[int, ...]
-    after: int | None
+    missed: int
+    after: int
 
 
 class Lived(NamedTuple):
-    """What is remembered of one course: samples, the oldest first; the last stamp (None: there was no cycle yet); and whether cycles are missing since then."""
+    """What is remembered of one course: samples, the oldest first; the last stamp (None: there was no cycle yet); and how many cycles are missing since then."""
 
     samples: tuple[Sample, ...] = ()
     last: int | None = None
-    missed: bool = False
+    missed: int = 0
 
 
 class Courses:
@@ -76,7 +77,7 @@ class Courses:
 
     def missed(self, state: Sequence[Lived]) -> tuple[Lived, ...]:
         """After a cycle that was refused, or did not come; what comes before the first cycle is no gap."""
-        return tuple(lived._replace(missed=lived.last is not None) for lived in state)
+        return tuple(lived._replace(missed=0 if lived.last is None else lived.missed + 1) for lived in state)
 
     @property
     def described(self) -> str:
@@ -91,7 +92,7 @@ class Courses:
         for lived in state:
             yield ["course", len(lived.samples), lived.last, lived.missed]
             for one in lived.samples:
-                yield ["driven", one.t, one.after, list(map(spelt, one.values)), list(one.flags)]
+                yield ["driven", one.t, one.missed, one.after, list(map(spelt, one.values)), list(one.flags)]
 
     def load(self, pieces: Pieces) -> tuple[Lived, ...]:
         """The state again; raises ValueError or TypeError for what was not saved of such courses."""
@@ -120,25 +121,32 @@ def _sample(info: CourseInfo, names: Names, frame: Frame) -> tuple[tuple[float, 
     return values, flags
 
 
+def _now(info: CourseInfo, names: Names, lived: Lived, frame: Frame) -> Sample:
+    return Sample(
+        _stamp(frame), *_sample(info, names, frame), lived.missed, 0 if lived.last is None else lived.last
+    )
+
+
 def _with(info: CourseInfo, names: Names, lived: Lived, frame: Frame) -> Lived:
-    t = _stamp(frame)
-    this = Sample(t, *_sample(info, names, frame), lived.last if lived.missed else None)
-    return Lived((*(one for one in lived.samples if one.t >= t - info.back), this), t)
+    this = _now(info, names, lived, frame)
+    return Lived((*(one for one in lived.samples if one.t >= this.t - info.back), this), this.t)
 
 
 def _columns(info: CourseInfo, names: Names, lived: Lived, frame: Frame) -> Columns:
     """(numbers, samples): what was, gaps between, the sample that is now, and what is planned after it."""
-    now = _stamp(frame)
-    this = Sample(now, *_sample(info, names, frame), lived.last if lived.missed else None)
+    this = _now(info, names, lived, frame)
+    now = this.t
     rows: list[tuple[float, ...]] = []
     flags: list[tuple[int, ...]] = []
     spans: list[tuple[int, int]] = []
     gaps: list[int] = []
+    missing: list[int] = []
     unknown, unsaid = (math.nan,) * (len(names.numbers) - 1), (_MISSING,) * len(names.flags)
     for one in (*(one for one in lived.samples if one.t >= now - info.back), this):
         # A gap counts as far as it lies in the time that is looked at. Between stamps that are next to each other is no time at all.
-        if one.after is not None and one.t - one.after > 1 and one.t > now - info.back:
+        if one.missed and one.t - one.after > 1 and one.t > now - info.back:
             gaps.append(len(rows))
+            missing.append(one.missed)
             spans.append((one.after + 1 - now, one.t - 1 - now))
             rows.append(((one.after + 1 - now) / 1e9, *unknown))
             flags.append(unsaid)
@@ -161,7 +169,7 @@ def _columns(info: CourseInfo, names: Names, lived: Lived, frame: Frame) -> Colu
                 flags.append(row[len(values) :])
     made = Columns(names, np.array(rows).T, np.array(flags, dtype=np.int8).reshape(len(rows), -1).T)
     begin, end = (np.array(edge, dtype=np.float64) for edge in zip(*spans))
-    made.joined = Joined(at, begin, end, tuple(gaps))
+    made.joined = Joined(at, begin, end, tuple(gaps), tuple(missing))
     return made
 
 
@@ -174,10 +182,10 @@ def _loaded(pieces: Pieces, names: Names) -> Lived:
     many, last, missed = pieces.next("course", 3)
     samples = []
     for _ in range(count(many)):
-        t, after, values, flags = pieces.next("driven", 4)
+        t, gap, after, values, flags = pieces.next("driven", 5)
         numbers = tuple(unspelt(value) for value in checked(values, list))
         said = tuple(checked(flag, int) for flag in checked(flags, list))
-        samples.append(Sample(checked(t, int), numbers, said, None if after is None else checked(after, int)))
+        samples.append(Sample(checked(t, int), numbers, said, count(gap), checked(after, int)))
     if any(
         len(one.values) != len(names.numbers) - 1 or len(one.flags) != len(names.flags) for one in samples
     ):
@@ -186,4 +194,4 @@ def _loaded(pieces: Pieces, names: Names) -> Lived:
         raise ValueError("what is remembered of no cycle")
     if any(one.t >= other.t for one, other in zip(samples, samples[1:])):
         raise ValueError("the samples of a course follow each other")
-    return Lived(tuple(samples), None if last is None else checked(last, int), checked(missed, bool))
+    return Lived(tuple(samples), None if last is None else checked(last, int), count(missed))

@@ -41,13 +41,14 @@ class Joined(NamedTuple):
     """What a timeline has besides columns that joins what was driven with what is planned.
 
     now: the number of the sample that is now. begin, end: (count,) float64, whole nanoseconds from now, when each sample begins and ends: one
-    moment, or a gap in which nothing is known. gaps: the numbers of those.
+    moment, or a gap in which nothing is known. gaps: the numbers of those; missing: how many cycles are missing in each.
     """
 
     now: int
     begin: Floats
     end: Floats
     gaps: tuple[int, ...]
+    missing: tuple[int, ...]
 
 
 class Columns:
@@ -140,6 +141,12 @@ class Columns:
         if self.joined is not None:
             return index - self.joined.now
         return self.ids[index] if self.ids else index
+
+    def weight(self, index: int) -> int:
+        """How many samples an entry may be: of a gap, as many as cycles are missing."""
+        if self.joined is None or index not in self.joined.gaps:
+            return 1
+        return self.joined.missing[self.joined.gaps.index(index)]
 
     def place(self, judged: JudgedAt) -> int:
         """The number of the sample at which a rule is judged. Raises ValueError where none is now."""

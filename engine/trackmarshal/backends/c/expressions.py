@@ -481,6 +481,10 @@ class Writer:
                 )
             case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.timed(node, at)
+            case ir.Tallied():
+                raise self.refuse(
+                    node, "generated code counts cycles of the run, and no samples of a timeline"
+                )
             case ir.OverRun():
                 return self.call(f"tm_{self.plan.memory(node).c_name}_now", *self._recalled(node, at))
             case ir.Counted():

@@ -122,7 +122,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                             events.append(node.signal)
                         else:
                             columns.setdefault(node.signal, set()).add(node.field or "")
-                    case ir.Temporal() | ir.Until():
+                    case ir.Temporal() | ir.Until() | ir.Tallied():
                         columns.setdefault(node.axis.signal, set()).add("t")
                     case ir.Param():
                         params.append(node.name)

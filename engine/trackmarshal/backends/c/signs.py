@@ -28,7 +28,7 @@ def margins_read(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
                 stack.append(node.operand)
             case ir.OverRun():
                 stack += node.operands
-            case ir.Counted() | ir.InState():
+            case ir.Counted() | ir.Tallied() | ir.InState():
                 pass  # it is asked whether they hold
             case _:
                 assert_never(node)

@@ -61,6 +61,9 @@ class Facts:
                 return self.free(node.operand) - {node.axis}
             case ir.Temporal() | ir.Shift():
                 return self.free(node.operand) | {node.axis}
+            case ir.Tallied():
+                own = frozenset[ir.Axis]().union(*map(self.free, self.operands(node)))
+                return own | {node.axis}
             case ir.Until():
                 return self.free(node.left) | self.free(node.right) | {node.axis}
             case _:  # nodes that bind no axis

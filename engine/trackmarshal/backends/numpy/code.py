@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, assert_never
 
 import numpy as np
 
-from trackmarshal.backends.numpy import folds, logic, places, steps, time
+from trackmarshal.backends.numpy import folds, logic, places, steps, tallies, time
 from trackmarshal.backends.numpy.batch import before, column_index
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
 from trackmarshal.backends.numpy.sharing import representatives
@@ -26,7 +26,7 @@ _CALLED: dict[str, Any] = {
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
     "project": places.project, "distance": places.distance, "gap": places.gap, "inside_area": places.swept_inside, "clear": places.swept_clear,
-    "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator,
+    "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator, "tally": tallies.tally,
     "ordinal": folds.ordinal, "fold": folds.fold,
 }  # fmt: skip
 
@@ -338,6 +338,9 @@ class Code:
             case ir.Temporal() | ir.Until() | ir.Shift():
                 values = _tuple(part.value for part in parts)
                 return self._given(node, number, f"temporal(b, {self._hold(node)}, {values})")
+            case ir.Tallied():
+                values = _tuple(part.value for part in parts)
+                return self._given(node, number, f"tally(b, {self._hold(node)}, {values}, {at[0]})")
             case ir.At():
                 (body,) = parts
                 index = self._hold(

@@ -20,7 +20,7 @@ Pair = tuple[Any, Any]
 
 def operator(batch: Batch, node: ir.Timed, operands: Sequence[Value]) -> Value:
     """The value of a temporal formula at every sample of every case."""
-    operands = _without_gaps(batch, node.axis, operands)
+    operands = without_gaps(batch, node.axis, operands)
     single = all(value.worst is value.best for value in operands)
     timed = isinstance(node, (ir.Temporal, ir.Until))
     # Where the structure of a signal is broken, its times have not been looked at; a rule that reads it has no verdict then.
@@ -82,7 +82,7 @@ def _kernel(batch: Batch, node: ir.Timed, index: int, n: int, sides: list[Pair])
             assert_never(node)
 
 
-def _without_gaps(batch: Batch, axis: ir.Axis, operands: Sequence[Value]) -> list[Value]:
+def without_gaps(batch: Batch, axis: ir.Axis, operands: Sequence[Value]) -> list[Value]:
     """The operands with nothing known of them in gaps of a timeline."""
     gaps = batch.gaps(axis)
     if gaps is None:

@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import assert_never
 
 from trackmarshal.backends import witness
+from trackmarshal.backends.over_run.counts import Range, compared
 from trackmarshal.backends.reference import geometry, temporal
 from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.ir import arithmetic
@@ -214,6 +215,8 @@ class Reference:
                 )
             case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.series(node, env)[env[node.axis.level]]
+            case ir.Tallied():
+                return self._tallied(node, env)
             case ir.At():
                 return self.truth(node.operand, {**env, node.axis.level: self.place(node)})
             case ir.OverRun() | ir.Counted() | ir.InState():
@@ -330,6 +333,23 @@ class Reference:
                 )
             case _:
                 assert_never(node)
+
+    def _tallied(self, node: ir.Tallied, env: Env) -> Truth:
+        """From a sample backwards, up to the last one with which the count starts anew: that it surely does, or that it may."""
+        axis, k = node.axis, env[node.axis.level]
+        columns = self.frame.columns[axis.signal]
+        begins, ends, _, upper = measured(columns, None, node.upper)
+        counted = self.along(node.counted, axis, env)
+        resets = None if node.reset is None else self.along(node.reset, axis, env)
+        sure = possible = 0
+        surely_on = possibly_on = True
+        for j in reversed(temporal.windows(begins, None, upper, True, ends)[k]):
+            sure += surely_on * counted[j].worst.sat
+            possible += possibly_on * counted[j].best.sat * columns.weight(j)
+            if resets is not None:
+                surely_on = surely_on and not resets[j].best.sat
+                possibly_on = possibly_on and not resets[j].worst.sat
+        return compared(node, Range(sure, possible), self.number(node.limit, env))
 
     def _windows(self, node: ir.Temporal | ir.Until) -> list[range]:
         begin, end, lower, upper = measured(self.frame.columns[node.axis.signal], node.lower, node.upper)
