@@ -486,6 +486,8 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
                 what = f"the signal `{item.name}`"
             case ast.Event():
                 what = f"the event `{item.name}`"
+            case ast.Course():
+                what = f"the course `{item.name}`"
             case ast.Enum():
                 what = f"the enumeration `{item.name}`"
             case ast.Stretch():
@@ -547,6 +549,7 @@ def configure(spec: Spec, settings: Spec) -> Spec:
         spec.rulebooks,
         digest.hexdigest(),
         spec.scales,
+        spec.courses,
     )
 
 

@@ -246,7 +246,8 @@ def clause(node: typed.Clause) -> ast.Clause:
     match node:
         case typed.Along():
             (name,) = node.range.names
-            return ast.Along(ast.Name(node.range.signal.name), name)
+            at = ast.Name(node.place) if node.said else None
+            return ast.Along(ast.Name(node.range.signal.name), name, at)
         case typed.Whenever():
             return ast.Whenever(formula(node.condition))
         case typed.ForEach():

@@ -181,7 +181,7 @@ def _series(rule: RuleInfo, values: CaseValues, wanted: bool) -> tuple[list[str]
     """The formula's value at every sample, for rules that live along a timeline."""
     if not wanted or rule.along is None:
         return None
-    assert isinstance(rule.formula, ir.First)
+    assert isinstance(rule.formula, ir.At)
     truths = values.along(rule.formula.operand, rule.along, {})
     return [t.verdict for t in truths], [t.margin for t in truths]
 

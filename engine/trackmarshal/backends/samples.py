@@ -30,7 +30,7 @@ class Sampled:
             self.whenever.append(formula.guard)
             formula = formula.body
         self.guard: ir.Formula | None = None
-        if isinstance(formula, ir.First):
+        if isinstance(formula, ir.At):
             self.axis, self.body = formula.axis, formula.operand
         elif (
             isinstance(formula, ir.Quantify)

@@ -10,6 +10,8 @@ from typing import NamedTuple, Protocol, assert_never
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
+from trackmarshal.runtime.frame import Columns
+from trackmarshal.runtime.timeline import measured
 from trackmarshal.runtime.verdict import Truth, Witness
 
 Env = dict[int, int]
@@ -49,6 +51,17 @@ class Sides(NamedTuple):
         return (min if least else max)(fitting, key=margins.__getitem__, default=None)
 
 
+def unknown_in(sides: Sides, gaps: Sequence[int]) -> Sides:
+    """The same with nothing known of some values."""
+    if not gaps:
+        return sides
+    worst_sat, worst = list(sides.worst_sat), list(sides.worst)
+    best_sat, best = list(sides.best_sat), list(sides.best)
+    for gap in gaps:
+        worst_sat[gap], worst[gap], best_sat[gap], best[gap] = False, -math.inf, True, math.inf
+    return Sides(worst_sat, worst, best_sat, best)
+
+
 class Values(Protocol):
     """What a descent asks of an evaluator, for one case."""
 
@@ -58,7 +71,7 @@ class Values(Protocol):
 
     def count(self, axis: ir.Axis) -> int: ...
 
-    def times(self, axis: ir.Axis) -> Sequence[float]: ...
+    def columns(self, axis: ir.Axis) -> Columns: ...
 
     def name(self, axis: ir.Axis, index: int) -> int | str: ...
 
@@ -104,9 +117,10 @@ class Descent:
                 if self._verdict(node, env) == "undefined" and self._verdict(node.body, env) != "undefined":
                     return node.guard, env
                 return (node.body, env) if guard.best.sat else None
-            case ir.First():
+            case ir.At():
                 self._names[node.axis.level] = (node.axis, (node.name,))
-                return node.operand, {**env, node.axis.level: 0}
+                place = self._values.columns(node.axis).place(node.place)
+                return node.operand, {**env, node.axis.level: place}
             case ir.Temporal():
                 sides = self._values.sides(node.operand, node.axis, env)
                 least = node.extreme is Extreme.LEAST
@@ -121,7 +135,7 @@ class Descent:
                     if self._outside(node, env)
                     else (node.operand, {**env, level: env[level] + node.step})
                 )
-            case ir.OverRun() | ir.Counted() | ir.InState():
+            case ir.OverRun() | ir.Counted() | ir.Tallied() | ir.InState():
                 return None
             case _:
                 assert_never(node)
@@ -189,13 +203,14 @@ class Descent:
         return None if doubtful is None else (node.guard, {**env, level: doubtful})
 
     def _window(self, node: ir.Temporal | ir.Until, env: Env) -> range:
-        t, k = self._values.times(node.axis), env[node.axis.level]
-        low, high = node.lower, node.upper
+        begins, ends, low, high = measured(self._values.columns(node.axis), node.lower, node.upper)
+        t, k = begins, env[node.axis.level]
+        e = begins if ends is None else ends
         if node.past:
-            start = 0 if high is None else bisect_left(t, t[k] - high)
+            start = 0 if high is None else bisect_left(e, t[k] - high)
             return range(start, k + 1 if low is None else bisect_right(t, t[k] - low))
         stop = len(t) if high is None else bisect_right(t, t[k] + high)
-        return range(k if low is None else bisect_left(t, t[k] + low), stop)
+        return range(k if low is None else bisect_left(e, t[k] + low), stop)
 
     def _until(self, node: ir.Until, env: Env) -> tuple[ir.Formula, Env] | None:
         """At the sample of the window that decides, the right side or, where it was not held until then, the left one."""

@@ -117,12 +117,17 @@ def _over_run(
 ) -> Iterator[tuple[str, list[str]]]:  # fmt: skip
     from trackmarshal.backends.over_run.history import History
     from trackmarshal.backends.over_run.keeping import past
-    from trackmarshal.explaining.telling import told_over_run
+    from trackmarshal.explaining.course import along_course
+    from trackmarshal.explaining.telling import told, told_over_run
     from trackmarshal.scenarios.supervised import run_until
 
     judged, before, missing = run_until(recording, evaluator, tables, place)
     number = [rule.name for rule in evaluator.rules].index(name)
+    rule = evaluator.rules[number]
     for candidate in candidates:
         this = past(evaluator.spec, judged.about.of(candidate), missing)
         result = judged.rated[candidate].explain(number, False)
-        yield candidate, told_over_run(evaluator.rules[number], result, History([*before, this]))
+        if rule.course is not None:
+            yield candidate, told(rule, result, along_course(rule, [*before, this]))
+        else:
+            yield candidate, told_over_run(rule, result, History([*before, this]))

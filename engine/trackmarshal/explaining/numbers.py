@@ -46,7 +46,7 @@ def _member(part: ir.AnyNode, spec: Spec, value: float) -> str:
     if not isinstance(part, ir.Column | ir.Scalar | ir.Sample):
         return ""
     signal = part.axis.signal if isinstance(part, ir.Column) else part.signal
-    info = spec.signals[signal].field(part.field)
+    info = spec.field(signal, part.field)
     members = () if info is None or info.enumeration is None else info.enumeration.members
     return next((name for place, name in enumerate(members) if place == value), "")
 

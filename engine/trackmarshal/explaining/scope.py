@@ -65,7 +65,7 @@ def _told(levels: Sequence[Level], cycle: Cycle, env: Env) -> Iterator[str]:
         match clause:
             case typed.Along():
                 assert level.axis is not None
-                env = {**env, level.axis.level: 0}
+                env = {**env, level.axis.level: cycle.values.columns(level.axis).place(clause.place)}
             case typed.Whenever():
                 assert level.guard is not None
                 if not cycle.truth(level.guard, env).best.sat:

@@ -45,14 +45,14 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
                 stack.append(node.body)
             case ir.Connective() | ir.Until():
                 stack += [node.left, node.right]
-            case ir.Not() | ir.Scaled() | ir.Temporal() | ir.Shift() | ir.First():
+            case ir.Not() | ir.Scaled() | ir.Temporal() | ir.Shift() | ir.At():
                 stack.append(node.operand)
             case ir.OverRun():
                 stack += node.operands
             case ir.InState():
                 pass  # a Boolean
-            case ir.Counted():
-                pass  # cycles are counted, whatever is counted is measured in
+            case ir.Counted() | ir.Tallied():
+                pass  # cycles or samples are counted, whatever is counted is measured in
             case _:
                 assert_never(node)
     return atoms

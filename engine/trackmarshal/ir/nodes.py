@@ -443,12 +443,29 @@ class Shift(IR):
     weak: bool
 
 
-class First(IR):
-    """The value at the first sample of the timeline."""
+class Tallied(IR):
+    """At how many samples of a timeline a formula held, up to this one, compared with a number that no input changes.
+
+    reset: what the count starts anew with, if anything. upper: how far back [s]; None: from the first sample. turned: the number stands at the left.
+    """
+
+    axis: Axis
+    op: ComparisonOp
+    counted: Formula
+    reset: Formula | None
+    upper: float | None
+    limit: Num
+    turned: bool
+    span: Span
+
+
+class At(IR):
+    """The value at the sample of a timeline at which a rule is judged: the first one, the last one, or the one that is now."""
 
     axis: Axis
     name: str
     operand: Formula
+    place: JudgedAt
 
 
 class OverRun(IR):
@@ -548,13 +565,16 @@ Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
     Truth | Flag | Compare | SweptInside | SweptClear | InArea | Scaled | Not | Connective | Quantify | Guarded
-    | Temporal | Until | Shift | First | OverRun | Counted | InState
+    | Temporal | Until | Shift | Tallied | At | OverRun | Counted | InState
 )  # fmt: skip
 #: Any node.
 AnyNode: TypeAlias = Num | Formula | Axis | Line | Area | Machine
 
 #: Nodes that have no value of their own: what others are about.
 _SUBJECTS = (Axis, Line, Area, Machine)
+
+#: Where along a timeline a rule is judged.
+JudgedAt: TypeAlias = Literal["first", "last", "now"]
 
 T = TypeVar("T")
 Parts = ParamSpec("Parts")

@@ -91,7 +91,7 @@ def leaves(
 
 
 #: What depends on the variable of an axis by itself.
-_ABOUT = (ir.Column, ir.Flag, ir.Ordinal, ir.Temporal, ir.Until, ir.Shift, ir.Machine)
+_ABOUT = (ir.Column, ir.Flag, ir.Ordinal, ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.Machine)
 
 
 def sets(node: ir.Formula | ir.Num | ir.Machine) -> tuple[ir.Axis, ...]:
@@ -117,7 +117,7 @@ def _free(root: ir.AnyNode) -> set[ir.Axis]:
             continue
         if isinstance(part, _ABOUT) and part.axis is not None:
             found.add(part.axis)
-        elif isinstance(part, (ir.Quantify, ir.First)):
+        elif isinstance(part, (ir.Quantify, ir.At)):
             bound.add(part.axis)
         stack += [child for child in part.children() if isinstance(child, ir.IR)]  # type: ignore[misc]
     return found - bound

@@ -26,7 +26,7 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
             case ir.Area():
                 if node.kind == "corridor":
                     result |= {(node.name, "left"), (node.name, "right")}
-            case ir.Temporal() | ir.Until():
+            case ir.Temporal() | ir.Until() | ir.Tallied():
                 result.add((node.axis.signal, "t"))
             case (
                 ir.Const()
@@ -54,7 +54,7 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass
-            case ir.Scaled() | ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
+            case ir.Scaled() | ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.At():
                 pass
             case ir.Machine():
                 pass

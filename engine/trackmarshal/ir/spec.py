@@ -37,6 +37,10 @@ class FieldType(Node):
     enumeration: Enumeration | None = None
 
 
+#: The kind of a timeline that is no input: what was driven, and what is planned.
+COURSE = "course"
+
+
 class SignalType(Node):
     """The contract of one signal: trajectory, series, state, object (many: a set), corridor, polyline."""
 
@@ -52,7 +56,19 @@ class SignalType(Node):
     @property
     def sequence(self) -> bool:
         """Whether the signal is a timeline: columns of samples."""
-        return self.kind in ("trajectory", "series") and not self.many
+        return self.kind in ("trajectory", "series", COURSE) and not self.many
+
+
+class CourseInfo(Node):
+    """What was driven and what is planned as one timeline: records of one signal as far back as a time [ns], now, and samples of another one.
+
+    signal: what its samples have: the time from now on, and the fields that both signals have.
+    """
+
+    signal: SignalType
+    lived: str
+    planned: str
+    back: int
 
 
 class ParamInfo(Node):
@@ -178,6 +194,8 @@ class RuleInfo(Node):
     #: The rule as it is written, and what it calls the values in it.
     text: str = ""
     names: tuple[Called, ...] = ()
+    #: The course that it lives along, if its timeline is one.
+    course: CourseInfo | None = None
 
     @property
     def advisory(self) -> bool:
@@ -216,6 +234,14 @@ class Spec(Node):
     def scale(self, rule: RuleInfo) -> float:
         """What the margin of a rule is divided by before it is compared with that of another one: 1 where it is a number of scales already."""
         return dict(self.scales).get(rule.unit, 1.0)
+
+    courses: tuple[CourseInfo, ...] = ()
+
+    def field(self, signal: str, name: str) -> FieldType | None:
+        """A field of a signal, or of a course."""
+        courses = (course.signal for course in self.courses if course.signal.name == signal)
+        info = self.signals.get(signal) or next(courses, None)
+        return None if info is None else info.field(name)
 
     def rule(self, name: str) -> RuleInfo | None:
         return next((rule for rule in self.rules if rule.name == name), None)

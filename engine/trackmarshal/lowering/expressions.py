@@ -11,7 +11,7 @@ from typing import Literal, assert_never
 
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import FUNCTIONS
+from trackmarshal.ir.operators import FUNCTIONS, ComparisonOp
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import Called
 from trackmarshal.lowering.things import Things, nothing_given
@@ -433,20 +433,17 @@ class Lowering:
     def _counted(self, node: typed.CountComparison, site: Span | None) -> ir.Formula:
         """A count against a number: `count > 3` is `3 < count`."""
         count = node.count
-        operands = [self.formula(count.counted, site)]
-        if count.reset is not None:
-            operands.append(self.formula(count.reset, site))
-        _, upper = _in_nanoseconds(count.window)
+        counted = self.formula(count.counted, site)
+        reset = None if count.reset is None else self.formula(count.reset, site)
         limit, at = self.number(node.limit, site), site or node.span
-        match node.op:
-            case "<" | "<=" | "==" | "!=":
-                return self.make(ir.Counted, node.op, tuple(operands), upper, limit, node.turned, at)
-            case ">":
-                return self.make(ir.Counted, "<", tuple(operands), upper, limit, not node.turned, at)
-            case ">=":
-                return self.make(ir.Counted, "<=", tuple(operands), upper, limit, not node.turned, at)
-            case _:
-                assert_never(node.op)
+        op, turned = _COUNTED[node.op]
+        turned = turned != node.turned
+        if not isinstance(count.axis, typed.TheRun):
+            axis, (_, bound) = self.things.axis(count.axis), _bounds(count.window)
+            return self.make(ir.Tallied, axis, op, counted, reset, bound, limit, turned, at)
+        operands = (counted,) if reset is None else (counted, reset)
+        _, upper = _in_nanoseconds(count.window)
+        return self.make(ir.Counted, op, operands, upper, limit, turned, at)
 
     def _machine(self, node: typed.Machine) -> ir.Machine:
         """A state machine: one node wherever it is asked for, so that it is remembered once."""
@@ -493,6 +490,12 @@ class Lowering:
                 )
             case _:
                 assert_never(node)
+
+
+#: What a comparison with a count is in the core, and whether its sides change places.
+_COUNTED: dict[typed.Comparing, tuple[ComparisonOp, bool]] = {
+    "<": ("<", False), "<=": ("<=", False), "==": ("==", False), "!=": ("!=", False), ">": ("<", True), ">=": ("<=", True),
+}  # fmt: skip
 
 
 def _in_nanoseconds(window: typed.Window | None) -> tuple[int | None, int | None]:

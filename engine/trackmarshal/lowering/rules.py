@@ -118,8 +118,8 @@ def _nested(levels: list[Level], body: ir.Formula, lowering: Lowering) -> Lowere
             case typed.Along():
                 assert axis is not None
                 name = clause.range.names[0]
-                body, along = make(ir.First, axis, name, body), axis
-                active = None if active is None else make(ir.First, axis, name, active)
+                body, along = make(ir.At, axis, name, body, clause.place), axis
+                active = None if active is None else make(ir.At, axis, name, active, clause.place)
             case _:
                 assert_never(clause)
     return Lowered(body, active, along)

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from trackmarshal.ir.nodes import JudgedAt
+
     Floats = NDArray[np.float64]
     Flags = NDArray[np.int8]
 
@@ -35,14 +37,39 @@ class Names:
         self.rows = {name: row for names in (self.numbers, self.flags) for row, name in enumerate(names)}
 
 
+class Joined(NamedTuple):
+    """What a timeline has besides columns that joins what was driven with what is planned.
+
+    now: the number of the sample that is now. begin, end: (count,) float64, whole nanoseconds from now, when each sample begins and ends: one
+    moment, or a gap in which nothing is known. gaps: the numbers of those; missing: how many cycles are missing in each.
+    """
+
+    now: int
+    begin: Floats
+    end: Floats
+    gaps: tuple[int, ...]
+    missing: tuple[int, ...]
+
+
 class Columns:
     """A timeline or set, one entry a sample or element, or a record, of one entry.
 
     values: (numbers, count) float64, NaN for a missing number; flags: (flags, count) int8: 1, 0, and -1 for a missing one. ids: what
-    the elements of a set are called. absent: columns that are not there, and need not be. `stack`: what many frames' values were put into, and the place of these, or None.
+    the elements of a set are called. absent: columns that are not there, and need not be. `stack`: what many frames' values were put into, and the place of these, or None. `joined`: what a course has besides, else None.
     """
 
-    __slots__ = ("_listed", "_place", "_values", "absent", "count", "flags", "ids", "names", "stack")
+    __slots__ = (
+        "_listed",
+        "_place",
+        "_values",
+        "absent",
+        "count",
+        "flags",
+        "ids",
+        "joined",
+        "names",
+        "stack",
+    )
 
     def __init__(
         self, names: Names, values: Floats, flags: Flags | None = None, ids: tuple[str, ...] = ()
@@ -54,6 +81,7 @@ class Columns:
         self.count: int = values.shape[1] if flags is None or names.numbers else flags.shape[1]
         self.ids = ids
         self.absent = _NONE
+        self.joined: Joined | None = None
         self.stack: tuple[Floats, int] | None = None
         #: Made when first asked for: of many frames, most are never asked.
         self._listed: dict[str, list[Any]] | None = None
@@ -64,7 +92,7 @@ class Columns:
         made = cls.__new__(cls)
         made.names, made.count, made.ids = names, count, ids
         made._values, made._place = None, (arena, start)
-        made.flags = made.stack = made._listed = None
+        made.flags = made.stack = made.joined = made._listed = None
         made.absent = _NONE
         return made
 
@@ -109,8 +137,24 @@ class Columns:
         return {name: self.column(name) for name in self.names.rows}
 
     def name(self, index: int) -> int | str:
-        """What reports call an entry: its id, or its number."""
+        """What reports call an entry: its id, or its number; of a course, counted from the sample that is now."""
+        if self.joined is not None:
+            return index - self.joined.now
         return self.ids[index] if self.ids else index
+
+    def weight(self, index: int) -> int:
+        """How many samples an entry may be: of a gap, as many as cycles are missing."""
+        if self.joined is None or index not in self.joined.gaps:
+            return 1
+        return self.joined.missing[self.joined.gaps.index(index)]
+
+    def place(self, judged: JudgedAt) -> int:
+        """The number of the sample at which a rule is judged. Raises ValueError where none is now."""
+        if judged == "now":
+            if self.joined is None:
+                raise ValueError("of this timeline, no sample is now")
+            return self.joined.now
+        return 0 if judged == "first" else self.count - 1
 
 
 class Arena(NamedTuple):

@@ -260,7 +260,7 @@ def _signal_of(name: str, rule: RuleInfo) -> str:
         for node in () if formula is None else ir.below(formula):
             if isinstance(node, ir.Quantify) and name in node.names:
                 return node.axis.signal
-            if isinstance(node, ir.First) and name == node.name:
+            if isinstance(node, ir.At) and name == node.name:
                 return node.axis.signal
     return ""
 

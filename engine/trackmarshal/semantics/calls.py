@@ -132,19 +132,12 @@ def _count_of_cycles(
         hint = "write `count(p)`, `count(p, last: 10 s)` or `count(p, reset: q)`"
         at = span if wrong is None else wrong.__dict__["span"]
         self.fail(UnknownReference(at, "`count` takes a formula, and `last` or `reset`", hint))
-    if not isinstance(ctx.timeline, typed.TheRun):
-        hint = "along a timeline, count with `once`, `historically` and `since`"
-        self.fail(
-            UnknownReference(
-                ctx.site or span, "`count` counts cycles of the run, not samples of a timeline", hint
-            )
-        )
     counted, window, reset = self.all(
         lambda: self.formula(given[""], ctx),
         lambda: self.last(given["last"], ctx) if "last" in given else None,
         lambda: self.formula(given["reset"], ctx) if "reset" in given else None,
     )
-    return typed.Count(counted, window, reset, span)
+    return typed.Count(ctx.timeline, counted, window, reset, span)
 
 
 def _declared(

@@ -30,6 +30,7 @@ from trackmarshal.node import Node
 from trackmarshal.semantics import calls
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal_problem, settled
+from trackmarshal.semantics.courses import check_course
 from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.enums import check_enum, declared, unknown
 from trackmarshal.semantics.errors import (
@@ -140,6 +141,7 @@ class _Compiler:
             self._fields_of_shapes,
             self._shapes,
             self._signals,
+            self._courses,
             self._params,
             self._scales,
             self._tables,
@@ -179,6 +181,7 @@ class _Compiler:
             rulebooks,
             digest.hexdigest(),
             scales,
+            tuple(self.x.courses.values()),
         )
         found = tuple(told_once(self.found))
         return Compiled(
@@ -398,6 +401,14 @@ class _Compiler:
         if problem:
             self.x.fail(BadValue(expr.span, problem, None, "is an exponent or a unit wrong?"))
         return to_si(float(expr.text), expr.unit or unit)
+
+    def _courses(self, module: str) -> None:
+        for item in self._own(module, ast.Course):
+            own = self.scopes[module].own[item.name].item is item
+            self.x.attempt(
+                lambda item=item, own=own: check_course(item, self.x, self._context(module), own),  # type: ignore[misc]
+                item.span.head,
+            )
 
     def _params(self, module: str) -> None:
         for record in self._own(module, ast.ParamRecord):

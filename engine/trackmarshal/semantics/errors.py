@@ -441,6 +441,37 @@ class OverRunProblem(Diagnostic):
     hint: str = ""
 
 
+class CourseProblem(Diagnostic):
+    code = "E270"
+    title = "a course that joins nothing"
+    text = "{problem}"
+    remedy = "{hint}"
+    explanation = (
+        "`course driven = ego for 10 s then plan` is one timeline of what was driven and what is planned: a record, as it was in the cycles of so "
+        "long a time and as it is now, and then the samples of a trajectory that are due later. It has the fields that both have, in the same "
+        "units. Rules live along it; it is no input, and nothing else can be done with it."
+    )
+
+    span: Span
+    problem: str
+    hint: str = ""
+
+
+class JudgedNowhere(Diagnostic):
+    code = "E271"
+    title = "a sample at which no rule can be judged"
+    text = "{problem}"
+    remedy = "{hint}"
+    explanation = (
+        "`along plan as p` judges a rule at the first sample of the timeline, `along plan as p at last` at the last one. Along a course, which "
+        "begins in the past, a rule is judged at the sample that is now, unless it says `at last`."
+    )
+
+    span: Span
+    problem: str
+    hint: str = ""
+
+
 class UnknownReference(Diagnostic):
     code = "E219"
     title = "unknown word"

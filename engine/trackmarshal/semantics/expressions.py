@@ -9,9 +9,9 @@ from typing import Any, NoReturn
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, known
-from trackmarshal.ir.spec import Enumeration, SignalType
+from trackmarshal.ir.spec import CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
-from trackmarshal.semantics import calls, enums, states, stretches
+from trackmarshal.semantics import calls, courses, enums, states, stretches
 from trackmarshal.semantics.advice import Advice
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
@@ -108,6 +108,8 @@ class Expressions:
         #: SI unit -> the scale of margins in it, where that is declared.
         self.scales: dict[str, float] = {}
         self.params: dict[str, Dimension] = {}
+        #: By name.
+        self.courses: dict[str, CourseInfo] = {}
         self.advice = Advice()
         self._shapes: dict[str, typed.Shape] = {}
         #: Definitions (qualified names) whose bodies have errors: nothing more is said about their uses.
@@ -269,6 +271,10 @@ class Expressions:
                 if signal.kind == "polyline":
                     return typed.SignalLine(signal, span)
                 return typed.Signal(signal, span)
+            case ast.Course():
+                if item.name not in self.courses:
+                    raise Poison  # its declaration was reported
+                return typed.Signal(self.courses[item.name].signal, span)
             case ast.Event():
                 return typed.Event(symbol, span)
             case ast.Param():
@@ -355,6 +361,7 @@ class Expressions:
             )
         if isinstance(value, typed.SignalNode):
             signal = value.signal
+            courses.refuse_course(signal, span, "nothing is read of", self)
             if signal.sequence and expr.name == "first":
                 return typed.Sample(self._shape(signal), signal, value, 0, span)
             if signal.sequence and expr.name == "last":
@@ -561,7 +568,7 @@ class Expressions:
 
     def last(self, bound: ast.Expr, ctx: Context) -> typed.Window:
         """The window of a count: so long until now."""
-        number, seconds = self._bound(bound, ctx)
+        number, seconds = self.bound(bound, ctx)
         if seconds < 0.0:
             self.fail(
                 BadValue(_span(bound), f"a window starts at zero or later, not at {in_full(seconds, 's')}")
@@ -571,7 +578,7 @@ class Expressions:
 
     def deadline(self, limit: ast.Expr, span: Span, ctx: Context) -> typed.Deadline:
         """How long after a cycle something has to happen: a literal time."""
-        number, seconds = self._bound(limit, ctx)
+        number, seconds = self.bound(limit, ctx)
         if seconds < 0.0:
             problem = f"a deadline is not before the cycle that it counts from, at {in_full(seconds, 's')}"
             self.fail(BadValue(_span(limit), problem))
@@ -581,7 +588,7 @@ class Expressions:
         if window is None:
             return None
         (lower, low), (upper, high) = self.all(
-            lambda: self._bound(window.lower, ctx), lambda: self._bound(window.upper, ctx)
+            lambda: self.bound(window.lower, ctx), lambda: self.bound(window.upper, ctx)
         )
         if low < 0:
             past = "`once`, `historically` and `since` look back"
@@ -593,7 +600,7 @@ class Expressions:
             self.fail(BadValue(window.span, problem, None, "swap the bounds"))
         return typed.Window(lower, upper, (low, high), window.span)
 
-    def _bound(self, bound: ast.Expr, ctx: Context) -> tuple[typed.Number, float]:
+    def bound(self, bound: ast.Expr, ctx: Context) -> tuple[typed.Number, float]:
         """A bound of a window: a literal time, and its value in s."""
         value = self.number(bound, ctx)
         if value.dimension != TIME:
@@ -619,6 +626,7 @@ class Expressions:
         if not isinstance(value, typed.SignalNode) or not (value.signal.sequence or value.signal.many):
             self.fail(WrongKind(_span(domain), "a timeline or a set", value_spoken(value)))
         signal = value.signal
+        courses.refuse_course(signal, _span(domain), "no quantifier ranges over", self)
         if len(names) > 1 and not consecutive:
             hint = f"write `consecutive {', '.join(names)}`, or a quantifier for each"
             self.fail(
@@ -636,6 +644,18 @@ class Expressions:
                     span, "`consecutive` binds two or more samples", "add a variable, or remove `consecutive`"
                 )
             )
+        return self._range(value, names, span, ctx)
+
+    def timeline(
+        self, value: typed.WholeSignal, name: str, span: Span, ctx: Context
+    ) -> tuple[typed.Range, dict[str, Local]]:
+        """The timeline of a rule, and its variable."""
+        return self._range(value, (name,), span, ctx)
+
+    def _range(
+        self, value: typed.WholeSignal, names: tuple[str, ...], span: Span, ctx: Context
+    ) -> tuple[typed.Range, dict[str, Local]]:
+        signal = value.signal
         range_, shape = typed.Range(value, names, ctx.level, span), self._shape(signal)
         variables: dict[str, Local] = {}
         for offset, name in enumerate(names):

@@ -12,9 +12,10 @@ from trackmarshal.ir.description import describe
 from trackmarshal.ir.margins import MIXED, SCALED, margin_unit, margin_units
 from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
-from trackmarshal.ir.spec import ADVISORY, RuleInfo, SignalType
+from trackmarshal.ir.spec import ADVISORY, CourseInfo, RuleInfo, SignalType
 from trackmarshal.lowering.rules import lower_rule
 from trackmarshal.semantics.advice import warnings
+from trackmarshal.semantics.courses import judged_at
 from trackmarshal.semantics.errors import (
     AllowsNothing,
     Ambiguous,
@@ -108,15 +109,16 @@ class RuleBuilder:
             if any(self.x.scales.get(each, 1.0) != 1.0 for each in margin_units(core.formula)):
                 core, unit = lower_rule(rule, self.interner, self.x.scales), SCALED
         formula, active, along = (core.formula, core.active, core.along) if core else (None, None, None)
+        course = None if along is None else self.x.courses.get(along.signal)
         over_run = misused(formula, active) if along is None else None
         if over_run is not None:
             self.x.found.append(over_run)
             return None
         return RuleInfo(
             item.name, kind, item.title, self.ctx.scope.module, formula, active, along, unit, tuple(satisfies),
-            tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], reads(formula),
-            fingerprint(item, formula), item.span.head, rule, item.span.text.rstrip(),
-            () if core is None else core.names,
+            tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], _read(formula, course),
+            fingerprint(item, formula, course), item.span.head, rule, item.span.text.rstrip(),
+            () if core is None else core.names, course,
         )  # fmt: skip
 
     def _allow(self, item: ast.Rule | ast.Assume, before: int) -> None:
@@ -253,7 +255,8 @@ class RuleBuilder:
                     case ast.Along():
                         range_, names = self._timeline(clause, ctx)
                         ctx = ctx.bind(names, 1, range_)
-                        made.append(typed.Along(range_, clause.span))
+                        at = judged_at(clause, range_.signal, self.x)
+                        made.append(typed.Along(range_, at, clause.at is not None, clause.span))
                     case ast.Bind():
                         over, names = self.x.range_of(clause, ctx)
                         failed |= over is None
@@ -318,7 +321,7 @@ class RuleBuilder:
         ):
             hint = "a timeline is a trajectory or a series with a column `t: s increasing`"
             self.x.fail(ClauseProblem(clause.signal.span, f"`{clause.signal.name}` is no timeline", hint))
-        return self.x.axis(clause.signal, (clause.name,), False, clause.span, ctx)
+        return self.x.timeline(signal, clause.name, clause.span, ctx)
 
 
 def _has_time(signal: SignalType) -> bool:
@@ -332,11 +335,24 @@ def _has_time(signal: SignalType) -> bool:
     )
 
 
-def fingerprint(item: ast.Item, formula: ir.Formula | None) -> str:
+def _read(formula: ir.Formula | None, course: CourseInfo | None) -> frozenset[tuple[str, str]]:
+    """Which fields of which signals a rule reads; of a course, those of what it joins."""
+    found = reads(formula)
+    if course is None:
+        return found
+    own = {field for signal, field in found if signal == course.signal.name}
+    joined = {(signal, field) for signal in (course.lived, course.planned) for field in own}
+    both = {(course.planned, "t"), (course.planned, ""), (course.lived, "")}
+    return frozenset({pair for pair in found if pair[0] != course.signal.name} | joined | both)
+
+
+def fingerprint(item: ast.Item, formula: ir.Formula | None, course: CourseInfo | None = None) -> str:
     """A hash of what the rule says: its syntax tree (so layout and comments don't count) and all it is made of."""
     digest = hashlib.sha256(repr(item).encode())
     if formula is not None:
         digest.update(describe(formula).encode())
+    if course is not None:
+        digest.update(repr(course).encode())
     return digest.hexdigest()
 
 

@@ -14,7 +14,7 @@ from trackmarshal.units import UNIT_PATTERN, UNITS
 
 #: Declarations that put a name into the module's scope, and what messages call them.
 KINDS: dict[type[ast.Item], str] = {
-    ast.Enum: "enumeration", ast.Signal: "signal", ast.Event: "event", ast.Param: "parameter", ast.ParamRecord: "record of parameters", ast.Table: "table", ast.Place: "place",
+    ast.Enum: "enumeration", ast.Signal: "signal", ast.Course: "course", ast.Event: "event", ast.Param: "parameter", ast.ParamRecord: "record of parameters", ast.Table: "table", ast.Place: "place",
     ast.Stretch: "stretch", ast.Define: "definition", ast.Reference: "reference", ast.State: "state", ast.Shape: "shape", ast.Rulebook: "rulebook",
 }  # fmt: skip
 
@@ -142,7 +142,7 @@ def spoken(item: ast.Item) -> str:
 
 def _same_thing(item: ast.Item, other: ast.Item) -> bool:
     """Whether two declarations stand for one thing in the car, or in the library; whether signals agree is checked elsewhere."""
-    if isinstance(item, (ast.Signal, ast.Event)):
+    if isinstance(item, (ast.Signal, ast.Event, ast.Course)):
         return type(item) is type(other)
     return isinstance(item, ast.Reference) and item == other
 

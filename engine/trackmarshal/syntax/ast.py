@@ -344,10 +344,11 @@ class Let(Clause):
 
 
 class Along(Clause):
-    """`along plan as p`: the timeline that temporal operators range over."""
+    """`along plan as p at last`: the timeline that temporal operators range over, and at which sample the rule is judged, if it says so."""
 
     signal: Name
     name: str
+    at: Name | None = None
     span: Span = NOWHERE
 
 
@@ -425,6 +426,16 @@ class Signal(Item):
     kind: str
     many: bool
     fields_: tuple[Field, ...]
+    span: Span = NOWHERE
+
+
+class Course(Item):
+    """`course driven = ego for 10 s then plan`: what was driven, as far back as this, and what is planned, as one timeline."""
+
+    name: str
+    lived: Name
+    bound: Expr
+    planned: Name
     span: Span = NOWHERE
 
 

@@ -140,6 +140,9 @@ class Builder:
     def signal(self, meta: Meta, c: list[Any]) -> ast.Signal:
         return ast.Signal(spelled(c[0]), c[2], c[1] is not None, c[3] or (), self._span(meta))
 
+    def course(self, meta: Meta, c: list[Any]) -> ast.Course:
+        return ast.Course(spelled(c[0]), self._name(c[1]), c[2], self._name(c[3]), self._span(meta))
+
     def enum(self, meta: Meta, c: list[Any]) -> ast.Enum:
         members = tuple(self._member(name) for name in c[2:] if name is not None)
         return ast.Enum(spelled(c[0]), unquoted(c[1]), members, self._span(meta))
@@ -317,7 +320,8 @@ class Builder:
         return ast.Let(spelled(c[0]), c[1], self._span(meta))
 
     def along(self, meta: Meta, c: list[Any]) -> ast.Along:
-        return ast.Along(self._name(c[0]), spelled(c[1]), self._span(meta))
+        at = None if c[2] is None else self._name(c[2])
+        return ast.Along(self._name(c[0]), spelled(c[1]), at, self._span(meta))
 
     def whenever(self, meta: Meta, c: list[Any]) -> ast.Whenever:
         return ast.Whenever(c[0], self._span(meta))

@@ -94,6 +94,10 @@ class Layout:
     def _event(self, item: ast.Event, columns: Columns) -> str:
         return self._titled("event", item.name, item.text)
 
+    def _course(self, item: ast.Course, columns: Columns) -> str:
+        head = f"course {self._n.name(item.name)} = {self._n.name(item.lived.name)} for "
+        return f"{head}{self._w.lay(item.bound, SUM, len(head))} then {self._n.name(item.planned.name)}"
+
     def _enum(self, item: ast.Enum, columns: Columns) -> Laid:
         head = f"{self._titled('enum', item.name, item.text)} {{"
         names = [self._n.name(member.name) for member in item.members]
@@ -315,7 +319,8 @@ class Layout:
         return "let", head + self._w.lay(clause.value, EXPRESSION, CLAUSE_COLUMN + len(head))
 
     def _along(self, clause: ast.Along) -> tuple[str, str]:
-        return "along", f"{self._n.name(clause.signal.name)} as {self._n.name(clause.name)}"
+        at = "" if clause.at is None else f" at {self._n.name(clause.at.name)}"
+        return "along", f"{self._n.name(clause.signal.name)} as {self._n.name(clause.name)}{at}"
 
     def _whenever(self, clause: ast.Whenever) -> tuple[str, str]:
         return "whenever", self._w.lay(clause.condition, EXPRESSION, CLAUSE_COLUMN)
@@ -408,7 +413,7 @@ def _between(text: str, pair: tuple[ast.Expr, ast.Expr]) -> Piece:
 
 
 _ITEMS: dict[type[ast.Item], Callable[[Layout, Any, Columns], Laid | str]] = {
-    ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Enum: Layout._enum, ast.Event: Layout._event,
+    ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Enum: Layout._enum, ast.Course: Layout._course, ast.Event: Layout._event,
     ast.Param: Layout._param, ast.ParamRecord: Layout._param_record, ast.Constrain: Layout._constrain, ast.Scale: Layout._scale, ast.Define: Layout._define, ast.Shape: Layout._shape, ast.Signal: Layout._signal,
     ast.Table: Layout._table, ast.Place: Layout._place, ast.Stretch: Layout._stretch, ast.Assume: Layout._assume, ast.Rule: Layout._rule,
     ast.State: Layout._state, ast.Rulebook: Layout._rulebook, ast.Test: Layout._test,

@@ -7,11 +7,12 @@ from collections.abc import Iterable
 from typing import Any, NoReturn
 
 from trackmarshal import typed
+from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED, margin_units, own_unit
-from trackmarshal.ir.overrun import nanoseconds, over_run
+from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import Enumeration, FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
@@ -152,7 +153,7 @@ class _Preparation:
 
     def _after(self, entry: ast.After, rule: RuleInfo | None) -> float:
         """How long after the cycle before the next one comes [s]."""
-        if rule is not None and not over_run(rule.formula) and not over_run(rule.active):
+        if rule is not None and not remembers(rule):
             self.fail(entry.span, f"`{rule.name}` speaks of one cycle alone", "a test for each cycle")
         seconds = self._number(entry.time, "s", "the time of the next cycle")
         if not (math.isfinite(seconds) and nanoseconds(seconds) > 0):
@@ -587,7 +588,7 @@ def _variables(formula: ir.Formula) -> Iterable[str]:
     for node in ir.below(formula):
         if isinstance(node, ir.Quantify):
             yield from node.names
-        elif isinstance(node, ir.First):
+        elif isinstance(node, ir.At):
             yield node.name
 
 

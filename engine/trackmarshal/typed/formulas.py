@@ -215,12 +215,13 @@ class Edge(FormulaNode):
 
 
 class Count(Typed):
-    """`count(p)`, `count(p, last: 10 s)`, `count(p, reset: q)`: in how many cycles of the run p held, up to now.
+    """`count(p)`, `count(p, last: 10 s)`, `count(p, reset: q)`: in how many cycles of the run, or at how many samples of a timeline, p held up to now.
 
-    window: only those; reset: only those since the last cycle in which this held, that one included. It is compared, and nothing else: a
+    window: only those; reset: only those since the last one in which this held, that one included. It is compared, and nothing else: a
     cycle of which nothing is known makes it a range of numbers.
     """
 
+    axis: TimeAxis
     counted: Formula
     window: Window | None
     reset: Formula | None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from trackmarshal.ir.nodes import JudgedAt
 from trackmarshal.ir.operators import Quantifier
 from trackmarshal.source import Span
 from trackmarshal.typed.base import Typed
@@ -16,9 +17,11 @@ if TYPE_CHECKING:
 
 
 class Along(Typed):
-    """`along plan as p`: the rule's timeline, and its variable."""
+    """`along plan as p at last`: the rule's timeline, its variable, and the sample at which it is judged; said: it is written."""
 
     range: Range
+    place: JudgedAt
+    said: bool
     span: Span
 
 

@@ -268,7 +268,7 @@ def clauses() -> SearchStrategy[ast.Clause]:
         st.builds(ast.Bind, *binder, expr, st.one_of(st.none(), expr)),
         st.builds(ast.Except, expr, strings()),
         st.builds(ast.Let, names(), expr),
-        st.builds(ast.Along, name_nodes(), names()),
+        st.builds(ast.Along, name_nodes(), names(), st.one_of(st.none(), name_nodes())),
         st.builds(ast.Whenever, expr),
         st.builds(ast.WithinTime, expr),
         st.builds(ast.Require, st.sampled_from(["require", "monitor"]), expr),
@@ -399,6 +399,7 @@ def items() -> SearchStrategy[ast.Item]:
         st.builds(ast.Reference, names(), strings()),
         _signals(),
         st.builds(ast.Event, names(), strings()),
+        st.builds(ast.Course, names(), name_nodes(), expressions(), name_nodes()),
         st.builds(
             ast.Enum,
             names(),

@@ -103,7 +103,7 @@ class Writer:
         #: Formulas whose margin is read.
         self.margins = margins_read(self.formulas)
         self._binders = {
-            node.axis: (node.name,) for root in roots for node in (root,) if isinstance(node, ir.First)
+            node.axis: (node.name,) for root in roots for node in (root,) if isinstance(node, ir.At)
         }
         self._span: Span | None = self.rule.span
         self._length: dict[c.Expr, int] = {}
@@ -499,6 +499,10 @@ class Writer:
                 )
             case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.timed(node, at)
+            case ir.Tallied():
+                raise self.refuse(
+                    node, "generated code counts cycles of the run, and no samples of a timeline"
+                )
             case ir.OverRun():
                 return self.call(f"tm_{self.plan.memory(node).c_name}_now", *self._recalled(node, at))
             case ir.Counted():
@@ -510,15 +514,27 @@ class Writer:
                 states = c.Address(self.states(node.machine, at))
                 state = c.Literal(f"{node.machine.states.index(node.state)}u")
                 return self.call(f"tm_{self.plan.memory(node.machine).c_name}_is", states, state)
-            case ir.First():
+            case ir.At():
                 first = at.open(None)
-                first.binds[node.axis] = _ZERO
+                first.binds[node.axis] = self._judged(node)
                 first.binders[node.axis] = (node.name,)
                 made = self.formula(node.operand, first)
                 at.close(first)
                 return made
             case _:
                 assert_never(node)
+
+    def _judged(self, node: ir.At) -> c.Expr:
+        """The place of the sample at which a rule is judged."""
+        match node.place:
+            case "first":
+                return _ZERO
+            case "last":
+                return self._last(node.axis.signal)
+            case "now":
+                raise AssertionError("courses are refused")
+            case _:
+                assert_never(node.place)
 
     def timed(self, node: ir.Timed, at: c.Scope) -> c.Expr:
         """The value of a temporal operator at the present sample."""

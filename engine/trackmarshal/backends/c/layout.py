@@ -151,7 +151,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                             events.append(node.signal)
                         else:
                             columns.setdefault(node.signal, set()).add(node.field or "")
-                    case ir.Temporal() | ir.Until():
+                    case ir.Temporal() | ir.Until() | ir.Tallied():
                         columns.setdefault(node.axis.signal, set()).add("t")
                     case ir.Param():
                         params.append(node.name)
@@ -186,7 +186,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         | ir.Connective()
                     ):
                         pass
-                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
+                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.At():
                         pass
                     case ir.OverRun() | ir.Counted() | ir.InState() | ir.Kept() | ir.Machine():
                         pass  # see `remember`

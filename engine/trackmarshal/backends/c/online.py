@@ -45,8 +45,10 @@ def monitors(plan: Layout) -> list[Monitor]:
 
 def obstacle(rule: RuleInfo) -> str | None:
     """Why a rule cannot be judged a sample at a time; None where it can."""
-    if rule.along is None or not isinstance(rule.formula, ir.First):
+    if rule.along is None or not isinstance(rule.formula, ir.At):
         return "it has no timeline"
+    if rule.formula.place != "first":
+        return f"it is judged at the {rule.formula.place} sample"
     _, operand = _top(rule)
     for node in ir.below(operand):
         if not isinstance(node, _POINTWISE):
@@ -60,7 +62,7 @@ def obstacle(rule: RuleInfo) -> str | None:
 
 def _top(rule: RuleInfo) -> tuple[Extreme | None, ir.Formula]:
     """`always` or `eventually` over all of the timeline, if that is what the rule is, and what stands in it."""
-    assert isinstance(rule.formula, ir.First)
+    assert isinstance(rule.formula, ir.At)
     operand = rule.formula.operand
     if isinstance(operand, ir.Temporal) and not operand.past and operand.upper is None and not operand.lower:
         return operand.extreme, operand.operand
@@ -123,7 +125,7 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
     if why is not None:
         raise TrackmarshalError("E470", f"rule `{rule.name}` cannot be judged a sample at a time: {why}",
                                 file=rule.span.file.path, line=rule.span.line)  # fmt: skip
-    assert isinstance(rule.formula, ir.First)
+    assert isinstance(rule.formula, ir.At)
     over, operand = _top(rule)
     axis = rule.formula.axis
     name = plan.rule_names[rule.name]
@@ -218,7 +220,7 @@ def _inner(formulas: list[ir.Formula], nodes: list[ir.Timed]) -> list[int]:
 
 
 def _stage(
-    writer: _OnlineWriter, first: ir.First, number: int, nodes: list[ir.Timed], operands: list[ir.Formula], inputs: list[tuple[int, int]]
+    writer: _OnlineWriter, first: ir.At, number: int, nodes: list[ir.Timed], operands: list[ir.Formula], inputs: list[tuple[int, int]]
 ) -> None:  # fmt: skip
     """The operands of an operator at every sample for which they are known."""
     writer.have(_inner(operands, nodes))
@@ -260,7 +262,7 @@ def _step(
 
 
 def _results(
-    writer: _OnlineWriter, first: ir.First, nodes: list[ir.Timed], operand: ir.Formula, over: Extreme | None
+    writer: _OnlineWriter, first: ir.At, nodes: list[ir.Timed], operand: ir.Formula, over: Extreme | None
 ) -> None:
     writer.have(_inner([operand], nodes))
     done = c.Member(_M, "done", True)

@@ -204,7 +204,7 @@ def finished(
 
 def _along(plan: Layout, rule: RuleInfo) -> tuple[str, int]:
     """The formula at every sample of the rule's timeline, and the series that it needs."""
-    assert isinstance(rule.formula, ir.First)
+    assert isinstance(rule.formula, ir.At)
     axis, operand = rule.formula.axis, rule.formula.operand
     writer = Writer(plan, [rule], False, [operand])
     operand = writer.formulas[0]
@@ -284,7 +284,7 @@ def _axis(rule: RuleInfo) -> ir.Axis | None:
         return None
     if active is not None and not (isinstance(active, ir.Quantify) and active.axis is formula.axis):
         return None
-    looping = ir.Quantify | ir.Fold | ir.First | ir.Timed | ir.Geometry
+    looping = ir.Quantify | ir.Fold | ir.At | ir.Timed | ir.Geometry
     inner = [
         node
         for root in roots(rule)

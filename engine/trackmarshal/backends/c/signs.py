@@ -24,11 +24,11 @@ def margins_read(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
                 stack.append(node.body)  # a guard chooses
             case ir.Connective() | ir.Until():
                 stack += [node.left, node.right]
-            case ir.Not() | ir.Scaled() | ir.Temporal() | ir.Shift() | ir.First():
+            case ir.Not() | ir.Scaled() | ir.Temporal() | ir.Shift() | ir.At():
                 stack.append(node.operand)
             case ir.OverRun():
                 stack += node.operands
-            case ir.Counted() | ir.InState():
+            case ir.Counted() | ir.Tallied() | ir.InState():
                 pass  # it is asked whether they hold
             case _:
                 assert_never(node)

@@ -21,6 +21,7 @@ from trackmarshal.backends.c.places import calls, initial, own_places, setters
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rulebooks import RANKS, BookCode, book_codes, declared, defined
 from trackmarshal.backends.c.rules import CASES, FOLD, TRUTH, GroupCode, RuleCode, group_codes, rule_code
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 
@@ -55,6 +56,8 @@ def generate(
     online: with a monitor, a sample at a time, of every rule along a timeline that can have one. doored: the whole Supervisor around
     the rules; raises E482 for a spec that cannot be supervised with.
     """
+    for rule in rules:
+        _refuse_course(rule)
     supervised: Supervised | None = None
     if doored:
         plan, supervised = supervised_layout(spec, rules)
@@ -70,6 +73,15 @@ def generate(
         plan, codes, header(plan, codes, series, name, found, supervised, declared(books)),
         _source(plan, codes, groups, name, found, supervised, books), name, found, supervised,
     )  # fmt: skip
+
+
+def _refuse_course(rule: RuleInfo) -> None:
+    """Raise E470 for a rule along a course: generated code remembers what formulas come to, and no samples."""
+    if rule.course is not None:
+        raise TrackmarshalError(
+            "E470", f"rule `{rule.name}`: generated code does not remember what the course `{rule.course.signal.name}` joins",
+            file=rule.span.file.path, line=rule.span.line, help="choose rules with --rule, or another backend",
+        )  # fmt: skip
 
 
 def _source(

@@ -57,10 +57,13 @@ class Facts:
                 inner = self.free(node.body) | (frozenset() if node.guard is None else self.free(node.guard))
                 outer = frozenset() if node.otherwise is None else self.free(node.otherwise)
                 return (inner - {node.axis}) | outer
-            case ir.First():
+            case ir.At():
                 return self.free(node.operand) - {node.axis}
             case ir.Temporal() | ir.Shift():
                 return self.free(node.operand) | {node.axis}
+            case ir.Tallied():
+                own = frozenset[ir.Axis]().union(*map(self.free, self.operands(node)))
+                return own | {node.axis}
             case ir.Until():
                 return self.free(node.left) | self.free(node.right) | {node.axis}
             case _:  # nodes that bind no axis

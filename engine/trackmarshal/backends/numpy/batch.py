@@ -204,6 +204,20 @@ class Batch:
             self._masks[axis] = there
         return self._masks[axis]
 
+    def gaps(self, axis: ir.Axis) -> Bools | None:
+        """Of which samples nothing is known, shaped for broadcasting; None where there are none of them."""
+        own = [() if columns.joined is None else columns.joined.gaps for columns in self.own(axis.signal)]
+        if not any(own):
+            return None
+        there = np.zeros((self.size, self.count(axis)), dtype=bool)
+        for row, gaps in zip(there, own):
+            row[list(gaps)] = True
+        return self.on_axis(there, axis)
+
+    def places(self, signal: str, judged: ir.JudgedAt) -> NDArray[np.intp]:
+        """(cases,): the sample at which a rule is judged."""
+        return np.array([columns.place(judged) for columns in self.own(signal)], dtype=np.intp)
+
     def on_axis(self, table: NDArray[Any], axis: ir.Axis) -> NDArray[Any]:
         """(cases, n) shaped so that n lies on the axis's place and the others are 1."""
         before = axis.level

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, assert_never
 
 import numpy as np
 
-from trackmarshal.backends.numpy import folds, lanes, logic, places, steps, time
+from trackmarshal.backends.numpy import folds, lanes, logic, places, steps, tallies, time
 from trackmarshal.backends.numpy.batch import before, column_index
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
 from trackmarshal.backends.numpy.sharing import representatives
@@ -22,11 +22,11 @@ from trackmarshal.ir.operators import Extreme
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
     "where": np.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF, "zero": logic.ZERO,
-    "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first,
+    "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first, "at": steps.at,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
     "project": places.project, "distance": places.distance, "gap": places.gap, "stretch_room": places.stretch_room, "on_lane": lanes.on_lane, "inside_area": places.swept_inside, "clear": places.swept_clear,
-    "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator,
+    "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator, "tally": tallies.tally,
     "ordinal": folds.ordinal, "fold": folds.fold,
 }  # fmt: skip
 
@@ -351,15 +351,22 @@ class Code:
             case ir.Temporal() | ir.Until() | ir.Shift():
                 values = _tuple(part.value for part in parts)
                 return self._given(node, number, f"temporal(b, {self._hold(node)}, {values})")
-            case ir.First():
+            case ir.Tallied():
+                values = _tuple(part.value for part in parts)
+                return self._given(node, number, f"tally(b, {self._hold(node)}, {values}, {at[0]})")
+            case ir.At():
                 (body,) = parts
                 index = self._hold(
                     (slice(None),) * (1 + node.axis.level) + (slice(0, 1),), ("first", node.axis.level)
                 )
+                call, where = "first", index
+                if node.place != "first":
+                    call = "at"
+                    where = f"b.places({node.axis.signal!r}, {node.place!r}), {1 + node.axis.level}"
                 return self._sides(
                     node, number, parts, body.says,
-                    lambda best: f"first({body.margin(best)}, {index})",
-                    lambda best: f"first({body.sat(best)}, {index})",
+                    lambda best: f"{call}({body.margin(best)}, {where})",
+                    lambda best: f"{call}({body.sat(best)}, {where})",
                 )  # fmt: skip
             case ir.OverRun() | ir.Counted() | ir.InState():
                 raise AssertionError("one cycle does not say what a formula over the run comes to")

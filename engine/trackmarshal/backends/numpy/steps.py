@@ -125,6 +125,14 @@ def inside(mask: Any, guard: Any, rank: int) -> Any:
     return np.broadcast_to(found, (1,) * rank) if found.ndim == 0 else found
 
 
+def at(values: Any, places: Any, axis: int) -> Any:
+    """The values at one sample of each case. places: (cases,)."""
+    if values.ndim == 0 or values.shape[axis] == 1:
+        return values
+    whole = np.broadcast_to(values, (len(places), *values.shape[1:]))
+    return np.take_along_axis(whole, places.reshape(-1, *(1,) * (values.ndim - 1)), axis)
+
+
 def first(values: Any, index: tuple[slice, ...]) -> Any:
     """The values at the first sample."""
     return values if values.ndim == 0 else values[index]

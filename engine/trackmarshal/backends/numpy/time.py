@@ -12,6 +12,7 @@ from trackmarshal.backends.numpy.batch import Batch
 from trackmarshal.backends.numpy.logic import NEITHER, Side, Value
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
+from trackmarshal.runtime.timeline import measured
 
 #: Whether a formula holds, and its margin.
 Pair = tuple[Any, Any]
@@ -19,6 +20,7 @@ Pair = tuple[Any, Any]
 
 def operator(batch: Batch, node: ir.Timed, operands: Sequence[Value]) -> Value:
     """The value of a temporal formula at every sample of every case."""
+    operands = without_gaps(batch, node.axis, operands)
     single = all(value.worst is value.best for value in operands)
     timed = isinstance(node, (ir.Temporal, ir.Until))
     # Where the structure of a signal is broken, its times have not been looked at; a rule that reads it has no verdict then.
@@ -67,11 +69,11 @@ def _last(side: Side, shape: tuple[int, ...], axis: int) -> Pair:
 def _kernel(batch: Batch, node: ir.Timed, index: int, n: int, sides: list[Pair]) -> Pair:
     match node:
         case ir.Temporal():
-            windows = temporal.windows(_times(batch, node, index, n), node.lower, node.upper, node.past)
+            windows = _windows(batch, node, index, n)
             kernel = temporal.always if node.extreme is Extreme.LEAST else temporal.eventually
             return kernel(*sides[0], windows)
         case ir.Until():
-            windows = temporal.windows(_times(batch, node, index, n), node.lower, node.upper, node.past)
+            windows = _windows(batch, node, index, n)
             held = temporal.since if node.past else temporal.until
             return held(*sides[0], *sides[1], windows)
         case ir.Shift():
@@ -80,5 +82,25 @@ def _kernel(batch: Batch, node: ir.Timed, index: int, n: int, sides: list[Pair])
             assert_never(node)
 
 
-def _times(batch: Batch, node: ir.Temporal | ir.Until, index: int, n: int) -> Any:
-    return batch.table(node.axis.signal, "t")[index, :n]
+def without_gaps(batch: Batch, axis: ir.Axis, operands: Sequence[Value]) -> list[Value]:
+    """The operands with nothing known of them in gaps of a timeline."""
+    gaps = batch.gaps(axis)
+    if gaps is None:
+        return list(operands)
+    return [
+        Value(
+            Side(np.where(gaps, -np.inf, worst.margin), NEITHER, np.where(gaps, False, worst.sat)),
+            Side(np.where(gaps, np.inf, best.margin), NEITHER, np.where(gaps, True, best.sat)),
+        )
+        for worst, best in operands
+    ]
+
+
+def _windows(batch: Batch, node: ir.Temporal | ir.Until, index: int, n: int) -> temporal.Windows:
+    columns = batch.own(node.axis.signal)[index]
+    if columns.joined is None:
+        return temporal.windows(
+            batch.table(node.axis.signal, "t")[index, :n], node.lower, node.upper, node.past
+        )
+    _, _, lower, upper = measured(columns, node.lower, node.upper)
+    return temporal.windows(columns.joined.begin, lower, upper, node.past, columns.joined.end)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.numpy import places
 from trackmarshal.backends.numpy.logic import Value
-from trackmarshal.backends.witness import Sides
+from trackmarshal.backends.witness import Sides, unknown_in
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.frame import Columns
 from trackmarshal.runtime.verdict import Bound, Truth
 
 if TYPE_CHECKING:
@@ -64,7 +64,9 @@ class CaseView:
     def sides(self, node: ir.Formula, axis: ir.Axis, env: dict[int, int]) -> Sides:
         value = self._of(node)
         worst = self._rows(value.worst, axis, env)
-        return Sides(*worst, *(worst if value.best is value.worst else self._rows(value.best, axis, env)))
+        found = Sides(*worst, *(worst if value.best is value.worst else self._rows(value.best, axis, env)))
+        joined = self.columns(axis).joined
+        return found if joined is None else unknown_in(found, joined.gaps)
 
     def _rows(self, side: Any, axis: ir.Axis, env: dict[int, int]) -> tuple[list[bool], list[float]]:
         return self._row(side.sat, axis, env), self._row(side.margin, axis, env)
@@ -81,8 +83,8 @@ class CaseView:
     def count(self, axis: ir.Axis) -> int:
         return max(0, self._case.count(axis.signal) - axis.width + 1)
 
-    def times(self, axis: ir.Axis) -> Sequence[float]:
-        return self._case.columns[axis.signal].listed("t")
+    def columns(self, axis: ir.Axis) -> Columns:
+        return self._case.columns[axis.signal]
 
     def name(self, axis: ir.Axis, index: int) -> int | str:
         return self._case.columns[axis.signal].name(index)

@@ -1,4 +1,4 @@
-"""Counts of cycles: a range of numbers where nothing is known of some, compared with a number."""
+"""Counts of cycles, or of samples: a range of numbers where nothing is known of some, compared with a number."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from trackmarshal.runtime.verdict import Bound, Truth
 
 
 class Range(NamedTuple):
-    """In how many cycles something held: surely, and possibly."""
+    """In how many cycles, or at how many samples, something held: surely, and possibly."""
 
     sure: int
     possible: int
 
 
-def compared(node: ir.Counted, count: Range, limit: float) -> Truth:
+def compared(node: ir.Counted | ir.Tallied, count: Range, limit: float) -> Truth:
     """The value of a comparison of a count with a number."""
     if not math.isfinite(limit):
         return UNDEFINED

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Protocol
 
 from trackmarshal.backends.over_run.now import Now, happening
@@ -13,6 +14,7 @@ from trackmarshal.backends.results import CaseValues, Outcomes, Stateless, rule_
 from trackmarshal.ir.margins import own_unit
 from trackmarshal.ir.overrun import leaves, over_run
 from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.course import Courses, Lived
 from trackmarshal.runtime.driven import as_driven, in_doubt
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory, Rated, advisory
@@ -54,9 +56,10 @@ class Engine(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Remembered(Memory):
-    """What an engine remembers."""
+    """What an engine remembers, and what courses hold."""
 
     state: Any
+    courses: tuple[Lived, ...]
 
 
 class Remembering:
@@ -68,12 +71,13 @@ class Remembering:
     ) -> None:  # fmt: skip
         self.spec = spec
         self.rules: Sequence[RuleInfo] = [rule for rule in rules if rule.formula is not None]
-        self._over = [rule for rule in self.rules if remembers(rule)]
+        self._over = [rule for rule in self.rules if _over(rule)]
+        self._courses = Courses(self.rules)
         formulas = [
             formula for rule in self._over for formula in (rule.formula, rule.active) if formula is not None
         ]
         found = dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula))
-        self.inner = program(spec, [rule for rule in self.rules if not remembers(rule)], tuple(found))
+        self.inner = program(spec, [rule for rule in self.rules if not _over(rule)], tuple(found))
         self._engine = engine(self._over)
         #: Of each rule its place among those over the run, or among the others.
         self._places = _places(self.rules)
@@ -84,11 +88,11 @@ class Remembering:
         return {**self.inner.identity, "rules": names}
 
     def start(self) -> Memory:
-        return Remembered(self._engine.start())
+        return Remembered(self._engine.start(), self._courses.start())
 
     def judge(self, memory: Memory, frame: Frame) -> Judged:
         assert isinstance(memory, Remembered)
-        seen = frame.seen()
+        seen = [(name, self._courses.joined(memory.courses, one)) for name, one in frame.seen()]
         outcomes = self.inner.outcomes([one for _, one in seen])
         return Judged(
             frame, {name: self._rated(memory.state, one, each) for (name, one), each in zip(seen, outcomes)}
@@ -104,12 +108,15 @@ class Remembering:
         if in_doubt(frame, decision):
             return self.missed(memory)
         driven = as_driven(frame, decision)
-        (outcome,) = self.inner.outcomes([driven])
-        return Remembered(self._engine.commit(memory.state, happening(driven, outcome.values())))
+        (outcome,) = self.inner.outcomes([self._courses.joined(memory.courses, driven)])
+        return Remembered(
+            self._engine.commit(memory.state, happening(driven, outcome.values())),
+            self._courses.commit(memory.courses, driven),
+        )
 
     def missed(self, memory: Memory) -> Memory:
         assert isinstance(memory, Remembered)
-        return Remembered(self._engine.missed(memory.state))
+        return Remembered(self._engine.missed(memory.state), self._courses.missed(memory.courses))
 
     def end(self, memory: Memory) -> dict[str, tuple[About, ...]]:
         assert isinstance(memory, Remembered)
@@ -117,16 +124,17 @@ class Remembering:
 
     def kept(self) -> tuple[str, str]:
         """Who can restore what is remembered, and in words what that is made of. Raises TrackmarshalError E486 for an engine that saves none."""
-        return str(self.identity["backend"]), self._engine.described
+        described = "\n\n".join(filter(None, (self._engine.described, self._courses.described)))
+        return str(self.identity["backend"]), described
 
     def save(self, memory: Memory) -> Iterator[Piece]:
         """What is remembered, taken now, as pieces that are made later. Raises TrackmarshalError E486."""
         assert isinstance(memory, Remembered)
-        return self._engine.save(memory.state)
+        return chain(self._engine.save(memory.state), self._courses.save(memory.courses))
 
     def restored(self, pieces: Pieces) -> Memory:
         """What was remembered; raises ValueError, KeyError, TypeError or IndexError for what was not saved by such a program."""
-        return Remembered(self._engine.load(pieces))
+        return Remembered(self._engine.load(pieces), self._courses.load(pieces))
 
     def _rated(self, state: Any, frame: Frame, inner: Outcomes) -> Rated:
         plain, values = inner.rated, inner.values
@@ -152,6 +160,11 @@ class Remembering:
 
 def remembers(rule: RuleInfo) -> bool:
     """Whether what a rule says of a cycle depends on others."""
+    return _over(rule) or rule.course is not None
+
+
+def _over(rule: RuleInfo) -> bool:
+    """Whether a rule's formula speaks of cycles, which an engine puts together."""
     return over_run(rule.formula) or over_run(rule.active)
 
 
@@ -159,7 +172,7 @@ def _places(rules: Sequence[RuleInfo]) -> list[tuple[bool, int]]:
     counts = {True: 0, False: 0}
     places = []
     for rule in rules:
-        over = remembers(rule)
+        over = _over(rule)
         places.append((over, counts[over]))
         counts[over] += 1
     return places

@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import assert_never
 
 from trackmarshal.backends import witness
+from trackmarshal.backends.over_run.counts import Range, compared
 from trackmarshal.backends.reference import geometry, temporal
 from trackmarshal.backends.reference.lanes import on_lane
 from trackmarshal.backends.results import Outcomes, Stateless, rated
@@ -17,7 +18,7 @@ from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import Spec
 from trackmarshal.ir.tables import read, read_grid
 from trackmarshal.node import Node
-from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.frame import Columns, Frame
 from trackmarshal.runtime.kleene import (
     FALSE,
     TRUE,
@@ -30,6 +31,7 @@ from trackmarshal.runtime.kleene import (
     scaled,
 )
 from trackmarshal.runtime.lines import Point
+from trackmarshal.runtime.timeline import measured
 from trackmarshal.runtime.verdict import Bound, Truth
 
 #: The index of the variable of each axis that is bound, by the axis's level.
@@ -245,8 +247,10 @@ class Reference:
                 )
             case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.series(node, env)[env[node.axis.level]]
-            case ir.First():
-                return self.truth(node.operand, {**env, node.axis.level: 0})
+            case ir.Tallied():
+                return self._tallied(node, env)
+            case ir.At():
+                return self.truth(node.operand, {**env, node.axis.level: self.place(node)})
             case ir.OverRun() | ir.Counted() | ir.InState():
                 raise AssertionError("one cycle does not say what a formula over the run comes to")
             case _:
@@ -331,20 +335,25 @@ class Reference:
         return values
 
     def along(self, node: ir.Formula, axis: ir.Axis, env: Env) -> list[Truth]:
-        """The value of any formula at every sample of a timeline."""
-        return [self.truth(node, {**env, axis.level: k}) for k in range(self.count(axis))]
+        """The value of any formula at every sample of a timeline; of a gap, nothing is known."""
+        joined = self.frame.columns[axis.signal].joined
+        gaps = () if joined is None else joined.gaps
+        return [
+            UNDEFINED if k in gaps else self.truth(node, {**env, axis.level: k})
+            for k in range(self.count(axis))
+        ]
 
     def _temporal(self, node: ir.Timed, env: Env) -> list[Truth]:
         axis = node.axis
         match node:
             case ir.Temporal():
                 operand = self.along(node.operand, axis, env)
-                windows = temporal.windows(self.times(axis), node.lower, node.upper, node.past)
+                windows = self._windows(node)
                 kernel = temporal.always if node.extreme is Extreme.LEAST else temporal.eventually
                 return _both(lambda side: kernel(side(operand)[0], side(operand)[1], windows))
             case ir.Until():
                 left, right = self.along(node.left, axis, env), self.along(node.right, axis, env)
-                windows = temporal.windows(self.times(axis), node.lower, node.upper, node.past)
+                windows = self._windows(node)
                 held = temporal.since if node.past else temporal.until
                 return _both(
                     lambda side: held(side(left)[0], side(left)[1], side(right)[0], side(right)[1], windows)
@@ -357,11 +366,36 @@ class Reference:
             case _:
                 assert_never(node)
 
+    def _tallied(self, node: ir.Tallied, env: Env) -> Truth:
+        """From a sample backwards, up to the last one with which the count starts anew: that it surely does, or that it may."""
+        axis, k = node.axis, env[node.axis.level]
+        columns = self.frame.columns[axis.signal]
+        begins, ends, _, upper = measured(columns, None, node.upper)
+        counted = self.along(node.counted, axis, env)
+        resets = None if node.reset is None else self.along(node.reset, axis, env)
+        sure = possible = 0
+        surely_on = possibly_on = True
+        for j in reversed(temporal.windows(begins, None, upper, True, ends)[k]):
+            sure += surely_on * counted[j].worst.sat
+            possible += possibly_on * counted[j].best.sat * columns.weight(j)
+            if resets is not None:
+                surely_on = surely_on and not resets[j].best.sat
+                possibly_on = possibly_on and not resets[j].worst.sat
+        return compared(node, Range(sure, possible), self.number(node.limit, env))
+
+    def _windows(self, node: ir.Temporal | ir.Until) -> list[range]:
+        begin, end, lower, upper = measured(self.frame.columns[node.axis.signal], node.lower, node.upper)
+        return temporal.windows(begin, lower, upper, node.past, end)
+
     # What witnesses and results ask -------------------------------------------------------------------------
 
-    def times(self, axis: ir.Axis) -> Sequence[float]:
-        """The times of a timeline's samples."""
-        return self.frame.columns[axis.signal].listed("t")
+    def columns(self, axis: ir.Axis) -> Columns:
+        """What an axis ranges over."""
+        return self.frame.columns[axis.signal]
+
+    def place(self, node: ir.At) -> int:
+        """The number of the sample at which a rule is judged."""
+        return self.frame.columns[node.axis.signal].place(node.place)
 
     def sides(self, node: ir.Formula, axis: ir.Axis, env: Env) -> witness.Sides:
         """The values of a formula for all values of the variable of an axis."""

@@ -36,11 +36,17 @@ CODES: dict[str, tuple[str, str]] = {
 Bound: TypeAlias = tuple[list[bool], list[float]]
 
 
-def windows(t: Sequence[float], lower: float | None, upper: float | None, past: bool) -> list[range]:
+def windows(
+    t: Sequence[float],
+    lower: float | None,
+    upper: float | None,
+    past: bool,
+    ends: Sequence[float] | None = None,
+) -> list[range]:
     """For every sample the samples its window holds: t[k] + lower <= t[j] <= t[k] + upper.
 
-    Past windows mirrored: t[k] - upper <= t[j] <= t[k] - lower. t: s, strictly increasing; lower, upper: s,
-    None: from the sample itself, to the end (start) of the trace.
+    Past windows mirrored: t[k] - upper <= t[j] <= t[k] - lower. t: strictly increasing; ends: when samples end that are no moments but
+    gaps, of which a part in the window is enough; lower, upper: in the same unit, None: from the sample itself, to the end (start) of the trace.
     Raises D181 on times and D182 on bounds that mean nothing.
     """
     if not all(map(math.isfinite, t)) or not all(earlier < later for earlier, later in pairwise(t)):
@@ -48,13 +54,14 @@ def windows(t: Sequence[float], lower: float | None, upper: float | None, past: 
     a, b = 0.0 if lower is None else lower, math.inf if upper is None else upper
     if not 0.0 <= a <= b:
         raise TrackmarshalError("D182", f"[{a:g} s, {b:g} s] is no window: 0 <= lower <= upper does not hold")
-    return [_past_window(t, k, a, b) if past else _future_window(t, k, a, b) for k in range(len(t))]
+    e = t if ends is None else ends
+    return [_past_window(t, e, k, a, b) if past else _future_window(t, e, k, a, b) for k in range(len(t))]
 
 
-def _future_window(t: Sequence[float], k: int, a: float, b: float) -> range:
-    """The samples j with t[k] + a <= t[j] <= t[k] + b; none lies before k."""
+def _future_window(t: Sequence[float], e: Sequence[float], k: int, a: float, b: float) -> range:
+    """The samples j with t[k] + a <= e[j] and t[j] <= t[k] + b; none lies before k."""
     start = k
-    while start < len(t) and not t[k] + a <= t[start]:
+    while start < len(t) and not t[k] + a <= e[start]:
         start += 1
     stop = start
     while stop < len(t) and t[stop] <= t[k] + b:
@@ -62,13 +69,13 @@ def _future_window(t: Sequence[float], k: int, a: float, b: float) -> range:
     return range(start, stop)
 
 
-def _past_window(t: Sequence[float], k: int, a: float, b: float) -> range:
-    """The samples j with t[k] - b <= t[j] <= t[k] - a; none lies after k."""
+def _past_window(t: Sequence[float], e: Sequence[float], k: int, a: float, b: float) -> range:
+    """The samples j with t[k] - b <= e[j] and t[j] <= t[k] - a; none lies after k."""
     last = k
     while last >= 0 and not t[last] <= t[k] - a:
         last -= 1
     before = last
-    while before >= 0 and t[k] - b <= t[before]:
+    while before >= 0 and t[k] - b <= e[before]:
         before -= 1
     return range(before + 1, last + 1)
 

@@ -149,6 +149,7 @@ def supervised(spec: Spec) -> Spec:
     signals = spec.signals | {PLAN: plan, EGO: ego}
     return Spec(
         signals, spec.events, spec.params, spec.tables, spec.places, spec.constraints, spec.rules, spec.rulebooks, spec.fingerprint, spec.scales,
+        spec.courses,
     )  # fmt: skip
 
 

@@ -70,12 +70,15 @@ class Windows:
         return Windows(self.n, self.past, 0, begin, min(longest, self.n))
 
 
-def windows(t: FloatArray, lower: float | None, upper: float | None, past: bool) -> Windows:
+def windows(
+    t: FloatArray, lower: float | None, upper: float | None, past: bool, ends: FloatArray | None = None
+) -> Windows:
     """The windows of an operator with closed bounds [lower, upper] on the sample times t.
 
     t: (n,) strictly increasing, s; lower, upper: s, 0 <= lower <= upper; None: from the sample itself, to the
     end of the trace (its start, when past). The window of sample k holds the samples j with
     t[k] + lower <= t[j] <= t[k] + upper (past: t[k] - upper <= t[j] <= t[k] - lower), computed as written.
+    ends: (n,) when samples end that are no moments but gaps, of which a part in the window is enough.
     Linear in n where the samples are equidistant up to rounding, n log n otherwise.
     Raises D181 on times and D182 on bounds that mean nothing.
     Source: the language's temporal operators (section 5 of its definition).
@@ -90,6 +93,8 @@ def windows(t: FloatArray, lower: float | None, upper: float | None, past: bool)
         raise TrackmarshalError(
             "D182", f"[{first:g} s, {last:g} s] is no window: 0 <= lower <= upper does not hold"
         )
+    if ends is not None:
+        return _of_spans(t, ends, first, last, past)
     if past:
         t = -t[::-1]
     begin: Edge = 0 if first == 0.0 else _edge(t, first, closed=False)
@@ -131,6 +136,17 @@ def _edge(t: FloatArray, bound: float, *, closed: bool) -> Edge:
         edge[:count] += far
         return edge
     return np.searchsorted(t, reach, side)
+
+
+def _of_spans(begins: FloatArray, ends: FloatArray, first: float, last: float, past: bool) -> Windows:
+    """The windows where some samples last: those that do not end before a window begins, and begin before it ends."""
+    n = begins.size
+    if past:
+        begins, ends = -ends[::-1], -begins[::-1]
+    begin: Edge = 0 if first == 0.0 else np.searchsorted(ends, begins + first, "left")
+    end: Edge = n if last == math.inf else np.searchsorted(begins, begins + last, "right")
+    longest = int((edge_at(end, 0, n, n) - edge_at(begin, 0, n, n)).max(initial=0))
+    return Windows(n, past, begin, end, longest)
 
 
 def edge_at(edge: Edge, first: int, last: int, n: int) -> IndexArray:
