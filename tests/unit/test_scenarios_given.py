@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from support.archives import HEADER, archive, row, scn
 from support.project import run_command
+from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import recording_io
 from trackmarshal.scenarios.generate import generate
@@ -335,3 +337,94 @@ def test_labels_are_read_as_they_are_written(rule: str, candidate: str, about: s
 )
 def test_other_names_are_no_labels(name: str) -> None:
     assert label(name) is None
+
+
+# Archives ---------------------------------------------------------------------------------------------------------
+
+ARCHIVED = """format: trackmarshal-archive
+version: 1
+name: packed
+archive: scene.saa
+specs: [town.spec]
+ego: {load: {column: load}}
+signals:
+  race: {fields: {flag: {column: flag}, lap: 2}}
+  sectors: {column: sectors}
+  rain: {at: {0 s: false, 0.1 s: true}}
+  fast: {is: rain and ego.v > 5 m/s}
+truth:
+  - {rule: slow_under_yellow, unsafe: []}
+  - {rule: apart, as: dynamic}
+  - {rule: no_rush, as: static}
+"""
+
+
+def packed(*changes: tuple[str, str], loads: tuple[str, str] = ("1", "2")) -> Recording:
+    header = f"{HEADER};load;flag;sectors;note"
+    rows = [
+        f'{row(0.1 * i)};{load};"{flag}";[{{"from": {i}, "to": 9}}];of no use'
+        for i, (load, flag) in enumerate(zip(loads, ("green", "yellow")))
+    ]
+    Path("scene.saa").write_bytes(archive(scn(*rows, header=header)))
+    text = ARCHIVED
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new)
+    Path("packed.yaml").write_text(text)
+    return scenarios.load("packed.yaml")
+
+
+def test_an_archive_with_signals_of_its_own() -> None:
+    made = packed()
+    assert made.name == "packed"
+    assert [cycle.more["race"] for cycle in made.cycles] == [
+        {"flag": "green", "lap": 2.0},
+        {"flag": "yellow", "lap": 2.0},
+    ]
+    assert [cycle.more["sectors"][0]["from"] for cycle in made.cycles] == [0.0, 1.0]
+    assert [cycle.ego["load"] for cycle in made.cycles] == [1.0, 2.0]
+    assert [(cycle.more["rain"], cycle.more["fast"]) for cycle in made.cycles] == [
+        (False, False),
+        (True, True),
+    ]
+    assert made.notes[0] == "column `note` is not known here and was not read"
+    assert made.judged == {"apart": "dynamic", "no_rush": "static"}
+    assert made.ground_truth["dynamic"] == (True, True)
+    assert made.ground_truth["rule slow_under_yellow"] == (True, True)
+    assert recording_io.decode("\n".join(recording_io.encode(made)).encode(), "again") == made
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "part"),
+    [
+        ("archive: scene.saa", "archive: /scene.saa", "D151", "no path of an archive"),
+        ("archive: scene.saa", "archive: other.saa", "D120", "No such file"),
+        ("archive: scene.saa", "archive: scene.saa\nsha256: abc", "D175", "its hash is another"),
+        ("specs: [town.spec]", "specs: []", "D151", "no spec is named"),
+        ("{column: load}", "{column: loads}", "D151", "there is no column `loads`"),
+        ("{column: load}", "{column: time}", "D151", "there is no column `time`"),
+        ("{column: load}", "{column: note}", "D128", "note:"),
+        ("{column: load}", "{column: flag}", "D254", "at t = 0 s"),
+        ("{column: flag}", "{column: load}", "D254", "at t = 0 s"),
+        ("rule: apart", "rule: aparts", "D255", "no rule of the specs"),
+    ],
+)
+def test_archives_that_do_not_fit_are_refused(old: str, new: str, code: str, part: str) -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        packed((old, new), loads=("17", "2"))
+    assert caught.value.code == code, str(caught.value)
+    assert part in caught.value.message, str(caught.value)
+
+
+def test_a_missing_number_of_an_archive_breaks_the_contract() -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        packed(loads=("1", "null"))
+    assert caught.value.code == "D254"
+    assert "at t = 0.1 s" in caught.value.message
+
+
+def test_a_generated_scenario_has_no_columns() -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        scene(("      lap: 3", "      lap: {column: lap}"))
+    assert caught.value.code == "D151"
+    assert "there is no column `lap`" in caught.value.message

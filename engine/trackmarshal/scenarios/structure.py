@@ -105,15 +105,15 @@ def _signals(value: Any) -> dict[str, Any]:
     for name in signals:
         if name in ELSEWHERE:
             raise Wrong(f"signals: `{name}` has its own place: {ELSEWHERE[name]}")
-    return {name: _plain(item, f"signals.{name}") for name, item in signals.items()}
+    return {name: plain(item, f"signals.{name}") for name, item in signals.items()}
 
 
-def _plain(value: Any, where: str) -> Any:
-    """Any value, with numbers as they are meant."""
+def plain(value: Any, where: str) -> Any:
+    """Any value, with numbers as they are meant. Raises Wrong."""
     if isinstance(value, dict):
-        return {name: _plain(item, f"{where}.{name}") for name, item in value.items()}
+        return {name: plain(item, f"{where}.{name}") for name, item in value.items()}
     if isinstance(value, list):
-        return [_plain(item, f"{where}[{place}]") for place, item in enumerate(value)]
+        return [plain(item, f"{where}[{place}]") for place, item in enumerate(value)]
     if isinstance(value, bool) or (isinstance(value, str) and value not in _SPELT):
         return value
     return _number(value, where)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 from trackmarshal.diagnostics.base import close_matches
@@ -33,13 +34,17 @@ class Further:
         return next((item for item, _, _ in _places(self)), None)
 
 
-def with_further(recording: Recording, further: Further, specs: Specs) -> Recording:
-    """The recording with all that is given; raises D250 to D254."""
-    if recording.extra:
-        raise AssertionError("a generated recording has no names that no spec declares")
+#: Columns of an archive, one entry a cycle.
+Table = Mapping[str, Sequence[Any]]
+
+
+def with_further(
+    recording: Recording, further: Further, specs: Specs, columns: Table = MappingProxyType({})
+) -> Recording:
+    """The recording with all that is given; columns are those of the archive that it is from. Raises D151, and D250 to D254."""
     for given in further.ego:
         field = _field(specs, "ego", given)
-        found = _all(specs, recording, given, field)
+        found = _all(specs, recording, given, field, columns=columns)
         cycles = [replace(c, ego={**c.ego, given.name: x}) for c, x in zip(recording.cycles, found)]
         recording = replace(recording, cycles=tuple(cycles))
     for name, fields in further.objects:
@@ -49,7 +54,7 @@ def with_further(recording: Recording, further: Further, specs: Specs) -> Record
         for given in fields:
             recording = _of_obstacle(recording, specs, name, given)
     for signal in further.signals:
-        recording = _signal(recording, specs, signal)
+        recording = _signal(recording, specs, signal, columns)
     _check(recording, further, specs)
     return recording
 
@@ -65,13 +70,13 @@ def _of_object(recording: Recording, specs: Specs, name: str, given: Given) -> R
 
 def _of_obstacle(recording: Recording, specs: Specs, name: str, given: Given) -> Recording:
     _field(specs, "obstacles", given)
-    if given.expression or len(given.times) > 1:
+    if not given.constant:
         raise given.item.wrong("an obstacle is the same in all cycles", "give one value")
     obstacles = [{**o, given.name: given.values[0]} if o["id"] == name else o for o in recording.obstacles]
     return replace(recording, obstacles=obstacles)
 
 
-def _signal(recording: Recording, specs: Specs, given: GivenSignal) -> Recording:
+def _signal(recording: Recording, specs: Specs, given: GivenSignal, columns: Table) -> Recording:
     """The recording with one more signal, in the first line where it is the same in all cycles."""
     name = given.name
     if name in ELSEWHERE:
@@ -87,16 +92,17 @@ def _signal(recording: Recording, specs: Specs, given: GivenSignal) -> Recording
         if given.whole.expression and declared is not None:
             help_ = "an expression is of an event, or of a field: `fields: {NAME: {is: ..}}`"
             raise given.item.wrong(f"an expression has no value for the whole signal `{name}`", help_, "D250")
-        found: Sequence[Any] = _all(specs, recording, given.whole, None)
-        constant = not given.whole.expression and len(given.whole.times) == 1
+        found: Sequence[Any] = _all(specs, recording, given.whole, None, columns=columns)
+        constant = given.whole.constant
     elif declared is None or declared.kind != "state":
         message = f"`{name}` has no fields that are given one by one"
         raise given.item.wrong(message, "that is for a `state`; give the whole: `value`, or `at`", "D250")
     else:
-        columns = {
-            each.name: _all(specs, recording, each, _field(specs, name, each)) for each in given.fields
+        by_name = {
+            each.name: _all(specs, recording, each, _field(specs, name, each), columns=columns)
+            for each in given.fields
         }
-        found = [dict(zip(columns, row)) for row in zip(*columns.values())]
+        found = [dict(zip(by_name, row)) for row in zip(*by_name.values())]
         constant = False
     if constant:
         return replace(recording, always={**recording.always, name: found[0]})
@@ -120,9 +126,17 @@ def _field(specs: Specs, signal: str, given: Given) -> FieldType:
 
 
 def _all(
-    specs: Specs, recording: Recording, given: Given, field: FieldType | None, alone: str | None = None
-) -> list[Any]:
-    """The value in every cycle; raises D250, D252 and D253."""
+    specs: Specs, recording: Recording, given: Given, field: FieldType | None, alone: str | None = None, columns: Table = MappingProxyType({}),
+) -> list[Any]:  # fmt: skip
+    """The value in every cycle; raises D151, D250, D252 and D253."""
+    if given.column:
+        if given.column not in columns:
+            message = f"there is no column `{given.column}` that is not the format's own"
+            help_ = (
+                close_matches(given.column, columns) or "columns are those of the header line of an archive"
+            )
+            raise given.item.wrong(message, help_)
+        return list(columns[given.column])
     if not given.expression:
         return [given.at(cycle.t) for cycle in recording.cycles]
     if field is not None and (field.enumeration is not None or field.kind == "polyline"):

@@ -12,20 +12,26 @@ from typing import Any
 from trackmarshal.scenarios.generate.document import Item
 
 _TIME = re.compile(r"(\d+(?:\.\d+)?) s")
-_HOW = "one of `value`, `at` (`{0 s: .., 12 s: ..}`) and `is` (an expression)"
+_HOW = "one of `value`, `at` (`{0 s: .., 12 s: ..}`), `is` (an expression) and, of an archive, `column`"
 #: Times of cycles are whole nanoseconds.
 _SLACK = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """One value in every cycle: a table with the time [s] from which each row holds, or an expression."""
+    """One value in every cycle: a table with the time [s] from which each row holds, an expression, or a column of an archive."""
 
     name: str
     item: Item
     times: tuple[float, ...] = ()
     values: tuple[Any, ...] = ()
     expression: str = ""
+    column: str = ""
+
+    @property
+    def constant(self) -> bool:
+        """Whether it is the same in all cycles, and known to be."""
+        return len(self.times) == 1
 
     def at(self, t: float) -> Any:
         """The value at a time [s] of the recording, of a table."""
@@ -79,13 +85,14 @@ def given(name: str, item: Item) -> Given:
     if not item.is_map():
         return Given(name, item, (0.0,), (item.value(),))
     inside = item.any_fields()
-    if len(inside) != 1 or not inside.keys() <= {"value", "at", "is"}:
+    if len(inside) != 1 or not inside.keys() <= {"value", "at", "is", "column"}:
         raise item.wrong("it is not said how the value is given", _HOW)
     ((how, what),) = inside.items()
     readers: dict[str, Callable[[], Given]] = {
         "value": lambda: Given(name, what, (0.0,), (what.value(),)),
         "at": lambda: _table(name, what),
         "is": lambda: Given(name, what, expression=what.text()),
+        "column": lambda: Given(name, what, column=what.text()),
     }
     return readers[how]()
 
