@@ -215,6 +215,8 @@ class RunSummary:
     created: str
     #: sha256 by path (from the project, also out of it) of what the recording was made from, where it was made of a log
     made_from: Mapping[str, str] = field(default_factory=dict)
+    #: rules of which no ground truth was declared, where the recording has any
+    uncovered: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -222,6 +224,7 @@ class RunSummary:
             "cycles": self.cycles, "rules": [facts.to_json() for facts in self.rules],
             "ground_truth": {kind: truth.to_json() for kind, truth in self.ground_truth.items()},
             "fired": self.fired, "created": self.created, "made_from": dict(self.made_from),
+            "uncovered": list(self.uncovered),
         }  # fmt: skip
 
     @classmethod
@@ -232,6 +235,7 @@ class RunSummary:
             tuple(RuleFacts.from_json(item) for item in f.array("rules")),
             {kind: TruthFacts.from_json(item) for kind, item in f.table("ground_truth").items()},
             f.flag("fired"), f.text("created"), f.words("made_from"),
+            f.texts("uncovered"),
         )  # fmt: skip
 
 

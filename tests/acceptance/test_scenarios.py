@@ -16,7 +16,13 @@ from trackmarshal.scenarios.replay import Replay, replay
 
 FOLDER = REPOSITORY / "specs" / "scenarios"
 #: Rules beside the shipped Supervisor's that a recording is about.
-BESIDE = {"late_brakes.tmrec.jsonl.gz": [REPOSITORY / "specs" / "fallback"]}
+BESIDE = {
+    "late_brakes.tmrec.jsonl.gz": [REPOSITORY / "specs" / "fallback"],
+    **{
+        path.name: [REPOSITORY / "specs" / "rulebooks"]
+        for path in (FOLDER / "racing").glob("*.tmrec.jsonl.gz")
+    },
+}
 
 
 _known: dict[object, Evaluator] = {}
@@ -42,16 +48,18 @@ def run(path: Path, without: tuple[str, ...] = ()) -> Replay:
 def test_the_project_declares_every_recording() -> None:
     project, _ = trace.load(REPOSITORY)
     declared = {str(scenario.path) for scenario in project.scenarios if scenario.origin != "field"}
-    assert declared == {f"specs/scenarios/{path.name}" for path in FOLDER.glob("*.tmrec.jsonl*")}
-    assert {path.stem for path in FOLDER.glob("*.yaml") if "format: trackmarshal-scenario" in path.read_text("utf-8")} == {
+    assert declared == {path.relative_to(REPOSITORY).as_posix() for path in FOLDER.rglob("*.tmrec.jsonl*")}
+    assert {path.stem for path in FOLDER.rglob("*.yaml") if "format: trackmarshal-scenario" in path.read_text("utf-8")} == {
         Path(name).name.partition(".")[0] for name in declared
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("path", sorted(FOLDER.glob("*.tmrec.jsonl*")), ids=lambda path: path.name)
+@pytest.mark.parametrize("path", sorted(FOLDER.rglob("*.tmrec.jsonl*")), ids=lambda path: path.name)
 def test_inside_the_ground_truth(path: Path) -> None:
     outcome = run(path)
     assert outcome.truths
+    assert outcome.met
+    assert not outcome.uncovered
     for truth in outcome.truths:
         assert (truth.missed, truth.false_alarms) == ((), ()), truth.kind
 

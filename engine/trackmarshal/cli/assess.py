@@ -75,6 +75,9 @@ def run(args: argparse.Namespace) -> int:
             f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {len(made.runs)} scenarios run, "
             f"{len(made.fault_results) - len(faults)} of {len(made.fault_results)} faults found as expected, {len(gaps)} gaps"
         )
+        for run_ in made.runs:
+            if run_.uncovered and expected.get(run_.scenario) == "ground_truth":
+                say(f"{run_.scenario}: no ground truth was declared of {', '.join(run_.uncovered)}")
         for scenario in unlike:
             say(f"{scenario} is not as its ground truth says")
         say(str(page))

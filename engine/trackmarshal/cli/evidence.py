@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +27,8 @@ from trackmarshal.records import (
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
     from trackmarshal.ir.spec import RuleInfo, Spec
+    from trackmarshal.runtime.verdict import CaseResult
+    from trackmarshal.scenarios.labels import Label
     from trackmarshal.scenarios.replay import Replay
     from trackmarshal.testing.cases import PreparedTest
     from trackmarshal.testing.run import Outcome
@@ -83,18 +85,21 @@ def file_hash(path: Path) -> str:
 
 def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: str) -> RunSummary:
     """A replay as a record; `shown` is the scenario's path from the project."""
-    from trackmarshal.scenarios.replay import kind_of
+    from trackmarshal.scenarios.labels import judged_by, label
 
     facts = []
     truth_of = outcome.recording.ground_truth
     for rule in evaluator.rules:
-        truth = truth_of.get(kind_of(rule, evaluator.spec), ())
+        by = judged_by(rule, evaluator.spec, outcome.recording)
+        truths_of = {name: truth_of[name] for name in by if name in truth_of}
         due = 0
         counts: dict[str, Counter[str]] = {}
         first = None
         for number, cycle in enumerate(outcome.cycles):
-            found = {result.rules[rule.name].verdict for result in cycle.results.values()}
-            due += "violated" in found and bool(truth) and truth[number] is False
+            due += any(
+                truth[number] is False and "violated" in _verdicts(cycle.results, rule.name, label(name))
+                for name, truth in truths_of.items()
+            )
             for candidate, result in cycle.results.items():
                 verdict = result.rules[rule.name].verdict
                 counts.setdefault(candidate, Counter())[verdict] += 1
@@ -106,8 +111,7 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
     for judged in outcome.truths:
         said = [f"rated safe at {t:g} s, the ground truth is unsafe" for t in judged.missed]
         said += [f"rated unsafe at {t:g} s, the ground truth is safe" for t in judged.false_alarms]
-        names = tuple(rule.name for rule in evaluator.rules if kind_of(rule, evaluator.spec) == judged.kind)
-        truths[judged.kind] = TruthFacts(judged.inside, tuple(said), names)
+        truths[judged.kind] = TruthFacts(judged.inside, tuple(said), judged.rules)
     return RunSummary(
         shown,
         source_hash,
@@ -117,7 +121,14 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
         truths,
         outcome.fired,
         now(),
+        uncovered=outcome.uncovered,
     )
+
+
+def _verdicts(results: Mapping[str, CaseResult], rule: str, about: Label | None) -> set[str]:
+    """The verdicts of a rule on the candidates that a truth judges."""
+    of = "" if about is None else about.candidate
+    return {result.rules[rule].verdict for name, result in results.items() if of in ("", name)}
 
 
 def write_run(folder: Path, outcome: Replay, evaluator: Evaluator, lines: Sequence[str]) -> None:

@@ -373,6 +373,8 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
             lines.append(
                 f"ground truth, {truth.kind}: OUTSIDE ({judged}); missed at {_list(truth.missed)}, false alarm at {_list(truth.false_alarms)}"
             )
+    if outcome.uncovered:
+        lines.append(f"no ground truth was declared of {', '.join(outcome.uncovered)}")
     if outcome.truths and outcome.unexpected:
         spans = ", ".join(
             f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(outcome.unexpected, times)

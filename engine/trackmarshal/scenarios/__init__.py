@@ -48,8 +48,10 @@ def load(path: str | Path, shown: str | None = None) -> Recording:
             from trackmarshal.scenarios.field.build import build
 
             return build(mapping.read(path, shown)).recording
-        from trackmarshal.scenarios.generate import generate
+        from trackmarshal.scenarios.generate import archived, generate
 
+        if archived.is_archived(data):
+            return archived.load(path, shown)
         return generate(path, shown)
     help_ = "recordings are .saa or .tmrec.jsonl (also .gz), declarations .yaml"
     if suffix == ".sas":

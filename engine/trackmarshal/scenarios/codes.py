@@ -116,6 +116,38 @@ CODES: dict[str, tuple[str, str]] = {
         "The fault changes a column, a field or an object that the recording does not have, or none of its cycles lies in the fault's time. "
         "It would be evidence for nothing.",
     ),
+    "D250": (
+        "a signal or field that a declaration cannot give",
+        "Signals and further fields of cars are declared by one of the specs that a declaration names under `specs`; what a car's motion says of it comes "
+        "from there. An expression gives an event, or a field that is a number or a Boolean.",
+    ),
+    "D251": (
+        "a table over time that cannot be read",
+        "A value over time is a table of times and values, `at: {0 s: green, 12 s: yellow}`: in order, and from 0 s on, so that there is a value in every cycle.",
+    ),
+    "D252": (
+        "an expression of a declaration that has no meaning",
+        "Expressions are of the spec language, with the words of the specs that the declaration names. What the compiler says of one is said at its line.",
+    ),
+    "D253": (
+        "an expression of a declaration without a value",
+        "The reference evaluates an expression in every cycle, with the signals that stand above it. Where it is undefined, not finite, or looks ahead, there "
+        "is nothing to write down.",
+    ),
+    "D254": (
+        "a declaration that breaks the contract of a spec",
+        "What a declaration gives is held against the input contract of the specs that declare it: types, ranges, orders, members. A recording that no "
+        "Supervisor would take tests nothing.",
+    ),
+    "D255": (
+        "a ground truth of a rule that cannot be used",
+        "The truth about a single rule says when it has to fire (`unsafe`) and when it may (`free`), of a rule of the specs, of an object that is there, in "
+        "cycles that there are, and once.",
+    ),
+    "D256": (
+        "a ground truth of a rule that the spec does not have",
+        "The recording says when a rule has to fire, and the specs that it is replayed with have no such rule: nothing would come of it, without a word.",
+    ),
     "D170": (
         "a log without a column that its mapping names",
         "Columns of a log are named in its mapping as its header names them, each exactly once; files without a header count theirs from 1. Fields of an "

@@ -39,12 +39,18 @@ class Cycle:
     more: dict[str, Any] = field(default_factory=dict)
 
 
+def only(cycle: Cycle, name: str) -> Cycle:
+    """The cycle with one of its objects."""
+    objects = [each for each in cycle.objects if each["id"] == name]
+    return Cycle(cycle.t, cycle.ego, objects, cycle.candidates, cycle.more)
+
+
 @dataclass(frozen=True, slots=True)
 class Recording:
     """Cycles on one track, with parameters and tables that override the spec's, and ground truth.
 
     ground_truth has one entry a cycle: True is safe, False is unsafe, None leaves any verdict free (the paper,
-    section V-D). obstacles stand still for the whole run: text `id`, x, y, heading, length, width. `use` names configuration specs to apply. `source`, the path as given, is no part of equality.
+    section V-D); by kind, and by single rules (`rule one_move of driving for blue`). obstacles stand still for the whole run: text `id`, x, y, heading, length, width. `use` names configuration specs to apply. `source`, the path as given, is no part of equality.
     """
 
     name: str
@@ -61,6 +67,8 @@ class Recording:
     always: dict[str, Any] = field(default_factory=dict)
     #: Fields that the recording has beside what specs declare, by signal (`plan`, `ego`, `objects`, `obstacles`), and `tables`.
     extra: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    #: Rules that the ground truth of a kind judges, by name -> the kind, besides those that the generator knows of.
+    judged: dict[str, str] = field(default_factory=dict)
 
     def signals(self, cycle: Cycle, candidate: str) -> dict[str, Any]:
         """The signals of one check: plan, ego, objects, obstacles, track, and whether it is the emergency plan.

@@ -46,7 +46,7 @@ def encode(recording: Recording) -> Iterator[str]:
     """The lines of the file, without line ends."""
     header: dict[str, Any] = {"format": FORMAT, "version": VERSION, "name": recording.name}
     header["track"] = recording.track
-    for name in ("params", "tables", "obstacles", "use", "notes", "extra"):
+    for name in ("params", "tables", "obstacles", "use", "notes", "extra", "judged"):
         value = getattr(recording, name)
         if value:
             header[name] = value

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+from trackmarshal.diagnostics.base import close_matches
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
-from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.faults import Fault
 from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY
 from trackmarshal.runtime.verdict import CaseResult
-from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording
+from trackmarshal.scenarios.labels import Label, judged_by, known, labels
+from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording, only
 from trackmarshal.scenarios.supervised import supervised
 
 #: What is driven: the planned trajectory, the last safe emergency trajectory, or nothing safe is known.
@@ -38,13 +41,15 @@ class CycleOutcome:
 
 @dataclass(frozen=True, slots=True)
 class TruthOutcome:
-    """Verdicts of one kind of rules against the recording's ground truth."""
+    """Verdicts of one kind of rules, or of one rule, against the recording's ground truth."""
 
     kind: str
     #: Times at which the truth says safe (unsafe) and the rules say otherwise.
     missed: tuple[float, ...]
     false_alarms: tuple[float, ...]
     judged: int
+    #: The rules that it judges, of those that were evaluated.
+    rules: tuple[str, ...] = ()
 
     @property
     def inside(self) -> bool:
@@ -62,6 +67,8 @@ class Replay:
     ignored: tuple[str, ...]
     #: Times at which something is unsafe of which no ground truth says what to expect.
     unexpected: tuple[float, ...] = ()
+    #: Rules of which the recording's ground truth was not meant: nobody declared one, and the generator does not know them.
+    uncovered: tuple[str, ...] = ()
 
     @property
     def met(self) -> bool:
@@ -80,8 +87,9 @@ class Replay:
 def replay(
     recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter
 ) -> Replay:
-    """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar)."""
+    """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar). Raises D256."""
     spec = evaluator.spec
+    _check_labels(recording, spec)
     tables, ignored = known_tables(recording, spec)
     cycles = tuple(
         CycleOutcome(
@@ -96,9 +104,12 @@ def replay(
         )
         for t, judged, decision in supervised(recording, evaluator, tables, watch)
     )
-    truths = tuple(_truths(recording, cycles, evaluator.rules, spec))
-    unexpected = tuple(_unexpected(recording, cycles, {truth.kind for truth in truths}, evaluator))
-    return Replay(recording, cycles, truths, ignored, unexpected)
+    against = _against(recording, cycles, evaluator, tables)
+    truths = tuple(_truths(recording, cycles, evaluator, against))
+    declared = {truth.kind for truth in truths}
+    unexpected = tuple(_unexpected(recording, cycles, declared, evaluator, against))
+    uncovered = tuple(_uncovered(recording, evaluator, declared))
+    return Replay(recording, cycles, truths, ignored, unexpected, uncovered)
 
 
 def known_tables(recording: Recording, spec: Spec) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -108,46 +119,124 @@ def known_tables(recording: Recording, spec: Spec) -> tuple[dict[str, Any], tupl
     return known, tuple(sorted(set(recording.tables) - set(known)))
 
 
-def kind_of(rule: RuleInfo, spec: Spec) -> str:
-    """`dynamic` for a rule that reads moving objects (a set whose elements have a speed), else `static`."""
-    for signal, _ in rule.reads:
-        info = spec.signals.get(signal)
-        if info is not None and info.many and info.field("v") is not None:
-            return "dynamic"
-    return "static"
+#: By the name of a truth about one rule, the candidates that the rule was against in each cycle.
+Against = Mapping[str, Sequence[frozenset[str]]]
 
 
 def _truths(
-    recording: Recording, cycles: Sequence[CycleOutcome], rules: Sequence[RuleInfo], spec: Spec
-) -> Iterator[TruthOutcome]:  # fmt: skip
-    for kind in TRUTHS:
-        truth = recording.ground_truth.get(kind)
-        if truth is None or all(value is None for value in truth):
+    recording: Recording, cycles: Sequence[CycleOutcome], evaluator: Evaluator, against: Against
+) -> Iterator[TruthOutcome]:
+    """What the rules said against each ground truth that says anything of a rule that was evaluated."""
+    judges = {rule.name: judged_by(rule, evaluator.spec, recording) for rule in evaluator.rules}
+    by_name = bool(labels(recording) or recording.judged)
+    for kind, truth in recording.ground_truth.items():
+        names = [name for name, by in judges.items() if kind in by]
+        if all(value is None for value in truth) or (by_name and not names):
             continue
-        names = [rule.name for rule in rules if kind_of(rule, spec) == kind]
-        missed, alarms = [], []
-        for cycle, safe in zip(cycles, truth):
-            unsafe = any(result.rules[name].unsafe for result in cycle.results.values() for name in names)
-            if safe is False and not unsafe:
-                missed.append(cycle.t)
-            if safe is True and unsafe:
-                alarms.append(cycle.t)
-        yield TruthOutcome(kind, tuple(missed), tuple(alarms), sum(value is not None for value in truth))
+        if kind in against:
+            unsafe = [bool(found) for found in against[kind]]
+        else:
+            unsafe = [
+                any(result.rules[name].unsafe for result in cycle.results.values() for name in names)
+                for cycle in cycles
+            ]
+        times = [cycle.t for cycle in cycles]
+        missed = tuple(t for t, safe, found in zip(times, truth, unsafe) if safe is False and not found)
+        alarms = tuple(t for t, safe, found in zip(times, truth, unsafe) if safe is True and found)
+        yield TruthOutcome(kind, missed, alarms, sum(value is not None for value in truth), tuple(names))
+
+
+def _against(
+    recording: Recording, cycles: Sequence[CycleOutcome], evaluator: Evaluator, tables: Mapping[str, Any]
+) -> Against:
+    """Of each truth about one rule; about one object, the rule is asked as if it were the only one."""
+    chosen = {rule.name for rule in evaluator.rules}
+    found = {}
+    for name, label in labels(recording).items():
+        if label.rule not in chosen:
+            continue
+        results: Iterable[Mapping[str, CaseResult]] = (cycle.results for cycle in cycles)
+        if label.object:
+            there = replace(recording, cycles=tuple(only(cycle, label.object) for cycle in recording.cycles))
+            results = _results(
+                there, Evaluator(evaluator.spec, [label.rule], evaluator.asked, evaluator.declared), tables
+            )
+        of = [label.candidate] if label.candidate else list(CANDIDATES)
+        found[name] = [
+            frozenset(each for each in of if each in there and there[each].rules[label.rule].fired)
+            for there in results
+        ]
+    return found
+
+
+def _results(
+    recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any]
+) -> Iterator[Mapping[str, CaseResult]]:
+    """The results of every cycle's candidates."""
+    for _, judged, _ in supervised(recording, evaluator, tables):
+        yield {
+            name: evaluator.result(judged.about, rated, candidate=name)
+            for name, rated in judged.rated.items()
+        }
 
 
 def _unexpected(
-    recording: Recording, cycles: Sequence[CycleOutcome], declared: set[str], evaluator: Evaluator
-) -> Iterator[float]:
-    """Times of cycles that are unsafe by rules of a kind without ground truth, or by what is no rule at all (a breach of the input contract,
-    a candidate that is missing) although nothing says that they may be."""
-    open_ = [rule.name for rule in evaluator.rules if kind_of(rule, evaluator.spec) not in declared]
+    recording: Recording, cycles: Sequence[CycleOutcome], declared: set[str], evaluator: Evaluator, against: Against
+) -> Iterator[float]:  # fmt: skip
+    """Times of cycles that are unsafe by what no ground truth speaks of, or by what is no rule at all (a breach of the input contract,
+    a candidate that is missing) although nothing says that they may be.
+
+    No ground truth speaks of a rule that has none, and of one that is against another candidate, or by another object, than its own are about.
+    """
+    open_ = [
+        rule.name
+        for rule in evaluator.rules
+        if declared.isdisjoint(judged_by(rule, evaluator.spec, recording))
+    ]
+    own: dict[str, list[tuple[str, Label]]] = {}
+    for name, label in labels(recording).items():
+        if name in declared:
+            own.setdefault(label.rule, []).append((name, label))
     for number, cycle in enumerate(cycles):
         by_rule = any(result.rules[name].unsafe for result in cycle.results.values() for name in open_)
+        by_rule = by_rule or any(
+            result.rules[rule].unsafe
+            and not any(
+                candidate in against[name][number]
+                or (not label.object and label.candidate in ("", candidate))
+                for name, label in named
+            )
+            for rule, named in own.items()
+            for candidate, result in cycle.results.items()
+        )
         lacking = len(cycle.results) < len(CANDIDATES) or cycle.faults
         by_input = lacking or any(result.faults for result in cycle.results.values())
-        may_be = any(recording.ground_truth[kind][number] is not True for kind in declared)
+        may_be = any(recording.ground_truth[kind][number] is not True for kind in declared & set(TRUTHS))
         if by_rule or (by_input and not may_be):
             yield cycle.t
+
+
+def _uncovered(recording: Recording, evaluator: Evaluator, declared: set[str]) -> Iterator[str]:
+    """Rules of which no ground truth was declared, where there is any: not by name, and the generator does not know them either."""
+    for rule in evaluator.rules if declared else ():
+        by = judged_by(rule, evaluator.spec, recording)
+        named = rule.name in recording.judged or any(name not in TRUTHS for name in by)
+        if declared.isdisjoint(by) or not (named or known(rule)):
+            yield rule.name
+
+
+def _check_labels(recording: Recording, spec: Spec) -> None:
+    """Raise D256 for a truth about a rule that the spec does not have."""
+    names = [rule.name for rule in spec.rules]
+    for name in (*(each.rule for each in labels(recording).values()), *recording.judged):
+        if name not in names:
+            help_ = "name its spec with --spec, or under `with` in v-model.yaml"
+            raise TrackmarshalError(
+                "D256",
+                f"there is a ground truth of `{name}`, and the spec has no such rule",
+                file=recording.source,
+                help=f"{close_matches(name, names)} {help_}".strip(),
+            )
 
 
 def intervals(times: Sequence[float], all_times: Sequence[float]) -> list[tuple[float, float]]:

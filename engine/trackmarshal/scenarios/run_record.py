@@ -14,8 +14,9 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.scenarios.labels import kind_of
 from trackmarshal.scenarios.recording import CANDIDATES, Columns, Cycle, Recording
-from trackmarshal.scenarios.replay import Replay, intervals, kind_of
+from trackmarshal.scenarios.replay import Replay, intervals
 from trackmarshal.source import Span
 from trackmarshal.units import to_si
 
@@ -82,6 +83,7 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
             }
             for truth in replay.truths
         ],
+        "uncovered": list(replay.uncovered),
     }
 
 

@@ -9,6 +9,7 @@ not have, are computed (see trajectory.py). Layout after the format as the recor
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from pathlib import PurePath
 from typing import Any
 
@@ -18,6 +19,7 @@ from trackmarshal.scenarios.archive import Archive
 from trackmarshal.scenarios.codes import Faults
 from trackmarshal.scenarios.json_text import BadJson, kind, number, parse
 from trackmarshal.scenarios.recording import Columns, Cycle, Recording
+from trackmarshal.scenarios.structure import Wrong, plain
 from trackmarshal.scenarios.trajectory import complete, wrap
 
 _STATE = ("x", "y", "heading", "curv", "vel", "acc")
@@ -30,15 +32,20 @@ _EXPORT = "export it anew with ScenarioArchitect"
 
 def read(data: bytes, shown: str) -> Recording:
     """The bytes of a .saa archive to a Recording; raises D122 to D131. `shown` is the path that reports print."""
+    return read_with(data, shown, ())[0]
+
+
+def read_with(data: bytes, shown: str, wanted: Iterable[str]) -> tuple[Recording, dict[str, list[Any]]]:
+    """The same, and those of the wanted columns that are there and are not the format's own: what JSON says in each cycle."""
     archive = Archive(data, shown)
     name = archive.name_of(".scn")
     if name is None:
         raise TrackmarshalError("D123", "no part of the archive ends in .scn", file=shown, help=_EXPORT)
     inside = f"{shown}!{name}"
     tables = saa_tables.read(archive)
-    scenario = _Scenario(content.text(archive.read(name), inside), inside)
+    scenario = _Scenario(content.text(archive.read(name), inside), inside, wanted)
     cycles, truth = scenario.cycles()
-    return Recording(
+    recording = Recording(
         name=PurePath(name).stem,
         source=shown,
         cycles=cycles,
@@ -47,13 +54,15 @@ def read(data: bytes, shown: str) -> Recording:
         ground_truth=truth,
         notes=tuple(scenario.notes),
     )
+    return recording, scenario.further
 
 
 class _Scenario:
     """The .scn text of a scenario: comments with the borders, a header, a row per cycle."""
 
-    def __init__(self, text: str, shown: str) -> None:
+    def __init__(self, text: str, shown: str, wanted: Iterable[str]) -> None:
         self.shown = shown
+        self.further: dict[str, list[Any]] = {name: [] for name in wanted}
         self.notes: list[str] = []
         self.dropped: dict[str, int] = {}
         numbered = [(i, line.rstrip("\r")) for i, line in enumerate(text.split("\n"), start=1)]
@@ -95,8 +104,10 @@ class _Scenario:
             raise self._error("D127", f"missing columns: {', '.join(missing)}", line, _EXPORT)
         if len(set(self.columns)) != len(self.columns):
             raise self._error("D127", "a column stands twice in the header", line, _EXPORT)
+        own = (*_NEEDED, *_TRUTHS)
+        self.further = {name: [] for name in self.further if name in self.columns and name not in own}
         for name in self.columns:
-            if name not in (*_NEEDED, *_TRUTHS):
+            if name not in (*own, *self.further):
                 self.notes.append(f"column `{name}` is not known here and was not read")
 
     def cycles(self) -> tuple[tuple[Cycle, ...], dict[str, tuple[bool | None, ...]]]:
@@ -116,6 +127,8 @@ class _Scenario:
                 for column, truth in _TRUTHS.items():
                     if truth in truths:
                         truths[truth].append(self._truth(line, column, cells[column]))
+                for name, found in self.further.items():
+                    found.append(self._further(line, name, cells[name]))
                 cycles.append(cycle)
             except TrackmarshalError as error:
                 faults.add(error)
@@ -131,7 +144,7 @@ class _Scenario:
             raise self._error("D127", message, line, "was the file cut off?")
         cells = {}
         for name, text in zip(self.columns, texts):
-            if name in _NEEDED or name in _TRUTHS:
+            if name in _NEEDED or name in _TRUTHS or name in self.further:
                 try:
                     cells[name] = parse(text, constants=True)
                 except BadJson as error:
@@ -169,6 +182,12 @@ class _Scenario:
             name = _PLANS[column]
             self.dropped[name] = self.dropped.get(name, 0) + dropped
         return plan
+
+    def _further(self, line: int, column: str, value: Any) -> Any:
+        try:
+            return plain(value, column)
+        except Wrong as error:
+            raise self._error("D128", str(error), line, _EXPORT) from error
 
     def _truth(self, line: int, column: str, value: Any) -> bool | None:
         if value is None or isinstance(value, bool):

@@ -12,6 +12,7 @@ from typing import Any
 
 from trackmarshal.scenarios.fields import ELSEWHERE, OWN, suggestion
 from trackmarshal.scenarios.json_text import BadJson, kind, number
+from trackmarshal.scenarios.labels import label
 from trackmarshal.scenarios.recording import CANDIDATES, COLUMNS, TRUTHS, Columns, Cycle, Track
 from trackmarshal.scenarios.trajectory import arc_length
 
@@ -28,6 +29,7 @@ _HEADER = (
     "notes",
     "extra",
     "signals",
+    "judged",
 )
 _CYCLE = ("t", "ego", "objects", "candidates", "ground_truth", "signals")
 _NEEDED = _CYCLE[:4]
@@ -52,7 +54,16 @@ def header(value: dict[str, Any]) -> dict[str, Any]:
         "notes": tuple(_text(item, "notes") for item in _list(value.get("notes", []), "notes")),
         "extra": _extra(value.get("extra", {})),
         "always": _signals(value.get("signals", {})),
+        "judged": _judged(value.get("judged", {})),
     }
+
+
+def _judged(value: Any) -> dict[str, str]:
+    judged = _mapping(value, "judged")
+    for name, item in judged.items():
+        if _text(item, f"judged.{name}") not in TRUTHS:
+            raise Wrong(f"judged.{name}: {item!r:.40} is not known; known are {', '.join(TRUTHS)}")
+    return judged
 
 
 def _extra(value: Any) -> dict[str, tuple[str, ...]]:
@@ -81,7 +92,7 @@ def cycle(value: dict[str, Any]) -> tuple[Cycle, dict[str, bool | None]]:
         _signals(value.get("signals", {})),
     )
     truth = _mapping(value.get("ground_truth", {}), "ground_truth")
-    _keys(truth, "ground_truth", needed=(), known=TRUTHS)
+    _keys(truth, "ground_truth", needed=(), known=(*TRUTHS, *(name for name in truth if label(name))))
     for name, item in truth.items():
         if item is not None and not isinstance(item, bool):
             raise Wrong(f"ground_truth.{name}: {kind(item)} is not true, false or null")
@@ -94,15 +105,15 @@ def _signals(value: Any) -> dict[str, Any]:
     for name in signals:
         if name in ELSEWHERE:
             raise Wrong(f"signals: `{name}` has its own place: {ELSEWHERE[name]}")
-    return {name: _plain(item, f"signals.{name}") for name, item in signals.items()}
+    return {name: plain(item, f"signals.{name}") for name, item in signals.items()}
 
 
-def _plain(value: Any, where: str) -> Any:
-    """Any value, with numbers as they are meant."""
+def plain(value: Any, where: str) -> Any:
+    """Any value, with numbers as they are meant. Raises Wrong."""
     if isinstance(value, dict):
-        return {name: _plain(item, f"{where}.{name}") for name, item in value.items()}
+        return {name: plain(item, f"{where}.{name}") for name, item in value.items()}
     if isinstance(value, list):
-        return [_plain(item, f"{where}[{place}]") for place, item in enumerate(value)]
+        return [plain(item, f"{where}[{place}]") for place, item in enumerate(value)]
     if isinstance(value, bool) or (isinstance(value, str) and value not in _SPELT):
         return value
     return _number(value, where)

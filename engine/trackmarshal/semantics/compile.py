@@ -102,10 +102,10 @@ def compile_paths(paths: Iterable[Path], shown_from: Path | None = None) -> Comp
     return _Compiler(library, asked).run()
 
 
-def compile_text(text: str, shown_from: Path | None = None) -> Compiled:
-    """The same for a text in memory, which uses modules as a file of the current folder would."""
+def compile_text(text: str, shown_from: Path | None = None, folder: Path | None = None) -> Compiled:
+    """The same for a text in memory, which uses modules as a file of the folder (default: the current one) would."""
     library = Library(shown_from)
-    asked = library.load_text(text)
+    asked = library.load_text(text, folder)
     return _Compiler(library, asked).run()
 
 

@@ -67,9 +67,9 @@ class Library:
                     names.append(module.name)
         return tuple(dict.fromkeys(names))
 
-    def load_text(self, text: str) -> tuple[str, ...]:
-        """Load a text with what it uses, as a file of the current folder would; its spans name `<text>`."""
-        path = Path.cwd() / TEXT
+    def load_text(self, text: str, folder: Path | None = None) -> tuple[str, ...]:
+        """Load a text with what it uses, as a file of the folder (default: the current one) would; its spans name `<text>`."""
+        path = (folder or Path.cwd()) / TEXT
         try:
             file = of_text(text)
         except TrackmarshalError as error:

@@ -122,6 +122,15 @@ def _against_truth(
     within = (
         f"{_count(evaluated)} evaluated in {run.cycles} cycles, inside the ground truth ({', '.join(truths)})"
     )
+    judged = {name for truth in truths.values() for name in truth.rules}
+    unjudged = [name for name in evaluated if name in run.uncovered and name not in judged]
+    if unjudged:
+        return Showing(
+            "partial",
+            f"{within}, but no ground truth was declared of {', '.join(unjudged)}",
+            evaluated,
+            fired,
+        )
     if not fired:
         return Showing(
             "partial", f"{within}, none was violated: no critical situation for this requirement", evaluated

@@ -8,13 +8,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from trackmarshal.scenarios import content
-from trackmarshal.scenarios.generate import document, road
+from trackmarshal.scenarios.generate import document, given, road, rule_truth
 from trackmarshal.scenarios.generate.candidates import Braking
 from trackmarshal.scenarios.generate.document import Item
+from trackmarshal.scenarios.generate.further import Further
+from trackmarshal.scenarios.generate.given import Given
 from trackmarshal.scenarios.generate.limits import Vehicle
 from trackmarshal.scenarios.generate.motion import Move
 from trackmarshal.scenarios.generate.planner import Mistake
 from trackmarshal.scenarios.generate.road import Road, Widening
+from trackmarshal.scenarios.generate.rule_truth import GivenTruth
 from trackmarshal.scenarios.generate.static_truth import Zone
 from trackmarshal.scenarios.generate.takeup_truth import Takeup
 
@@ -37,6 +40,7 @@ class Driver:
     oncoming: bool
     silent: list[tuple[float, float]]
     item: Item
+    fields: tuple[Given, ...] = ()
 
 
 class Obstacle(NamedTuple):
@@ -73,6 +77,9 @@ class Declaration:
     tables: dict[str, list[list[float]]]
     use: tuple[str, ...]
     notes: tuple[str, ...]
+    specs: list[tuple[Path, Item]]
+    further: Further
+    truth: tuple[GivenTruth, ...]
 
 
 def load(path: Path, shown: str) -> Declaration:
@@ -81,7 +88,7 @@ def load(path: Path, shown: str) -> Declaration:
     fields = item.fields(
         ("format", "version", "name", "track", "duration", "step", "vehicle", "ego", "plan", "emergency"),
         (
-            *("notes", "others", "object_age", "params", "tables", "use"),
+            *("notes", "others", "object_age", "params", "tables", "use", "specs", "signals", "truth"),
             *("widenings", "obstacles", "limits", "mistakes", "pose_error", "takeup"),
         ),
     )
@@ -90,7 +97,7 @@ def load(path: Path, shown: str) -> Declaration:
     if Path(track).is_absolute() or Path(track).suffix not in (".yaml", ".yml"):
         # What comes from elsewhere does not choose any file to be opened and quoted in a message.
         raise fields["track"].wrong(f"`{track}` is no path of a track", "a .yaml file, relative to this one")
-    vehicle = _vehicle(fields["vehicle"])
+    vehicle = _vehicle(fields["vehicle"], path.parent)
     step = fields["step"].number(0.001, 10.0)
     count = round(fields["duration"].number(step, 36_000.0) / step) + 1
     if count > MAX_CYCLES:
@@ -98,7 +105,8 @@ def load(path: Path, shown: str) -> Declaration:
             f"{count} cycles", f"at most {MAX_CYCLES}; shorten it or widen the step"
         )
     plan = fields["plan"].fields(("points", "horizon"))
-    others = [_driver(other, vehicle) for other in _list(fields, "others")]
+    ego = _driver(fields["ego"], vehicle, path.parent)
+    others = [_driver(other, vehicle, path.parent) for other in _list(fields, "others")]
     ids = [other.id for other in others]
     for other in others:
         if ids.count(other.id) > 1:
@@ -107,11 +115,14 @@ def load(path: Path, shown: str) -> Declaration:
     widenings = tuple(_widening(item) for item in _list(fields, "widenings"))
     params = fields["params"].any_fields() if "params" in fields else {}
     tables = fields["tables"].any_fields() if "tables" in fields else {}
+    obstacles = [_obstacle(item) for item in _list(fields, "obstacles")]
+    further = _further(fields, ego, others)
+    truth = rule_truth.entries(list(_list(fields, "truth")))
     return Declaration(
         name=fields["name"].text(),
         road=road.load(path.parent / track, str(Path(shown).parent / track), widenings),
         times=[round(i * step, 9) for i in range(count)],
-        ego=_driver(fields["ego"], vehicle),
+        ego=ego,
         others=others,
         points=plan["points"].count(2, 1000),
         horizon=plan["horizon"].number(0.1, 60.0),
@@ -119,7 +130,7 @@ def load(path: Path, shown: str) -> Declaration:
         takeup=_takeup(fields["takeup"]) if "takeup" in fields else None,
         mistakes=[_mistake(item, vehicle) for item in _list(fields, "mistakes")],
         pose_error=fields["pose_error"].rows() if "pose_error" in fields else [[0.0, 0.0]],
-        obstacles=[_obstacle(item) for item in _list(fields, "obstacles")],
+        obstacles=obstacles,
         zones=[_zone(item) for item in _list(limits, "zones")],
         speed=limits["speed"].number(0.5, 200.0) if "speed" in limits else None,
         step=step,
@@ -128,7 +139,35 @@ def load(path: Path, shown: str) -> Declaration:
         tables={name: value.rows() for name, value in tables.items()},
         use=tuple(value.text() for value in _list(fields, "use")),
         notes=tuple(value.text() for value in _list(fields, "notes")),
+        specs=_specs(fields, path.parent, further, truth),
+        further=further,
+        truth=truth,
     )
+
+
+def _further(fields: dict[str, Item], ego: Driver, others: list[Driver]) -> Further:
+    obstacles = []
+    for item in _list(fields, "obstacles"):
+        found = item.any_fields()
+        if "fields" in found:
+            obstacles.append((found["id"].text(), given.fields(found["fields"])))
+    return Further(
+        given.signals(fields["signals"]) if "signals" in fields else (),
+        ego.fields,
+        tuple((other.id, other.fields) for other in others),
+        tuple(obstacles),
+    )
+
+
+def _specs(
+    fields: dict[str, Item], folder: Path, further: Further, truth: tuple[GivenTruth, ...]
+) -> list[tuple[Path, Item]]:
+    """The specs that signals, fields and rules come from; raises D151 where something is given and none is named."""
+    found = given.specs(list(_list(fields, "specs")), folder)
+    first = further.first or next((each.item for each in truth), None)
+    if first is not None and not found:
+        raise first.wrong("no spec says what this is", "name the specs that declare it under `specs`")
+    return found
 
 
 def _list(fields: dict[str, Item], name: str) -> Iterator[Item]:
@@ -137,8 +176,22 @@ def _list(fields: dict[str, Item], name: str) -> Iterator[Item]:
         yield from fields[name].items()
 
 
-def _vehicle(item: Item) -> Vehicle:
-    fields = item.fields(("length", "width", "turn_radius", "brake", "grip", "drive"))
+_OF_A_VEHICLE = ("length", "width", "turn_radius", "brake", "grip", "drive")
+
+
+def _vehicle(item: Item, folder: Path) -> Vehicle:
+    """A vehicle as it stands here, or of a file of its own; without `params` and `tables`, those of the shipped specs' vehicles."""
+    if item.is_map():
+        fields = item.fields(_OF_A_VEHICLE, ("params", "tables"))
+    else:
+        name = item.text()
+        if Path(name).is_absolute() or Path(name).suffix not in (".yaml", ".yml") or "\0" in name:
+            raise item.wrong(f"`{name}` is no path of a vehicle", "a .yaml file, relative to this one")
+        shown = str(Path(item.shown).parent / name)
+        own = document.read(content.read(folder / name, shown), shown)
+        fields = own.fields(("format", "version", *_OF_A_VEHICLE), ("params", "tables"))
+        road.expect(fields, "trackmarshal-vehicle")
+    params, tables = (fields[key].any_fields() if key in fields else None for key in ("params", "tables"))
     return Vehicle(
         length=fields["length"].number(0.1, 50.0),
         width=fields["width"].number(0.1, 10.0),
@@ -146,15 +199,19 @@ def _vehicle(item: Item) -> Vehicle:
         brake=fields["brake"].number(0.1, 100.0),
         grip=fields["grip"].number(0.1, 100.0),
         drive=fields["drive"].rows(),
+        own_params=None if params is None else {name: value.number() for name, value in params.items()},
+        own_tables=None if tables is None else {name: value.rows() for name, value in tables.items()},
     )
 
 
-def _driver(item: Item, vehicle: Vehicle) -> Driver:
-    fields = item.fields(("start",), ("id", "acceleration", "moves", "oncoming", "silent"))
+def _driver(item: Item, vehicle: Vehicle, folder: Path) -> Driver:
+    fields = item.fields(
+        ("start",), ("id", "acceleration", "moves", "oncoming", "silent", "fields", "vehicle")
+    )
     start = fields["start"].fields(("s", "d", "v"))
     return Driver(
         id=fields["id"].text() if "id" in fields else "ego",
-        vehicle=vehicle,
+        vehicle=_vehicle(fields["vehicle"], folder) if "vehicle" in fields else vehicle,
         start=(start["s"].number(), start["d"].number(-100.0, 100.0)),
         v=start["v"].number(0.5, 200.0),
         acceleration=fields["acceleration"].rows() if "acceleration" in fields else [[0.0, 0.0]],
@@ -162,6 +219,7 @@ def _driver(item: Item, vehicle: Vehicle) -> Driver:
         oncoming=fields["oncoming"].flag() if "oncoming" in fields else False,
         silent=[_silence(stretch) for stretch in _list(fields, "silent")],
         item=item,
+        fields=given.fields(fields["fields"]) if "fields" in fields else (),
     )
 
 
@@ -210,7 +268,7 @@ def _stretch(item: Item) -> tuple[float, float]:
 
 
 def _obstacle(item: Item) -> Obstacle:
-    fields = item.fields(("id", "s", "d", "length", "width"))
+    fields = item.fields(("id", "s", "d", "length", "width"), ("fields",))
     return Obstacle(
         fields["id"].text(),
         fields["s"].number(),

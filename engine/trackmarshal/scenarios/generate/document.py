@@ -136,6 +136,29 @@ class Item:
             case _:
                 return self._node.value
 
+    def value(self) -> Any:
+        """The value as maps and lists of numbers, true and false, and texts; what is in quotes is a text. Raises D151 where there is none."""
+        match self._node.id:
+            case "mapping":
+                return {name: item.value() for name, item in self.any_fields().items()}
+            case "sequence":
+                return [item.value() for item in self.items()]
+            case _:
+                text = self._node.value
+                if self._node.style:
+                    return text
+                if _NUMBER.fullmatch(text):
+                    return float(text)
+                return text == "true" if text in ("true", "false") else self.text()
+
+    def is_map(self) -> bool:
+        """Whether it is a map."""
+        return bool(self._node.id == "mapping")
+
+    def is_list(self) -> bool:
+        """Whether it is a list."""
+        return bool(self._node.id == "sequence")
+
     def number(self, low: float = -1e6, high: float = 1e6) -> float:
         """A decimal number in [low, high]."""
         if self._node.id != "scalar" or self._node.style or not _NUMBER.fullmatch(self._node.value):

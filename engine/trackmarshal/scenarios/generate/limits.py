@@ -20,7 +20,8 @@ GRAVITY = 9.81
 class Vehicle:
     """length, width, turn_radius in m; brake (largest deceleration) and grip (in every direction) in m/s^2.
 
-    drive: rows of speed m/s and largest acceleration m/s^2, linear between them, constant beyond their ends.
+    drive: rows of speed m/s and largest acceleration m/s^2, linear between them, constant beyond their ends. own_params, own_tables: what a
+    recording overrides, in the declared units, in place of what the shipped specs' vehicles are made of.
     """
 
     length: float
@@ -29,6 +30,8 @@ class Vehicle:
     brake: float
     grip: float
     drive: list[list[float]]
+    own_params: dict[str, float] | None = None
+    own_tables: dict[str, list[list[float]]] | None = None
 
     @property
     def params(self) -> dict[str, float]:
@@ -36,6 +39,8 @@ class Vehicle:
 
         Its limits hold as they are: no share of the drive beyond the table's, no drag.
         """
+        if self.own_params is not None:
+            return self.own_params
         return {
             "length": self.length,
             "width": self.width,
@@ -50,7 +55,7 @@ class Vehicle:
     @property
     def tables(self) -> dict[str, list[list[float]]]:
         """What it overrides in their tables."""
-        return {"ax_max": self.drive}
+        return {"ax_max": self.drive} if self.own_tables is None else self.own_tables
 
     def extents(self, tilt: float) -> tuple[float, float]:
         """Half the extents along and across the road of the rectangle that is turned by `tilt`, m."""

@@ -1,0 +1,80 @@
+"""The duels of `rulebooks.racing`: their recordings, and what of the rules their ground truth would notice."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from support.shared import REPOSITORY
+from trackmarshal import scenarios
+from trackmarshal.cli.replay import evaluator_for
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.scenarios.generate import generate
+from trackmarshal.scenarios.replay import replay
+
+FOLDER = REPOSITORY / "specs" / "scenarios" / "racing"
+NAMES = ("second_move", "yellow_flag", "squeezed")
+RULES = ["one_move", "no_overtaking_under_yellow", "gives_back", "leaves_room"]
+
+
+@pytest.fixture(scope="module")
+def known() -> dict[object, Evaluator]:
+    return {}
+
+
+@pytest.mark.parametrize(
+    ("name", "params", "missed", "alarms"),
+    [
+        ("second_move", {}, "", ""),
+        # Nobody is near enough to be defended against; whoever was, is so from the first move on that is called one.
+        ("second_move", {"reach": 10.0}, "rule one_move for red", ""),
+        ("second_move", {"sideways": 5.0}, "rule one_move for red", ""),
+        ("yellow_flag", {}, "", ""),
+        ("yellow_flag", {"give_back": 4.0}, "", "rule gives_back for green"),
+        ("yellow_flag", {"give_back": 6.0}, "rule gives_back for green", ""),
+        ("squeezed", {}, "", ""),
+        (
+            "squeezed",
+            {"room": 1.0},
+            "",
+            "",
+        ),  # 10 % of a width more or less is not what the planner gets wrong
+        ("squeezed", {"corner": 0.05}, "rule leaves_room of driving for blue", ""),
+        ("squeezed", {"overlap": 0.99}, "rule leaves_room of driving for blue", ""),
+    ],
+)
+def test_the_ground_truth_notices_other_rules(
+    name: str, params: dict[str, float], missed: str, alarms: str, known: dict[object, Evaluator]
+) -> None:
+    recording = scenarios.load(FOLDER / f"{name}.tmrec.jsonl.gz")
+    recording = replace(recording, params={**recording.params, **params})
+    spec, more = REPOSITORY / "specs" / "supervisor", [REPOSITORY / "specs" / "rulebooks"]
+    evaluator = evaluator_for(recording, spec, [], REPOSITORY, RULES, "numpy", FOLDER, more, known)
+    outcome = replay(recording, evaluator)
+    assert [truth.kind for truth in outcome.truths if truth.missed] == ([missed] if missed else [])
+    assert [truth.kind for truth in outcome.truths if truth.false_alarms] == ([alarms] if alarms else [])
+    assert not outcome.uncovered
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_duels_are_what_their_declarations_generate(name: str) -> None:
+    made = generate(os.fspath(FOLDER / f"{name}.yaml"))
+    kept = scenarios.load(FOLDER / f"{name}.tmrec.jsonl.gz")
+    assert made.ground_truth == kept.ground_truth
+    assert made.always == kept.always
+    assert [c.t for c in made.cycles] == [c.t for c in kept.cycles]
+    assert _same([c.ego for c in made.cycles], [c.ego for c in kept.cycles])
+    assert _same([c.candidates for c in made.cycles], [c.candidates for c in kept.cycles])
+    assert _same([(c.objects, c.more) for c in made.cycles], [(c.objects, c.more) for c in kept.cycles])
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Equal but for the last digits of numbers, which the platforms' sines may round differently."""
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(_same(one[k], other[k]) for k in one)
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(_same(a, b) for a, b in zip(one, other))
+    return abs(one - other) <= 2e-6 if isinstance(one, float) else bool(one == other)
