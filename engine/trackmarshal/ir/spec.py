@@ -230,12 +230,11 @@ class Spec(Node):
     fingerprint: str
     #: By SI unit what margins in it are divided by where they meet margins in other ones; units that are not there have 1.
     scales: tuple[tuple[str, float], ...] = ()
+    courses: tuple[CourseInfo, ...] = ()
 
     def scale(self, rule: RuleInfo) -> float:
         """What the margin of a rule is divided by before it is compared with that of another one: 1 where it is a number of scales already."""
         return dict(self.scales).get(rule.unit, 1.0)
-
-    courses: tuple[CourseInfo, ...] = ()
 
     def field(self, signal: str, name: str) -> FieldType | None:
         """A field of a signal, or of a course."""
