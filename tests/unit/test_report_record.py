@@ -28,9 +28,12 @@ def test_record_follows_its_schema(tmp_path: Path) -> None:
     VALIDATOR.validate(made)
     assert made["source_hash"] == "ab12"
     assert made["ground_truth"]["dynamic"][20] is False
-    assert made["truths"] == [
-        {"kind": "dynamic", "inside": True, "judged": 15, "missed": [], "false_alarms": []}
-    ]
+    (judged,) = made["truths"]
+    assert len(judged.pop("unsafe")) == 40
+    assert judged == {
+        "kind": "dynamic", "inside": True, "judged": 15, "rules": ["A-FRESH", "near"], "missed": [], "false_alarms": [],
+    }  # fmt: skip
+    assert made["uncovered"] == [rule["name"] for rule in made["rules"]]  # the generator knows none of them
 
 
 def test_margins_and_verdicts_are_those_of_the_replay(tmp_path: Path) -> None:

@@ -168,6 +168,24 @@ def test_a_violation_that_the_ground_truth_leaves_free_is_no_evidence() -> None:
     assert status(matrix, "S-1-A-2", "S-4-A") == "partial"
 
 
+def test_a_rule_of_which_no_ground_truth_was_declared_is_named_and_not_covered() -> None:
+    small = Small()
+    named = {"rule turn": TruthFacts(True, (), ("turn",)), "rule gap": TruthFacts(True, (), ("gap",))}
+    matrix = build(small, runs=run(small, CUT_IN, ground_truth=named, uncovered=("friction",)))
+    assert "but no ground truth was declared of friction" in trace.render(matrix, "json")
+    matrix = build(small, runs=run(small, CUT_IN, ground_truth=named))
+    assert "no ground truth was declared" not in trace.render(matrix, "json")
+
+
+def test_a_run_outside_the_truth_of_a_rule_says_which() -> None:
+    small = Small()
+    truth = TruthFacts(False, ("rated unsafe at 1 s, the ground truth is safe",), ("gap",))
+    matrix = build(small, runs=run(small, CUT_IN, ground_truth={"rule gap of driving": truth}))
+    assert "outside the ground truth of rule gap of driving: rated unsafe at 1 s" in trace.render(
+        matrix, "json"
+    )
+
+
 def test_ground_truth_that_judges_other_rules_does_not_cover() -> None:
     small = Small()
     matrix = build(small, runs=run(small, CUT_IN, ground_truth={"static": TruthFacts(True, (), ("turn",))}))

@@ -6,7 +6,7 @@ import re
 from typing import NamedTuple
 
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording
+from trackmarshal.scenarios.recording import CANDIDATES, Recording
 
 #: First names of the modules of which the generator's own ground truth knows what they ask: collisions, and what car and road allow.
 KNOWN = ("supervisor", "fallback", "variants")
@@ -66,8 +66,3 @@ def judged_by(rule: RuleInfo, spec: Spec, recording: Recording) -> tuple[str, ..
 def known(rule: RuleInfo) -> bool:
     """Whether the generator's ground truth knows what a rule asks."""
     return rule.module.partition(".")[0] in KNOWN
-
-
-def is_truth(name: str) -> bool:
-    """Whether a ground truth may have this name."""
-    return name in TRUTHS or label(name) is not None

@@ -50,6 +50,8 @@ class TruthOutcome:
     judged: int
     #: The rules that it judges, of those that were evaluated.
     rules: tuple[str, ...] = ()
+    #: Of every cycle, whether they were against what it judges.
+    unsafe: tuple[bool, ...] = ()
 
     @property
     def inside(self) -> bool:
@@ -143,7 +145,8 @@ def _truths(
         times = [cycle.t for cycle in cycles]
         missed = tuple(t for t, safe, found in zip(times, truth, unsafe) if safe is False and not found)
         alarms = tuple(t for t, safe, found in zip(times, truth, unsafe) if safe is True and found)
-        yield TruthOutcome(kind, missed, alarms, sum(value is not None for value in truth), tuple(names))
+        judged = sum(value is not None for value in truth)
+        yield TruthOutcome(kind, missed, alarms, judged, tuple(names), tuple(unsafe))
 
 
 def _against(

@@ -78,6 +78,8 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
                 "kind": truth.kind,
                 "inside": truth.inside,
                 "judged": truth.judged,
+                "rules": list(truth.rules),
+                "unsafe": list(truth.unsafe),
                 "missed": [_number(t) for t in truth.missed],
                 "false_alarms": [_number(t) for t in truth.false_alarms],
             }

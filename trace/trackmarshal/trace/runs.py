@@ -115,6 +115,13 @@ def _against_truth(
         return Showing("missing", "the recording carries no ground truth")
     if not evaluated:
         return Showing("missing", "none of its rules was evaluated")
+    judged = {name for truth in truths.values() for name in truth.rules}
+    unjudged = [name for name in evaluated if name in run.uncovered and name not in judged]
+    if unjudged:
+        said = f"{_count(evaluated)} evaluated, but no ground truth was declared of {', '.join(unjudged)}"
+        # What nobody judged shows nothing, whatever other runs show of the other rules.
+        left = set(evaluated) - set(unjudged)
+        return Showing("partial", said, tuple(sorted(left)), tuple(name for name in fired if name in left))
     if not truths:
         return Showing(
             "partial", f"{_count(evaluated)} evaluated, but no ground truth judges them", evaluated
@@ -122,15 +129,6 @@ def _against_truth(
     within = (
         f"{_count(evaluated)} evaluated in {run.cycles} cycles, inside the ground truth ({', '.join(truths)})"
     )
-    judged = {name for truth in truths.values() for name in truth.rules}
-    unjudged = [name for name in evaluated if name in run.uncovered and name not in judged]
-    if unjudged:
-        return Showing(
-            "partial",
-            f"{within}, but no ground truth was declared of {', '.join(unjudged)}",
-            evaluated,
-            fired,
-        )
     if not fired:
         return Showing(
             "partial", f"{within}, none was violated: no critical situation for this requirement", evaluated
@@ -149,7 +147,8 @@ def _count(rules: Sequence[str]) -> str:
 def _contradiction(kind: str, truth: TruthFacts) -> str:
     where = f": {truth.violations[0]}" if truth.violations else ""
     more = f" and {len(truth.violations) - 1} more" if len(truth.violations) > 1 else ""
-    return f"outside the {kind} ground truth{where}{more}"
+    which = f"ground truth of {kind}" if kind.startswith("rule ") else f"{kind} ground truth"
+    return f"outside the {which}{where}{more}"
 
 
 def _fired(run: RunSummary) -> str:

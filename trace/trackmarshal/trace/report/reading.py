@@ -137,9 +137,18 @@ class Run:
         return dict(sorted(found.items()))
 
     def kind_unsafe(self, kind: str) -> list[bool]:
-        """Per cycle, whether a rule of one kind (dynamic, static) makes a candidate unsafe."""
+        """Per cycle, whether the rules that one ground truth judges are against it: as the run says, else those of the kind."""
+        for truth in self.record["truths"]:
+            if truth["kind"] == kind and truth.get("unsafe"):
+                return list(truth["unsafe"])
         lanes = [lane.verdict for rule in self.rules if rule.kind == kind for lane in rule.lanes.values()]
         return [any(letters[i] in UNSAFE for letters in lanes) for i in range(self.cycles)]
+
+    def truth_of(self, rule: Rule) -> Sequence[bool | None]:
+        """The first ground truth that judges a rule; empty where none does."""
+        judging = [t["kind"] for t in self.record["truths"] if rule.name in t.get("rules", ())]
+        by_name = any("rules" in t for t in self.record["truths"])
+        return self.truth.get(judging[0] if judging else "" if by_name else rule.kind, ())
 
     def whole_truth(self) -> list[bool | None]:
         """All kinds of ground truth together: unsafe where one says so, safe where all do, else free."""
@@ -174,6 +183,7 @@ def _run(name: str, record: Mapping[str, Any]) -> Run:
     if not all(math.isfinite(value) for value in t) or any(not a < b for a, b in itertools.pairwise(t)):
         t, unit = [float(i) for i in range(len(t))], "cycles"
     columns = {"decision": record["decision"], **{f"ego.{k}": v for k, v in record["ego"].items()}}
+    columns |= {f"truths.{t['kind']}.unsafe": t["unsafe"] for t in record["truths"] if t.get("unsafe")}
     columns |= {f"ground_truth.{kind}": truth for kind, truth in record["ground_truth"].items()}
     for candidate in CANDIDATES:
         columns[f"{candidate}.safe"] = record["candidates"][candidate]["safe"]

@@ -75,9 +75,13 @@ def state(run: Run) -> str:
             else f"{', '.join(rule.name for rule in fired[:3])} and {len(fired) - 3} more"
         )
         first += f" {names} fired, first at {clock(fired[0].first)} s."
-    outside = [truth["kind"] for truth in run.record["truths"] if not truth["inside"]]
+    kinds = [truth["kind"] for truth in run.record["truths"] if not truth["inside"]]
+    outside = [kind if kind.startswith("rule ") else f"{kind} rules" for kind in kinds]
     if outside:
-        return f"{first} The verdicts of the {listed(outside)} rules lie outside the ground truth."
+        return f"{first} The verdicts of the {listed(outside)} lie outside the ground truth."
+    uncovered = run.record.get("uncovered", ())
+    if uncovered:
+        first += f" No ground truth was declared of {listed(list(uncovered))}."
     if run.record["truths"]:
         return f"{first} All judged verdicts lie inside the ground truth."
     return f"{first} The recording has no ground truth to hold that against."

@@ -96,6 +96,9 @@ def _truth_row(run: Run, kind: str, truth: Sequence[bool | None]) -> Row:
         None: ("free", ("either", "")),
     }
     segments = _segments(run, truth, lambda v: look[v][0], lambda v: look[v][1], lambda v: look[v][1][0])
+    if kind.startswith("rule "):
+        name = kind.removeprefix("rule ")
+        return Row(f"truth: {name}", f"what a right verdict of the {kind} is", [Lane("", segments)])
     return Row(f"{kind} ground truth", f"what a right verdict of the {kind} rules is", [Lane("", segments)])
 
 
@@ -123,6 +126,9 @@ def _kind_row(run: Run, kind: str, truth: Sequence[bool | None]) -> Row:
         )
         if s.style
     ]
+    if kind.startswith("rule "):
+        name = kind.removeprefix("rule ")
+        return Row(f"verdict: {name}", f"the {kind}, as its truth asks for it", [Lane("", segments, flags)])
     return Row(f"{kind} rules", f"any {kind} rule on any candidate", [Lane("", segments, flags)])
 
 

@@ -27,7 +27,7 @@ def margin_plot(run: Run, rule: Rule, layout: Layout, key: str) -> str:
     ]
     up = margin_axis(values, HEIGHT - BOTTOM, TOP)
     parts = [
-        *_truth(run, run.truth.get(rule.kind, ()), across, HEIGHT),
+        *_truth(run, run.truth_of(rule), across, HEIGHT),
         *_grid(run, rule, across, up, layout),
     ]
     below = tag(
