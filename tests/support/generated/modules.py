@@ -43,6 +43,7 @@ class ModuleWriter:
         self.signals()
         self._params()
         self._tables()
+        self._scales()
         if self.world.road:
             self._places()
         self._definitions(depth)
@@ -106,6 +107,11 @@ class ModuleWriter:
             self.world.tables[name] = TableInfo(argument, result, rows)
             way = self.choices.pick(("linear clamp", "linear clamp", "step", "step clamp", "linear"))
             self.lines.append(f"table {name}(x: {units[0]}) -> {units[1]} = {way} {''.join(texts)}|")
+
+    def _scales(self) -> None:
+        """Half of the modules have scales, which rules of several dimensions meet by."""
+        if self.choices.chance(50):
+            self.lines += ["scale m/s = 3 m/s", "scale m = 0.3 m", "scale 1 = 7"]
 
     def _places(self) -> None:
         self.lines += [
