@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import gc
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from support.length import AT_LENGTH
 from trackmarshal.backends.c import build
 
-#: `make acceptance`: everything as it ships, and more of each.
-AT_LENGTH = os.environ.get("TRACKMARSHAL_OPTIMIZED") == "1"
 settings.register_profile("daily", max_examples=60)
 if not AT_LENGTH:
     settings.load_profile("daily")  # of those that do not say how many they need

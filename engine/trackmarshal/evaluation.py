@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.overrun import nanoseconds
-from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
+from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo, short_name
 from trackmarshal.ir.straight import Fields, curvatures, straightened
 from trackmarshal.runtime import saving
 from trackmarshal.runtime.contract.tracks import places_of
@@ -448,13 +448,25 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
     from trackmarshal.syntax import ast
 
     items = [item for tree in trees for item in tree.items]
-    values = [item for item in items if isinstance(item, (ast.Param, ast.Table, ast.Place, ast.Define))]
+    values = [
+        item
+        for item in items
+        if isinstance(item, (ast.Param, ast.ParamRecord, ast.Table, ast.Place, ast.Define))
+    ]
     nodes = [node for item in values for node in item.walk()]
     called = {node.function for node in nodes if isinstance(node, ast.Call)}
     called |= {node.name for node in nodes if isinstance(node, ast.Name)}
     for item in items:
         match item:
-            case ast.ModuleName() | ast.Use() | ast.Reference() | ast.Param() | ast.Table() | ast.Place():
+            case (
+                ast.ModuleName()
+                | ast.Use()
+                | ast.Reference()
+                | ast.Param()
+                | ast.ParamRecord()
+                | ast.Table()
+                | ast.Place()
+            ):
                 continue
             case ast.Define():
                 if item.name in called:
@@ -466,6 +478,10 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
                 what = f"the assumption `{item.name}`"
             case ast.Constrain():
                 what = "a `constrain`"
+            case ast.Shape():
+                what = f"the shape `{item.name}`"
+            case ast.Scale():
+                what = "a `scale`"
             case ast.Signal():
                 what = f"the signal `{item.name}`"
             case ast.Event():
@@ -501,10 +517,10 @@ def setting_names(paths: Iterable[Path], configuration: Sequence[Path]) -> set[s
     compiled.raise_errors()
     found = [_settings(path, None, compiled) for path in configuration]
     return {
-        name.rpartition(".")[2]
+        short_name(info)
         for settings in found
         for kind in (settings.params, settings.tables, settings.places)
-        for name in kind
+        for info in kind.values()
     }
 
 
@@ -530,17 +546,29 @@ def configure(spec: Spec, settings: Spec) -> Spec:
         spec.rules,
         spec.rulebooks,
         digest.hexdigest(),
+        spec.scales,
     )
+
+
+def _ways(info: TableInfo) -> list[Any]:
+    """What a configuration cannot change of a table: how many arguments it has, of which dimension the second is, and how it is read."""
+    from trackmarshal.units import parse_unit
+
+    second = info.across
+    axes = (
+        [(info.way, None)] if second is None else [(info.way, None), (second.way, parse_unit(second.unit)[2])]
+    )
+    return [(way.steps, way.clamped, way.length > 0.0, dimension) for way, dimension in axes]
 
 
 def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | TableInfo | PlaceInfo) -> None:
     from trackmarshal.units import parse_unit
 
-    short = name.rpartition(".")[2]
-    matches = [known for known in target if known.rpartition(".")[2] == short]
+    short = short_name(info)
+    matches = [known for known, old in target.items() if short_name(old) == short]
     place = f"{info.span.file.path}"
     if not matches:
-        shorts = [known.rpartition(".")[2] for known in target]
+        shorts = [short_name(old) for old in target.values()]
         raise TrackmarshalError(
             "E402",
             f"the spec declares no {kind} `{short}`",
@@ -557,11 +585,13 @@ def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | Tab
                 problem = f"`{short}` is in {info.unit}, the spec declares it in {old.unit}"
             elif (low is not None and info.value < low) or (high is not None and info.value > high):
                 problem = f"`{short}` is outside the range declared at {old.span}"
-            new: Any = ParamInfo(match, info.value, old.unit, low, high, info.source, info.span)
+            new: Any = ParamInfo(match, info.value, old.unit, low, high, info.source, info.span, old.record)
         elif isinstance(info, TableInfo):
             if [parse_unit(u)[2] for u in info.units] != [parse_unit(u)[2] for u in old.units]:
                 problem = f"table `{short}` has other units than the one declared at {old.span}"
-            new = TableInfo(match, info.knots, info.values, old.units, info.span)
+            elif _ways(info) != _ways(old):
+                problem = f"table `{short}` is read in another way than the one declared at {old.span}"
+            new = TableInfo(match, info.knots, info.values, old.units, info.span, info.way, info.across)
         elif isinstance(info, PlaceInfo):
             if info.kind != old.kind:
                 problem = f"`{short}` is a {info.kind}, the spec declares a {old.kind}"

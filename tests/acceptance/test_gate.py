@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
+from support.length import shared_out
 from support.project import command, copy_project
 from support.shared import REPOSITORY
 from trackmarshal.ir.spec import Spec
@@ -31,14 +31,6 @@ def items(kind: str) -> list[tuple[str, str, int]]:
             if match.group(1) == kind:
                 found.append((path.name, match.group(2), match.start()))
     return found
-
-
-def shared_out(found: list[tuple[str, str, int]], every: int) -> list[Any]:
-    """All cases for `make acceptance`, one of so many for every day."""
-    return [
-        pytest.param(*item, marks=[] if place % every == 0 else [pytest.mark.acceptance])
-        for place, item in enumerate(found)
-    ]
 
 
 def without(text: str, start: int) -> str:
@@ -77,7 +69,7 @@ def gate(project: Path) -> int:
     return command(project, "trace", "--gate", "--as-is")[0]
 
 
-@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("rule"), 8))
+@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("rule"), 24))
 def test_without_a_rule(edited: Path, file: str, name: str, start: int) -> None:
     """With its tests, which would otherwise not compile, and out of the rulebook."""
     path = edited / "specs" / "supervisor" / file
@@ -92,7 +84,7 @@ def test_without_a_rule(edited: Path, file: str, name: str, start: int) -> None:
     assert gate(edited) == 1
 
 
-@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("rule"), 12))
+@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("rule"), 24))
 def test_without_a_rule_that_tests_and_the_rulebook_still_name(
     edited: Path, file: str, name: str, start: int
 ) -> None:
@@ -101,7 +93,7 @@ def test_without_a_rule_that_tests_and_the_rulebook_still_name(
     assert gate(edited) == 1
 
 
-@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("test"), 60))
+@pytest.mark.parametrize(("file", "name", "start"), shared_out(items("test"), 150))
 def test_without_a_test(edited: Path, file: str, name: str, start: int) -> None:
     """The baseline knows them all."""
     path = edited / "specs" / "supervisor" / file

@@ -24,6 +24,7 @@ from support import door_fuzz
 from support.cycles import PERIOD
 from support.cycles import cycle as straight
 from support.ring_cycles import Cycle, breaches, cycle, mutate, ring
+from support.sanitized import FLAGS as SANITIZED
 from support.shared import SUPERVISOR
 from support.si_cycles import Driver, program
 from trackmarshal.backends.c.build import compiler
@@ -42,7 +43,7 @@ from trackmarshal.runtime.verdict import VERDICTS
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 #: TRACKMARSHAL_CYCLES=N mutates N cycles.
-CYCLES = int(os.environ.get("TRACKMARSHAL_CYCLES", "2000"))
+CYCLES = int(os.environ.get("TRACKMARSHAL_CYCLES", "800"))
 FUZZ = int(os.environ.get("TRACKMARSHAL_FUZZ", "10000"))
 TRACK = {"left": np.array(ring(94.0)), "right": np.array(ring(106.0)), "closed": True}
 
@@ -293,13 +294,7 @@ def test_no_input_makes_the_door_read_or_compute_what_it_may_not(made_by: str, t
         ("fuzz.c", door_fuzz.driver(spec())),
     ):
         (tmp_path / name).write_text(text, encoding="utf-8")
-    flags = [
-        "-std=c99",
-        "-O1",
-        "-ffp-contract=off",
-        "-fsanitize=address,undefined",
-        "-fno-sanitize-recover=all",
-    ]
+    flags = ["-std=c99", "-ffp-contract=off", *SANITIZED]
     sizes = {"SAMPLES": door_fuzz.SAMPLES, "ELEMENTS": door_fuzz.ELEMENTS, "BORDER": door_fuzz.BORDER}
     macros = [f"-DTM_MAX_{name}={size}u" for name, size in sizes.items()]
     command = [made_by, *flags, *macros, "supervisor.c", "fuzz.c", "-o", "fuzz", "-lm"]

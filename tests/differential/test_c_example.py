@@ -16,6 +16,8 @@ from support import embedded
 from support.cycles import PERIOD, cycle, mutate
 from support.decision_lines import decision_lines
 from support.emitted import SCENARIOS, emit, name_of
+from support.length import shared_out
+from support.sanitized import FLAGS as SANITIZED
 from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal import scenarios
 from trackmarshal.ir.spec import Spec
@@ -25,7 +27,6 @@ from trackmarshal.scenarios.replay import known_tables
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 #: numpy has an arc tangent of its own, which this rule asks for (docs/generated-c.md, Agreement).
 OWN = "heading_integrity"
-SANITIZED = ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +93,7 @@ def names(spec: Spec) -> list[str]:
     return [rule.name for rule in spec.rules if rule.formula is not None]
 
 
-@pytest.mark.parametrize("recording", SCENARIOS, ids=name_of)
+@pytest.mark.parametrize("recording", shared_out(SCENARIOS, 3), ids=name_of)
 def test_it_decides_as_python_on_the_shipped_scenarios(recording: Path, folder: Path, spec: Spec) -> None:
     said = embedded.run(folder / "example", folder / f"{name_of(recording)}.cycles")
     assert sum(line.startswith("decision drive ") for line in said.lines) > 60

@@ -15,6 +15,7 @@ import pytest
 
 from support.agreement import compiled
 from support.rulebooks import RULES, Relation
+from support.sanitized import FLAGS as SANITIZED
 from trackmarshal.backends.c.build import compiler, library
 from trackmarshal.backends.c.report import report
 from trackmarshal.backends.c.source import Source, generate
@@ -191,7 +192,7 @@ def test_strict_compilers_and_sanitizers_have_nothing_to_say(command: str, tmp_p
         "-ffp-contract=off",
         "-O1",
     ]
-    flags += ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    flags += SANITIZED
     built = [command, *flags, "-o", "program", "main.c", "supervisor.c", "-lm"]
     subprocess.run(built, cwd=tmp_path, check=True)
     done = subprocess.run([tmp_path / "program"], capture_output=True, text=True, check=True)

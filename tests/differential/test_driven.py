@@ -14,6 +14,7 @@ import pytest
 from support.agreement import compiled, read, results
 from support.generated import RandomChoices
 from support.generated.places import Road
+from support.length import amount
 
 NEAR = 1e-9
 SPEC = """
@@ -93,7 +94,7 @@ def case(kind: str, choices: RandomChoices) -> dict[str, Any]:
 @pytest.mark.parametrize("kind", KINDS)
 def test_driven_trajectories(kind: str) -> None:
     spec = compiled(SPEC)
-    cases = read(spec, [case(kind, RandomChoices(seed)) for seed in range(60)])
+    cases = read(spec, [case(kind, RandomChoices(seed)) for seed in range(amount(20, 60))])
     assert not any(one.faults for one in cases)
     verdicts = set()
     for seed, (one, other) in enumerate(

@@ -33,6 +33,7 @@ from support.agreement import (
     same_trigonometry,
 )
 from support.generated import RandomChoices, Subject, subject
+from support.length import amount
 from trackmarshal.backends.numpy import places
 
 
@@ -82,7 +83,7 @@ KINDS = {
     "geometry": Kind(geometry=True, one_libm=not same_trigonometry()),
     "everything": Kind("any", geometry=True, one_libm=True),
 }
-GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "300"))
+GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "150"))
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -112,13 +113,13 @@ def test_generated_specs_mean_the_same_to_both(name: str, capsys: pytest.Capture
     )
 
 
-@settings(repeatable, max_examples=60)
+@settings(repeatable, max_examples=amount(30, 60))
 @given(subjects())
 def test_drawn_specs_mean_the_same_to_both(made: Subject) -> None:
     assert not KINDS["exact"].disagreements(made, Counter())
 
 
-@settings(repeatable, max_examples=40)
+@settings(repeatable, max_examples=amount(20, 40))
 @given(subjects(geometry=True, inexact="any"))
 def test_drawn_specs_with_geometry_mean_the_same_to_both(made: Subject) -> None:
     assert not KINDS["everything"].disagreements(made, Counter())

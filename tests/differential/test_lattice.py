@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from support.agreement import compiled, one_libm, outcomes, same_trigonometry
+from support.length import amount
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.evaluation import Evaluator
@@ -157,7 +158,7 @@ def check(count: int, seed: int) -> None:
 
 
 def test_a_lattice() -> None:
-    check(600, 1)
+    check(amount(300, 600), 1)
 
 
 @pytest.mark.acceptance

@@ -18,6 +18,7 @@ from trackmarshal.backends.numpy import logic, steps
 from trackmarshal.backends.numpy.curves import Curve, Curves
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir.operators import FUNCTIONS
+from trackmarshal.ir.tables import LINEAR_CLAMP, read
 
 CORNERS = (
     0.0, -0.0, 1.0, -1.0, 0.5, -0.5, 3.0, 2.5, -7.25, 1e-308, 5e-324, -5e-324, 1e308, -1e308, 709.9, -745.2, 1e-9,
@@ -98,7 +99,8 @@ rows = st.lists(
 
 
 def interpolated(table: Sequence[tuple[float, float]], xs: Sequence[float]) -> list[bytes]:
-    return [bits(arithmetic.interpolate([k for k, _ in table], [v for _, v in table], x)) for x in xs]
+    knots, values = [k for k, _ in table], [v for _, v in table]
+    return [bits(read(knots, values, LINEAR_CLAMP, x)) for x in xs]
 
 
 @repeatable

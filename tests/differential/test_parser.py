@@ -16,6 +16,7 @@ from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
 from property.strategies.ast import modules
+from support.length import amount
 from trackmarshal.source import SourceFile
 from trackmarshal.syntax import ast, lalr
 from trackmarshal.syntax.format import format_module
@@ -30,7 +31,9 @@ SPECS = [
     REPOSITORY / "tests" / "property" / "strategies" / "sample.spec",
 ]
 unhurried = settings(
-    deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large], max_examples=150
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+    max_examples=amount(60, 150),
 )
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import pytest
 
 from support import typed
+from support.length import shared_out
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.decision import Decision
@@ -60,9 +62,9 @@ def said(decision: Decision) -> tuple[Any, ...]:
     return margins, decision.driven.names, decision.driven.matrix.tobytes()
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("variant", typed.VARIANTS)
-@pytest.mark.parametrize("what", TABLE)
+@pytest.mark.parametrize(
+    ("what", "variant", "backend"), shared_out(product(TABLE, typed.VARIANTS, BACKENDS), 4)
+)
 def test_a_line_of_the_table(what: str, variant: str, backend: str) -> None:
     taken, refused = TABLE[what]
     run = Run(backend, variant)

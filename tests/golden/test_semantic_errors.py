@@ -34,11 +34,14 @@ from trackmarshal.semantics import (
     errors,
     expressions,
     modules,
+    records,
     rulebooks,
     rules,
     scope,
+    shapes,
     states,
     stretches,
+    tables,
 )
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing import cases
@@ -146,11 +149,14 @@ _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
             enums,
             expressions,
             modules,
+            records,
             rulebooks,
             rules,
             scope,
+            shapes,
             states,
             stretches,
+            tables,
         )
     ),
     (cases, frozenset({*vars(test_errors), "fail"})),

@@ -23,7 +23,7 @@ from trackmarshal.runtime.faults import name_of
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Cycles that `make test` mutates; `make acceptance` sets a million.
-CYCLES = int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "4000"))
+CYCLES = int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "1500"))
 
 
 @pytest.fixture(scope="module")

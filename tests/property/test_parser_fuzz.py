@@ -12,6 +12,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from support.length import amount
 from trackmarshal.diagnostics import github, sarif, text
 from trackmarshal.diagnostics import json as json_format
 from trackmarshal.diagnostics.base import Diagnostic
@@ -79,7 +80,7 @@ def test_any_signs_in_a_rule(signs: str) -> None:
     answer(SourceFile("fuzz.spec", f"module m\nrule r\n  require {signs}"))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=amount(100, 300))
 @given(st.randoms(use_true_random=False), st.integers(1, 4))
 def test_a_damaged_spec(random: Random, wounds: int) -> None:
     damaged = SAMPLE

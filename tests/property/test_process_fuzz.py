@@ -13,10 +13,10 @@ import pytest
 
 from support.process_tape import Record, compiled, expected, played, recorded
 from support.processes import Served, built
+from support.sanitized import FLAGS as SANITIZED
 from trackmarshal.process.messages import Layout
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-SANITIZED = ("-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 #: Messages that `make acceptance` mutates.
 MESSAGES = int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "10000")) // 5
 Pool = tuple[list[bytes], list[bytes]]

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from jsonschema import Draft202012Validator, FormatChecker
 
 from golden.trace.cases import PROJECT, TODAY, Small
+from support.length import amount
 from trackmarshal import trace
 from trackmarshal.records import Ref, RuleFacts, RunSummary, SpecItem, SpecTest, TestResult, TruthFacts
 from trackmarshal.trace import requirements, schema
@@ -72,7 +73,7 @@ def damaged(draw: st.DrawFn) -> dict[str, bytes]:
     return files
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(20, 60), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(damaged())
 def test_damaged_files_end_in_findings(files: dict[str, bytes]) -> None:
     items, tests, results, runs = Small().parts()
@@ -140,7 +141,7 @@ def reshaped(draw: st.DrawFn) -> tuple[str, Any]:
     return name, data
 
 
-@settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(40, 120), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(reshaped())
 def test_the_reader_and_the_schema_agree(case: tuple[str, Any]) -> None:
     """The reader checks shapes by itself, with places; the schema says the same to others."""

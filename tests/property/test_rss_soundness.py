@@ -15,10 +15,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from property.strategies.specs import repeatable
+from support.length import amount
 from trackmarshal.evaluation import Evaluator, load
 
 T = sympy.Symbol("t", nonnegative=True)
-some = settings(repeatable, max_examples=60)
+some = settings(repeatable, max_examples=amount(20, 60))
 speeds = st.floats(0.0, 90.0)
 times = st.floats(0.0, 3.0)
 accelerations = st.floats(0.0, 10.0)

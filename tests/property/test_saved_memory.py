@@ -19,7 +19,7 @@ from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, Run, loads
 
-EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "25"))
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "12"))
 Cycles = list[dict[str, Any] | None]
 
 

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from support.length import amount
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import recording_io, saa
@@ -92,13 +93,13 @@ def check(read: Any, *arguments: Any) -> None:
 
 
 @given(mutants(ARCHIVES))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=amount(100, 300), deadline=None)
 def test_changed_archives(data: bytes) -> None:
     check(saa.read, data, "x.saa")
 
 
 @given(mutants([SCN.encode()]))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=amount(66, 200), deadline=None)
 def test_changed_texts_in_sound_archives(text: bytes) -> None:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as packed:
@@ -185,7 +186,7 @@ def is_whole(value: Any) -> bool:
 
 
 @given(recordings())
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(33, 100), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_what_is_encoded_is_decoded(recording: Recording) -> None:
     lines = list(recording_io.encode(recording))
     copy = recording_io.decode("\n".join(lines).encode(), "x")
@@ -220,7 +221,7 @@ SAMPLE = "\n".join(
 
 
 @given(mutants([SAMPLE]))
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=amount(100, 300), deadline=None)
 def test_changed_lines(data: bytes) -> None:
     check(recording_io.decode, data, "x.tmrec.jsonl")
 
@@ -229,7 +230,9 @@ def test_changed_lines(data: bytes) -> None:
     data=mutants([gzip.compress(SAMPLE, mtime=0), SAMPLE, *ARCHIVES]),
     name=st.sampled_from(["x.gz", "x.saa", "x"]),
 )
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=amount(50, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 def test_changed_files(tmp_path: Path, data: bytes, name: str) -> None:
     (tmp_path / name).write_bytes(data)
     check(scenarios.load, tmp_path / name)
@@ -270,7 +273,9 @@ def test_the_crowded_declaration_is_sound(tmp_path: Path) -> None:
 
 
 @given(which=st.sampled_from(STARTS[1:]), data=st.data())
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=amount(50, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 def test_changed_campaigns(tmp_path: Path, which: bytes, data: st.DataObject) -> None:
     text = STARTS[0] + data.draw(mutants([which]))
     (tmp_path / "f.yaml").write_bytes(text)
@@ -279,7 +284,9 @@ def test_changed_campaigns(tmp_path: Path, which: bytes, data: st.DataObject) ->
 
 
 @given(scene=mutants([DECLARATION, CROWDED]), track=mutants([TRACK]), which=st.booleans())
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=amount(20, 60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 def test_changed_declarations(tmp_path: Path, scene: bytes, track: bytes, which: bool) -> None:
     (tmp_path / "scenarios").mkdir(exist_ok=True)
     (tmp_path / "tracks").mkdir(exist_ok=True)
@@ -289,7 +296,7 @@ def test_changed_declarations(tmp_path: Path, scene: bytes, track: bytes, which:
 
 
 @given(st.binary(max_size=200))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=amount(33, 100), deadline=None)
 def test_any_bytes(data: bytes) -> None:
     for read in (saa.read, recording_io.decode, document.read):
         found = outcome(read, data, "x")

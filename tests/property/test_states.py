@@ -11,6 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from property.test_over_run import said
+from support.length import amount
 from support.run_formulas import SIGNALS, formulas, runs
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.evaluation import Evaluator, loads
@@ -124,7 +125,7 @@ _CYCLES = st.lists(
 
 
 @given(machines(), _CYCLES, st.sampled_from(BACKENDS))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=amount(20, 60), deadline=None)
 def test_one_of_the_run(machine: tuple[tuple[str, ...], list[Way]], cycles: list[Any], backend: str) -> None:
     states, ways = machine
     fields = ", ".join(f"f{number}: 1" for number in range(len(ways)))
@@ -170,7 +171,7 @@ _OF_OBJECTS = st.lists(
 
 
 @given(machines(), _OF_OBJECTS, st.sampled_from(BACKENDS))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=amount(20, 60), deadline=None)
 def test_one_of_each_object(
     machine: tuple[tuple[str, ...], list[Way]], cycles: list[Any], backend: str
 ) -> None:
@@ -224,7 +225,7 @@ ASKED = {
     formulas(),
     runs(),
 )
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=amount(20, 60), deadline=None)
 def test_both_engines_say_the_same(
     guards: list[str], of_objects: list[str], formula: str, cycles: list[dict[str, Any] | None]
 ) -> None:

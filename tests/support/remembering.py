@@ -20,6 +20,9 @@ rule someone "" require once[0 s, 1 s] (exists o in objects: o.v > 10 m/s)
 rule went_on "" require ego.v > 5 m/s since[0 s, 2 s] plan.first.t < 0.05 s
 rule all_of "" require historically[0 s, 0.25 s] (for all p in plan: p.a <= 20 m/s^2)
 rule anew "" require count(ego.y > 1 m, reset: rising(ego.y < 0.8 m)) <= 3
+rule soon "" whenever plan.first.v > 20 m/s within 0.15 s require plan.first.v < 24 m/s
+rule keeps "" for all o in objects require always[0 s, 0.2 s] (o.x > ego.x - 5 m or previous o.x > ego.x)
+rule follows "" require once (next ego.v > 5 m/s)
 """
 NAMES = tuple(line.split()[1] for line in RULES.splitlines() if line.startswith("rule"))
 

@@ -84,7 +84,13 @@ def number(node: typed.Number) -> ast.Expr:
         case typed.Pi():
             return ast.Name("pi")
         case typed.Parameter():
-            return ast.Name(node.symbol.name)
+            record = node.symbol.item
+            name = ast.Name(node.symbol.name)
+            return (
+                ast.Attribute(ast.Name(record.name), name.name)
+                if isinstance(record, ast.ParamRecord)
+                else name
+            )
         case typed.Field():
             return ast.Attribute(written(node.record), node.name)
         case typed.Negative():
@@ -100,7 +106,7 @@ def number(node: typed.Number) -> ast.Expr:
         case typed.NumberCase():
             return case_of(node)
         case typed.TableValue():
-            return called(node.symbol.name, node.argument)
+            return called(node.symbol.name, *node.arguments)
         case typed.OnLine():
             return called(node.function, node.point, node.line)
         case typed.StationGap():
@@ -208,6 +214,8 @@ def thing(node: typed.WholeSignal | typed.Record | typed.Line | typed.Area | typ
             return ast.Name(node.name)
         case typed.NamedRegion():
             return ast.Name(node.name)
+        case typed.ParameterRecord():
+            return ast.Name(node.symbol.name)
         case typed.Signal() | typed.State() | typed.SignalLine():
             return ast.Name(node.signal.name)
         case typed.Sample():

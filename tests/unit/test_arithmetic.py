@@ -12,8 +12,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from trackmarshal.ir.arithmetic import apply, arith, compare, interpolate, margin
+from trackmarshal.ir.arithmetic import apply, arith, compare, margin
 from trackmarshal.ir.operators import FUNCTIONS
+from trackmarshal.ir.tables import LINEAR_CLAMP, read
 
 CORNERS = (
     0.0, -0.0, 1.0, -1.0, 0.5, 3.0, 1e-308, -1e-308, 5e-324, -5e-324, 1e308, -1e308, 1.7976931348623157e308,
@@ -157,7 +158,7 @@ def test_tables_are_linear_between_knots_and_clamped_outside(
     rows: list[tuple[float, float]], x: float
 ) -> None:
     knots, values = [k for k, _ in rows], [v for _, v in rows]
-    found = interpolate(knots, values, x)
+    found = read(knots, values, LINEAR_CLAMP, x)
     if x <= knots[0]:
         assert found == values[0]
     elif x >= knots[-1]:
@@ -173,9 +174,9 @@ def test_tables_are_linear_between_knots_and_clamped_outside(
 @given(tables)
 def test_tables_go_through_their_knots(rows: list[tuple[float, float]]) -> None:
     for knot, value in rows:
-        assert interpolate([k for k, _ in rows], [v for _, v in rows], knot) == value
+        assert read([k for k, _ in rows], [v for _, v in rows], LINEAR_CLAMP, knot) == value
 
 
 @pytest.mark.parametrize("x", [math.nan, math.inf, -math.inf])
 def test_a_table_has_no_value_for_what_is_not_finite(x: float) -> None:
-    assert math.isnan(interpolate([0.0, 1.0], [2.0, 3.0], x))
+    assert math.isnan(read([0.0, 1.0], [2.0, 3.0], LINEAR_CLAMP, x))

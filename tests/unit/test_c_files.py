@@ -17,6 +17,7 @@ import pytest
 
 from support.agreement import outcomes
 from support.emitted import SCENARIOS, emit, name_of
+from support.sanitized import FLAGS as SANITIZED
 from support.shared import SUPERVISOR
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c.program import CProgram
@@ -62,9 +63,8 @@ def test_clean_and_sanitized(written: Path, compiler: str) -> None:
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
     program = written.parent / f"example_{compiler}"
-    sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     sources = [name for name in FILES if name.endswith(".c")]
-    command = [compiler, *STRICT, *sanitizers, "-O1", *sources, "-o", str(program), "-lm"]
+    command = [compiler, *STRICT, *SANITIZED, *sources, "-o", str(program), "-lm"]
     done = subprocess.run(command, cwd=written, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     runs_from_cycles(program, written)

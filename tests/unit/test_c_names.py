@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from support.agreement import compiled, outcomes
+from support.length import amount
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c.contract import can_be_supervised
 from trackmarshal.backends.c.example import example
@@ -49,7 +50,7 @@ def compile_strictly(spec: Spec, folder: Path, name: str = "made") -> None:
         (folder / file).write_text(text, encoding="utf-8")
     programs = [file for file in files if file.endswith(".c")]
     for compiler in ("gcc", "clang"):
-        for standard in ("-std=c99", "-std=gnu11"):
+        for standard in amount(("-std=c99",), ("-std=c99", "-std=gnu11")):
             if shutil.which(compiler):
                 command = [compiler, *STRICT, standard, f"{name}.c", *programs]
                 done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)

@@ -18,6 +18,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from support.length import amount
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.codes import CODES
@@ -507,7 +508,7 @@ edits = st.lists(
 )
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=amount(133, 400), deadline=None)
 @given(
     st.lists(edits, min_size=1, max_size=4),
     st.sampled_from(

@@ -76,6 +76,8 @@ IGNORED = {
     "rule `slower`": 'rule slower "slower"\n  for all p in plan\n  require p.v <= 1 m/s\n',
     "assumption": 'assume A-SLOW "slow"\n  owner "somebody"\n',
     "constrain": "constrain v_max <= 3 m/s\n",
+    "shape `small`": "shape small = { v: m/s }\n",
+    "scale": "scale m/s = 3 m/s\n",
     "signal": "signal other : state { v: m/s }\n",
     "event": 'event blue_flag "shown"\n',
     "rulebook": 'rulebook order "order"\n  slow ~ slow\n',

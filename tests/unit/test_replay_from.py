@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 import trackmarshal as tm
+from support.length import at_length, shared_out
 from support.pairs import generated
 from support.remembering import NAMES, remembering, sources
 from support.supervised import ROOT
@@ -26,7 +27,7 @@ from trackmarshal.runtime.verdict import VERDICTS
 from trackmarshal.supervision import box_of, nearest, rerun, supervisor
 
 needs_c = pytest.mark.skipif(compiler() is None, reason="no C compiler")
-BACKENDS = ("numpy", "reference", pytest.param("c", marks=needs_c))
+BACKENDS = ("numpy", at_length("reference"), pytest.param("c", marks=needs_c))
 #: Those that save what rules remember.
 SAVING = ("numpy", pytest.param("c", marks=needs_c))
 
@@ -229,7 +230,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("backend", SAVING)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", shared_out(range(3), 3))
 def test_generated_runs(seed: int, backend: str, folder: Path, tmp_path: Path) -> None:
     """Cycles that are refused, late, twice or missing, clocks that are wrong, trajectories that are left, borders that change."""
     spec, path, ticks = shipped(folder), tmp_path / "run.arrows", list[Any]()
@@ -240,7 +241,9 @@ def test_generated_runs(seed: int, backend: str, folder: Path, tmp_path: Path) -
     made.close()
     assert (made.record_error, made.recorder.snapshot_error) == ("", "")
     run = read(path.read_bytes(), "run")
-    assert len(run.snapshots) >= 5
+    assert len(run.snapshots) >= (
+        3 if backend == "c" else 5
+    )  # C writes all its memory, a little in each step
     whole = told(run, spec, None, None)
     for snapshot in run.snapshots[1::4]:
         assert told(run, spec, None, snapshot) == whole[snapshot.after :], snapshot.after
@@ -451,7 +454,7 @@ def on_track(folder: Path) -> Spec:
 
 
 @pytest.mark.parametrize("backend", SAVING)
-@pytest.mark.parametrize("scenario", ["cut_in.tmrec.jsonl", "late_brakes.tmrec.jsonl.gz"])
+@pytest.mark.parametrize("scenario", [at_length("cut_in.tmrec.jsonl"), "late_brakes.tmrec.jsonl.gz"])
 def test_shipped_scenarios(
     scenario: str, backend: str, tmp_path_factory: pytest.TempPathFactory, tmp_path: Path
 ) -> None:

@@ -196,6 +196,23 @@ def test_more_cycles_than_windows_have_room_for(formula: str) -> None:
     assert "undefined" in seen
 
 
+@pytest.mark.parametrize("formula", ["always[0 s, 2 s] not flag", "not (flag until[0.5 s, 2 s] ego.v > 1 m/s)",
+                                     "eventually[1 s, 2 s] not flag", "once (always[0 s, 2 s] not flag) or not flag"])  # fmt: skip
+def test_more_cycles_than_what_looks_ahead_has_room_for(formula: str) -> None:
+    """From the cycle on that is lost, nothing is sure until its windows would have been over."""
+    rules = f'rule f "" require {formula}\n'
+    plenty, few = Rig(rules, "numpy"), Rig(rules, "c", rate=2)
+    seen = list[set[str]]()
+    for number in range(80):
+        flag = number in (11, 12, 40)
+        wanted = {verdict for _, _, verdict in names(plenty.step(flag=flag))} or {"satisfied"}
+        mine = {verdict for _, _, verdict in names(few.step(flag=flag))} or {"satisfied"}
+        seen.append(mine)
+        assert mine in (wanted, {"undefined"}), number
+    assert {"undefined"} in seen
+    assert {"satisfied"} in seen
+
+
 def test_a_memory_that_is_too_large_is_refused() -> None:
     with pytest.raises(TrackmarshalError) as caught:
         Rig('rule f "" require not once[0 s, 100 h] flag\n', "c", rate=1000)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from support.cycles import BRAKING, SPEED, cycle
+from support.length import at_length
 from support.supervised import Clock, shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.runtime.cycle import Cycle, Limits
@@ -16,7 +17,7 @@ from trackmarshal.supervision import supervisor
 
 BEFORE = 0.05
 STOPS = SPEED / BRAKING
-BACKENDS = ("reference", "numpy", "c")
+BACKENDS = (at_length("reference"), "numpy", "c")
 
 
 def shifted(columns: Any, by: float) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from support.length import shared_out
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.semantics.compile import Compiled, compile_paths
 from trackmarshal.testing.cases import prepare
@@ -68,7 +69,7 @@ def test_what_came_from_a_unit_goes_back_to_it(unit: str) -> None:
     assert [to_si(from_si(si, unit), unit) for si in there] == there
 
 
-@pytest.mark.parametrize("unit", FACTORS)
+@pytest.mark.parametrize("unit", shared_out(FACTORS, 3))
 def test_specs_tests_and_data_have_the_same_doubles(unit: str, tmp_path: Path) -> None:
     """Rows of a table, expressions, what a test gives, and data that is read one by one and together."""
     rows = " ".join(f"| {number!r} {unit}: {number!r} {unit}" for number in NUMBERS)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from trackmarshal.backends.undefined import of_reads, why
 from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.margins import MIXED, SCALED
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import NOTHING, Judged, Memory, Rated, advisory
@@ -152,7 +153,9 @@ def rule_result(
         )
     descent = Descent(values)
     witness = descent.find(formula)
-    unit = rule.unit if rule.unit != "mixed" else witness.unit if witness is not None else "1"
+    unit = "1" if rule.unit == SCALED else rule.unit
+    if unit == MIXED:
+        unit = witness.unit if witness is not None else "1"
     reason = _why(rule, frame, values, descent) if verdict == "undefined" else ""
     shown = shown_unit(witness, unit)
     return RuleResult(rule.name, verdict, margin, unit, witness, reason, along, shown, advisory=rule.advisory)

@@ -19,7 +19,7 @@ MOST = 3
 #: The most characters of an expression that are shown.
 _WIDTH = 100
 _NUMBERS = (
-    ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Station, ir.Offset,
+    ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.GridLookup, ir.Station, ir.Offset,
     ir.Direction, ir.Distance, ir.StationGap, ir.StretchRoom, ir.OnLane, ir.Ordinal, ir.Fold,
 )  # fmt: skip
 
@@ -229,6 +229,8 @@ def _text(node: ir.Num, env: Env, frame: Frame) -> str:
             return f"(one of {of(node.then)} and {of(node.otherwise)})"
         case ir.Lookup():
             return f"{node.table.rpartition('.')[2]}({of(node.argument)})"
+        case ir.GridLookup():
+            return f"{node.table.rpartition('.')[2]}({of(node.first)}, {of(node.second)})"
         case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance():
             return f"{node.spoken} along {_line(node.line)} of ({of(node.x)}, {of(node.y)})"
         case ir.StationGap():

@@ -92,7 +92,7 @@ class Descent:
                 return self._witness(node, env)
             case ir.Truth():
                 return None
-            case ir.Not():
+            case ir.Not() | ir.Scaled():
                 return node.operand, env
             case ir.Connective():
                 return self._connective(node, env)

@@ -23,7 +23,7 @@ from trackmarshal.cli.output import about_json, dump, rule_json, say, table
 from trackmarshal.cli.project import optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import open_regular
-from trackmarshal.runtime.verdict import UNSAFE, About
+from trackmarshal.runtime.verdict import UNSAFE, About, decides
 from trackmarshal.units import written
 
 if TYPE_CHECKING:
@@ -273,10 +273,10 @@ def _text(result: CaseResult) -> list[str]:
             ", ".join(f"{k}={v}" for k, v in rule.witness.binders.items()) if rule.witness else rule.reason
         )
         span = str(rule.witness.span) if rule.witness and rule.witness.span else ""
-        margin = written(rule.margin, rule.unit, rule.shown, 6)
+        margin = written(rule.margin, rule.unit, rule.shown, 6) + decides(rule)
         si = written(rule.margin, rule.unit, "", 6)
         called = f"{name} (advisory)" if rule.advisory else name
-        rows.append([called, rule.verdict, margin, "" if si == margin else si, where, span])
+        rows.append([called, rule.verdict, margin, "" if margin.startswith(si) else si, where, span])
     lines = [
         f"case {result.id}: {'safe' if result.safe else 'UNSAFE'}",
         *table(rows, ["rule", "verdict", "margin", "in SI", "at", "decided by"]),

@@ -19,6 +19,7 @@ from trackmarshal.cli.options import choose_backend, choose_rules
 from trackmarshal.cli.output import dump, number, plain, progress, rule_json, say, table
 from trackmarshal.cli.project import find_project, optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.verdict import decides
 from trackmarshal.units import beside
 
 if TYPE_CHECKING:
@@ -339,7 +340,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
                     candidate,
                     verdicts,
                     spans,
-                    f"{beside(result.margin, result.unit, result.shown)} at {worst.t:g} s",
+                    f"{beside(result.margin, result.unit, result.shown)}{decides(result)} at {worst.t:g} s",
                     satisfies,
                     where,
                 ]

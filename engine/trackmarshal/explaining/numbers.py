@@ -79,6 +79,9 @@ def _leaf(part: ir.AnyNode, env: Env, values: Reference) -> tuple[str, float] | 
             )
             told = f"{part.spoken} along {part.line.name} from {start} to {end} of {station}"
             return told, values.number(part, env)
+        case ir.GridLookup():
+            inside = ", ".join(figure(values.number(each, env)) for each in (part.first, part.second))
+            return f"{part.table}({inside})", values.number(part, env)
         case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap():
             ends = (part.start, part.end) if isinstance(part, ir.StationGap) else (part.x, part.y)
             inside = ", ".join(figure(values.number(end, env)) for end in ends)

@@ -9,9 +9,10 @@ from trackmarshal.explaining.numbers import Env, numbers
 from trackmarshal.explaining.scope import Alone, Cycle, InRun, why_inactive
 from trackmarshal.explaining.trail import Trail, at
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.margins import own_unit
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.lowering.rules import levels_of
-from trackmarshal.runtime.verdict import About, RuleResult, Witness
+from trackmarshal.runtime.verdict import About, RuleResult, Witness, decides
 from trackmarshal.units import beside
 
 if TYPE_CHECKING:
@@ -68,14 +69,14 @@ def _trail(rule: RuleInfo, formula: ir.Formula, history: History, place: int) ->
 
 def _verdict(rule: RuleInfo, result: RuleResult) -> Iterator[str]:
     yield f"{rule.name}: {rule.title}"
-    yield f"  {result.verdict}, margin {beside(result.margin, result.unit, result.shown, 9)}"
+    yield f"  {result.verdict}, margin {beside(result.margin, result.unit, result.shown, 9)}{decides(result)}"
     yield f"  satisfies {', '.join(name for name, _ in rule.satisfies) or 'nothing'}; declared at {rule.span}"
 
 
 def _said(about: About, rule: RuleInfo) -> str:
     if about.verdict in ("open", "inactive"):
         return about.verdict
-    unit = rule.unit if rule.unit != "mixed" else "1"
+    unit = rule.unit if own_unit(rule.unit) else "1"
     return f"{about.verdict}, margin {beside(about.margin, unit, '', 9)}{'' if about.final else ', which may still change'}"
 
 

@@ -185,18 +185,3 @@ def margin(op: ComparisonOp, a: float, b: float) -> float:
             return math.inf if a == b else -math.inf
         case _:
             assert_never(measure)
-
-
-def interpolate(knots: Sequence[float], values: Sequence[float], x: float) -> float:
-    """A table: linear between knots, clamped outside, NaN for a non-finite argument."""
-    if not math.isfinite(x):
-        return NAN
-    if x <= knots[0]:
-        return values[0]
-    if x >= knots[-1]:
-        return values[-1]
-    index = 0
-    while knots[index + 1] <= x:
-        index += 1
-    slope = (values[index + 1] - values[index]) / (knots[index + 1] - knots[index])
-    return values[index] + slope * (x - knots[index])

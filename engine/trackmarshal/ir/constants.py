@@ -26,7 +26,7 @@ def constant_value(node: ir.Num, param: Callable[[str], float | None]) -> float 
             values = [constant_value(arg, param) for arg in node.args]
             known = [value for value in values if value is not None]
             return apply(node.name, known) if len(known) == len(values) else None
-        case ir.Column() | ir.Sample() | ir.Scalar() | ir.Choose() | ir.Lookup():
+        case ir.Column() | ir.Sample() | ir.Scalar() | ir.Choose() | ir.Lookup() | ir.GridLookup():
             return None
         case ir.Ordinal() | ir.Fold() | ir.Kept() | ir.OnLane():
             return None

@@ -1,4 +1,4 @@
-"""The units of a formula's margin."""
+"""The units of a formula's margin, and the scales by which margins of different units are compared."""
 
 from __future__ import annotations
 
@@ -6,13 +6,21 @@ from typing import assert_never
 
 from trackmarshal.ir import nodes as ir
 
+#: In place of a unit: comparisons of several dimensions, by their SI numbers; divided by the scales that the spec declares.
+MIXED, SCALED = "mixed", "scaled"
+
+
+def own_unit(unit: str) -> bool:
+    """Whether all comparisons of a rule are in one unit, which this is."""
+    return unit not in (MIXED, SCALED)
+
 
 def margin_unit(formula: ir.Formula | None) -> str:
     """The unit of all of a formula's comparisons; "mixed" where they differ, "1" where there are none."""
     units = set() if formula is None else margin_units(formula)
     if not units:
         return "1"
-    return units.pop() if len(units) == 1 else "mixed"
+    return units.pop() if len(units) == 1 else MIXED
 
 
 def margin_units(formula: ir.Formula) -> set[str]:
@@ -37,7 +45,7 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
                 stack.append(node.body)
             case ir.Connective() | ir.Until():
                 stack += [node.left, node.right]
-            case ir.Not() | ir.Temporal() | ir.Shift() | ir.First():
+            case ir.Not() | ir.Scaled() | ir.Temporal() | ir.Shift() | ir.First():
                 stack.append(node.operand)
             case ir.OverRun():
                 stack += node.operands

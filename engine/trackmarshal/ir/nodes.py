@@ -117,10 +117,18 @@ class Choose(IR):
 
 
 class Lookup(IR):
-    """A table, linear between knots and clamped outside; NaN for a non-finite argument."""
+    """A table of one argument, read as it is declared; NaN where it has no value."""
 
     table: str
     argument: Num
+
+
+class GridLookup(IR):
+    """A table of two arguments; NaN where it has no value."""
+
+    table: str
+    first: Num
+    second: Num
 
 
 class Ordinal(IR):
@@ -357,6 +365,13 @@ class Not(IR):
     operand: Formula
 
 
+class Scaled(IR):
+    """A comparison or a geometric predicate that holds as it is, with a margin divided by the scale of its dimension, a number above 0."""
+
+    operand: Formula
+    scale: float
+
+
 class Connective(IR):
     """and, or, iff, xor."""
 
@@ -521,7 +536,7 @@ Projected: TypeAlias = Station | Offset | Direction
 Along: TypeAlias = Station | Offset | Direction | Distance | StationGap | StretchRoom
 #: A number.
 Num: TypeAlias = (
-    Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup
+    Const | Param | Column | Sample | Scalar | Arith | Neg | Func | Choose | Lookup | GridLookup
     | Station | Offset | Direction | Distance | StationGap | StretchRoom | OnLane | Ordinal | Fold | Kept
 )  # fmt: skip
 #: Geometric predicates.
@@ -532,7 +547,7 @@ Remembered: TypeAlias = OverRun | Counted | InState
 Timed: TypeAlias = Temporal | Until | Shift
 #: A formula.
 Formula: TypeAlias = (
-    Truth | Flag | Compare | SweptInside | SweptClear | InArea | Not | Connective | Quantify | Guarded
+    Truth | Flag | Compare | SweptInside | SweptClear | InArea | Scaled | Not | Connective | Quantify | Guarded
     | Temporal | Until | Shift | First | OverRun | Counted | InState
 )  # fmt: skip
 #: Any node.

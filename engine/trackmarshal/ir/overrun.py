@@ -31,7 +31,7 @@ def recalls(node: ir.Formula) -> bool:
 def _whole(node: ir.Formula) -> bool:
     if isinstance(node, ir.Quantify):
         return node.axis.kind == "samples"
-    return isinstance(node, (ir.Compare, ir.SweptInside, ir.SweptClear, ir.InArea))
+    return isinstance(node, (ir.Compare, ir.SweptInside, ir.SweptClear, ir.InArea, ir.Scaled))
 
 
 def recalled(node: ir.Formula) -> tuple[ir.Kept, ...]:

@@ -28,7 +28,16 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
                     result |= {(node.name, "left"), (node.name, "right")}
             case ir.Temporal() | ir.Until():
                 result.add((node.axis.signal, "t"))
-            case ir.Const() | ir.Param() | ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Lookup():
+            case (
+                ir.Const()
+                | ir.Param()
+                | ir.Arith()
+                | ir.Neg()
+                | ir.Func()
+                | ir.Choose()
+                | ir.Lookup()
+                | ir.GridLookup()
+            ):
                 pass  # what they are made of is below, too
             case ir.OnLane():
                 result |= {(node.signal, "left"), (node.signal, "right")}
@@ -45,7 +54,7 @@ def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass
-            case ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
+            case ir.Scaled() | ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                 pass
             case ir.Machine():
                 pass

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from trackmarshal.ir.nodes import IR, Axis, Formula
+from trackmarshal.ir.tables import LINEAR_CLAMP, Way
 from trackmarshal.node import Node
 from trackmarshal.source import Span
 
@@ -64,16 +65,48 @@ class ParamInfo(Node):
     upper: float | None
     source: str | None
     span: Span
+    #: The record of parameters that it is a field of; "": of none.
+    record: str = ""
+
+    def __repr__(self) -> str:
+        """One that is in no record is described as it was before there were any: what is kept of runs rests on it."""
+        told = [name for name in self.compared if name != "record" or self.record]
+        return f"ParamInfo({', '.join(f'{name}={self.__dict__[name]!r}' for name in told)})"
+
+    @property
+    def short(self) -> str:
+        """What it is called in its module: `mass`, `limits.response`."""
+        last = self.name.rpartition(".")[2]
+        return f"{self.record}.{last}" if self.record else last
+
+
+class Across(Node):
+    """The second argument of a table: its knots in SI, ascending, their unit, and how the table is read along it."""
+
+    knots: tuple[float, ...]
+    unit: str
+    way: Way
 
 
 class TableInfo(Node):
-    """A table: knots in SI, ascending; `units` are those that overrides come in."""
+    """A table: knots in SI, ascending; `units` are those that overrides come in. `way`: how it is read along its (first) argument.
+
+    across: of a table of two arguments the second one; `values` are then row by row.
+    """
 
     name: str
     knots: tuple[float, ...]
     values: tuple[float, ...]
     units: tuple[str, str]
     span: Span
+    way: Way = LINEAR_CLAMP
+    across: Across | None = None
+
+    def __repr__(self) -> str:
+        """A `linear clamp` of one argument is described as it was before there were others: what is kept of runs rests on it."""
+        more = {"way": self.way != LINEAR_CLAMP, "across": self.across is not None}
+        told = [name for name in self.compared if more.get(name, True)]
+        return f"TableInfo({', '.join(f'{name}={self.__dict__[name]!r}' for name in told)})"
 
 
 class PlaceInfo(Node):
@@ -84,6 +117,11 @@ class PlaceInfo(Node):
     points: tuple[tuple[float, float], ...]
     span: Span
     track: str = ""
+
+
+def short_name(info: ParamInfo | TableInfo | PlaceInfo) -> str:
+    """What a setting is called in its module, by which others replace it."""
+    return info.short if isinstance(info, ParamInfo) else info.name.rpartition(".")[2]
 
 
 def track_of(module: str) -> str:
@@ -172,6 +210,12 @@ class Spec(Node):
     rules: tuple[RuleInfo, ...]
     rulebooks: tuple[RulebookInfo, ...]
     fingerprint: str
+    #: By SI unit what margins in it are divided by where they meet margins in other ones; units that are not there have 1.
+    scales: tuple[tuple[str, float], ...] = ()
+
+    def scale(self, rule: RuleInfo) -> float:
+        """What the margin of a rule is divided by before it is compared with that of another one: 1 where it is a number of scales already."""
+        return dict(self.scales).get(rule.unit, 1.0)
 
     def rule(self, name: str) -> RuleInfo | None:
         return next((rule for rule in self.rules if rule.name == name), None)

@@ -6,6 +6,7 @@ A rewriting keeps verdicts, margins to the bit, and what decided. `iff` and `xor
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Literal, assert_never
 
 from trackmarshal import typed
@@ -29,8 +30,10 @@ _FIXED = (ir.Const, ir.Param, ir.Arith, ir.Neg, ir.Func)
 class Lowering:
     """Makes core nodes of typed ones. `site` is the call in a rule's own file, inside a definition: there, messages point to it."""
 
-    def __init__(self, interner: ir.Interner) -> None:
+    def __init__(self, interner: ir.Interner, scales: Mapping[str, float] | None = None) -> None:
+        """scales: by SI unit, what margins are divided by before they are compared; None: by nothing."""
         self.make = interner.make
+        self._scales = scales or {}
         self.things = Things(interner)
         #: What names stand for: each is lowered once, where it gets its name.
         self._numbers: dict[typed.Number, ir.Num] = {}
@@ -96,7 +99,10 @@ class Lowering:
                     return make(ir.Const, -operand.value)
                 return make(ir.Neg, operand)
             case typed.TableValue():
-                return make(ir.Lookup, node.symbol.qualified, self.number(node.argument, site))
+                placed = [self.number(argument, site) for argument in node.arguments]
+                if len(placed) == 2:
+                    return make(ir.GridLookup, node.symbol.qualified, *placed)
+                return make(ir.Lookup, node.symbol.qualified, *placed)
             case typed.OnLine():
                 return self._on_line(node)
             case typed.StationGap():
@@ -254,6 +260,10 @@ class Lowering:
 
     # Formulas -----------------------------------------------------------------------------------------------------
 
+    def _scaled(self, formula: ir.Formula, unit: str) -> ir.Formula:
+        scale = self._scales.get(unit, 1.0)
+        return formula if scale == 1.0 else self.make(ir.Scaled, formula, scale)
+
     def _compare(
         self,
         op: typed.Comparing,
@@ -266,13 +276,14 @@ class Lowering:
         unit, shown = show(written.dimension), _of_limit(left, right)
         match op:
             case "<" | "<=" | "==" | "!=":
-                return self.make(ir.Compare, op, a, b, unit, span, shown, False)
+                made = self.make(ir.Compare, op, a, b, unit, span, shown, False)
             case ">":
-                return self.make(ir.Compare, "<", b, a, unit, span, shown, True)
+                made = self.make(ir.Compare, "<", b, a, unit, span, shown, True)
             case ">=":
-                return self.make(ir.Compare, "<=", b, a, unit, span, shown, True)
+                made = self.make(ir.Compare, "<=", b, a, unit, span, shown, True)
             case _:
                 assert_never(op)
+        return self._scaled(made, unit)
 
     def _is(self, left: ir.Num, right: ir.Num, at: Span) -> ir.Formula:
         return self.make(ir.Compare, "is", left, right, "1", at, "", False)
@@ -363,6 +374,11 @@ class Lowering:
         return self._not_negative(self._on_lane(what, lane, *ends), site or node.span)
 
     def _geometry(
+        self, node: typed.Inside | typed.ClearOf | typed.InZone, site: Span | None
+    ) -> ir.Formula:  # fmt: skip
+        return self._scaled(self._predicate(node, site), "m")
+
+    def _predicate(
         self, node: typed.Inside | typed.ClearOf | typed.InZone, site: Span | None
     ) -> ir.Formula:  # fmt: skip
         at, number = site or node.span, lambda part: self.number(part, site)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import assert_never
 
 from trackmarshal import typed
@@ -41,9 +42,9 @@ class Level(Node):
         return allowed
 
 
-def lower_rule(rule: typed.Rule, interner: ir.Interner) -> Lowered:
-    """The core of a rule."""
-    lowering = Lowering(interner)
+def lower_rule(rule: typed.Rule, interner: ir.Interner, scales: Mapping[str, float] | None = None) -> Lowered:
+    """The core of a rule; scales: by SI unit, what its margins are divided by before they are compared."""
+    lowering = Lowering(interner, scales)
     levels, body = _clauses(rule, lowering)
     # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
     levels.sort(key=lambda level: not isinstance(level.clause, typed.Along))

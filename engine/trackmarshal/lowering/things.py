@@ -46,6 +46,8 @@ class Things:
         match record:
             case typed.State():
                 return self.make(ir.Scalar, record.signal.name, name)
+            case typed.ParameterRecord():
+                return self.make(ir.Param, f"{record.symbol.qualified}.{name}")
             case typed.Sample():
                 return self.make(ir.Sample, record.signal.name, name, record.index)
             case typed.Variable():
@@ -74,6 +76,8 @@ class Things:
         match record:
             case typed.State():
                 return self.make(ir.Flag, record.signal.name, name, None, 0, at)
+            case typed.ParameterRecord():
+                raise AssertionError("parameters are numbers")
             case typed.Sample():
                 return self.make(ir.Flag, record.signal.name, name, None, record.index, at)
             case typed.Variable():

@@ -39,8 +39,8 @@ def compare(order: Order, first: Violations, second: Violations) -> Comparison:
 
     One is better where every rule in which it is worse is outranked by one in which it is better, and they are not equal everywhere.
     """
-    mine = [taken_together(first, group) for group in order.groups]
-    theirs = [taken_together(second, group) for group in order.groups]
+    mine = [taken_together(order, first, group) for group in order.groups]
+    theirs = [taken_together(order, second, group) for group in order.groups]
     better = frozenset(place for place in range(len(mine)) if mine[place] < theirs[place])
     worse = frozenset(place for place in range(len(mine)) if mine[place] > theirs[place])
     if not better and not worse:
@@ -54,9 +54,12 @@ def compare(order: Order, first: Violations, second: Violations) -> Comparison:
     return Comparison(outcome, _decided(order, better, worse), _decided(order, worse, better))
 
 
-def taken_together(violations: Violations, group: tuple[str, ...]) -> tuple[Violation, ...]:
-    """The violation of rules that count as one: the worst of them, then the next worst, and so on."""
-    return tuple(sorted((violations[rule] for rule in group), reverse=True))
+def taken_together(order: Order, violations: Violations, group: tuple[str, ...]) -> tuple[Violation, ...]:
+    """The violation of rules that count as one, by their scales: the worst of them, then the next worst, and so on."""
+    scaled = (
+        Violation(violations[rule].grade, violations[rule].size / order.scale(rule, group)) for rule in group
+    )
+    return tuple(sorted(scaled, reverse=True))
 
 
 def _made_up(order: Order, losses: frozenset[int], gains: frozenset[int]) -> bool:

@@ -23,6 +23,13 @@ class Order:
     rules: tuple[str, ...]
     groups: tuple[tuple[str, ...], ...]
     above: tuple[frozenset[int], ...]
+    #: By rule of `rules`, what its violations are divided by where it counts as one with rules of another scale; empty: by nothing.
+    scales: tuple[float, ...] = ()
+
+    def scale(self, rule: str, group: tuple[str, ...]) -> float:
+        """What the violation of a rule is divided by beside those of its group: 1 where all have one scale, as nothing would change."""
+        scales = {each: scale for each, scale in zip(self.rules, self.scales) if each in group}
+        return scales[rule] if len(set(scales.values())) > 1 else 1.0
 
 
 def rulebook(spec: Spec, name: str) -> Order:
@@ -37,11 +44,11 @@ def rulebook(spec: Spec, name: str) -> Order:
         known = [book.name for book in spec.rulebooks]
         help_ = close_matches(str(name), known) or f"the spec has {', '.join(known) or 'none'}"
         raise TrackmarshalError("E408", f"the spec has no rulebook `{name!s:.40}`", help=help_)
-    return order(found[0])
+    return order(found[0], spec)
 
 
-def order(book: RulebookInfo) -> Order:
-    """The order of a compiled rulebook."""
+def order(book: RulebookInfo, spec: Spec | None = None) -> Order:
+    """The order of a compiled rulebook; spec: which declares scales of margins."""
     groups = _groups(book)
     ranks = above(book.rules, book.relations)
     number = {rule: place for place, group in enumerate(groups) for rule in group}
@@ -49,7 +56,9 @@ def order(book: RulebookInfo) -> Order:
     for place, theirs in enumerate(outranked):
         if place in theirs:
             raise AssertionError(f"a rule of the rulebook {book.name} outranks itself")
-    return Order(book.name, book.title, book.rules, groups, outranked)
+    known = {} if spec is None or not spec.scales else {rule.name: spec.scale(rule) for rule in spec.rules}
+    scales = tuple(known[rule] for rule in book.rules) if known else ()
+    return Order(book.name, book.title, book.rules, groups, outranked, scales)
 
 
 def _groups(book: RulebookInfo) -> tuple[tuple[str, ...], ...]:

@@ -16,7 +16,7 @@ MOST_REASONS = 64
 
 
 class Violation(NamedTuple):
-    """A rule that makes a candidate unsafe, or is advisory and would; the margin is in `unit` (`mixed` for a rule of several dimensions)."""
+    """A rule that makes a candidate unsafe, or is advisory and would; the margin is in `unit` (`mixed` for a rule of several dimensions, `scaled` where scales are declared)."""
 
     rule: str
     requirements: tuple[str, ...]

@@ -34,6 +34,11 @@ def negate(a: Truth) -> Truth:
     return Truth(Bound(not a.best.sat, -a.best.margin), Bound(not a.worst.sat, -a.worst.margin))
 
 
+def scaled(a: Truth, scale: float) -> Truth:
+    """The same formula with margins divided by a scale above 0."""
+    return Truth(Bound(a.worst.sat, a.worst.margin / scale), Bound(a.best.sat, a.best.margin / scale))
+
+
 def connect(op: ConnectiveOp, a: Truth, b: Truth) -> Truth:
     """Two formulas joined."""
     match op:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir.spec import Spec
+from trackmarshal.ir.spec import Spec, TableInfo
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
 from trackmarshal.runtime.program import Memory
 
@@ -121,13 +121,22 @@ def meaning(
     given = [
         [VERSION, spec.fingerprint, list(rules), words],
         [[name, spelt(info.value)] for name, info in sorted(spec.params.items())],
-        [[name, _rows(info.knots, info.values)] for name, info in sorted(spec.tables.items())],
+        [[name, _rows(info.knots, info.values, *_more(info))] for name, info in sorted(spec.tables.items())],
         [[name, spelt(value)] for name, value in sorted(settings.params.items())],
         [[name, _rows(*rows)] for name, rows in sorted(settings.tables.items())],
         [[name, [[spelt(x) for x in point] for point in points]] for name, points in sorted(settings.places.items())],
         more,
     ]  # fmt: skip
     return hashlib.sha256(dumped(given).encode()).hexdigest()
+
+
+def _more(info: TableInfo) -> Iterator[Iterable[float]]:
+    """What a table has besides knots and values: a period, or a second argument."""
+    if info.way.length:
+        yield (info.way.length,)
+    if info.across is not None:
+        yield info.across.knots
+        yield (info.across.way.length,)
 
 
 def _rows(*rows: Iterable[float]) -> list[list[Any]]:

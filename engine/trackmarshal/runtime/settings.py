@@ -9,7 +9,8 @@ from typing import Any
 from trackmarshal import outlines
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir.spec import ParamInfo, PlaceInfo, Spec, TableInfo
+from trackmarshal.ir.spec import ParamInfo, PlaceInfo, Spec, TableInfo, short_name
+from trackmarshal.ir.tables import in_period
 from trackmarshal.runtime.frame import Settings
 from trackmarshal.runtime.lines import Point
 from trackmarshal.units import to_si
@@ -27,7 +28,7 @@ class SettingsReader:
         self._places = _by_short_name(spec.places)
 
     def read(self, data: Mapping[str, Any]) -> Settings:
-        """The overrides in `params`, `tables` and `places`; raises TrackmarshalError D202, D203 or D204."""
+        """The overrides in `params`, `tables` and `places`; raises TrackmarshalError D202, D203, D204 or D240."""
         params: dict[str, float] = {}
         tables: dict[str, Any] = {}
         places: dict[str, Any] = {}
@@ -46,7 +47,7 @@ class SettingsReader:
 def check_param(info: ParamInfo, value: float) -> float:
     """An override in the declared unit to SI; raises D204 when it is not finite or outside the declared range."""
     number = to_si(value, info.unit)
-    short = info.name.rpartition(".")[2]
+    short = info.short
     if not math.isfinite(number):
         raise TrackmarshalError(
             "D204", f"parameter `{short}` is not finite", help="leave it out to keep the spec's own value"
@@ -60,8 +61,11 @@ def check_param(info: ParamInfo, value: float) -> float:
 
 
 def check_table(info: TableInfo, rows: object) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Rows [x, y] in the declared units to knots and values in SI; raises D202 or D204."""
+    """Rows [x, y] in the declared units to knots and values in SI; raises D202, D204, or D240 for a table of two arguments."""
     short = info.name.rpartition(".")[2]
+    if info.across is not None:
+        help_ = "a configuration replaces it: a module with a table of this name"
+        raise TrackmarshalError("D240", f"table `{short}` has two arguments", help=help_)
     pairs = [(to_si(x, info.units[0]), to_si(y, info.units[1])) for x, y in _points(rows, f"tables.{short}")]
     if not pairs or any(not (math.isfinite(x) and math.isfinite(y)) for x, y in pairs):
         raise TrackmarshalError(
@@ -69,6 +73,9 @@ def check_table(info: TableInfo, rows: object) -> tuple[tuple[float, ...], tuple
         )
     if any(not a[0] < b[0] for a, b in zip(pairs, pairs[1:])):
         raise TrackmarshalError("D204", f"the knots of table `{short}` do not ascend", help=_ROWS)
+    if not in_period(info.way, [x for x, _ in pairs]):
+        help_ = f"its knots lie from 0 up to the length of its period, see {info.span}"
+        raise TrackmarshalError("D204", f"a knot of table `{short}` is outside its period", help=help_)
     return tuple(p[0] for p in pairs), tuple(p[1] for p in pairs)
 
 
@@ -105,14 +112,14 @@ def _by_short_name(infos: Mapping[str, Any]) -> dict[str, list[Any]]:
     result: dict[str, list[Any]] = {}
     for name, info in infos.items():
         result.setdefault(name, []).append(info)
-        result.setdefault(name.rpartition(".")[2], []).append(info)
+        result.setdefault(short_name(info), []).append(info)
     return result
 
 
 def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
     found = known.get(name, [])
     if not found:
-        shorts = [key for key in known if "." not in key]
+        shorts = list(dict.fromkeys(short_name(info) for infos in known.values() for info in infos))
         listed = (
             f"it declares {', '.join(shorts[:12])}" + (", ..." if len(shorts) > 12 else "")
             if shorts

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from trackmarshal.source import Span
+from trackmarshal.units import beside
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
 #: Verdicts that make a trajectory unsafe. What is `open` is decided in a later cycle, which it makes unsafe if it turns out violated.
@@ -100,6 +101,14 @@ class RuleResult:
     def unsafe(self) -> bool:
         """Whether it makes what it was asked about unsafe."""
         return self.fired and not self.advisory
+
+
+def decides(result: RuleResult) -> str:
+    """What is said after a margin that is a number of scales: the comparison that decided, with its own unit; empty of any other margin."""
+    witness = result.witness
+    if witness is None or result.unit != "1" or witness.unit == "1" or not math.isfinite(result.margin):
+        return ""
+    return f" of a scale, by {beside(witness.margin, witness.unit, witness.shown)}"
 
 
 @dataclass(frozen=True, slots=True)

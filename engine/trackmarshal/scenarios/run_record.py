@@ -302,7 +302,7 @@ def _path(columns: Columns) -> dict[str, list[Number]]:
 
 def _size(name: str, recording: Recording, evaluator: Evaluator) -> Number | None:
     """The car's length or width in m: the recording's, else the spec's; None where the spec has no such parameter, or two."""
-    declared = [info for full, info in evaluator.spec.params.items() if full.rpartition(".")[2] == name]
+    declared = [info for info in evaluator.spec.params.values() if info.short == name]
     if len(declared) != 1:
         return None
     info = declared[0]

@@ -179,7 +179,7 @@ class Advice:
                     return self.measured(node.base)
                 return _reads(node.base) or _reads(node.exponent)
             case typed.TableValue():
-                return _reads(node.argument)
+                return any(map(_reads, node.arguments))
             case typed.OnLine() | typed.StationGap() | typed.Kept():
                 return True
             case typed.CalledNumber():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
@@ -23,7 +23,7 @@ from trackmarshal.semantics.errors import (
     WrongKind,
 )
 from trackmarshal.semantics.scope import spoken
-from trackmarshal.semantics.shapes import SHAPES
+from trackmarshal.semantics.shapes import SHAPES, Kind, is_shape, shape_named
 from trackmarshal.semantics.values import (
     Local,
     Poison,
@@ -62,7 +62,7 @@ MOST_EXPANSIONS = 20_000
 #: How many definitions may be inside each other.
 DEEPEST = 50
 #: What a sample needs for what is swept along a curve.
-_CURVED: dict[str, Dimension | None] = {**SHAPES["pose"], "kappa": over(NUMBER, LENGTH)}
+_CURVED: dict[str, Kind] = {**SHAPES["pose"], "kappa": over(NUMBER, LENGTH)}
 #: Numbers that are read off a line at a point.
 _ON_LINE: dict[typed.LineFunction, Dimension] = {
     "station": LENGTH,
@@ -105,10 +105,11 @@ def call(
     comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
     if isinstance(item, ast.Define):
         placed = in_order(self, item, args, names, at, comma)
-    elif len(args) == 1:
+    elif len(args) == (1 if item.second is None else 2):
         placed = list(args)
     else:
-        self.found.append(WrongArity(at, function, counted(1), given(len(args)), item.span.head, comma))
+        wanted = counted(1 if item.second is None else 2)
+        self.found.append(WrongArity(at, function, wanted, given(len(args)), item.span.head, comma))
         placed = None
     values = {
         id(arg): value for arg, value in zip(args, self.all(*(partial(self.value, arg, ctx) for arg in args)))
@@ -117,8 +118,7 @@ def call(
         raise Poison
     ordered = [None if arg is None else values[id(arg)] for arg in placed]
     if isinstance(item, ast.Table):
-        assert ordered[0] is not None
-        return _table(self, found, item, [ordered[0]], span)
+        return _table(self, found, item, [value for value in ordered if value is not None], span)
     return expand(self, found, item, ordered, infix, span, ctx)
 
 
@@ -204,7 +204,7 @@ def expand(
             for p, v in zip(item.parameters, args)
         )
     )
-    bound = self.all(*(partial(_argument, self, p, v) for p, v in zip(item.parameters, given_)))
+    bound = self.all(*(partial(_argument, self, p, v, inner) for p, v in zip(item.parameters, given_)))
     return _body(self, symbol, item, (tuple(given_), tuple(bound)), infix, span, ctx)
 
 
@@ -255,16 +255,16 @@ def check_definition(self: Expressions, symbol: typed.Symbol, item: ast.Define, 
     inner = _inside(self, symbol, {}, item.span, ctx)
     for one in item.parameters:
         if one.default is not None:
-            _argument(self, one, _default(self, one, inner))
-    bound = tuple(_open(p) for p in item.parameters)
+            _argument(self, one, _default(self, one, inner), inner)
+    bound = tuple(self.all(*(partial(_open, self, p, inner) for p in item.parameters)))
     _body(self, symbol, item, ((), bound), False, item.span, ctx)
 
 
-def _open(parameter: ast.Parameter) -> Local:
+def _open(self: Expressions, parameter: ast.Parameter, inner: Context) -> Local:
     """A parameter that nothing is given for."""
     kind, name, span = parameter.type, parameter.name, parameter.span
-    if kind in SHAPES:
-        return typed.NamedRecord(SHAPES[kind], None, name, None, kind, span)
+    if is_shape(kind):
+        return typed.NamedRecord(_shape(self, parameter, inner), None, name, None, kind, span)
     if kind in ("trajectory", "polyline"):
         return typed.NamedLine(name, None, span)
     if kind == "corridor":
@@ -272,17 +272,23 @@ def _open(parameter: ast.Parameter) -> Local:
     return typed.NamedNumber(parse_unit(kind)[2], "", name, None, span)
 
 
-def _argument(self: Expressions, parameter: ast.Parameter, value: typed.Value) -> Local:
+def _shape(self: Expressions, parameter: ast.Parameter, inner: Context) -> typed.Shape:
+    """What a definition asks for, by the name that its module gives it."""
+    return shape_named(self, parameter.type, parameter.span.word(parameter.type), inner.scope)
+
+
+def _argument(self: Expressions, parameter: ast.Parameter, value: typed.Value, inner: Context) -> Local:
     """The argument as the body sees it: of the declared dimension, or through the declared shape."""
     kind, name, span = parameter.type, parameter.name, span_of(value)
-    if kind in SHAPES:
-        wanted_fields = f"something with {', '.join(SHAPES[kind])} for `{name}: {kind}`"
+    if is_shape(kind):
+        shape = _shape(self, parameter, inner)
+        wanted_fields = f"something with {', '.join(shape)} for `{name}: {kind}`"
         if not isinstance(value, typed.RecordNode):
             self.fail(WrongKind(span, wanted_fields, value_spoken(value)))
-        lacking = _lacking(value, SHAPES[kind])
+        lacking = _lacking(value, shape)
         if lacking:
             self.fail(WrongKind(span, wanted_fields, value_spoken(value), lacking))
-        return typed.NamedRecord(SHAPES[kind], value.signal, name, value, kind, span)
+        return typed.NamedRecord(shape, value.signal, name, value, kind, span)
     if kind in ("trajectory", "polyline"):
         return typed.NamedLine(name, line(self, value, span), span)
     if kind == "corridor":
@@ -361,15 +367,22 @@ def _dimension(
 def _table(
     self: Expressions, symbol: typed.Symbol, item: ast.Table, values: list[typed.Value], span: Span
 ) -> typed.Number:
-    value = values[0]
-    argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
-    if not isinstance(value, typed.NumberNode) or value.dimension != argument:
-        what = f"the argument of `{item.name}`"
-        hint = unit_hint(value, argument) if isinstance(value, typed.NumberNode) else ""
-        declared = item.span.head.word(item.unit)
-        self.fail(WrongDimension(span_of(value), declared, what, quantity(argument), _spoken(value), hint))
-    unit = written_unit((row for _, row in item.rows), item.result)
-    return typed.TableValue(result, unit, symbol, value, span)
+    result = parse_unit(item.result)[2]
+    units = [item.unit] if item.second is None else [item.unit, item.second.unit]
+    names = [""] if item.second is None else [f" `{item.argument}`", f" `{item.second.name}`"]
+    numbers: list[typed.Number] = []
+    for value, argument_unit, called_ in zip(values, units, names, strict=True):
+        argument = parse_unit(argument_unit)[2]
+        if not isinstance(value, typed.NumberNode) or value.dimension != argument:
+            what = f"the argument{called_} of `{item.name}`"
+            hint = unit_hint(value, argument) if isinstance(value, typed.NumberNode) else ""
+            declared = item.span.head.word(argument_unit)
+            self.fail(
+                WrongDimension(span_of(value), declared, what, quantity(argument), _spoken(value), hint)
+            )
+        numbers.append(value)
+    unit = written_unit((cell for row in item.rows for cell in row[1:]), item.result)
+    return typed.TableValue(result, unit, symbol, tuple(numbers), span)
 
 
 def _special(
@@ -446,25 +459,29 @@ def shaped(self: Expressions, value: typed.Value, shape: str, span: Span) -> typ
     return value
 
 
-def _lacking(value: typed.Record, shape: Mapping[str, Dimension | None]) -> str:
+def _lacking(value: typed.Record, shape: typed.Shape) -> str:
     """Why a record does not fit a shape; empty when it does."""
-    for field, dimension in shape.items():
-        wanted = dimension or NUMBER
+    for field, kind in shape.items():
         if field not in value.shape:
             similar = close_matches(field, [name for name in value.shape if name not in shape])
-            unit = "rad" if field == "heading" else show(wanted)
+            unit = "rad" if field == "heading" else _declared_as(kind)
             return f"it has no `{field}`" + (f"; {similar}" if similar else f": declare `{field}: {unit}`")
-        if value.shape[field] != dimension:
-            found = value.shape[field]
-            said = (
-                "a Boolean"
-                if found is None
-                else "a member"
-                if isinstance(found, Enumeration)
-                else quantity(found)
-            )
-            return f"its `{field}` is {said}, not {quantity(wanted)}"
+        if value.shape[field] != kind:
+            return f"its `{field}` is {_kind_spoken(value.shape[field])}, not {_kind_spoken(kind)}"
     return ""
+
+
+def _declared_as(kind: Kind) -> str:
+    """How a field of a kind is declared."""
+    if isinstance(kind, Enumeration):
+        return kind.name.rpartition(".")[2]
+    return "bool" if kind is None else show(kind)
+
+
+def _kind_spoken(kind: Kind) -> str:
+    if isinstance(kind, Enumeration):
+        return f"a member of `{kind.name.rpartition('.')[2]}`"
+    return "a Boolean" if kind is None else quantity(kind)
 
 
 def line(self: Expressions, value: typed.Value, span: Span) -> typed.Line:

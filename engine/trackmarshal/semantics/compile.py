@@ -38,17 +38,21 @@ from trackmarshal.semantics.errors import (
     BadValue,
     Duplicate,
     NeverAsked,
+    ScaleConflict,
     SignalConflict,
     WrongDimension,
     WrongKind,
 )
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.modules import Library
+from trackmarshal.semantics.records import check_field, record_params
 from trackmarshal.semantics.rulebooks import Rulebooks, check_signal, check_test_target
 from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope, spoken
+from trackmarshal.semantics.shapes import check_shape, own_fields
 from trackmarshal.semantics.states import check_state
 from trackmarshal.semantics.stretches import ends, on_open_line
+from trackmarshal.semantics.tables import table_info
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
@@ -56,7 +60,7 @@ from trackmarshal.syntax.build import is_unit
 from trackmarshal.syntax.errors import UnknownUnit
 from trackmarshal.syntax.foreign_units import unit_hint
 from trackmarshal.typed import Symbol
-from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, to_si
+from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, show, to_si
 
 T = TypeVar("T", bound=ast.Item)
 
@@ -114,6 +118,10 @@ class _Compiler:
         self.events: dict[str, Span] = {}
         self.params: dict[str, ParamInfo] = {}
         self.tables: dict[str, TableInfo] = {}
+        #: The parameters of records, by the identity of their declaration.
+        self.record_params: dict[int, list[ast.Param]] = {}
+        #: By SI unit the scale of margins, and where it is declared first.
+        self.scaled: dict[str, tuple[float, ast.Scale]] = {}
         self.places: dict[str, PlaceInfo] = {}
         self.constraints: list[ConstraintInfo] = []
         self.interner = ir.Interner()
@@ -129,8 +137,11 @@ class _Compiler:
             self.scopes[module].check_own()
         for step in (
             self._enums,
+            self._fields_of_shapes,
+            self._shapes,
             self._signals,
             self._params,
+            self._scales,
             self._tables,
             self._places,
             self._stretches,
@@ -154,6 +165,9 @@ class _Compiler:
         digest = hashlib.sha256("".join(r.fingerprint for r in rules).encode())
         for info in [*self.params.values(), *self.tables.values(), *self.places.values()]:
             digest.update(repr(info).encode())
+        scales = tuple(sorted(self.x.scales.items()))
+        if scales:  # of a spec without one, what is kept of runs rests on
+            digest.update(repr(scales).encode())
         spec = Spec(
             self.signals,
             self.events,
@@ -164,6 +178,7 @@ class _Compiler:
             tuple(rules),
             rulebooks,
             digest.hexdigest(),
+            scales,
         )
         found = tuple(told_once(self.found))
         return Compiled(
@@ -245,6 +260,19 @@ class _Compiler:
     def _enums(self, module: str) -> None:
         for item in self._own(module, ast.Enum):
             check_enum(item, self.found)
+
+    def _fields_of_shapes(self, module: str) -> None:
+        for item in self._own(module, ast.Shape):
+            fields = own_fields(
+                self.x, item, f"{module}.{item.name}", lambda field: self._field(field, module)
+            )
+            if fields is not None:
+                self.x.own_fields.setdefault(f"{module}.{item.name}", fields)
+
+    def _shapes(self, module: str) -> None:
+        for item in self._own(module, ast.Shape):
+            symbol = Symbol(item, module, f"{module}.{item.name}")
+            self.x.attempt(partial(check_shape, self.x, item, symbol), item.span.head)
 
     def _field(self, field: ast.Field, module: str) -> FieldType:
         """The contract of a field; where a part of it has an error, the field is there all the same."""
@@ -372,12 +400,33 @@ class _Compiler:
         return to_si(float(expr.text), expr.unit or unit)
 
     def _params(self, module: str) -> None:
-        items = self._own(module, ast.Param)
+        for record in self._own(module, ast.ParamRecord):
+            self.x.attempt(lambda record=record: self._record(record, module), record.span.head)  # type: ignore[misc]
+        for item in self._own(module, ast.Param):
+            check_field(self.x, item, self.scopes[module])
+        items = [
+            param
+            for item in self.library.modules[module].tree.items
+            for param in (
+                [item]
+                if isinstance(item, ast.Param)
+                else self.record_params.get(id(item), [])
+                if isinstance(item, ast.ParamRecord)
+                else []
+            )
+        ]
         for item in items:
             self.x.params.setdefault(f"{module}.{item.name}", parse_unit(item.unit)[2])
             self.x.advice.units.setdefault(f"{module}.{item.name}", item.unit)
         for item in items:
             self.x.attempt(lambda item=item: self._param(item, module), item.span.head)  # type: ignore[misc]
+
+    def _record(self, item: ast.ParamRecord, module: str) -> None:
+        """The parameters that a record is made of; they are looked at with all others, in the order of their declarations."""
+        qualified = f"{module}.{item.name}"
+        shape, params = record_params(self.x, item, self.scopes[module])
+        self.record_params[id(item)] = params
+        self.x.records.setdefault(qualified, shape)
 
     def _param(self, item: ast.Param, module: str) -> None:
         dimension = parse_unit(item.unit)[2]
@@ -394,7 +443,17 @@ class _Compiler:
             self.x.fail(BadValue(at, problem, item.range.span))
         qualified = f"{module}.{item.name}"
         self.params.setdefault(
-            qualified, ParamInfo(qualified, number, item.unit, lower, upper, item.source, item.span)
+            qualified,
+            ParamInfo(
+                qualified,
+                number,
+                item.unit,
+                lower,
+                upper,
+                item.source,
+                item.span,
+                item.name.partition(".")[0] if "." in item.name else "",
+            ),
         )
 
     def _param_value(self, item: ast.Param, dimension: Dimension, module: str) -> float:
@@ -436,9 +495,12 @@ class _Compiler:
 
     def _without_value(self, qualified: str, span: Span, module: str) -> NoReturn:
         """Fail for a parameter that has no value yet; where its own error was reported, silently."""
-        own, _, short = qualified.rpartition(".")
-        symbol = self.scopes[module].own.get(short)
-        if own == module and symbol is not None:
+        own = self.scopes[module].own.items()
+        symbol, short = next(
+            ((known, name) for name, known in own if f"{qualified}.".startswith(f"{module}.{name}.")),
+            (None, ""),
+        )
+        if symbol is not None:
             declared: Span = symbol.item.__dict__["span"]
             if declared.start < span.start < declared.end:
                 self.x.fail(
@@ -455,34 +517,33 @@ class _Compiler:
                 )
         raise Poison
 
+    def _scales(self, module: str) -> None:
+        for item in self._own(module, ast.Scale):
+            self.x.attempt(lambda item=item: self._scale(item, module), item.span.head)  # type: ignore[misc]
+
+    def _scale(self, item: ast.Scale, module: str) -> None:
+        dimension = parse_unit(item.unit)[2]
+        value, unit = self._finite(item.value, item.unit, dimension, module), show(dimension)
+        if not value > 0.0:
+            at, problem = item.value.__dict__["span"], f"a scale is above 0, not {in_full(value, item.unit)}"
+            self.x.fail(BadValue(at, problem, None, "write the margin that counts as 1"))
+        first = self.scaled.setdefault(unit, (value, item))
+        if first[0] != value:
+            self.x.fail(ScaleConflict(item.span, first[1].span, name(dimension)))
+        self.x.scales[unit] = value
+
     def _tables(self, module: str) -> None:
         for item in self._own(module, ast.Table):
             self.x.attempt(lambda item=item: self._table(item, module), item.span.head)  # type: ignore[misc]
 
     def _table(self, item: ast.Table, module: str) -> None:
-        argument, result = parse_unit(item.unit)[2], parse_unit(item.result)[2]
-        numbers = self.x.all(
-            *(lambda a=a: self._finite(a, item.unit, argument, module) for a, _ in item.rows),
-            *(lambda b=b: self._finite(b, item.result, result, module) for _, b in item.rows),
-        )
-        knots, values = tuple(numbers[: len(item.rows)]), tuple(numbers[len(item.rows) :])
-        for before, after, (above, _), (row, _) in zip(knots, knots[1:], item.rows, item.rows[1:]):
-            if not before < after:
-                hint, about = "sort the rows; each knot stands once", "not above this one"
-                self.x.fail(
-                    BadValue(
-                        row.__dict__["span"],
-                        f"the knots of a table ascend; {in_full(after, item.unit)} is not above {in_full(before, item.unit)}",
-                        above.__dict__["span"],
-                        hint,
-                        about,
-                    )
-                )
         qualified = f"{module}.{item.name}"
+        info = table_info(self.x, item, qualified, partial(self._finite_in, module))
         self.x.advice.units.setdefault(qualified, item.result)
-        self.tables.setdefault(
-            qualified, TableInfo(qualified, knots, values, (item.unit, item.result), item.span)
-        )
+        self.tables.setdefault(qualified, info)
+
+    def _finite_in(self, module: str, expr: ast.Expr, unit: str, dimension: Dimension) -> float:
+        return self._finite(expr, unit, dimension, module)
 
     def _places(self, module: str) -> None:
         for item in self._own(module, ast.Place):

@@ -28,6 +28,7 @@ _SETTLED = (
     ir.Func,
     ir.Choose,
     ir.Lookup,
+    ir.GridLookup,
     ir.Truth,
     ir.Compare,
     ir.Not,

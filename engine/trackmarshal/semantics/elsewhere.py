@@ -18,7 +18,13 @@ from trackmarshal.source import read
 MOST_NAMED = 4
 _USE = re.compile(r"^use[ \t]+([\w.]+)", re.MULTILINE)
 #: What messages call a name that can be one kind of declaration only, and that kind's keywords.
-_KEYWORDS = {"zone": {"zone"}, "stretch": {"stretch"}, "reference": {"reference"}, "assumption": {"assume"}}
+_KEYWORDS = {
+    "zone": {"zone"},
+    "stretch": {"stretch"},
+    "reference": {"reference"},
+    "assumption": {"assume"},
+    "shape": {"shape"},
+}
 _VALUES = {"signal", "event", "param", "table", "zone", "line", "stretch", "define", "predicate"}
 
 

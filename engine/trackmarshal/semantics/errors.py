@@ -522,6 +522,91 @@ class BadValue(Diagnostic):
     about: str = "the range is declared here"
 
 
+class TableShape(Diagnostic):
+    code = "E250"
+    title = "a table that does not fit its arguments"
+    text = "{problem}"
+    other_label = "as many values as knots here"
+    remedy = "{hint}"
+    explanation = (
+        "A table of one argument has rows `| knot: value`. A table of two arguments begins with a row of the second one's knots, "
+        "`| name: knot, knot`, and each row below it is a knot of the first one with as many values. How it is read is said once for all "
+        "arguments, or once for each: `linear clamp, step`."
+    )
+
+    span: Span
+    other: Span | None
+    problem: str
+    hint: str = ""
+
+
+class ShapeProblem(Diagnostic):
+    code = "E253"
+    title = "a shape that cannot be"
+    text = "{problem}"
+    remedy = "{hint}"
+    explanation = (
+        "A shape lists fields: numbers by their units, `bool`, and members of enumerations. `a with { ... }` has those of the shape `a`, too. "
+        "It has each field once, and is not made of itself."
+    )
+
+    span: Span
+    problem: str
+    hint: str = ""
+
+
+class RecordProblem(Diagnostic):
+    code = "E254"
+    title = "a record of parameters that does not fit its shape"
+    text = "{problem}"
+    other_label = "{about}"
+    remedy = "{hint}"
+    explanation = (
+        "`param limits : shape = { field: value, ... }` says what each field of the shape is, once. All fields are numbers, and each is a parameter "
+        "of its own, with a range and a source if need be: `limits.field`."
+    )
+
+    span: Span
+    problem: str
+    hint: str
+    other: Span | None = None
+    about: str = "it stands here first"
+
+
+class TablePeriod(Diagnostic):
+    code = "E251"
+    title = "a table whose period cannot be"
+    text = "{problem}"
+    other_label = "the length of the period"
+    remedy = "{hint}"
+    explanation = (
+        "`wrap LENGTH` repeats a table: what it says at a place x it says at x + LENGTH, too. Its knots lie in the first period, from 0 up to "
+        "LENGTH, which is 0 again. LENGTH is above 0, and of the argument's dimension."
+    )
+
+    span: Span
+    other: Span | None
+    problem: str
+    hint: str = ""
+
+
+class ScaleConflict(Diagnostic):
+    code = "E252"
+    title = "two scales for one dimension"
+    text = "this scale for {dimension} contradicts another one"
+    label = "another scale than there"
+    other_label = "the other one"
+    remedy = "declare it once, in a module that all others use"
+    explanation = (
+        "`scale` says how much of a dimension counts as 1 where margins of several dimensions are compared. It holds for everything that is "
+        "checked together, whichever module declares it: two may say the same, and must not say different things."
+    )
+
+    span: Span
+    other: Span
+    dimension: str
+
+
 class Unconstrained(Diagnostic):
     code = "E307"
     title = "a constraint does not hold"

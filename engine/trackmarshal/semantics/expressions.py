@@ -98,8 +98,15 @@ class Expressions:
         self.signals = signals
         self.found = found
         self.scopes: dict[str, Scope] = {}
-        #: Names of tables -> (dimension of the argument, of the result).
-        self.tables: dict[str, tuple[Dimension, Dimension]] = {}
+        #: By qualified name the fields of declared shapes: those that they declare themselves, and all.
+        self.own_fields: dict[str, dict[str, Dimension | Enumeration | None]] = {}
+        self.shapes: dict[str, typed.Shape] = {}
+        #: By qualified name the units in which shapes declare their numbers.
+        self.units: dict[str, dict[str, str]] = {}
+        #: By qualified name the shapes of records of parameters.
+        self.records: dict[str, typed.Shape] = {}
+        #: SI unit -> the scale of margins in it, where that is declared.
+        self.scales: dict[str, float] = {}
         self.params: dict[str, Dimension] = {}
         self.advice = Advice()
         self._shapes: dict[str, typed.Shape] = {}
@@ -269,6 +276,11 @@ class Expressions:
                     raise Poison  # its declaration was reported
                 unit = written_unit((item.value,), item.unit)
                 return typed.Parameter(self.params[symbol.qualified], unit, symbol, span)
+            case ast.ParamRecord():
+                shape = self.records.get(symbol.qualified)
+                if shape is None:
+                    raise Poison  # its declaration was reported
+                return typed.ParameterRecord(shape, None, symbol, span)
             case ast.Place():
                 if item.kind == "zone":
                     return typed.Zone(symbol, span)
@@ -288,6 +300,9 @@ class Expressions:
             case ast.Enum():
                 hint = f"ask a field of this type for its member: `... is {item.members[0].name}`"
                 self.fail(WrongKind(span, "a value", f"the enumeration `{item.name}`", hint))
+            case ast.Shape():
+                hint = "a parameter of a definition has it: `predicate p(o: " + item.name + ") = ...`"
+                self.fail(WrongKind(span, "a value", f"the shape `{item.name}`", hint))
             case ast.Reference() | ast.Rulebook():
                 self.fail(WrongKind(span, "a value", f"the name of a {type(item).__name__.lower()}"))
             case _:
@@ -329,6 +344,11 @@ class Expressions:
                 return typed.BooleanField(value, expr.name, span)
             if isinstance(dimension, Enumeration):
                 return typed.MemberField(dimension, value, expr.name, span)
+            record = value
+            while isinstance(record, typed.NamedRecord) and record.value is not None:
+                record = record.value
+            if isinstance(record, typed.ParameterRecord):
+                return self._parameter(record.symbol, expr.name, dimension, span)
             field = None if value.signal is None else value.signal.field(expr.name)
             return typed.Field(
                 dimension, "" if field is None else own_unit(field.unit), value, expr.name, span
@@ -355,6 +375,18 @@ class Expressions:
                 hint = f"bind a variable first: `for all x in {signal.name}`"
             self.fail(UnknownField(span, value_spoken(value), expr.name, shown or "nothing to read", hint))
         self.fail(WrongKind(_span(expr.value), "a record", value_spoken(value)))
+
+    def _parameter(
+        self, record: typed.Symbol, name: str, dimension: Dimension, span: Span
+    ) -> typed.Parameter:
+        """`limits.response`: the parameter that a field of a record of parameters is."""
+        assert isinstance(record.item, ast.ParamRecord)
+        symbol = typed.Symbol(record.item, record.module, f"{record.qualified}.{name}")
+        entry = next((entry for entry in record.item.entries if entry.name == name), None)
+        if entry is None or symbol.qualified not in self.params:
+            raise Poison  # its declaration was reported
+        unit = written_unit((entry.value,), self.advice.units.get(symbol.qualified, "1"))
+        return typed.Parameter(dimension, unit, symbol, span)
 
     # Arithmetic and logic -----------------------------------------------------------------------------------
 

@@ -177,7 +177,7 @@ class Library:
         declared = {
             spelled(word)
             for word, keyword in broken.items()
-            if keyword not in ("module", "use", "test", "constrain")
+            if keyword not in ("module", "use", "test", "constrain", "scale")
         }
         module = LoadedModule(name, path, file, tree, uses, declared, "use" not in broken.values())
         if name in self.modules:

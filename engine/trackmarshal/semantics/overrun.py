@@ -68,7 +68,7 @@ def _of_other(node: ir.AnyNode) -> OverRunProblem | None:
         return None
     if isinstance(node, ir.Quantify) and node.axis.kind == "elements":
         return None
-    if isinstance(node, (ir.Compare, ir.Quantify)) and recalls(node):
+    if isinstance(node, (ir.Compare, ir.Scaled, ir.Quantify)) and recalls(node):
         bound = next((kept for kept in recalled(node) if not set(sets(kept)) <= set(sets(node))), None)
         if bound is not None:
             hint = (

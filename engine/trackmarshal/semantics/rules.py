@@ -9,7 +9,7 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.description import describe
-from trackmarshal.ir.margins import margin_unit
+from trackmarshal.ir.margins import MIXED, SCALED, margin_unit, margin_units
 from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import ADVISORY, RuleInfo, SignalType
@@ -103,13 +103,17 @@ class RuleBuilder:
         if rule is None and kind == "rule":
             return None
         core = None if rule is None else lower_rule(rule, self.interner)
+        unit = margin_unit(core.formula if core else None)
+        if rule is not None and core is not None and unit == MIXED:
+            if any(self.x.scales.get(each, 1.0) != 1.0 for each in margin_units(core.formula)):
+                core, unit = lower_rule(rule, self.interner, self.x.scales), SCALED
         formula, active, along = (core.formula, core.active, core.along) if core else (None, None, None)
         over_run = misused(formula, active) if along is None else None
         if over_run is not None:
             self.x.found.append(over_run)
             return None
         return RuleInfo(
-            item.name, kind, item.title, self.ctx.scope.module, formula, active, along, margin_unit(formula), tuple(satisfies),
+            item.name, kind, item.title, self.ctx.scope.module, formula, active, along, unit, tuple(satisfies),
             tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], reads(formula),
             fingerprint(item, formula), item.span.head, rule, item.span.text.rstrip(),
             () if core is None else core.names,

@@ -14,8 +14,8 @@ from trackmarshal.units import UNIT_PATTERN, UNITS
 
 #: Declarations that put a name into the module's scope, and what messages call them.
 KINDS: dict[type[ast.Item], str] = {
-    ast.Enum: "enumeration", ast.Signal: "signal", ast.Event: "event", ast.Param: "parameter", ast.Table: "table", ast.Place: "place",
-    ast.Stretch: "stretch", ast.Define: "definition", ast.Reference: "reference", ast.State: "state", ast.Rulebook: "rulebook",
+    ast.Enum: "enumeration", ast.Signal: "signal", ast.Event: "event", ast.Param: "parameter", ast.ParamRecord: "record of parameters", ast.Table: "table", ast.Place: "place",
+    ast.Stretch: "stretch", ast.Define: "definition", ast.Reference: "reference", ast.State: "state", ast.Shape: "shape", ast.Rulebook: "rulebook",
 }  # fmt: skip
 
 

@@ -89,6 +89,8 @@ def record_spoken(record: typed.Record) -> str:
     match record:
         case typed.State():
             return f"the state `{record.signal.name}`"
+        case typed.ParameterRecord():
+            return f"the record of parameters `{record.symbol.name}`"
         case typed.Sample():
             return f"the {'first' if record.index == 0 else 'last'} sample of `{record.signal.name}`"
         case typed.Variable():
@@ -118,6 +120,8 @@ def _identity(record: typed.Record) -> tuple[object, ...]:
     match record:
         case typed.State():
             return (record.signal.name,)
+        case typed.ParameterRecord():
+            return (record.symbol.qualified,)
         case typed.Sample():
             return record.signal.name, record.index
         case typed.Variable():

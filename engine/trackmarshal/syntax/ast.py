@@ -446,13 +446,32 @@ class Event(Item):
 
 
 class Param(Item):
-    """`param mass : kg = 1160 kg in [900, 1400] source "..."`."""
+    """`param mass : kg = 1160 kg in [900, 1400] source "..."`; in a configuration also `limits.response`, a field of a record."""
 
     name: str
     unit: str
     value: Expr
     range: Range | None = None
     source: str | None = None
+    span: Span = NOWHERE
+
+
+class ParamField(Node):
+    """`response: 0.5 s in [0.1, 1] source "..."`: a field of a record of parameters."""
+
+    name: str
+    value: Expr
+    range: Range | None = None
+    source: str | None = None
+    span: Span = NOWHERE
+
+
+class ParamRecord(Item):
+    """`param limits : rss_limits = { response: 0.5 s, braking: 4 m/s^2 }`: parameters as one record, by a shape."""
+
+    name: str
+    shape: str
+    entries: tuple[ParamField, ...]
     span: Span = NOWHERE
 
 
@@ -464,15 +483,48 @@ class Constrain(Item):
     span: Span = NOWHERE
 
 
+class Scale(Item):
+    """`scale m/s = 5 m/s`: what margins of a dimension are divided by where they meet those of another one."""
+
+    unit: str
+    value: Expr
+    span: Span = NOWHERE
+
+
+class Way(Node):
+    """`linear clamp`, `step wrap 5000 m`: how a table is read along an argument; outside: clamp, wrap or "", length: of a `wrap`."""
+
+    reading: str
+    outside: str = ""
+    length: Expr | None = None
+    span: Span = NOWHERE
+
+
+class Second(Node):
+    """The second argument of a table, and the row of its knots, `| load: 900 kg, 1400 kg`, which begins with its name."""
+
+    name: str
+    unit: str
+    label: str
+    knots: tuple[Expr, ...]
+    span: Span = NOWHERE
+
+
 class Table(Item):
-    """`table ax_max(v: m/s) -> m/s^2 = linear clamp | 0 m/s: 6 m/s^2 | ... |`."""
+    """`table ax_max(v: m/s) -> m/s^2 = linear clamp | 0 m/s: 6 m/s^2 | ... |`.
+
+    rows: the knot and its value; of a table of two arguments as many values as the second one has knots. ways: one for all arguments, or
+    one each. second: its span is that of the row of knots, or of the argument where there is no such row.
+    """
 
     name: str
     argument: str
     unit: str
     result: str
-    rows: tuple[tuple[Expr, Expr], ...]
+    rows: tuple[tuple[Expr, ...], ...]
     source: str | None = None
+    ways: tuple[Way, ...] = (Way("linear", "clamp"),)
+    second: Second | None = None
     span: Span = NOWHERE
 
 
@@ -494,6 +546,16 @@ class Stretch(Item):
     line: Expr
     start: Expr
     end: Expr
+    span: Span = NOWHERE
+
+
+class Shape(Item):
+    """`shape car = vehicle with { lane: 1, braking: bool }`: fields that a record has; base: the shape whose fields it has, too, or ""."""
+
+    name: str
+    text: str
+    base: str
+    fields_: tuple[Field, ...]
     span: Span = NOWHERE
 
 

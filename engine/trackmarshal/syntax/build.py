@@ -8,7 +8,8 @@ from typing import Any
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
-from trackmarshal.syntax.errors import MixedChain, TooDeep, UnexpectedText, UnknownClause
+from trackmarshal.syntax.errors import MixedChain, TooDeep, UnexpectedText, UnknownClause, UnknownUnit
+from trackmarshal.syntax.foreign_units import unit_hint
 from trackmarshal.syntax.grammar import WORD_CHARACTERS
 from trackmarshal.syntax.keywords import CLAUSES
 from trackmarshal.syntax.lalr import Token
@@ -51,6 +52,12 @@ def plain_unit(text: str) -> str:
 def is_unit(text: str) -> bool:
     """Whether the type of a field is a unit: a closed list, of which no other name is one."""
     return _UNIT.match(text) is not None
+
+
+def _type(text: str) -> str:
+    """A unit with ASCII exponents and products, or a name as it is spelled."""
+    unit = plain_unit(text)
+    return unit if is_unit(unit) else spelled(text)
 
 
 def unquoted(token: Any) -> str:
@@ -116,9 +123,7 @@ class Builder:
         return tuple(item for item in c if item is not None)
 
     def field(self, meta: Meta, c: list[Any]) -> ast.Field:
-        kind = plain_unit(c[1])
-        kind = kind if is_unit(kind) else spelled(c[1])
-        return ast.Field(spelled(c[0]), kind, c[2] is not None, c[3], c[4], self._span(meta))
+        return ast.Field(spelled(c[0]), _type(c[1]), c[2] is not None, c[3], c[4], self._span(meta))
 
     def range(self, meta: Meta, c: list[Any]) -> ast.Range:
         return ast.Range(c[0], c[1], self._span(meta))
@@ -143,7 +148,20 @@ class Builder:
         return ast.Event(spelled(c[0]), unquoted(c[1]), self._span(meta))
 
     def param(self, meta: Meta, c: list[Any]) -> ast.Param:
-        return ast.Param(spelled(c[0]), plain_unit(c[1]), c[2], c[3], c[4], self._span(meta))
+        name = spelled(c[0]) if c[1] is None else f"{spelled(c[0])}.{spelled(c[1])}"
+        return ast.Param(name, plain_unit(c[2]), c[3], c[4], c[5], self._span(meta))
+
+    def param_field(self, meta: Meta, c: list[Any]) -> ast.ParamField:
+        return ast.ParamField(spelled(c[0]), c[1], c[2], c[3], self._span(meta))
+
+    def param_unknown(self, meta: Meta, c: list[Any]) -> ast.Param:
+        """A name where a unit belongs: only a record `{ ... }` has a shape."""
+        name = spelled(c[1])
+        raise Refused(UnknownUnit(self._at(c[1]), "unit", name, unit_hint(name, name, "")))
+
+    def param_record(self, meta: Meta, c: list[Any]) -> ast.ParamRecord:
+        entries = tuple(entry for entry in c[2:] if entry is not None)
+        return ast.ParamRecord(spelled(c[0]), spelled(c[1]), entries, self._span(meta))
 
     def source_text(self, meta: Meta, c: list[Any]) -> str:
         return unquoted(c[0])
@@ -151,15 +169,56 @@ class Builder:
     def constrain(self, meta: Meta, c: list[Any]) -> ast.Constrain:
         return ast.Constrain(c[0], c[1].text if c[1] else None, self._span(meta))
 
-    def row(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ast.Expr]:
+    def scale(self, meta: Meta, c: list[Any]) -> ast.Scale:
+        return ast.Scale(plain_unit(c[0]), c[1], self._span(meta))
+
+    def point(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ast.Expr]:
         return (c[0], c[1])
 
-    point = row
+    def cells(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ...]:
+        return tuple(c)
+
+    def row(self, meta: Meta, c: list[Any]) -> tuple[ast.Expr, ...]:
+        return (c[0], *c[1])
+
+    reading = kind
+
+    def clamp(self, meta: Meta, c: list[Any]) -> tuple[str, ast.Expr | None]:
+        return "clamp", None
+
+    def wrap(self, meta: Meta, c: list[Any]) -> tuple[str, ast.Expr | None]:
+        return "wrap", c[0]
+
+    def way(self, meta: Meta, c: list[Any]) -> ast.Way:
+        outside, length = c[1] or ("", None)
+        return ast.Way(c[0], outside, length, self._span(meta))
+
+    def ways(self, meta: Meta, c: list[Any]) -> tuple[ast.Way, ...]:
+        return tuple(way for way in c if way is not None)
+
+    def second(self, meta: Meta, c: list[Any]) -> ast.Second:
+        return ast.Second(spelled(c[0]), plain_unit(c[1]), "", (), self._span(meta))
+
+    def header(self, meta: Meta, c: list[Any]) -> ast.Second:
+        return ast.Second("", "", spelled(c[0]), c[1], self._span(meta))
 
     def table(self, meta: Meta, c: list[Any]) -> ast.Table:
-        rows = tuple(c[4:-1])
+        second, header, rows = c[3], c[6], tuple(c[7:-1])
+        if second is not None and header is not None:
+            second = ast.Second(second.name, second.unit, header.label, header.knots, header.span)
+        if second is None and header is not None:
+            hint = f"a table of two arguments names both: `({spelled(c[1])}: {plain_unit(c[2])}, {header.label}: ...)`"
+            raise Refused(UnexpectedText(header.span, "a row of names", "a row `| knot: value`", hint))
         return ast.Table(
-            spelled(c[0]), spelled(c[1]), plain_unit(c[2]), plain_unit(c[3]), rows, c[-1], self._span(meta)
+            spelled(c[0]),
+            spelled(c[1]),
+            plain_unit(c[2]),
+            plain_unit(c[4]),
+            rows,
+            c[-1],
+            c[5],
+            second,
+            self._span(meta),
         )
 
     def zone(self, meta: Meta, c: list[Any]) -> ast.Place:
@@ -172,10 +231,18 @@ class Builder:
         return ast.Stretch(spelled(c[0]), unquoted(c[1]), c[2], c[3], c[4], self._span(meta))
 
     def parameter(self, meta: Meta, c: list[Any]) -> ast.Parameter:
-        return ast.Parameter(spelled(c[0]), plain_unit(c[1]), c[2], self._span(meta))
+        return ast.Parameter(spelled(c[0]), _type(c[1]), c[2], self._span(meta))
 
     def parameters(self, meta: Meta, c: list[Any]) -> tuple[ast.Parameter, ...]:
         return tuple(c)
+
+    def shape_field(self, meta: Meta, c: list[Any]) -> ast.Field:
+        return ast.Field(spelled(c[0]), _type(c[1]), False, None, None, self._span(meta))
+
+    def shape(self, meta: Meta, c: list[Any]) -> ast.Shape:
+        fields = tuple(field for field in c[3:] if field is not None)
+        base = "" if c[2] is None else spelled(c[2])
+        return ast.Shape(spelled(c[0]), unquoted(c[1]), base, fields, self._span(meta))
 
     def define(self, meta: Meta, c: list[Any]) -> ast.Define:
         result = None if c[2] is None else plain_unit(c[2])

@@ -16,7 +16,7 @@ from trackmarshal.syntax.parser import parse
 #: Declarations that may follow each other without a blank line, if the author wants that.
 _GROUPS: dict[type[ast.Item], str] = {
     ast.ModuleName: "head", ast.Use: "head", ast.Reference: "head", ast.Enum: "inputs", ast.Signal: "inputs", ast.Event: "inputs",
-    ast.Param: "numbers", ast.Constrain: "numbers", ast.Table: "tables", ast.Place: "places", ast.Stretch: "places", ast.Define: "definitions",
+    ast.Param: "numbers", ast.ParamRecord: "numbers", ast.Constrain: "numbers", ast.Scale: "numbers", ast.Table: "tables", ast.Place: "places", ast.Stretch: "places", ast.Shape: "definitions", ast.Define: "definitions",
     ast.Test: "tests",
 }  # fmt: skip
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 #: Words that start a declaration, in column 1.
 DECLARATIONS = (
-    "module", "use", "reference", "enum", "signal", "event", "param", "constrain", "table", "zone", "line", "stretch", "define",
+    "module", "use", "reference", "enum", "signal", "event", "param", "constrain", "scale", "table", "zone", "line", "stretch", "shape", "define",
     "predicate", "assume", "rule", "state", "rulebook", "test",
 )  # fmt: skip
 

@@ -113,10 +113,28 @@ class Layout:
             text = self._w.append(text, 0, limits.ljust(columns.range) if source else limits, 2)
         return self._w.append(text, 0, source, 2) if source else text
 
+    def _param_record(self, item: ast.ParamRecord, columns: Columns) -> Laid:
+        head = f"param {self._n.name(item.name)} : {self._n.name(item.shape)} = {{"
+        entries = [self._param_field(entry) for entry in item.entries]
+        pieces = [Piece(head, 0), *(_placed(f"{text},", entry) for text, entry in zip(entries, item.entries))]
+        pieces.append(Piece("}", 0, item.span.end - 1, item.span.end))
+        flat = f"{head} {', '.join(entries)} }}"
+        return Laid(pieces, flat if len(flat) <= WIDTH and "\n" not in flat else None)
+
+    def _param_field(self, entry: ast.ParamField) -> str:
+        lead = f"{self._n.name(entry.name)}: "
+        text = lead + self._w.lay(entry.value, SUM, 2 + len(lead))
+        if entry.range is not None:
+            text = self._w.append(text, 2, self._range(entry.range), 4)
+        return text if entry.source is None else self._w.append(text, 2, f"source {quoted(entry.source)}", 4)
+
     def _constrain(self, item: ast.Constrain, columns: Columns) -> str:
         head = "constrain "
         text = head + self._w.lay(item.condition, EXPRESSION, len(head))
         return text if item.because is None else self._w.append(text, 0, f"because {quoted(item.because)}", 2)
+
+    def _scale(self, item: ast.Scale, columns: Columns) -> str:
+        return f"scale {self._n.unit(item.unit)} = {self._n.expr(item.value)}"
 
     def _define(self, item: ast.Define, columns: Columns) -> str:
         head = f"{item.keyword} {self._n.name(item.name)}"
@@ -131,7 +149,7 @@ class Layout:
         return f"{head}{new_line(2)}{self._w.lay(item.body, level, 2)}"
 
     def _parameter(self, one: ast.Parameter) -> str:
-        text = f"{self._n.name(one.name)}: {self._n.unit(one.type)}"
+        text = f"{self._n.name(one.name)}: {self._type(one.type)}"
         return text if one.default is None else f"{text} = {self._n.expr(one.default, SUM)}"
 
     # Declarations that hold lists -----------------------------------------------------------------------------
@@ -144,32 +162,69 @@ class Layout:
         pieces = [Piece(f"{head} {{", 0)]
         pieces += [_placed(f"{text},", field) for text, field in zip(fields, item.fields_)]
         pieces.append(Piece("}", 0, item.span.end - 1, item.span.end))
-        opened = f"{head} {{ "
-        return Laid(
-            pieces,
-            opened + self._w.fill([(text, None) for text in fields], len(opened), len(opened), 2) + " }",
-        )
+        return Laid(pieces, self._filled(f"{head} {{ ", fields))
+
+    def _filled(self, opened: str, fields: list[str]) -> str:
+        return opened + self._w.fill([(text, None) for text in fields], len(opened), len(opened), 2) + " }"
+
+    def _type(self, kind: str) -> str:
+        return self._n.unit(kind) if is_unit(kind) else self._n.name(kind)
+
+    def _shape(self, item: ast.Shape, columns: Columns) -> Laid:
+        head = f"{self._titled('shape', item.name, item.text)} = "
+        head += f"{self._n.name(item.base)} with {{" if item.base else "{"
+        fields = [self._field(field) for field in item.fields_]
+        pieces = [Piece(head, 0), *(_placed(f"{text},", field) for text, field in zip(fields, item.fields_))]
+        pieces.append(Piece("}", 0, item.span.end - 1, item.span.end))
+        return Laid(pieces, self._filled(f"{head} ", fields))
 
     def _field(self, field: ast.Field) -> str:
-        kind = self._n.unit(field.type) if is_unit(field.type) else self._n.name(field.type)
-        text = f"{self._n.name(field.name)}: {kind}"
+        text = f"{self._n.name(field.name)}: {self._type(field.type)}"
         text += " increasing" if field.increasing else ""
         text += "" if field.range is None else f" {self._range(field.range)}"
         return text + ("" if field.default is None else f" default {self._n.expr(field.default)}")
 
     def _table(self, item: ast.Table, columns: Columns) -> Laid:
-        head = f"table {self._n.name(item.name)}({self._n.name(item.argument)}: {self._n.unit(item.unit)})"
-        head += f" -> {self._n.unit(item.result)} = linear clamp"
-        rows = [f"| {self._n.expr(key)}: {self._n.expr(value)}" for key, value in item.rows]
-        pieces = [Piece(head, 0), *(_between(text, row) for text, row in zip(rows, item.rows))]
+        head = f"table {self._n.name(item.name)}({self._n.name(item.argument)}: {self._n.unit(item.unit)}"
+        if item.second is not None:
+            head += f", {self._n.name(item.second.name)}: {self._n.unit(item.second.unit)}"
+        head += f") -> {self._n.unit(item.result)} = {', '.join(map(self._way, item.ways))}"
+        rows = self._rows(item)
+        pieces = [Piece(head, 0)]
+        if len(rows) > len(item.rows) and item.second is not None:
+            pieces.append(_placed(rows[0], item.second))
+        pieces += [_between(text, (row[0], row[-1])) for text, row in zip(rows[-len(item.rows) :], item.rows)]
         pieces[-1] = pieces[-1]._replace(text=f"{pieces[-1].text} |")
-        filled = self._w.fill([(row, None) for row in rows], 2, 2, 2, "")
+        if item.second is None:
+            filled = self._w.fill([(row, None) for row in rows], 2, 2, 2, "")
+        else:  # as a data sheet has it, whatever its width
+            filled = new_line(2).join(rows)
         compact = f"{head}{new_line(2)}{filled} |"
         if item.source is not None:
             source = f"source {quoted(item.source)}"
             pieces.append(Piece(source, 2, item.span.end - len(quoted(item.source)), item.span.end))
             compact += new_line(2) + source
         return Laid(pieces, compact)
+
+    def _way(self, way: ast.Way) -> str:
+        length = "" if way.length is None else f" {self._n.expr(way.length)}"
+        return f"{way.reading}{way.outside and ' '}{way.outside}{length}"
+
+    def _rows(self, item: ast.Table) -> list[str]:
+        """`| knot: value`; of a table of two arguments in columns, below the row of the second one's knots."""
+        texts = [[self._n.expr(cell) for cell in row] for row in item.rows]
+        if item.second is None:
+            return [f"| {row[0]}: {', '.join(row[1:])}" for row in texts]
+        if item.second.knots:
+            texts.insert(0, [self._n.name(item.second.label), *map(self._n.expr, item.second.knots)])
+        heads = [f"{row[0]}:" for row in texts]
+        lines = [[head, *(f"{cell}," for cell in row[1:-1]), row[-1]] for head, row in zip(heads, texts)]
+        widths = [
+            max(len(line[at]) for line in lines if at < len(line)) for at in range(max(map(len, lines)))
+        ]
+        return [
+            "| " + " ".join(cell.ljust(widths[at]) for at, cell in enumerate(line)).rstrip() for line in lines
+        ]
 
     def _place(self, item: ast.Place, columns: Columns) -> Laid:
         head = self._titled(item.kind, item.name, item.text) + (" = polygon" if item.kind == "zone" else " =")
@@ -354,7 +409,7 @@ def _between(text: str, pair: tuple[ast.Expr, ast.Expr]) -> Piece:
 
 _ITEMS: dict[type[ast.Item], Callable[[Layout, Any, Columns], Laid | str]] = {
     ast.ModuleName: Layout._module, ast.Use: Layout._use, ast.Reference: Layout._reference, ast.Enum: Layout._enum, ast.Event: Layout._event,
-    ast.Param: Layout._param, ast.Constrain: Layout._constrain, ast.Define: Layout._define, ast.Signal: Layout._signal,
+    ast.Param: Layout._param, ast.ParamRecord: Layout._param_record, ast.Constrain: Layout._constrain, ast.Scale: Layout._scale, ast.Define: Layout._define, ast.Shape: Layout._shape, ast.Signal: Layout._signal,
     ast.Table: Layout._table, ast.Place: Layout._place, ast.Stretch: Layout._stretch, ast.Assume: Layout._assume, ast.Rule: Layout._rule,
     ast.State: Layout._state, ast.Rulebook: Layout._rulebook, ast.Test: Layout._test,
 }  # fmt: skip

@@ -110,7 +110,7 @@ def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
     clause = next((word for word in reversed(re.findall(r"[a-z]+", before)) if word in _CLAUSES), keyword)
     if keyword == "param" and "COLON" in expected and found == "=":
         return "a parameter states its unit: `param mass: kg = 1160 kg`; the unit of a plain number is 1"
-    if expected == {"UNIT"}:
+    if expected == {"UNIT"} or (keyword == "param" and "UNIT" in expected):
         return "the unit of a plain number is 1"
     if expected == {"STRING"} or (clause == "source" and "STRING" in expected):
         return "put the text between double quotes" if found and found not in RESERVED else ""

@@ -201,5 +201,8 @@ def _class(kind: Any, value: Any) -> Iterable[str]:
 
 
 if __name__ == "__main__":
+    make_parser(
+        strict=True
+    )  # raises where terminals collide; it takes seconds, so the tests of every day trust the tables
     SHIPPED.write_bytes(tabulate())
     print(f"{SHIPPED}: written")

@@ -10,7 +10,7 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.margins import margin_units
+from trackmarshal.ir.margins import SCALED, margin_units, own_unit
 from trackmarshal.ir.overrun import nanoseconds, over_run
 from trackmarshal.ir.spec import Enumeration, FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.lowering.expressions import Lowering
@@ -164,7 +164,9 @@ class _Preparation:
     def _given(self, entry: ast.Given, case: dict[str, Any]) -> None:
         symbol = self._scope.find(entry.name)
         item = symbol.item if symbol is not None else None
-        if symbol is None or not isinstance(item, (ast.Signal, ast.Event, ast.Param, ast.Table, ast.Place)):
+        if symbol is None or not isinstance(
+            item, (ast.Signal, ast.Event, ast.Param, ast.ParamRecord, ast.Table, ast.Place)
+        ):
             if entry.name in self._scope.broken:
                 raise Poison  # its declaration has an error of syntax
             self._unknown(entry)
@@ -186,6 +188,8 @@ class _Preparation:
                 if info is None:
                     raise Poison  # its declaration was reported
                 case["params"][symbol.qualified] = self._param(info, entry.value)
+            case ast.ParamRecord():
+                case["params"] |= self._param_record(symbol, entry.value)
             case ast.Table():
                 table = self._spec.tables.get(symbol.qualified)
                 if table is None:
@@ -202,7 +206,7 @@ class _Preparation:
                 case["places"][symbol.qualified] = self._points(entry.value)
 
     def _unknown(self, entry: ast.Given) -> NoReturn:
-        kinds = (ast.Signal, ast.Event, ast.Param, ast.Table, ast.Place)
+        kinds = (ast.Signal, ast.Event, ast.Param, ast.ParamRecord, ast.Table, ast.Place)
         symbols = {name: self._scope.find(name) for name in self._scope.names()}
         known = [
             name for name, symbol in symbols.items() if symbol is not None and isinstance(symbol.item, kinds)
@@ -220,8 +224,29 @@ class _Preparation:
             raise Poison
         self.fail(entry.span.word(entry.name), problem, hint)
 
+    def _param_record(self, symbol: typed.Symbol, value: ast.Expr) -> dict[str, float]:
+        """Some fields of a record of parameters, or all; the others stay."""
+        if not isinstance(value, ast.RecordValue):
+            self.fail(_span(value), "a record is needed here", f"write `{symbol.name} = {{ field: value }}`")
+        infos = {
+            info.short: info
+            for info in self._spec.params.values()
+            if info.name.startswith(f"{symbol.qualified}.")
+        }
+        if not infos:
+            raise Poison  # its declaration was reported
+        given: dict[str, float] = {}
+        for name, each in zip(value.names, value.values):
+            info = infos.get(f"{symbol.name}.{name}")
+            if info is None:
+                fields = [short.partition(".")[2] for short in infos]
+                hint = close_matches(name, fields) or f"it has {', '.join(fields)}"
+                self.fail(_span(each), f"`{symbol.name}` has no field `{name}`", hint)
+            given[info.name] = self._param(info, each)
+        return given
+
     def _param(self, info: ParamInfo, value: ast.Expr) -> float:
-        number = self._number(value, info.unit, f"the parameter `{info.name.rpartition('.')[2]}`")
+        number = self._number(value, info.unit, f"the parameter `{info.short}`")
         if not math.isfinite(number):
             self.fail(_span(value), "a parameter is finite")
         if (info.lower is not None and number < info.lower) or (
@@ -534,18 +559,20 @@ class _Preparation:
             return special, None
         if rule is None or rule.formula is None:
             return 0.0, None
-        if rule.unit != "mixed":
+        if own_unit(rule.unit):
             return self._si(value, parse_shown(rule.unit), f"the margin of `{rule.name}`"), None
         number, dimension = self._constant(value, f"the margin of `{rule.name}`")
         unit, units = show(dimension), margin_units(rule.formula)
-        if number == 0.0 and dimension == NUMBER:
-            return 0.0, None
+        if dimension == NUMBER and (number == 0.0 or rule.unit == SCALED):
+            return number, None
         if unit not in units:
             listed = " and ".join(sorted(units))
             problem = (
                 f"no comparison of `{rule.name}` is in {unit if dimension != NUMBER else 'plain numbers'}"
             )
             self.fail(_span(value), problem, f"its comparisons are in {listed}; 0 needs no unit")
+        if rule.unit == SCALED:
+            return number / dict(self._spec.scales).get(unit, 1.0), unit
         return number, unit
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.margins import SCALED
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.verdict import RuleResult
 from trackmarshal.testing.cases import PreparedTest
@@ -112,8 +113,9 @@ def mismatch(test: PreparedTest, result: RuleResult) -> str:
         within = f" within {written(test.tolerance, unit, shown)}" if test.tolerance else ""
         expected = written(test.margin, unit, shown, 9)
         return f"expected margin {expected}{within}, got {beside(result.margin, unit, shown, 12)}"
-    if test.unit is not None and result.unit != test.unit:
-        return f"expected a margin in {test.unit}, the comparison that decides is in {result.unit}"
+    unit = result.witness.unit if test.rule.unit == SCALED and result.witness else result.unit
+    if test.unit is not None and unit != test.unit:
+        return f"expected a margin in {test.unit}, the comparison that decides is in {unit}"
     if test.binder is not None:
         binders = result.witness.binders if result.witness is not None else {}
         if str(binders.get(test.binder)) != test.at:

@@ -119,10 +119,10 @@ class NumberCase(NumberNode):
 
 
 class TableValue(NumberNode):
-    """`ax_max(v)`: a table's value."""
+    """`ax_max(v)`: a table's value; it has one argument, or two."""
 
     symbol: Symbol
-    argument: Number
+    arguments: tuple[Number, ...]
     span: Span
 
 

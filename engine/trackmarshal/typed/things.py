@@ -88,6 +88,13 @@ class State(RecordNode):
     span: Span
 
 
+class ParameterRecord(RecordNode):
+    """A record of parameters: `limits`. Its fields are parameters of their own."""
+
+    symbol: Symbol
+    span: Span
+
+
 class Sample(RecordNode):
     """`plan.first` (index 0) or `plan.last` (-1)."""
 
@@ -308,7 +315,7 @@ class NamedRegion(RegionNode):
 #: A whole signal.
 WholeSignal: TypeAlias = Signal | NamedSignal
 #: Something with fields.
-Record: TypeAlias = State | Sample | Variable | NamedRecord
+Record: TypeAlias = State | ParameterRecord | Sample | Variable | NamedRecord
 #: A member of an enumeration.
 AnyMember: TypeAlias = Member | MemberField | NamedMember
 #: A polyline.

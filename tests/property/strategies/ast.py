@@ -296,12 +296,48 @@ def _pairs(least: int) -> SearchStrategy[tuple[tuple[ast.Expr, ast.Expr], ...]]:
 
 
 @cache
+def _param_records() -> SearchStrategy[ast.ParamRecord]:
+    entries = st.builds(ast.ParamField, names(), expressions(), ranges(), st.none() | strings())
+    shapes = names().filter(lambda n: n not in UNITS) | st.sampled_from(["pose", "moving", "vehicle"])
+    return st.builds(ast.ParamRecord, names(), shapes, st.lists(entries, min_size=1, max_size=6).map(tuple))
+
+
+@cache
+def _shapes() -> SearchStrategy[ast.Shape]:
+    fields = st.builds(
+        ast.Field,
+        names(),
+        units() | names().filter(lambda n: n not in UNITS) | st.sampled_from(["bool", "polyline"]),
+    )
+    bases = names() | st.sampled_from(["", "point", "pose", "moving", "body", "vehicle"])
+    return st.builds(
+        ast.Shape, names(), strings(), bases, st.lists(fields, min_size=1, max_size=9).map(tuple)
+    )
+
+
+@cache
+def _tables() -> SearchStrategy[ast.Table]:
+    ways = st.builds(ast.Way, st.sampled_from(["linear", "step"]), st.sampled_from(["", "clamp"]))
+    ways |= st.builds(ast.Way, st.sampled_from(["linear", "step"]), st.just("wrap"), bounds())
+    cells = st.lists(bounds(), min_size=1, max_size=5).map(tuple)
+    rows = st.lists(st.tuples(bounds(), cells).map(lambda row: (row[0], *row[1])), min_size=1, max_size=6)
+    second = st.builds(ast.Second, names(), units(), names(), cells)
+    second |= st.builds(ast.Second, names(), units(), st.just(""), st.just(()))
+    return st.builds(
+        ast.Table, names(), names(), units(), units(), rows.map(tuple), st.none() | strings(),
+        st.lists(ways, min_size=1, max_size=2).map(tuple), st.none() | second,
+    )  # fmt: skip
+
+
+@cache
 def _definitions() -> SearchStrategy[ast.Define]:
     shapes = st.sampled_from(
         ["point", "pose", "moving", "body", "vehicle", "trajectory", "corridor", "polyline"]
     )
     defaults = st.one_of(st.none(), expressions(1))
-    one = st.builds(ast.Parameter, names(), st.one_of(units(), shapes), defaults)
+    one = st.builds(
+        ast.Parameter, names(), st.one_of(units(), shapes, names().filter(lambda n: n not in UNITS)), defaults
+    )
     parameters = st.lists(one, max_size=4).map(tuple)
     result = st.one_of(st.none(), units())
     return st.one_of(
@@ -371,7 +407,10 @@ def items() -> SearchStrategy[ast.Item]:
         ),
         st.builds(ast.Param, names(), units(), expressions(), ranges(), optional),
         st.builds(ast.Constrain, expressions(), optional),
-        st.builds(ast.Table, names(), names(), units(), units(), _pairs(1), optional),
+        _tables(),
+        st.builds(ast.Scale, units(), bounds()),
+        _shapes(),
+        _param_records(),
         st.builds(ast.Place, st.sampled_from(["zone", "line"]), names(), strings(), places),
         st.builds(ast.Stretch, names(), strings(), expressions(1), expressions(1), expressions(1)),
         _definitions(),

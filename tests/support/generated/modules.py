@@ -104,7 +104,8 @@ class ModuleWriter:
                 texts.append(f"| {_signed(knot)}: {_signed(self.choices.pick(PLAIN))} ")
                 knot += self.choices.pick((0.5, 1.0, 0.1, 5.0))
             self.world.tables[name] = TableInfo(argument, result, rows)
-            self.lines.append(f"table {name}(x: {units[0]}) -> {units[1]} = linear clamp {''.join(texts)}|")
+            way = self.choices.pick(("linear clamp", "linear clamp", "step", "step clamp", "linear"))
+            self.lines.append(f"table {name}(x: {units[0]}) -> {units[1]} = {way} {''.join(texts)}|")
 
     def _places(self) -> None:
         self.lines += [

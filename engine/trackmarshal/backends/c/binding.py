@@ -74,7 +74,7 @@ def glue(given: Supervised) -> Iterator[str]:
     yield "/* What a step leaves to the next: where each part of it stands in the context, and its size; 0 after the last. */"
     yield "size_t tmg_lasting(size_t part, size_t *size) {"
     yield "  switch (part) {"
-    for place, name in enumerate((*LASTING, *(["run"] if plan.kept else []))):
+    for place, name in enumerate((*LASTING, *(["run"] if plan.remembers else []))):
         yield f"    case {place}u: *size = sizeof(((tm_context *)0)->{name}); return offsetof(tm_context, {name});"
     yield "    default: *size = 0u; return 0u;"
     yield "  }"

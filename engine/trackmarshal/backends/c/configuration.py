@@ -101,9 +101,13 @@ def _params(plan: Layout) -> Iterator[str]:
 def _tables(plan: Layout) -> Iterator[str]:
     for name, c_name in plan.tables.items():
         rows, table = f"given->tables.{c_name}", f"c->tables.{c_name}"
+        way = plan.spec.tables[name].way
+        inside = ""
+        if way.length > 0.0:
+            inside = f" || !({table}.knot[0] >= 0.0) || !({table}.knot[{table}.count - 1u] < {literal(way.length)})"
         yield f"  {table}.count = 0u;"
         yield f"  if (({rows}.knots == NULL) || ({rows}.values == NULL) ||"
-        yield f"      !tm_fill_table(&{table}, {rows}.knots, {rows}.values, {rows}.count) || ({table}.count != {rows}.count)) {{"
+        yield f"      !tm_fill_table(&{table}, {rows}.knots, {rows}.values, {rows}.count) || ({table}.count != {rows}.count){inside}) {{"
         yield f"    {_refused('TM_BAD_TABLE', name)}"
         yield "  }"
 
@@ -203,7 +207,7 @@ def _init(plan: Layout, given: Supervised) -> Iterator[str]:
         yield f"  own.tables.{c_name}.values = NULL;"
         yield f"  own.tables.{c_name}.count = 0u;"
     yield from places(plan)
-    if plan.kept:
+    if plan.remembers:
         yield "  c->run.any = false;"
         yield "  c->run.missed = 0u;"
         yield "  c->run.crowded = false;"

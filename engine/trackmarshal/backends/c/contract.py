@@ -99,6 +99,6 @@ def _constrain(plan: Layout) -> None:
     """Add the parameters and tables that the spec's constraints speak of."""
     nodes = [node for constraint in plan.spec.constraints for node in ir.below(constraint.formula)]
     params = {node.name for node in nodes if isinstance(node, ir.Param)} | plan.params.keys()
-    tables = {node.table for node in nodes if isinstance(node, ir.Lookup)} | plan.tables.keys()
+    tables = {node.table for node in nodes if isinstance(node, ir.Lookup | ir.GridLookup)}
     plan.params = distinct(name for name in plan.spec.params if name in params)
-    plan.tables = distinct(name for name in plan.spec.tables if name in tables)
+    plan.put_tables(tables | plan.tables.keys() | plan.grids.keys())

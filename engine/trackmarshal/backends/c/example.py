@@ -123,8 +123,8 @@ def _constant(source: Source) -> dict[str, Any]:
         "bordered": [place for place, bordered in places if bordered],
         "lined": [place for place, bordered in places if not bordered],
         "rules": [_text(code.rule.name) for code in source.rules],
-        "assignments": assignments or ([] if plan.kept else [("unused", "0")]),
-        "over_run": bool(plan.kept),
+        "assignments": assignments or ([] if plan.remembers else [("unused", "0")]),
+        "over_run": plan.remembers,
         "ids": [f"{item.c_name}.id" for item in plan.named],
     }
 

@@ -15,6 +15,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import ComparisonOp, ConnectiveOp, Extreme, FoldOp, FunctionName
 from trackmarshal.ir.spec import Called, RuleInfo
+from trackmarshal.ir.tables import LINEAR_CLAMP
 from trackmarshal.source import Span
 
 #: What is longer than this is named for readers, though it is read once; a side of a comparison, than that.
@@ -348,7 +349,17 @@ class Writer:
             case ir.Lookup():
                 tables = c.Member(self.name("context"), "tables", True)
                 table = c.Address(c.Member(tables, self.plan.tables[node.table], False))
-                return self.call("tm_lookup", table, self.number(node.argument, at))
+                way = self.plan.spec.tables[node.table].way
+                if way == LINEAR_CLAMP:
+                    return self.call("tm_lookup", table, self.number(node.argument, at))
+                steps, clamped = (c.Name("true" if each else "false") for each in way[:2])
+                length, argument = c.Literal(literal(way.length)), self.number(node.argument, at)
+                return self.call("tm_read_table", table, steps, clamped, length, argument)
+            case ir.GridLookup():
+                grid = c.Address(c.Name(f"tm_grid_{self.plan.grids[node.table]}_whole"))
+                return self.call(
+                    "tm_read_grid", grid, self.number(node.first, at), self.number(node.second, at)
+                )
             case ir.Station() | ir.Offset() | ir.Direction():
                 return c.Member(self._projected(node, at), node.spoken, False)
             case ir.Distance():
@@ -474,6 +485,8 @@ class Writer:
                 return self.over(compared(node.op, node.turned), left, right)
             case ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 return self.over("apart_by", self._geometry(node, at))
+            case ir.Scaled():
+                return self.over("scaled", self.formula(node.operand, at), c.Literal(literal(node.scale)))
             case ir.Not():
                 return self.over("not", self.formula(node.operand, at))
             case ir.Connective():

@@ -84,7 +84,7 @@ def capacities(plan: Layout, supervised: Supervised | None = None) -> list[str]:
         found.append("TM_MAX_PLACE")
     if plan.tables:
         found.append("TM_MAX_KNOTS")
-    if any(each.kind != "previous" for each in plan.kept.values()):
+    if plan.future.rules or any(each.kind != "previous" for each in plan.kept.values()):
         found.append("TM_MAX_RATE")
     return found
 
@@ -148,6 +148,6 @@ def _members(plan: Layout, series: int, supervised: Supervised | None) -> list[s
         members += [
             f"  tm_series series[{series}];", "  tm_series goal;", "  tm_series hold;", "  size_t queue[TM_MAX_SAMPLES];",
         ]  # fmt: skip
-    if plan.kept:
+    if plan.remembers:
         members.append("  tm_run run;")
     return [*members, *places.members(plan)] or ["  tm_flag unused;"]

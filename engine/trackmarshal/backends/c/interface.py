@@ -77,7 +77,7 @@ def members(plan: Layout, given: Supervised) -> list[str]:
         "  tm_state state;",
         "  tm_stored stored;",
     ]
-    if plan.kept:
+    if plan.remembers:
         found.append(
             "  double from_now[TM_MAX_SAMPLES]; /* s, the times of a stored trajectory that is driven, from a stamp on */"
         )

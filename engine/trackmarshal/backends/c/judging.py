@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.over_run.future import is_ahead
 from trackmarshal.backends.c.rules import GroupCode, RuleCode
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
@@ -32,6 +33,9 @@ def constant(code: RuleCode) -> str:
 def calls(codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
     """Statements that compute rules: groups, then what is left."""
     grouped = {rule.name for group in groups for rule in group.rules}
+    if any(is_ahead(code.rule) for code in codes):
+        yield "  c->run.future.ready = 0u;"
+        yield "  tm_look_ahead(c, in, true, false);"
     for group in groups:
         yield f"  {group.c_name}(c, in, out);"
     for code in codes:
@@ -53,7 +57,7 @@ def judge(
     yield "  const tm_input *in = &given;"
     yield "  tm_output *out = &look->out->driving;"
     yield from driven(plan, given)
-    if plan.kept:
+    if plan.remembers:
         yield "  c->run.missed = c->run.any ? ((c->serial - c->run.serial) - 1u) : 0u;"
         yield "  if (!tm_begin_cycle(c, in, cycle->t) || (c->run.begun != c->serial)) {"
         yield "    return; /* it is no cycle of the run: no rule says anything */"

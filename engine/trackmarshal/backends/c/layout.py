@@ -8,9 +8,11 @@ from typing import assert_never
 
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.backends.c.over_run.cells import Cell, cells_of
+from trackmarshal.backends.c.over_run.future import Future, future_of
 from trackmarshal.backends.c.usage import Facts, Same
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
+from trackmarshal.ir.tables import LINEAR_CLAMP
 
 
 @dataclass(frozen=True)
@@ -46,11 +48,15 @@ class Layout:
     inputs: dict[str, Input] = field(default_factory=dict)
     params: dict[str, str] = field(default_factory=dict)
     tables: dict[str, str] = field(default_factory=dict)
+    #: Tables of two arguments; those of one are `tables`, which can be replaced.
+    grids: dict[str, str] = field(default_factory=dict)
     shapes: dict[tuple[str, str, str], Shape] = field(default_factory=dict)
     rule_names: dict[str, str] = field(default_factory=dict)
     facts: Facts = field(default_factory=Facts)
     #: What operators over the run and state machines keep, those inside others before them.
     kept: dict[ir.Formula | ir.Machine, Cell] = field(default_factory=dict)
+    #: What rules that look ahead keep.
+    future: Future = field(default_factory=Future)
 
     def __post_init__(self) -> None:
         self._same = Same(self.facts)
@@ -71,11 +77,34 @@ class Layout:
     def remember(self) -> None:
         """Give all operators over the run their memory; raises TrackmarshalError E470 for what C cannot remember."""
         self.kept = cells_of(self.rules, self._same.formula)
+        self.future = future_of(self.rules, self._same.formula)
+
+    def same(self, node: ir.Formula) -> ir.Formula:
+        """The one formula of those that say the same."""
+        return self._same.formula(node)
+
+    @property
+    def remembers(self) -> bool:
+        """Whether anything is kept from one cycle to the next."""
+        return bool(self.kept or self.future.rules)
+
+    def put_tables(self, names: set[str]) -> None:
+        """Name the tables of the spec that are read."""
+        read = {name: table for name, table in self.spec.tables.items() if name in names}
+        self.tables = distinct(name for name, table in read.items() if table.across is None)
+        self.grids = distinct(name for name, table in read.items() if table.across is not None)
+
+    @property
+    def other_ways(self) -> bool:
+        """Whether a table of one argument is read in another way than `linear clamp`."""
+        return any(self.spec.tables[name].way != LINEAR_CLAMP for name in self.tables)
 
     @property
     def named(self) -> list[Input]:
         """The sets whose elements are known again in other cycles."""
-        axes = {each.axis.signal for each in self.kept.values() if each.axis is not None}
+        axes = {each.axis.signal for each in self.kept.values() if each.axis is not None} | set(
+            self.future.sets
+        )
         return [item for item in self.inputs.values() if item.name in axes]
 
     @property
@@ -126,7 +155,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         columns.setdefault(node.axis.signal, set()).add("t")
                     case ir.Param():
                         params.append(node.name)
-                    case ir.Lookup():
+                    case ir.Lookup() | ir.GridLookup():
                         tables.append(node.table)
                     case ir.Line() if node.kind == "path":
                         columns.setdefault(node.name, set()).update(("x", "y"))
@@ -148,7 +177,14 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass
                     case ir.StationGap() | ir.StretchRoom():
                         pass
-                    case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not() | ir.Connective():
+                    case (
+                        ir.SweptInside()
+                        | ir.SweptClear()
+                        | ir.InArea()
+                        | ir.Scaled()
+                        | ir.Not()
+                        | ir.Connective()
+                    ):
                         pass
                     case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.First():
                         pass
@@ -175,7 +211,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
             name, c_name, kind, signal, tuple((info, names[info.name]) for info in chosen)
         )
     result.params = distinct(name for name in spec.params if name in set(params))
-    result.tables = distinct(name for name in spec.tables if name in set(tables))
+    result.put_tables(set(tables))
     order = sorted(shapes)
     c_names = distinct(".".join(part for part in key if part) for key in order)
     for key, c_name in zip(order, c_names.values(), strict=True):
@@ -186,4 +222,4 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
 
 
 #: What the names of a rule's functions end in, after the rule's own: no other rule's name may.
-_ENDINGS = ("_known", "_any", "_along", "_start", "_push", "_finish", "_advance")
+_ENDINGS = ("_known", "_any", "_along", "_start", "_push", "_finish", "_advance", "_said", "_applies")

@@ -75,7 +75,7 @@ def functions(given: Supervised) -> Iterator[str]:
     yield from _store(given)
     yield from _examine(given)
     step = STEP.read_text(encoding="utf-8").replace("/** ", "/* ")
-    if given.layout.kept:
+    if given.layout.remembers:
         yield from commit(given.layout, given)
         body, end, rest = step.rpartition(END)
         step = body + CALL + end + rest

@@ -21,7 +21,7 @@ from trackmarshal.ir.spec import FieldType, RuleInfo
 #: Samples that a monitor holds: as many as fall into its longest window, and a few.
 CAPACITY = 1024
 _POINTWISE = (
-    ir.Const, ir.Param, ir.Column, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.Truth, ir.Flag, ir.Compare, ir.Not,
+    ir.Const, ir.Param, ir.Column, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Lookup, ir.GridLookup, ir.Truth, ir.Flag, ir.Compare, ir.Not,
     ir.Connective, ir.Guarded, ir.Temporal, ir.Until, ir.Shift, ir.Axis,
 )  # fmt: skip
 

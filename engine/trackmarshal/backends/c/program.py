@@ -52,10 +52,17 @@ class Library:
         }.items():
             getattr(self.dll, name).argtypes = kinds
             getattr(self.dll, name).restype = ctypes.c_int
-        if source.plan.kept:
+        if source.plan.remembers:
             self.dll.tmg_remember.argtypes = [*[pointer] * 5, ctypes.c_int]
             self.dll.tmg_missed.argtypes = self.dll.tmg_forget.argtypes = [pointer]
             self.dll.tmg_remembered.restype = self.dll.tmg_remembered_size.restype = size
+        if source.plan.future.rules:
+            self.dll.tmg_oldest.argtypes = self.dll.tmg_present.argtypes = self.dll.tmg_end.argtypes = [
+                pointer
+            ]
+            self.dll.tmg_oldest.restype = self.dll.tmg_present.restype = ctypes.c_uint64
+            self.dll.tmg_about.argtypes = [pointer, size, ctypes.c_int, *[pointer] * 4]
+            self.dll.tmg_about.restype = self.dll.tmg_room.restype = size
         bytes_ = self.dll.tmg_size()
         self._memory = ctypes.create_string_buffer(bytes_ + 64)
         self.context = (ctypes.addressof(self._memory) + 63) & ~63
@@ -186,7 +193,8 @@ class CProgram(Stateless):
 
     def _size(self, name: str, wanted: int) -> int:
         if name == "TM_MAX_RATE":
-            each = bytes_of_rate(self.source.plan.kept.values(), default("TM_MAX_ELEMENTS", self.spec))
+            plan, elements = self.source.plan, default("TM_MAX_ELEMENTS", self.spec)
+            each = bytes_of_rate(plan.kept.values(), elements) + plan.future.bytes_of_rate(elements)
             if each * default(name, self.spec) > _BYTES:
                 raise TrackmarshalError(
                     "E473",
@@ -233,6 +241,40 @@ class CProgram(Stateless):
         """A cycle was refused, or did not come."""
         if self._library is not None:
             self._library.dll.tmg_missed(self._library.context)
+
+    def about(self, rule: RuleInfo, ended: bool = False) -> list[tuple[int, str, float, bool]]:
+        """Of a rule that looks ahead, what it said in the frame that ran last: the cycle's number in the run, verdict, margin, and whether
+        that is final. ended: of what was open after the last cycle, as none will come."""
+        lib = self._library
+        place = [one.name for one in self.source.plan.future.rules].index(rule.name)
+        if lib is None:
+            return []
+        if ended:
+            lib.dll.tmg_end(lib.context)
+        room = int(lib.dll.tmg_room())
+        number, margin = (ctypes.c_uint64 * room)(), (ctypes.c_double * room)()
+        verdict, final = (ctypes.c_byte * room)(), (ctypes.c_byte * room)()
+        found = lib.dll.tmg_about(lib.context, place, int(ended), number, verdict, margin, final)
+        return [(number[k], VERDICTS[verdict[k]], margin[k], bool(final[k])) for k in range(found)]
+
+    def present(self) -> tuple[int, int]:
+        """The numbers, in the run, of the oldest cycle that rules that look ahead keep, and of the present one."""
+        lib = self._library
+        return (0, 0) if lib is None else (lib.dll.tmg_oldest(lib.context), lib.dll.tmg_present(lib.context))
+
+    def remembered(self) -> tuple[bytes, dict[str, dict[str, int]], int]:
+        """What is kept from one cycle to the next: the bytes, the numbers of ids, and the number that comes next."""
+        lib = self.library_for()
+        start, size = lib.dll.tmg_remembered(), lib.dll.tmg_remembered_size()
+        return (ctypes.string_at(lib.context + start, size), *self.numbering.taken())
+
+    def put_back(self, data: bytes, numbers: dict[str, dict[str, int]], following: int) -> None:
+        """Go on from what was remembered. Raises ValueError for bytes that are not of this program."""
+        lib = self.library_for()
+        if len(data) != lib.dll.tmg_remembered_size():
+            raise ValueError("these are not the bytes of this program")
+        ctypes.memmove(lib.context + lib.dll.tmg_remembered(), data, len(data))
+        self.numbering.put(numbers, following)
 
     def _one(self, case: Frame, margins: int, verdicts: int) -> None:
         lib, (counts, columns, numbers, flags, *_) = self._prepared(case)

@@ -9,7 +9,7 @@ from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import RuleCode
 from trackmarshal.ir.spec import Spec
-from trackmarshal.rulebooks.order import order
+from trackmarshal.rulebooks.order import Order, order
 
 #: The table of a rulebook, as functions take it.
 RANKS = """/* A rulebook: groups of rules that count as one, where each begins among `rule`, and which others outrank it. */
@@ -34,16 +34,19 @@ class BookCode:
 
 
 def book_codes(spec: Spec, codes: Sequence[RuleCode]) -> tuple[BookCode, ...]:
-    """The rulebooks of which all rules are compiled; there is none about the others, as nothing would be known of what was left out."""
+    """The rulebooks of which all rules are compiled; there is none about the others, as nothing would be known of what was left out.
+
+    Nor is there one of rules that count as one and have different scales: results do not know of these.
+    """
     constants = {code.rule.name: f"TM_RULE_{code.c_name.upper()}" for code in codes}
     taken: set[str] = set()
     found = []
     for book in spec.rulebooks:
-        if not all(rule in constants for rule in book.rules):
+        ranks = order(book, spec)
+        if not all(rule in constants for rule in book.rules) or _needs_scales(ranks):
             continue
         c_name = distinct([book.name], taken)[book.name]
         taken.add(c_name.casefold())
-        ranks = order(book)
         begins = [0]
         for group in ranks.groups:
             begins.append(begins[-1] + len(group))
@@ -60,6 +63,10 @@ def book_codes(spec: Spec, codes: Sequence[RuleCode]) -> tuple[BookCode, ...]:
             )
         )
     return tuple(found)
+
+
+def _needs_scales(ranks: Order) -> bool:
+    return any(ranks.scale(rule, group) != 1.0 for group in ranks.groups for rule in group)
 
 
 def declared(books: Sequence[BookCode]) -> str:

@@ -9,6 +9,7 @@ from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment, written
+from trackmarshal.backends.c.over_run.future import is_ahead
 from trackmarshal.backends.c.slots import assign
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -74,7 +75,8 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
     """Write a rule; raises TrackmarshalError E470 for what has no C counterpart. grouped: its function for known values is that of a group."""
     name = plan.rule_names[rule.name]
     try:
-        full, series, libm = _function(plan, rule, False)
+        waits = is_ahead(rule)
+        full, series, libm = _waiting(plan, rule) if waits else _function(plan, rule, False)
         functions, entry, counted = [full], f"tm_rule_{name}_any", full
         if not grouped and not remembers(rule):
             counted, more, _ = _function(plan, rule, True)
@@ -93,6 +95,16 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
     ]
     lines = [line for function in functions for line in (*c.printed(function), "")]
     return RuleCode(rule, name, entry, "\n".join([*head, *lines]), max(series, most), libm, along, counted)
+
+
+def _waiting(plan: Layout, rule: RuleInfo) -> tuple[c.Function, int, frozenset[str]]:
+    """The function of a rule that looks ahead: what is said of the last cycles was worked out for all such rules."""
+    future = c.Address(c.Member(c.Member(c.Name("context"), "run", True), "future", False))
+    number = c.Literal(f"{[each.name for each in plan.future.rules].index(rule.name)}u")
+    said = c.Evaluate(c.Call("tm_worst_said", (future, number, _OUT)))
+    body = (c.Evaluate(c.Name("in"), True), said)
+    name = f"tm_rule_{plan.rule_names[rule.name]}_any"
+    return c.Function((_SAID[False],), "void", name, PARAMETERS, body), 0, frozenset()
 
 
 def remembers(rule: RuleInfo) -> bool:

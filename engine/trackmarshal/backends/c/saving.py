@@ -15,16 +15,18 @@ from trackmarshal.runtime.stored import plan_of, plan_pieces
 _PAGE, _ZEROS = 4096, 64
 #: The most bytes that are saved: they are copied in one step.
 MOST_BYTES = 4 << 20
+#: Of rules by themselves, which nobody waits for.
+MOST_OF_RULES = 128 << 20
 _NONE = bytes(_PAGE)
 
 
-def words(program: str, lasting: list[tuple[int, int]], sizes: Mapping[str, int]) -> str:
-    """What the bytes are of. Raises TrackmarshalError E486 where they are too many to be copied in a step."""
+def words(
+    program: str, lasting: list[tuple[int, int]], sizes: Mapping[str, int], most: int = MOST_BYTES
+) -> str:
+    """What the bytes are of. Raises TrackmarshalError E486 where they are too many, as they are to be copied in a step."""
     total = sum(size for _, size in lasting)
-    if total > MOST_BYTES:
-        raise unsaved(
-            f"the memory of its rules takes {total >> 20} MiB, and at most {MOST_BYTES >> 20} are saved"
-        )
+    if total > most:
+        raise unsaved(f"the memory of its rules takes {total >> 20} MiB, and at most {most >> 20} are saved")
     return f"{program} {sorted(sizes.items())} {lasting} {sys.byteorder}"
 
 
@@ -36,6 +38,11 @@ def pieces(
     yield ["c", steps, spelt(last), stored is not None, len(data), following]
     yield from plan_pieces(stored)
     yield ["ids", numbers]
+    yield from pages(data)
+
+
+def pages(data: bytes) -> Iterator[Piece]:
+    """Bytes, page by page; of zeros, how many pages."""
     at = 0
     while at < len(data):
         zeros = 0
@@ -53,6 +60,12 @@ def loaded(given: Pieces) -> tuple[int, float, Plan | None, bytes, dict[str, dic
     """Steps, the last reading, what is stored, the bytes, and the numbers of ids. Raises ValueError, or what else comes of data that nobody saved."""
     steps, last, stored, size, following = given.next("c", 5)
     plan = plan_of(given) if checked(stored, bool) else None
+    numbers = numbers_of(given, following)
+    return count(steps), unspelt(last), plan, bytes_of(given, count(size)), numbers, count(following)
+
+
+def numbers_of(given: Pieces, following: Any) -> dict[str, dict[str, int]]:
+    """The numbers of ids, each below the one that comes next."""
     (numbers,) = given.next("ids", 1)
     used = [
         _number(number, following)
@@ -61,8 +74,13 @@ def loaded(given: Pieces) -> tuple[int, float, Plan | None, bytes, dict[str, dic
     ]
     if len(set(used)) != len(used):
         raise ValueError("two elements have one number")
+    return dict(numbers)
+
+
+def bytes_of(given: Pieces, size: int) -> bytes:
+    """So many bytes, as `pages` gives them."""
     data = bytearray()
-    while len(data) < count(size):
+    while len(data) < size:
         kind, (value,) = given.any()
         if kind == "zeros" and 0 < count(value) <= _ZEROS:
             data += _NONE * value
@@ -75,7 +93,7 @@ def loaded(given: Pieces) -> tuple[int, float, Plan | None, bytes, dict[str, dic
             raise ValueError("bytes should come")
     if len(data) != size:
         raise ValueError("more bytes than there should be")
-    return count(steps), unspelt(last), plan, bytes(data), numbers, count(following)
+    return bytes(data)
 
 
 def _number(value: Any, following: Any) -> int:

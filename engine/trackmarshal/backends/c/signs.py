@@ -24,7 +24,7 @@ def margins_read(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
                 stack.append(node.body)  # a guard chooses
             case ir.Connective() | ir.Until():
                 stack += [node.left, node.right]
-            case ir.Not() | ir.Temporal() | ir.Shift() | ir.First():
+            case ir.Not() | ir.Scaled() | ir.Temporal() | ir.Shift() | ir.First():
                 stack.append(node.operand)
             case ir.OverRun():
                 stack += node.operands

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from trackmarshal.backends.c import machine, parts
+from trackmarshal.backends.c import grids, machine, parts
 from trackmarshal.backends.c.configuration import configuration
 from trackmarshal.backends.c.contract import Supervised, supervised_layout
 from trackmarshal.backends.c.door import Door
@@ -105,8 +105,9 @@ def _source(
         isinstance(node, ir.Fold) for rule in plan.rules for root in roots(rule) for node in ir.below(root)
     ):
         types.append(FOLD)
+    types += grids.types(plan)
     context = {
-        "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found or plan.kept else [CASES])],  # the header has it where it has what is made of them
+        "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found or plan.remembers else [CASES])],  # the header has it where it has what is made of them
         "functions": [known[function] for function in parts.needed([*bodies, *tail])], "bodies": bodies,
         "tail": "\n".join(tail),
     }  # fmt: skip
@@ -143,6 +144,6 @@ def _check(plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode],
     context = {
         "columns": [(i.c_name, i.signal is not None and i.signal.sequence) for i in plan.inputs.values() if i.kind == "columns"],
         "calls": list(rule_calls(codes, groups)), "data": data, "params": params, "tables": _data(plan)["tables"],
-        "shapes": list(initial(plan)), "over_run": bool(plan.kept),
+        "shapes": list(initial(plan)), "over_run": plan.remembers,
     }  # fmt: skip
     return render("program/source/check.c.j2", context).removesuffix("\n")

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.numpy.curves import Curve, Curves
+from trackmarshal.backends.numpy.curves import Curve, Curves, reader
+from trackmarshal.backends.numpy.grids import Grid, Steps
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.frame import Columns, Frame
@@ -18,15 +19,24 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
+class Tables:
+    """A spec's own tables as functions of arrays."""
+
+    def __init__(self, spec: Spec) -> None:
+        one = {name: table for name, table in spec.tables.items() if table.across is None}
+        self.curves = {name: reader(table.knots, table.values, table.way) for name, table in one.items()}
+        self.grids = {name: Grid(table) for name, table in spec.tables.items() if table.across is not None}
+
+
 class Batch:
     """Frames that are evaluated together; arrays have `rank` axes, padded where lengths differ."""
 
-    def __init__(self, spec: Spec, cases: Sequence[Frame], rank: int, curves: Mapping[str, Curve]) -> None:
+    def __init__(self, spec: Spec, cases: Sequence[Frame], rank: int, tables: Tables) -> None:
         self.spec = spec
         self.cases = cases
         self.size = len(cases)
         self.rank = rank
-        self._curves = curves
+        self._tables = tables
         self._own: dict[str, list[Columns]] = {}
         self._runs: dict[str, list[Floats] | None] = {}
         self._counts: dict[str, list[int]] = {}
@@ -77,10 +87,10 @@ class Batch:
 
     def curve(self, name: str) -> Callable[[Any], Any]:
         """A table: one function where all cases have the same."""
-        own = self._curves[name]
+        own = self._tables.curves[name]
         if not self._tabled:
             return own
-        made: dict[Any, Curve] = {None: own}
+        made: dict[Any, Curve | Steps] = {None: own}
         rows = []
         for case in self.cases:
             table = case.settings.tables.get(name)
@@ -88,9 +98,14 @@ class Batch:
                 table if table is None or 0.0 not in (*table[0], *table[1]) else repr(table)
             )  # tells -0.0 from 0.0
             if key not in made:
-                made[key] = Curve(*table)  # type: ignore[misc]
+                assert table is not None
+                made[key] = reader(*table, self.spec.tables[name].way)
             rows.append(made[key])
         return rows[0] if all(row is rows[0] for row in rows) else Curves(rows, self.rank)
+
+    def grid(self, name: str) -> Grid:
+        """A table of two arguments, which is the same in all cases."""
+        return self._tables.grids[name]
 
     # Columns --------------------------------------------------------------------------------------------------
 

@@ -229,6 +229,8 @@ class Code:
                 return f"where({self.formulas[self._same[node.condition]].sat(False)}, {at[0]}, {at[1]})"
             case ir.Lookup():
                 return f"b.curve({node.table!r})({at[0]})"
+            case ir.GridLookup():
+                return f"b.grid({node.table!r})({at[0]}, {at[1]})"
             case ir.Station():
                 return f"{self._projected(node)}[0]"
             case ir.Offset():
@@ -331,6 +333,13 @@ class Code:
             case ir.SweptClear():
                 self._line(node, f"{both} = clear({', '.join(at)})")
                 return own
+            case ir.Scaled():
+                (part,) = parts
+                by = self._hold(np.float64(node.scale), ("constant", repr(node.scale)))
+                return self._sides(
+                    node, number, parts, NEITHER,  # a margin that is hardly any may be rounded to 0
+                    lambda best: f"{part.margin(best)} / {by}", lambda best: f"{part.sat(best)}",
+                )  # fmt: skip
             case ir.Not():
                 return self._negation(node, number, parts[0])
             case ir.Connective():

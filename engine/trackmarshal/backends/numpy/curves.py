@@ -1,4 +1,4 @@
-"""Tables as functions of arrays: linear between knots, clamped outside; the formula of `ir.arithmetic`."""
+"""Tables as functions of arrays: linear between knots, clamped outside; the steps of `ir.tables`, for what most tables are."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+
+from trackmarshal.backends.numpy.grids import Steps
+from trackmarshal.ir.tables import LINEAR_CLAMP, Way
 
 
 class Curve:
@@ -29,10 +32,15 @@ class Curve:
         return np.where(np.isfinite(x), result, np.nan)
 
 
+def reader(knots: Sequence[float], values: Sequence[float], way: Way) -> Curve | Steps:
+    """A table of one argument, read in a way."""
+    return Curve(knots, values) if way == LINEAR_CLAMP else Steps(knots, values, way)
+
+
 class Curves:
     """A table that is another one in some cases: `rows` are the curves of the cases, in order."""
 
-    def __init__(self, rows: Sequence[Curve], rank: int) -> None:
+    def __init__(self, rows: Sequence[Curve | Steps], rank: int) -> None:
         self.rows = rows
         self.rank = rank
 

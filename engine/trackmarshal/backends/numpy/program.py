@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.numpy.batch import Batch
+from trackmarshal.backends.numpy.batch import Batch, Tables
 from trackmarshal.backends.numpy.code import Code
-from trackmarshal.backends.numpy.curves import Curve
 from trackmarshal.backends.numpy.logic import AT_LEAST, NEITHER, Side, Value, value
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.results import Outcomes, Stateless, rated
@@ -56,7 +55,7 @@ class NumpyProgram(Stateless):
             [_side(place, 0) for place in of_rules] + [_side(self.places[f], 1) for f in ranges]
         )
         self.possible = _Cases([_side(place, 1) for place in of_rules])
-        self._curves = {name: Curve(table.knots, table.values) for name, table in spec.tables.items()}
+        self._tables = Tables(spec)
         with np.errstate(all="ignore"):
             # numpy takes arrays without axes faster than numbers.
             self._left = tuple(map(_without_axes, self._fixed(self._batch(()))))
@@ -76,7 +75,7 @@ class NumpyProgram(Stateless):
             return Run(self, batch, self._varying(batch, left))
 
     def _batch(self, cases: Sequence[Frame]) -> Batch:
-        return Batch(self.spec, cases, self.code.rank, self._curves)
+        return Batch(self.spec, cases, self.code.rank, self._tables)
 
 
 def _without_axes(value: Any) -> Any:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from trackmarshal.backends.over_run.now import Now, happening
 from trackmarshal.backends.over_run.outcome import Outcome
 from trackmarshal.backends.results import CaseValues, Outcomes, Stateless, rule_result
+from trackmarshal.ir.margins import own_unit
 from trackmarshal.ir.overrun import leaves, over_run
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.driven import as_driven, in_doubt
@@ -172,7 +173,7 @@ def _explained(rule: RuleInfo, frame: Frame, values: CaseValues, outcome: Outcom
     blocked = frame.unusable(rule.reads)
     if blocked is not None:
         return replace(rule_result(rule, frame, values, ("undefined", math.nan)), about=outcome.about)
-    unit = rule.unit if rule.unit != "mixed" else "1"
+    unit = rule.unit if own_unit(rule.unit) else "1"
     reason = "nothing in its range" if outcome.verdict == "inactive" else ""
     return RuleResult(
         rule.name, outcome.verdict, outcome.margin, unit, None, reason, None, "", outcome.about, rule.advisory

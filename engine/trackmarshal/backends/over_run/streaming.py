@@ -74,6 +74,8 @@ class Streaming:
             for node in asking
             if isinstance(node, ir.OverRun) and node.past and node.op != "previous" and node.upper is None
         ]
+        #: Whether anything looks back at what looks ahead.
+        self._looks_back = any(isinstance(node, ir.Remembered) and node.past for node in asking)
         #: How far back from the oldest open cycle anything is looked at: nanoseconds, and cycles.
         reaches = [back(formula) for formula in of_ahead]
         self._back = (
@@ -100,8 +102,8 @@ class Streaming:
         state.cells.remember(now, present)
         state.taken = True
         pending = [one.pending for one in found]
-        old = self._too_old(cycles, state.dropped, pending)
         history = History(cycles, False, parts_ahead, state.earlier)
+        old = self._too_old(cycles, state.dropped, pending, history)
         earlier = history.folded(self._unbounded, old)
         return _Kept(state.cells, cycles[old:], state.dropped + old, 0, pending, earlier)
 
@@ -172,15 +174,27 @@ class Streaming:
     def _past(self, state: _Kept, now: Now, present: Present) -> Past:
         return Past(now.t, now.name, now.ids, present.leaf, now.number, state.missed)
 
+    def _settled(self, history: History, place: int) -> bool:
+        """Whether nothing can change any more of what rules come to about a cycle, whether they apply or not."""
+        values = values_of(history)
+        ahead = (rule for rule, open_ in zip(self._rules, self._ahead) if open_)
+        return all(known.final for rule in ahead for known in values(rule, place))
+
     def _fresh(self, state: _Kept) -> _Kept:
         if state.taken:
             raise RuntimeError("the memory of an earlier cycle was taken over by a later one")
         return state
 
-    def _too_old(self, cycles: list[Past], dropped: int, pending: list[tuple[Pending, ...]]) -> int:
+    def _too_old(
+        self, cycles: list[Past], dropped: int, pending: list[tuple[Pending, ...]], history: History
+    ) -> int:
         """How many cycles nothing that is open, or is to come, looks at any more."""
         reach, steps = self._back
         oldest = min((one.place - dropped for each in pending for one in each), default=len(cycles))
+        if self._looks_back:
+            # What a rule that is inactive there would say may still change, and is asked for by operators about later cycles.
+            places = range(min(oldest, len(cycles)))
+            oldest = next((place for place in places if not self._settled(history, place)), oldest)
         first = oldest
         limit = cycles[min(oldest, len(cycles) - 1)].t - reach if cycles else 0
         while first > 0 and cycles[first - 1].t >= limit:

@@ -15,9 +15,20 @@ from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import Spec
+from trackmarshal.ir.tables import read, read_grid
 from trackmarshal.node import Node
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, known, least, negate
+from trackmarshal.runtime.kleene import (
+    FALSE,
+    TRUE,
+    UNDEFINED,
+    connect,
+    greatest,
+    known,
+    least,
+    negate,
+    scaled,
+)
 from trackmarshal.runtime.lines import Point
 from trackmarshal.runtime.verdict import Bound, Truth
 
@@ -90,7 +101,13 @@ class Reference:
             case ir.Lookup():
                 table = self.spec.tables[node.table]
                 knots, values = self.frame.settings.tables.get(node.table, (table.knots, table.values))
-                return arithmetic.interpolate(knots, values, self.number(node.argument, env))
+                return read(knots, values, table.way, self.number(node.argument, env))
+            case ir.GridLookup():
+                grid = self.spec.tables[node.table]
+                assert grid.across is not None
+                columns = (grid.across.knots, grid.across.way)
+                x, y = self.number(node.first, env), self.number(node.second, env)
+                return read_grid((grid.knots, grid.way), columns, grid.values, x, y)
             case ir.Station():
                 return self._projected(node, env)[0]
             case ir.Offset():
@@ -213,6 +230,8 @@ class Reference:
             case ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 margin = self._geometry(node, env)
                 return UNDEFINED if math.isnan(margin) else known(margin >= 0.0, margin)
+            case ir.Scaled():
+                return scaled(self.truth(node.operand, env), node.scale)
             case ir.Not():
                 return negate(self.truth(node.operand, env))
             case ir.Connective():

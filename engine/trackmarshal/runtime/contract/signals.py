@@ -148,7 +148,7 @@ def supervised(spec: Spec) -> Spec:
         _fits(_part(spec, FOLLOWED, "trajectory", {}), plan)
     signals = spec.signals | {PLAN: plan, EGO: ego}
     return Spec(
-        signals, spec.events, spec.params, spec.tables, spec.places, spec.constraints, spec.rules, spec.rulebooks, spec.fingerprint,
+        signals, spec.events, spec.params, spec.tables, spec.places, spec.constraints, spec.rules, spec.rulebooks, spec.fingerprint, spec.scales,
     )  # fmt: skip
 
 

@@ -130,7 +130,7 @@ def _braking(mapping: Mapping) -> Braking:
     path = spec_of(mapping, mapping.vehicle)
     compiled = compile_paths([path])
     compiled.raise_errors()
-    values = {name.rpartition(".")[2]: info.value for name, info in compiled.spec.params.items()}
+    values = {info.short: info.value for info in compiled.spec.params.values()}
     missing = [name for name in ("mu", "g", "mass", "drag", "b_max") if name not in values]
     if missing:
         message = f"the vehicle `{mapping.vehicle}` has no parameter `{missing[0]}`"

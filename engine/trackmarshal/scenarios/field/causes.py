@@ -141,7 +141,7 @@ class _Off:
         """Times of rows of the log within declared gaps with a corner of the car off the road."""
         if self._times is None:
             log, params = self._drive.log, self._judged.evaluator.spec.params
-            sizes = {name.rpartition(".")[2]: info.value for name, info in params.items()}
+            sizes = {info.short: info.value for info in params.values()}
             length, width = sizes.get("length", 0.0), sizes.get("width", 0.0)
             rows = np.zeros(len(log.t), np.bool_)
             for gap in self._drive.mapping.gaps:

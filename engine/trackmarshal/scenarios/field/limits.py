@@ -101,7 +101,7 @@ def params_of(rule: RuleInfo) -> list[str]:
 
 
 def _limit(rule: RuleInfo, info: ParamInfo, search: _Search) -> Limit:
-    short = info.name.rpartition(".")[2]
+    short = info.short
     low = None if info.lower is None else search.edge(info.name, info.value, info.lower)
     high = None if info.upper is None else search.edge(info.name, info.value, info.upper)
     why = "" if info.lower is not None and info.upper is not None else "no range is declared for it"

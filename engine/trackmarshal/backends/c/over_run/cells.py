@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import assert_never
 
+from trackmarshal.backends.c.over_run.future import settled
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import over_run, parts, recalled, recalls, sets
@@ -115,8 +116,8 @@ def cells_of(
     """
     found: dict[ir.Formula | ir.Machine, Cell] = {}
     for rule in rules:
-        for root in (rule.formula, rule.active):
-            if root is None or not over_run(root):
+        for root in settled(rule):
+            if not over_run(root):
                 continue
             for holder, span in holders(root):
                 node = holder if isinstance(holder, ir.Machine) else same(holder)
@@ -135,8 +136,6 @@ def cells_of(
 
 def obstacle(node: Holder) -> str | None:
     """Why generated C cannot keep what an operator or machine needs; None where it can."""
-    if any(isinstance(part, ir.Remembered) and not part.past for part in ir.below(node)):
-        return "generated C does not wait for what will be"
     if len(sets(node)) > 1:
         return "generated C keeps no memory for each pair of elements"
     if not isinstance(node, ir.Machine) and max(node.lower or 0, node.upper or 0) > MOST_NANOSECONDS:

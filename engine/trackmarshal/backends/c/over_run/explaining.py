@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
+from types import MappingProxyType
 
 from trackmarshal.backends.c.rules import remembers
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.results import rule_result
+from trackmarshal.ir.margins import own_unit
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
@@ -26,13 +28,16 @@ class Explaining:
         return NumpyProgram(self._spec, [rule for rule, over in zip(self._rules, self._over) if not over])
 
     def result(
-        self, frame: Frame, codes: bytes, margins: Sequence[float], number: int, series: bool = False
-    ) -> RuleResult:
-        """The whole result of the rule of a number."""
+        self, frame: Frame, codes: bytes, margins: Sequence[float], number: int, series: bool = False,
+        about: Mapping[int, tuple[About, ...]] = MappingProxyType({}),
+    ) -> RuleResult:  # fmt: skip
+        """The whole result of the rule of a number. about: what rules that look ahead say of which cycles, by their numbers."""
         rule, said = self._rules[number], (VERDICTS[codes[number]], float(margins[number]))
         if not self._over[number]:
             return rule_result(rule, frame, CaseView(self._plain.run([frame]), 0), said, series)
         blocked = frame.unusable(rule.reads)
         reason = "nothing in its range" if said[0] == "inactive" else "" if blocked is None else str(blocked)
-        unit = rule.unit if rule.unit != "mixed" else "1"
-        return RuleResult(rule.name, *said, unit, None, reason, None, "", (About(frame.number, *said, True),))
+        unit = rule.unit if own_unit(rule.unit) else "1"
+        own = about.get(number) if blocked is None else None
+        told = own or (About(frame.number, *said, said[0] != "open"),)
+        return RuleResult(rule.name, *said, unit, None, reason, None, "", told)

@@ -10,6 +10,7 @@ from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment, identifier
+from trackmarshal.backends.c.over_run import waiting
 from trackmarshal.backends.c.over_run.cells import Cell
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import CASES, finished, remembers
@@ -57,6 +58,7 @@ def described(plan: Layout) -> dict[str, Any]:
         "sets": [{"name": item.name, "c_name": item.c_name} for item in plan.named],
         "kept": [_described(plan, each) for each in plan.kept.values()],
         "comment": comment,
+        "ahead": waiting.described(plan) if plan.future.rules else None,
     }
 
 
@@ -125,26 +127,32 @@ def types(plan: Layout, supervised: bool) -> str:
     """Types of what is remembered, for the header."""
     return (
         render("program/over_run/types.h.j2", {**described(plan), "supervised": supervised})
-        if plan.kept
+        if plan.remembers
         else ""
     )
 
 
 def recalling(plan: Layout) -> list[str]:
     """Functions that rules call."""
-    if not plan.kept:
+    if not plan.remembers:
         return []
     given = described(plan)
     windows = [render("program/over_run/window.c.j2", {"kind": kind}) for kind in given["kinds"].values()]
-    return [*windows, render("program/over_run/recall.c.j2", given)]
+    found = [*windows, render("program/over_run/recall.c.j2", given)]
+    if plan.future.rules:
+        found += [*waiting.put_together(plan), render("program/over_run/future.c.j2", given)]
+    return found
 
 
 def remembering(plan: Layout, supervised: bool) -> list[str]:
     """Functions that put a cycle into memory."""
-    if not plan.kept:
+    if not plan.remembers:
         return []
-    noted = "\n".join([*c.printed(_note(plan)), ""])
-    return [noted, render("program/over_run/remember.c.j2", {**described(plan), "supervised": supervised})]
+    given = {**described(plan), "supervised": supervised}
+    found = ["\n".join([*c.printed(_note(plan)), ""])]
+    if plan.future.rules:
+        found += ["\n".join([*c.printed(_settle(plan)), ""]), render("program/over_run/follow.c.j2", given)]
+    return [*found, render("program/over_run/remember.c.j2", given)]
 
 
 class _Noting(Writer):
@@ -203,6 +211,34 @@ def _note(plan: Layout) -> c.Function:
     )
     parameters = (("tm_context *", "context"), ("const tm_input *", "in"), ("bool", "driven"))
     return c.Function(said, "void", "tm_note", parameters, body)
+
+
+def _settle(plan: Layout) -> c.Function:
+    """What is settled in the present cycle, for rules that look ahead: it goes into their tables."""
+    leaves = list(plan.future.leaves.values())
+    writer = _Noting(plan, plan.future.rules, False, [each.node for each in leaves])
+    writer.root.names |= {"driven"}
+    future = c.Member(c.Member(writer.name("context"), "run", True), "future", False)
+    slot = c.Member(future, "slot", False)
+    for each, node in zip(leaves, writer.formulas):
+        row: c.Expr = c.Element(c.Member(future, each.c_name, False), slot)
+        scope = writer.root
+        if each.axis is not None:
+            scope = writer.loop(each.axis, writer.root, (identifier(each.axis.signal),))
+            places = c.Member(future, f"{plan.input(each.axis.signal).c_name}_place", False)
+            row = c.Element(row, c.Element(places, writer.index(each.axis, scope)))
+        writer.add(scope, c.Assign(row, c.Call("tm_known_now", (writer.formula(node, scope),))))
+        if each.axis is not None:
+            writer.root.close(scope)
+    for operator in plan.future.operators.values():
+        if isinstance(operator.node, ir.Counted):
+            limit = c.Element(c.Member(future, f"{operator.table.c_name}_limit", False), slot)
+            writer.add(writer.root, c.Assign(limit, writer.number(operator.node.limit, writer.root, "limit")))
+    body, _ = finished(writer, ("context", "in", "driven"))
+    said = ("What is settled in the present cycle, for rules that look ahead.",)
+    parameters = (("tm_context *", "context"), ("const tm_input *", "in"), ("bool ", "driven"))
+    done = c.Evaluate(c.Unary("++", c.Member(future, "ready", False)))
+    return c.Function(said, "void", "tm_settle", parameters, (*body, done))
 
 
 def _operands(each: Cell) -> tuple[ir.Formula, ...]:

@@ -15,6 +15,7 @@ FILES = (
     "temporal",
     "online",
     "run",
+    "future",
     "exact",
     "curve",
     "geometry",

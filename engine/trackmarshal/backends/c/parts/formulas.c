@@ -74,6 +74,12 @@ static inline tm_truth tm_apart_by(double distance) {
   return tm_compared(distance >= 0.0, distance);
 }
 
+/** A formula whose margin is divided by a scale. */
+static inline tm_truth tm_scaled(tm_truth a, double scale) {
+  const tm_truth b = {a.margin / scale, a.sat, a.known};
+  return b;
+}
+
 /** not a. */
 static inline tm_truth tm_not(tm_truth a) {
   const tm_truth b = {-a.margin, !a.sat, a.known};
@@ -233,6 +239,12 @@ static inline tm_cases tm_is_any(double left, double right) {
 /** A geometric predicate: its margin is a distance, and it holds where that is not negative. */
 static inline tm_cases tm_apart_by_any(double distance) {
   return tm_cases_of(distance == distance, distance >= 0.0, distance);
+}
+
+/** A formula whose margin is divided by a scale. */
+static inline tm_cases tm_scaled_any(tm_cases a, double scale) {
+  const tm_cases b = {a.worst / scale, a.best / scale, a.worst_sat, a.best_sat};
+  return b;
 }
 
 /** not a: the worst case of one is the best case of the other. */

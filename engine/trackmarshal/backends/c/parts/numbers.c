@@ -156,6 +156,90 @@ static double tm_lookup(tm_table *table, double x) {
   return table->value[low] + (table->slope[low] * (x - table->knot[low]));
 }
 
+/** A place of a period, from 0 up to its length; the remainder is exact. */
+static double tm_wrapped(double x, double length) {
+  double rest = fmod(x, length);
+  if (rest < 0.0) {
+    rest += length;
+  }
+  return (rest >= length) ? 0.0 : rest;
+}
+
+/** Where an argument lies among the knots of an axis; it is not known where the table has no value. */
+static tm_table_spot tm_place_on(const tm_table_axis *axis, double argument) {
+  const size_t last = axis->count - 1u;
+  const double first = axis->knots[0];
+  const double end = axis->knots[last];
+  const bool periodic = axis->length > 0.0;
+  tm_table_spot spot = {0u, 0u, 0.0, 0.0, argument, true};
+  double x = argument;
+  size_t low = 0u;
+  size_t high = last;
+  if (!tm_finite(x) || (periodic && ((first < 0.0) || !(end < axis->length)))) {
+    spot.known = false;
+    return spot;
+  }
+  if (periodic) {
+    x = tm_wrapped(x, axis->length);
+  }
+  if (periodic && ((x < first) || (x >= end))) {
+    spot.low = last;
+    spot.high = axis->steps ? last : 0u;
+    spot.start = end;
+    spot.end = first + axis->length;
+    spot.at = (x < first) ? (x + axis->length) : x;
+  } else if ((!periodic) && (x <= first)) {
+    spot.known = axis->clamped || (x == first);
+  } else if ((!periodic) && (x >= end)) {
+    spot.low = last;
+    spot.high = last;
+    spot.known = axis->clamped || axis->steps || (x == end);
+  } else {
+    while ((high - low) > 1u) {
+      const size_t middle = low + ((high - low) / 2u);
+      if (axis->knots[middle] <= x) {
+        low = middle;
+      } else {
+        high = middle;
+      }
+    }
+    spot.low = low;
+    spot.high = axis->steps ? low : (low + 1u);
+    spot.start = axis->knots[low];
+    spot.end = axis->knots[low + 1u];
+    spot.at = x;
+  }
+  return spot;
+}
+
+/** The value at a place, of those of its two knots. */
+static double tm_value_at(const tm_table_spot *spot, double low, double high) {
+  double value = low;
+  if (spot->low != spot->high) {
+    const double slope = (high - low) / (spot->end - spot->start);
+    value = low + (slope * (spot->at - spot->start));
+  }
+  return value;
+}
+
+/** A table that is not `linear clamp`; NaN where it has no value. */
+static double tm_read_table(const tm_table *table, bool steps, bool clamped, double length, double x) {
+  const tm_table_axis axis = {table->knot, table->count, steps, clamped, length};
+  const tm_table_spot spot = tm_place_on(&axis, x);
+  return spot.known ? tm_value_at(&spot, table->value[spot.low], table->value[spot.high]) : TM_NAN;
+}
+
+/** A table of two arguments: along the columns in each of two rows, then along the rows; NaN where it has no value. */
+static double tm_read_grid(const tm_table_grid *grid, double x, double y) {
+  const tm_table_spot down = tm_place_on(&grid->rows, x);
+  const tm_table_spot across = tm_place_on(&grid->columns, y);
+  const double *first = &grid->cells[down.low * grid->columns.count];
+  const double *second = &grid->cells[down.high * grid->columns.count];
+  const double low = tm_value_at(&across, first[across.low], first[across.high]);
+  const double high = tm_value_at(&across, second[across.low], second[across.high]);
+  return (down.known && across.known) ? tm_value_at(&down, low, high) : TM_NAN;
+}
+
 /** Fill a table; false, and nothing is changed, for no row, too many, or knots that do not ascend. */
 static bool tm_fill_table(tm_table *table, const double *knots, const double *values, size_t count) {
   if ((count == 0u) || (count > TM_MAX_KNOTS)) {

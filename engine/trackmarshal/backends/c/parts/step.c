@@ -72,9 +72,9 @@ static void tm_expect(tm_output *output, tm_look *look) {
 
 /** Whether a rule ran, and whether it makes a candidate unsafe, which an advisory one does not. */
 static void tm_weigh(const tm_result *result, bool advisory, size_t *known, size_t *against) {
-  const bool safe = (result->verdict == TM_SATISFIED) || (result->verdict == TM_INACTIVE);
+  const bool safe = (result->verdict == TM_SATISFIED) || (result->verdict == TM_INACTIVE) || (result->verdict == TM_OPEN);
   const bool undefined = (result->verdict == TM_UNDEFINED) && !(result->margin == TM_DID_NOT_RUN);
-  if (safe || undefined || (result->verdict == TM_VIOLATED) || (result->verdict == TM_OPEN)) {
+  if (safe || undefined || (result->verdict == TM_VIOLATED)) {
     ++*known;
   }
   if (!safe && !advisory) {

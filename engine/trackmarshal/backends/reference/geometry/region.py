@@ -119,9 +119,25 @@ def enters(s: Segment, hull: Sequence[Segment]) -> bool:
 
 def gap(corners: Sequence[Point], hull: Sequence[Segment], border: Sequence[Segment]) -> float:
     """The distance of a hull from a border that does not enter it: a corner of one is nearest to a side of the other."""
+    known = min(distance(*corners[0], s) for s in border)
+    xs, ys = zip(*corners)
+    box = (min(xs), max(xs), min(ys), max(ys))
+    border = [s for s in border if not farther(s, box, known)]
     from_corners = min(distance(x, y, s) for x, y in corners for s in border)
     from_border = min(distance(s.ax, s.ay, edge) for s in border for edge in hull)
     return min(from_corners, from_border)
+
+
+def farther(s: Segment, box: tuple[float, float, float, float], known: float) -> bool:
+    """Whether a segment is surely farther than known from all that lies in a box (least and greatest x, least and greatest y).
+
+    Surely: by a billionth of all lengths from which distances are computed, which round by a millionth of that.
+    """
+    left, right, low, high = box
+    apart = max(
+        min(s.ax, s.bx) - right, left - max(s.ax, s.bx), min(s.ay, s.by) - high, low - max(s.ay, s.by), 0.0
+    )
+    return apart - known > 1e-9 * (abs(s.ex) + abs(s.ey) + apart + known)
 
 
 def middle(s: Segment, hull: Sequence[Segment]) -> Point:

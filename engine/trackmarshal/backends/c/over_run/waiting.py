@@ -1,0 +1,155 @@
+"""The C of rules that look ahead: what is kept of the last cycles, and what is said of each of them as others come."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.expressions import compared
+from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.over_run.future import Future, Operator, Table
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.operators import Extreme
+
+_FUTURE, _SLOT, _PLACE = c.Name("future"), c.Name("slot"), c.Name("place")
+_ELEMENTS = c.Name("TM_MAX_ELEMENTS")
+_TRUE, _FALSE = c.Call("tm_true_any", ()), c.Call("tm_false_any", ())
+#: Sorts of windows, by operator.
+_KINDS = {
+    "eventually": "TM_SOME", "once": "TM_SOME", "always": "TM_EVERY", "historically": "TM_EVERY", "until": "TM_HELD", "since": "TM_HELD",
+}  # fmt: skip
+
+
+def described(plan: Layout) -> dict[str, Any]:
+    """What the templates ask about what is kept of the last cycles."""
+    future = plan.future
+    return {
+        "room": future.room, "back": f"INT64_C({future.back})", "reach": f"INT64_C({future.reach + future.back})", "steps": f"{future.steps + 1}u",
+        "rules": [
+            {"c_name": plan.rule_names[rule.name], "active": rule.active is not None} for rule in future.rules
+        ],
+        "sets": [plan.input(name).c_name for name in future.sets],
+        "leaves": [_table(plan, each) for each in future.leaves.values()],
+        "given": [_table(plan, each) for each in future.given.values()],
+        "operators": [_operator(plan, each) for each in future.operators.values()],
+        "steps_of": list(_order(plan)), "looks_back": any(each.node.past for each in future.operators.values()),
+        "counts": any(isinstance(each.node, ir.Counted) for each in future.operators.values()),
+    }  # fmt: skip
+
+
+def _table(plan: Layout, each: Table) -> dict[str, Any]:
+    return {"c_name": each.c_name, "set": "" if each.axis is None else plan.input(each.axis.signal).c_name}
+
+
+def _operator(plan: Layout, each: Operator) -> dict[str, Any]:
+    node = each.node
+    span = comment(f"{node.span.file.path}:{node.span.line}")
+    operands = [_table(plan, one) for one in each.operands]
+    op = node.op if isinstance(node, ir.OverRun) else "count"
+    own = {
+        **_table(plan, each.table), "about": f"`{op}`: {span}", "op": op, "past": node.past, "lower": f"INT64_C({node.lower or 0})",
+        "upper": None if node.upper is None else f"INT64_C({node.upper})", "p": operands[0], "q": operands[-1],
+        "waits": op in ("eventually", "always", "until"), "kind": _KINDS.get(op, ""),
+    }  # fmt: skip
+    if isinstance(node, ir.Counted):
+        return {**own, "weak": False, "compared": f"tm_count_{compared(node.op, node.turned)}"}
+    return {**own, "compared": "", "weak": node.weak}
+
+
+def _order(plan: Layout) -> list[dict[str, Any]]:
+    """Tables in the order in which they are worked out: operands before their operators."""
+    found: list[dict[str, Any]] = []
+    done: set[str] = set()
+    future = plan.future
+    staged = {table.c_name: table for table in future.given.values()}
+    for operator in future.operators.values():
+        for operand in operator.operands:
+            if operand.c_name in staged and operand.c_name not in done:
+                done.add(operand.c_name)
+                found.append({"staged": True, **_table(plan, operand)})
+        found.append({"staged": False, **_operator(plan, operator)})
+    return found
+
+
+def put_together(plan: Layout) -> list[str]:
+    """Functions of formulas that are put together from tables: operands of operators, and what rules say and where they apply."""
+    future = plan.future
+    made = [
+        _function(plan, future, each.node, f"tm_{each.c_name}", each.axis) for each in future.given.values()
+    ]
+    for rule in future.rules:
+        name = plan.rule_names[rule.name]
+        assert rule.formula is not None
+        made.append(_function(plan, future, plan.same(rule.formula), f"tm_rule_{name}_said", None))
+        if rule.active is not None:
+            made.append(_function(plan, future, plan.same(rule.active), f"tm_rule_{name}_applies", None))
+    return ["\n".join([*c.printed(each), ""]) for each in made]
+
+
+def _function(plan: Layout, future: Future, node: ir.Formula, name: str, axis: ir.Axis | None) -> c.Function:
+    body: list[c.Statement] = []
+    writing = _Writing(plan, future)
+    binds: dict[ir.Axis, c.Expr] = {} if axis is None else {axis: _PLACE}
+    value = writing.value(node, body, binds, whole=True)
+    body.append(c.Return(value))
+    places = () if axis is None else (("size_t ", "place"),)
+    parameters = (("const tm_future *", "future"), ("size_t ", "slot"), *places)
+    said = ("Put together from what is known about one cycle.",)
+    return c.Function(said, "tm_known", name, parameters, tuple(body))
+
+
+class _Writing:
+    """Writes one function."""
+
+    def __init__(self, plan: Layout, future: Future) -> None:
+        self._plan, self._future, self._names = plan, future, 0
+
+    def value(
+        self, node: ir.Formula, body: list[c.Statement], binds: dict[ir.Axis, c.Expr], whole: bool = False
+    ) -> c.Expr:
+        """The value of a formula. whole: it is what the function is about, and so is no table to it."""
+        table = self._future.table(node)
+        if table is not None and not (whole and node in self._future.given):
+            row = c.Element(c.Member(_FUTURE, table.c_name, True), _SLOT)
+            return row if table.axis is None else c.Element(row, binds[table.axis])
+        match node:
+            case ir.Not():
+                return c.Call("tm_not_known", (self.value(node.operand, body, binds),))
+            case ir.Connective():
+                both = (self.value(node.left, body, binds), self.value(node.right, body, binds))
+                if node.op == "iff":
+                    return c.Call("tm_not_known", (c.Call("tm_xor_known", both),))
+                return c.Call(f"tm_{node.op}_known", both)
+            case ir.Guarded():
+                parts = (self.value(node.guard, body, binds), self.value(node.body, body, binds))
+                return c.Call("tm_whenever_known", parts)
+            case ir.Quantify():
+                return self._all(node, body, binds)
+            case _:
+                raise AssertionError(f"{type(node).__name__} is put together from nothing")
+
+    def _all(self, node: ir.Quantify, body: list[c.Statement], binds: dict[ir.Axis, c.Expr]) -> c.Expr:
+        """Over the elements that were there in that cycle."""
+        self._names += 1
+        every = node.extreme is Extreme.LEAST
+        name, index = f"{'all' if every else 'some'}_{self._names}", c.Name(f"i_{self._names}")
+        start = c.Call("tm_known_now", (_TRUE if every else _FALSE,))
+        body.append(c.Declare("tm_known", name, start, False))
+        inner: list[c.Statement] = []
+        inside = {**binds, node.axis: index}
+        guard: c.Expr = c.Call("tm_known_now", (_TRUE,))
+        if node.guard is not None:
+            guard = self.value(node.guard, inner, inside)
+        value = self.value(node.body, inner, inside)
+        function = "tm_for_all_known" if every else "tm_exists_known"
+        inner.append(c.Evaluate(c.Call(function, (c.Address(c.Name(name)), guard, value))))
+        there = c.Element(
+            c.Element(c.Member(_FUTURE, f"{self._plan.input(node.axis.signal).c_name}_there", True), _SLOT),
+            index,
+        )
+        loop = c.For(
+            index.name, c.Binary("<", index, _ELEMENTS), c.Unary("++", index), (c.If(there, tuple(inner)),)
+        )
+        body.append(loop)
+        return c.Name(name)

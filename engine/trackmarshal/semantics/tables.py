@@ -1,0 +1,126 @@
+"""Tables: knots that ascend, rows that fit the arguments, periods that hold all knots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+from trackmarshal.ir.spec import Across, TableInfo
+from trackmarshal.ir.tables import Way, in_period
+from trackmarshal.semantics.errors import BadValue, Duplicate, TablePeriod, TableShape
+from trackmarshal.source import Span
+from trackmarshal.syntax import ast
+from trackmarshal.units import Dimension, in_full, parse_unit
+
+if TYPE_CHECKING:
+    from trackmarshal.semantics.expressions import Expressions
+
+#: A literal in SI that is not infinite, by its expression, the declared unit and that unit's dimension; fails for any other.
+Finite = Callable[[ast.Expr, str, Dimension], float]
+
+
+def table_info(self: Expressions, item: ast.Table, qualified: str, finite: Finite) -> TableInfo:
+    """A declared table in SI; fails for one that cannot be read."""
+    _check_shape(self, item)
+    second = item.second
+    ways = item.ways * 2 if len(item.ways) == 1 else item.ways
+    result = parse_unit(item.result)[2]
+    heads, cells = [row[0] for row in item.rows], [cell for row in item.rows for cell in row[1:]]
+    knots, values, columns = self.all(
+        lambda: _knots(self, heads, item.unit, ways[0], finite),
+        lambda: self.all(*(partial(finite, cell, item.result, result) for cell in cells)),
+        lambda: _knots(self, second.knots, second.unit, ways[1], finite) if second else None,
+    )
+    across = None
+    if second is not None and columns is not None:
+        across = Across(columns[0], second.unit, columns[1])
+    return TableInfo(
+        qualified, knots[0], tuple(values), (item.unit, item.result), item.span, knots[1], across
+    )
+
+
+def _check_shape(self: Expressions, item: ast.Table) -> None:
+    second = item.second
+    if second is None:
+        width = 1
+        if len(item.ways) > 1:
+            hint = f"leave `{item.ways[1].span.text}` out, or name a second argument"
+            self.fail(
+                TableShape(
+                    item.ways[1].span, None, "this table has one argument to be read along, not two", hint
+                )
+            )
+    else:
+        width = len(second.knots)
+        if second.name == item.argument:
+            at = item.span.head
+            self.fail(Duplicate(at, at, "argument", second.name))
+        if not second.knots:
+            hint = f"begin with `| {second.name}: ...`, and give each row as many values"
+            self.fail(TableShape(second.span, None, f"there is no row of knots for `{second.name}`", hint))
+        if second.label != second.name:
+            problem = f"the row of knots is that of `{second.name}`, not of `{second.label}`"
+            self.fail(
+                TableShape(second.span.word(second.label), None, problem, f"begin it with `| {second.name}:`")
+            )
+    for row in item.rows:
+        if len(row) - 1 != width:
+            at = _span(row[0]).to(_span(row[-1]))
+            has, wanted = _values(len(row) - 1), _values(width)
+            hint = "a table of one argument has a knot and a value in each row" if second is None else ""
+            self.fail(
+                TableShape(at, second.span if second else None, f"this row has {has}, not {wanted}", hint)
+            )
+
+
+def _knots(
+    self: Expressions, exprs: Sequence[ast.Expr], unit: str, written: ast.Way, finite: Finite
+) -> tuple[tuple[float, ...], Way]:
+    """The knots of one argument in SI, and how the table is read along it."""
+    dimension = parse_unit(unit)[2]
+    numbers, length = self.all(
+        lambda: self.all(*(partial(finite, expr, unit, dimension) for expr in exprs)),
+        lambda: 0.0 if written.length is None else finite(written.length, unit, dimension),
+    )
+    knots = tuple(numbers)
+    for before, after, above, here in zip(knots, knots[1:], exprs, exprs[1:]):
+        if not before < after:
+            self.fail(
+                BadValue(
+                    _span(here),
+                    f"the knots of a table ascend; {in_full(after, unit)} is not above {in_full(before, unit)}",
+                    _span(above),
+                    "sort the rows; each knot stands once",
+                    "not above this one",
+                )
+            )
+    way = Way(written.reading == "step", written.outside == "clamp", length)
+    if written.length is not None:
+        _check_period(self, way, knots, exprs, unit, _span(written.length))
+    return knots, way
+
+
+def _check_period(
+    self: Expressions, way: Way, knots: Sequence[float], exprs: Sequence[ast.Expr], unit: str, at: Span
+) -> None:
+    if not way.length > 0.0:
+        problem = f"a period of {in_full(way.length, unit)} has no length"
+        self.fail(TablePeriod(at, None, problem, "write a length above 0"))
+    if not in_period(way, knots):
+        wrong = exprs[0] if knots[0] < 0.0 else exprs[-1]
+        problem = f"this knot is outside the period, which goes from 0 up to {in_full(way.length, unit)}"
+        self.fail(
+            TablePeriod(
+                _span(wrong), at, problem, "write the place from 0 on at which it is in the first period"
+            )
+        )
+
+
+def _values(count: int) -> str:
+    return "1 value" if count == 1 else f"{count} values"
+
+
+def _span(expr: ast.Expr) -> Span:
+    span: Span = expr.__dict__["span"]
+    return span
