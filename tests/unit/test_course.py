@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from support.project import run_command
@@ -114,6 +115,16 @@ def test_generated_c_refuses_it_and_auto_takes_numpy() -> None:
     assert Evaluator(loads(SPEC), backend="auto").program.identity["backend"] == "numpy"
 
 
+def test_cases_by_themselves_have_no_margins_along_a_course() -> None:
+    evaluator = Evaluator(loads(SPEC), backend="numpy")
+    plan = {name: np.array([column, column]) for name, column in _plan(20.0, 30.0).items()}
+    ego = {"x": np.zeros(2), "y": np.zeros(2), "heading": np.zeros(2), "v": np.array([20.0, 21.0])}
+    batch = evaluator.batch({"ego": ego, "plan": plan})
+    assert [batch.case(number).rules["calm"].verdict for number in range(2)] == ["satisfied", "violated"]
+    with pytest.raises(TrackmarshalError, match="E406"):
+        batch.samples("calm")
+
+
 def test_inline_tests(tmp_path: Path) -> None:
     text = (
         SPEC
@@ -174,6 +185,7 @@ def test_explain_names_samples_from_now(tmp_path: Path, monkeypatch: pytest.Monk
     assert status == 0, err
     assert "violated, margin -2 m/s" in out
     assert "decided at c = -3" in out
+    assert "driven[-3].v = 22" in out
 
 
 @pytest.mark.parametrize("backend", [*PYTHON, "c"])
