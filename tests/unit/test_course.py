@@ -125,6 +125,34 @@ def test_cases_by_themselves_have_no_margins_along_a_course() -> None:
         batch.samples("calm")
 
 
+@pytest.mark.parametrize("backend", PYTHON)
+@pytest.mark.parametrize(
+    ("change", "verdict"),
+    [
+        ({}, "satisfied"),
+        ({"plan": None}, "undefined"),
+        ({"ego": None}, "undefined"),
+        ({"ego": {"x": 0.0, "y": 0.0, "heading": 0.0}}, "undefined"),
+        ({"plan": {**_plan(20.0, 20.0), "t": [0.0, 2.0, 1.0]}}, "undefined"),
+        ({"plan": {**_plan(20.0, 20.0), "t": [0.0, math.nan, 2.0]}}, "undefined"),
+        ({"plan": {**_plan(20.0, 20.0), "t": [0.0, 1.0]}}, "undefined"),
+        ({"plan": {name: column for name, column in _plan(20.0, 20.0).items() if name != "v"}}, "undefined"),
+        # What was is enough here, whatever is planned.
+        ({"plan": {**_plan(20.0, 20.0), "v": [20.0, math.nan, 20.0]}}, "satisfied"),
+    ],
+)
+def test_what_is_broken_is_undefined_and_a_gap_for_the_next_cycle(
+    backend: str, change: dict[str, Any], verdict: str
+) -> None:
+    evaluator = Evaluator(loads(SPEC), backend=backend)
+    run = evaluator.over_run()
+    assert _said(run, evaluator, 0.0, 19.0)[0] == "satisfied"
+    signals = {"ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 20.0}, "plan": _plan(20.0, 20.0), **change}
+    kept = {name: given for name, given in signals.items() if given is not None}
+    assert run.step(evaluator.read({"t": 0.1, "signals": kept})).rules["calm"].verdict == verdict
+    assert _said(run, evaluator, 0.2, 19.0)[0] == ("undefined" if change else "satisfied")
+
+
 def test_inline_tests(tmp_path: Path) -> None:
     text = (
         SPEC
