@@ -232,7 +232,7 @@ def _any(values: list[Kleene]) -> Kleene:
     return any(worst for worst, _ in values), any(best for _, best in values)
 
 
-def said(spec: str, backend: str, run: list[Cycle]) -> list[tuple[str, str]]:
+def said(spec: str, backend: str, run: list[Cycle]) -> list[tuple[str, str, str]]:
     evaluator = Evaluator(loads(spec), backend=backend)
     going, found = evaluator.over_run(), []
     for number, cycle in enumerate(run):
@@ -245,7 +245,9 @@ def said(spec: str, backend: str, run: list[Cycle]) -> list[tuple[str, str]]:
         result = going.step(evaluator.read({"id": number, "t": cycle.at / 1000, "signals": signals})).rules[
             "f"
         ]
-        found.append((result.verdict, "nan" if math.isnan(result.margin) else float(result.margin).hex()))
+        where = "" if result.witness is None else str(result.witness.binders)
+        margin = "nan" if math.isnan(result.margin) else float(result.margin).hex()
+        found.append((result.verdict, margin, where))
     return found
 
 

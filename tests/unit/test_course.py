@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from support.project import run_command
@@ -114,6 +115,44 @@ def test_generated_c_refuses_it_and_auto_takes_numpy() -> None:
     assert Evaluator(loads(SPEC), backend="auto").program.identity["backend"] == "numpy"
 
 
+def test_cases_by_themselves_have_no_margins_along_a_course() -> None:
+    evaluator = Evaluator(loads(SPEC), backend="numpy")
+    plan = {name: np.array([column, column]) for name, column in _plan(20.0, 30.0).items()}
+    ego = {"x": np.zeros(2), "y": np.zeros(2), "heading": np.zeros(2), "v": np.array([20.0, 21.0])}
+    batch = evaluator.batch({"ego": ego, "plan": plan})
+    assert [batch.case(number).rules["calm"].verdict for number in range(2)] == ["satisfied", "violated"]
+    with pytest.raises(TrackmarshalError, match="E406"):
+        batch.samples("calm")
+
+
+@pytest.mark.parametrize("backend", PYTHON)
+@pytest.mark.parametrize(
+    ("change", "verdict"),
+    [
+        ({}, "satisfied"),
+        ({"plan": None}, "undefined"),
+        ({"ego": None}, "undefined"),
+        ({"ego": {"x": 0.0, "y": 0.0, "heading": 0.0}}, "undefined"),
+        ({"plan": {**_plan(20.0, 20.0), "t": [0.0, 2.0, 1.0]}}, "undefined"),
+        ({"plan": {**_plan(20.0, 20.0), "t": [0.0, math.nan, 2.0]}}, "undefined"),
+        ({"plan": {**_plan(20.0, 20.0), "t": [0.0, 1.0]}}, "undefined"),
+        ({"plan": {name: column for name, column in _plan(20.0, 20.0).items() if name != "v"}}, "undefined"),
+        # What was is enough here, whatever is planned.
+        ({"plan": {**_plan(20.0, 20.0), "v": [20.0, math.nan, 20.0]}}, "satisfied"),
+    ],
+)
+def test_what_is_broken_is_undefined_and_a_gap_for_the_next_cycle(
+    backend: str, change: dict[str, Any], verdict: str
+) -> None:
+    evaluator = Evaluator(loads(SPEC), backend=backend)
+    run = evaluator.over_run()
+    assert _said(run, evaluator, 0.0, 19.0)[0] == "satisfied"
+    signals = {"ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 20.0}, "plan": _plan(20.0, 20.0), **change}
+    kept = {name: given for name, given in signals.items() if given is not None}
+    assert run.step(evaluator.read({"t": 0.1, "signals": kept})).rules["calm"].verdict == verdict
+    assert _said(run, evaluator, 0.2, 19.0)[0] == ("undefined" if change else "satisfied")
+
+
 def test_inline_tests(tmp_path: Path) -> None:
     text = (
         SPEC
@@ -174,6 +213,7 @@ def test_explain_names_samples_from_now(tmp_path: Path, monkeypatch: pytest.Monk
     assert status == 0, err
     assert "violated, margin -2 m/s" in out
     assert "decided at c = -3" in out
+    assert "driven[-3].v = 22" in out
 
 
 @pytest.mark.parametrize("backend", [*PYTHON, "c"])

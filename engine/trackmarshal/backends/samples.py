@@ -30,6 +30,8 @@ class Sampled:
             self.whenever.append(formula.guard)
             formula = formula.body
         self.guard: ir.Formula | None = None
+        if rule.course is not None:
+            raise ValueError(f"`{rule.name}` speaks of what was driven, which a case by itself does not have")
         if isinstance(formula, ir.At):
             self.axis, self.body = formula.axis, formula.operand
         elif (

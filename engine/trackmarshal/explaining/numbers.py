@@ -55,7 +55,9 @@ def _leaf(part: ir.AnyNode, env: Env, values: Reference) -> tuple[str, float] | 
     match part:
         case ir.Column():
             place = max(0, env[part.axis.level] + part.offset)
-            return f"{part.axis.signal}[{place}].{part.field}", values.number(part, env)
+            columns = values.columns(part.axis)
+            called = place if columns.joined is None else columns.name(place)
+            return f"{part.axis.signal}[{called}].{part.field}", values.number(part, env)
         case ir.Scalar():
             return f"{part.signal}.{part.field}", values.number(part, env)
         case ir.Sample():

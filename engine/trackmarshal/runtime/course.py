@@ -10,8 +10,6 @@ from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import CourseInfo, RuleInfo
@@ -167,6 +165,8 @@ def _columns(info: CourseInfo, names: Names, lived: Lived, frame: Frame) -> Colu
                 spans.append((due, due))
                 rows.append(row[: len(values)])
                 flags.append(row[len(values) :])
+    import numpy as np  # not before a run: what checks specs does without
+
     made = Columns(names, np.array(rows).T, np.array(flags, dtype=np.int8).reshape(len(rows), -1).T)
     begin, end = (np.array(edge, dtype=np.float64) for edge in zip(*spans))
     made.joined = Joined(at, begin, end, tuple(gaps), tuple(missing))

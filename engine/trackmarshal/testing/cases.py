@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from typing import Any, NoReturn
 
 from trackmarshal import typed
-from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -153,6 +152,10 @@ class _Preparation:
 
     def _after(self, entry: ast.After, rule: RuleInfo | None) -> float:
         """How long after the cycle before the next one comes [s]."""
+        from trackmarshal.backends.over_run.program import (
+            remembers,
+        )  # which `check` does not wait for otherwise
+
         if rule is not None and not remembers(rule):
             self.fail(entry.span, f"`{rule.name}` speaks of one cycle alone", "a test for each cycle")
         seconds = self._number(entry.time, "s", "the time of the next cycle")
