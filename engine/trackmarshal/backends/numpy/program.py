@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from typing import Any
 
@@ -69,11 +69,19 @@ class NumpyProgram(Stateless):
 
     def run(self, cases: Sequence[Frame]) -> Run:
         """Evaluate all rules on all frames, cases or seen by one candidate."""
-        batch = self._batch(cases)
+        return self.run_on(self._batch(cases))
+
+    def run_on(self, batch: Batch) -> Run:
+        """Evaluate all rules on a batch."""
         # Undefined values are part of the language: divisions by zero and NaN are no cause for warnings.
         with np.errstate(all="ignore"):
             left = self._fixed(batch) if batch.overridden else self._left
             return Run(self, batch, self._varying(batch, left))
+
+    @property
+    def curves(self) -> Mapping[str, Curve]:
+        """The spec's tables as functions."""
+        return self._curves
 
     def _batch(self, cases: Sequence[Frame]) -> Batch:
         return Batch(self.spec, cases, self.code.rank, self._curves)
