@@ -19,7 +19,7 @@ from trackmarshal.runtime.contract.tracks import places_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import Judged, Program, Rated
 from trackmarshal.runtime.stamps import stamp_after
-from trackmarshal.runtime.verdict import About, CaseResult
+from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, About, CaseResult, RuleResult
 
 if TYPE_CHECKING:
     from trackmarshal.batches import Batch
@@ -248,15 +248,30 @@ class Evaluator:
             found |= zip(places, evaluator.judge_all([frames[place] for place in places]))
         return [found[place] for place in range(len(frames))]
 
-    def result(self, frame: Frame, rated: Rated, series: bool = False, candidate: str = "") -> CaseResult:
-        """One outcome, rule by rule, with the faults of its frame, and the constraints that do not hold."""
+    def result(
+        self, frame: Frame, rated: Rated, series: bool = False, candidate: str = "", brief: bool = False
+    ) -> CaseResult:
+        """One outcome, rule by rule, with the faults of its frame, and the constraints that do not hold.
+
+        brief: of rules that are not against it the verdict and the margin alone; what decided them is not looked for.
+        """
         faults = [
             str(f)
             for f in frame.faults
             if not candidate or f.signal not in frame.candidates or f.signal == candidate
         ]
-        rules = {rule.name: rated.explain(place, series) for place, rule in enumerate(self.rules)}
+        rules = {
+            rule.name: _brief(rule, rated, place)
+            if brief and VERDICTS[rated.verdicts[place]] not in UNSAFE
+            else rated.explain(place, series)
+            for place, rule in enumerate(self.rules)
+        }
         return CaseResult(frame.id, rules, tuple(faults), frame.settings.broken)
+
+    @property
+    def sweeps(self) -> bool:
+        """Whether rules follow curvatures that a case may leave out."""
+        return bool(self._curvatures)
 
     @property
     def backend(self) -> str:
@@ -318,6 +333,13 @@ class Evaluator:
 
     def _broken(self, settings: Settings) -> tuple[str, ...]:
         return broken_constraints(self.spec, settings)
+
+
+def _brief(rule: RuleInfo, rated: Rated, place: int) -> RuleResult:
+    """Verdict and margin of a rule alone."""
+    unit = rule.unit if rule.unit != "mixed" else "1"
+    said = VERDICTS[rated.verdicts[place]], float(rated.margins[place])
+    return RuleResult(rule.name, *said, unit, advisory=rule.advisory)
 
 
 class Run:

@@ -48,7 +48,9 @@ class Rules:
         )
         self._engine = Engine(self._over)
 
-    def step(self, stamps: Stamps, missed: NDArray[np.intp], doubt: NDArray[np.bool_], given: Leaves) -> dict[str, Outcome]:
+    def step(
+        self, stamps: Stamps, missed: NDArray[np.intp], doubt: NDArray[np.bool_], given: Leaves
+    ) -> dict[str, Outcome]:
         """By rule, what it says in the cycles of a piece; those that are `slow` are left out."""
         plain = self.program.rules
         codes, margins = given.verdicts()
@@ -260,12 +262,19 @@ class WholeRun:
     def _block(self, arrays: Any, stamps: Stamps, gaps: NDArray[np.intp], begin: int) -> Piece:
         stamps, gaps = stamps[begin : begin + BLOCK], gaps[begin : begin + BLOCK]
         stacked, stop = arrays.stacked(begin, begin + BLOCK), begin + len(stamps)
-        frames = None if stacked is not None and self._slow is None else arrays.frames(begin, stop)
+        frames: list[Frame] = [] if stacked is not None and self._slow is None else arrays.frames(begin, stop)
         if stacked is not None:
-            given, fine, broken = of_arrays(self._rules.program, stacked), stacked.fine, bool(stacked.shared.settings.broken)
+            given, fine, broken = (
+                of_arrays(self._rules.program, stacked),
+                stacked.fine,
+                bool(stacked.shared.settings.broken),
+            )
         else:
             given = of_frames(self._rules.program, frames)
-            fine, broken = np.array([not frame.faults for frame in frames]), any(frame.settings.broken for frame in frames)
+            fine, broken = (
+                np.array([not frame.faults for frame in frames]),
+                any(frame.settings.broken for frame in frames),
+            )
         found = self._rules.step(stamps, gaps, ~fine, given)
         if self._slow is not None:
             found |= self._by_cycle(self._slow, frames, stamps, gaps)

@@ -19,14 +19,19 @@ from trackmarshal.runtime.verdict import VERDICTS, CaseResult
 CUTS = st.lists(st.integers(1, 6), max_size=14)
 #: Formulas about no elements of sets: what goes along the cycles.
 _LEAVES = ["ego.v > 0 m/s", "ego.w <= 1 m/s", "flag", "ego.v >= ego.w", "ego.seen is yellow", "ego.on"]
-_BOUNDS = st.tuples(st.integers(0, 8), st.integers(0, 12)).map(lambda ab: f"[{ab[0] / 10!r} s, {sum(ab) / 10!r} s]")
+_BOUNDS = st.tuples(st.integers(0, 8), st.integers(0, 12)).map(
+    lambda ab: f"[{ab[0] / 10!r} s, {sum(ab) / 10!r} s]"
+)
 
 
 def _connected(one: st.SearchStrategy[str]) -> list[st.SearchStrategy[str]]:
     return [
         one.map(lambda p: f"(not {p})"),
         st.builds(
-            lambda op, p, q: f"({p} {op} {q})", st.sampled_from(["and", "or", "implies", "iff", "xor"]), one, one
+            lambda op, p, q: f"({p} {op} {q})",
+            st.sampled_from(["and", "or", "implies", "iff", "xor"]),
+            one,
+            one,
         ),
     ]
 
@@ -127,7 +132,7 @@ _ROWS = st.lists(
 @settings(max_examples=3 * EXAMPLES, deadline=None)
 def test_arrays_are_the_same_as_cycles(formula: str, rows: list[Any], cuts: list[int], clean: bool) -> None:
     if clean:
-        rows = [(*(x if x == x and abs(x) < 9 else 0.5 for x in row[:2]), bool(row[2]), *row[3:]) for row in rows]
+        rows = [(*(x if abs(x) < 9 else 0.5 for x in row[:2]), bool(row[2]), *row[3:]) for row in rows]
     text = rule(f"require {formula}") + 'rule g "x"\n  require ego.v <= 1 m/s or flag\n'
     evaluator = Evaluator(loads(text))
     stepped, whole = evaluator.over_run(), evaluator.whole_run()

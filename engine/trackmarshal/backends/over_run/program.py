@@ -141,7 +141,9 @@ class Remembering:
         def explain(number: int, series: bool = False) -> RuleResult:
             over, place = self._places[number]
             return (
-                explained(self._over[place], frame, found[place].verdict, found[place].margin, found[place].about)
+                explained(
+                    self._over[place], frame, found[place].verdict, found[place].margin, found[place].about
+                )
                 if over
                 else plain.explain(place, series)
             )

@@ -95,7 +95,9 @@ class ColumnsChecker:
     def each_fine(self, stack: Any, count: int, flags: Any = None) -> Any:
         """(frames,): the same of each frame by itself."""
         found = np.full(len(stack), all(check(count) for check in self._counts))
-        for kind, values in [(kind, stack) for kind in self._numbers] + [(kind, flags) for kind in self._flags]:
+        for kind, values in [(kind, stack) for kind in self._numbers] + [
+            (kind, flags) for kind in self._flags
+        ]:
             if values is not None and count:
                 found &= kind.each(values)
         return found

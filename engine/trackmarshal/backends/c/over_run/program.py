@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.c.over_run.explaining import Explaining
@@ -109,4 +108,4 @@ class CRemembering:
                 codes[place], own[place] = _UNDEFINED, math.nan
 
         known = bytes(codes)
-        return Rated(known, own, partial(self._explaining.result, frame, known, own), advisory(self.rules))
+        return Rated(known, own, self._explaining.of(frame, known, own), advisory(self.rules))

@@ -47,7 +47,13 @@ class Looking:
         self, stamps: Stamps, elements: Elements, settled: Settled, ended: bool,
         parts: Callable[[ir.Formula], tuple[ir.Formula, ...] | None],
     ) -> None:  # fmt: skip
-        self._stamps, self._elements, self._settled, self._ended, self._parts = stamps, elements, settled, ended, parts
+        self._stamps, self._elements, self._settled, self._ended, self._parts = (
+            stamps,
+            elements,
+            settled,
+            ended,
+            parts,
+        )
         self._count = len(stamps)
         self._places = np.arange(self._count, dtype=np.float64)
         #: Where each cycle is among the elements.
@@ -169,9 +175,7 @@ class Looking:
                     node.op, self.value(node.left, about, now), self.value(node.right, about, now)
                 )
             case ir.Guarded():
-                return values.guarded(
-                    self.value(node.guard, about, now), self.value(node.body, about, now)
-                )
+                return values.guarded(self.value(node.guard, about, now), self.value(node.body, about, now))
             case ir.OverRun():
                 open_ = np.flatnonzero(now < self._closed(node)[about])
                 found = values.taken(self._in_whole(node), about)

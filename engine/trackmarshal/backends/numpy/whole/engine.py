@@ -11,7 +11,15 @@ from trackmarshal.backends.numpy.logic import Value, negate
 from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.ahead import Looking
 from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, elements
-from trackmarshal.backends.numpy.whole.outcomes import OPEN, UNDEFINED, Codes, Saying, at_once, together, worst
+from trackmarshal.backends.numpy.whole.outcomes import (
+    OPEN,
+    UNDEFINED,
+    Codes,
+    Saying,
+    at_once,
+    together,
+    worst,
+)
 from trackmarshal.backends.numpy.whole.past import Operator, operator
 from trackmarshal.backends.numpy.whole.values import Bools, Floats, pairs
 from trackmarshal.backends.over_run.history import looks_ahead, parts_ahead, parts_of, recalls_of, sets_of
@@ -83,8 +91,8 @@ class Engine:
         for rule in rules:
             assert rule.formula is not None
             self._rules.append(_Ahead(rule) if looks_ahead(rule.formula) else _AtOnce(rule))
-            for formula in filter(None, (rule.formula, rule.active)):
-                for node in _over_run(formula):
+            for formula in (rule.formula, rule.active):
+                for node in () if formula is None else _over_run(formula):
                     if isinstance(node, (ir.OverRun, ir.Counted)) and not looks_ahead(node):
                         self._operators.setdefault(node, operator(node))
         #: The last stamp that is remembered, and how many cycles are missing since; how many there were in all.
@@ -103,7 +111,9 @@ class Engine:
             return found[0]
         return [_following(parts) for parts in zip(*found)]
 
-    def _segment(self, own: slice, stamps: Stamps, missed: Indices, given: Leaves, keep: bool) -> list[Outcome]:
+    def _segment(
+        self, own: slice, stamps: Stamps, missed: Indices, given: Leaves, keep: bool
+    ) -> list[Outcome]:
         """The same of cycles that are all remembered, or of one that is not."""
         stamps, missed = stamps[own], missed[own].copy()
         missed[0] += self._missing
@@ -156,7 +166,13 @@ class _Piece:
     def __init__(
         self, elements: Elements, given: Leaves, own: slice, operators: dict[ir.Formula, Operator], keep: bool
     ) -> None:
-        self._elements, self._given, self._own, self._operators, self._keep = elements, given, own, operators, keep
+        self._elements, self._given, self._own, self._operators, self._keep = (
+            elements,
+            given,
+            own,
+            operators,
+            keep,
+        )
         self._known: dict[ir.Formula, Value] = {}
 
     def value(self, node: ir.Formula) -> Value:
@@ -206,7 +222,12 @@ class _AtOnce:
         self._rule = rule
 
     def step(
-        self, stamps: Stamps, missed: Indices, names: Indices, value: Callable[[ir.Formula], Value], keep: bool
+        self,
+        stamps: Stamps,
+        missed: Indices,
+        names: Indices,
+        value: Callable[[ir.Formula], Value],
+        keep: bool,
     ) -> Outcome:
         assert self._rule.formula is not None
         active = None if self._rule.active is None else value(self._rule.active)
@@ -238,10 +259,19 @@ class _Ahead:
         self._kept: _Kept | None = None
 
     def step(
-        self, stamps: Stamps, missed: Indices, names: Indices, value: Callable[[ir.Formula], Value], keep: bool
+        self,
+        stamps: Stamps,
+        missed: Indices,
+        names: Indices,
+        value: Callable[[ir.Formula], Value],
+        keep: bool,
     ) -> Outcome:
         own = _Kept(
-            stamps, missed, names, {node: value(node) for node in self._settled}, np.ones(len(stamps), dtype=bool)
+            stamps,
+            missed,
+            names,
+            {node: value(node) for node in self._settled},
+            np.ones(len(stamps), dtype=bool),
         )
         before = 0 if self._kept is None else len(self._kept.stamps)
         whole = own if self._kept is None else _joined(self._kept, own)
@@ -298,7 +328,9 @@ class _Ahead:
 
     def _said(self, kept: _Kept, looking: Looking, about: Indices, now: Indices) -> tuple[Codes, Floats]:
         value = looking.value(self._formula, about, now)
-        return at_once(value, None if self._active is None else values.taken(kept.values[self._active], about))
+        return at_once(
+            value, None if self._active is None else values.taken(kept.values[self._active], about)
+        )
 
     def _keep(self, whole: _Kept, pending: Bools) -> None:
         """Forget all before the oldest cycle that is open."""
@@ -306,19 +338,24 @@ class _Ahead:
             self._kept = None
             return
         old = int(np.argmax(pending))
-        known = {node: values.applied(lambda array: array[old:].copy(), one) for node, one in whole.values.items()}
+        known = {
+            node: values.applied(lambda array: array[old:].copy(), one) for node, one in whole.values.items()
+        }
         self._kept = _Kept(
-            whole.stamps[old:].copy(), whole.missed[old:].copy(), whole.names[old:].copy(), known, pending[old:].copy()
+            whole.stamps[old:].copy(),
+            whole.missed[old:].copy(),
+            whole.names[old:].copy(),
+            known,
+            pending[old:].copy(),
         )
 
 
 def _joined(a: _Kept, b: _Kept) -> _Kept:
     known = {node: values.together([one, b.values[node]]) for node, one in a.values.items()}
-    stamps, missed, names, pending = (
-        np.concatenate(pair)
-        for pair in ((a.stamps, b.stamps), (a.missed, b.missed), (a.names, b.names), (a.pending, b.pending))
-    )
-    return _Kept(stamps, missed, names, known, pending)
+    return _Kept(
+        np.concatenate((a.stamps, b.stamps)), np.concatenate((a.missed, b.missed)), np.concatenate((a.names, b.names)),
+        known, np.concatenate((a.pending, b.pending)),
+    )  # fmt: skip
 
 
 def _ordered(names: Indices, parts: list[tuple[Any, ...]]) -> Saying:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from trackmarshal.backends.numpy.whole.values import Bools, Floats, undefined_wh
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.constants import constant_value
 from trackmarshal.ir.reads import reads
-from trackmarshal.ir.spec import Spec
+from trackmarshal.ir.spec import ParamInfo, Spec
 from trackmarshal.runtime.door.stacked import Stacked
 from trackmarshal.runtime.frame import Columns, Frame, Settings
 
@@ -44,7 +44,8 @@ class Leaves:
         own = self.run.program.spec.params
         found = []
         for settings in self._settings:
-            number = constant_value(node, lambda name, given=settings.params: given.get(name, own[name].value))  # type: ignore[misc]
+            given = settings.params
+            number = constant_value(node, partial(_param, own, given))
             assert number is not None, "an input changes it"
             found.append(number)
         return found[0] if found.count(found[0]) == len(found) else np.array(found)
@@ -63,6 +64,10 @@ class Leaves:
         return Side(_of_cycles(side.margin, size), NEITHER, _of_cycles(side.sat, size))
 
 
+def _param(own: Mapping[str, ParamInfo], given: Mapping[str, float], name: str) -> float:
+    return given.get(name, own[name].value)
+
+
 def _of_cycles(array: Any, size: int) -> Any:
     return array.reshape(size) if array.size == size else np.repeat(array, size)
 
@@ -77,7 +82,9 @@ def of_frames(program: NumpyProgram, frames: Sequence[Frame]) -> Leaves:
 
     settings = list({id(frame.settings): frame.settings for frame in frames}.values())
     return Leaves(
-        program.run(frames), unusable, settings if len(settings) == 1 else [frame.settings for frame in frames]
+        program.run(frames),
+        unusable,
+        settings if len(settings) == 1 else [frame.settings for frame in frames],
     )
 
 
@@ -92,69 +99,69 @@ class _Arrays(Batch):
 
     def __init__(self, spec: Spec, stacked: Stacked, rank: int, curves: Mapping[str, Curve]) -> None:
         super().__init__(spec, [stacked.shared], rank, curves)
-        self._stacked = stacked
+        self._given = stacked
         self.size = stacked.size
         self.cases = [stacked.shared] * stacked.size
 
     def param(self, name: str) -> Any:
         own = self.spec.params[name].value
-        return np.float64(self._stacked.shared.settings.params.get(name, own))
+        return np.float64(self._given.shared.settings.params.get(name, own))
 
     def own(self, signal: str) -> list[Columns]:
-        if signal not in self._stacked.names:
-            return [self._stacked.shared.columns[signal]] * self.size
-        common, ids = self._stacked.names[signal], self._stacked.names[signal].ids
-        numbers, flags = self._stacked.numbers[signal], self._stacked.flags[signal]
+        if signal not in self._given.names:
+            return [self._given.shared.columns[signal]] * self.size
+        common, ids = self._given.names[signal], self._given.names[signal].ids
+        numbers, flags = self._given.numbers[signal], self._given.flags[signal]
         return [
             Columns(common.names, numbers[place], None if flags is None else flags[place], ids)
             for place in range(self.size)
         ]
 
     def counts(self, signal: str) -> list[int]:
-        given = self._stacked.numbers.get(signal)
-        count = self._stacked.shared.columns[signal].count if given is None else given.shape[2]
+        given = self._given.numbers.get(signal)
+        count = self._given.shared.columns[signal].count if given is None else given.shape[2]
         return [count] * self.size
 
     def count(self, axis: ir.Axis) -> int:
-        given = self._stacked.numbers.get(axis.signal)
-        count = self._stacked.shared.columns[axis.signal].count if given is None else given.shape[2]
+        given = self._given.numbers.get(axis.signal)
+        count = self._given.shared.columns[axis.signal].count if given is None else given.shape[2]
         return max(0, count - axis.width + 1)
 
     def table(self, signal: str, field: str) -> Floats:
         known = self._columns.get((signal, field))
         if known is None:
-            given = self._stacked.numbers.get(signal)
+            given = self._given.numbers.get(signal)
             if given is None:
-                shared = np.asarray(self._stacked.shared.columns[signal].column(field), dtype=np.float64)
+                shared = np.asarray(self._given.shared.columns[signal].column(field), dtype=np.float64)
                 known = np.broadcast_to(shared, (self.size, len(shared)))
             else:
-                row = self._stacked.names[signal].names.rows[field]
+                row = self._given.names[signal].names.rows[field]
                 known = np.ascontiguousarray(given[:, row])
             self._columns[signal, field] = known
         return known
 
     def scalar(self, signal: str, field: str) -> Any:
-        if signal not in self._stacked.numbers:
-            return np.array(self._stacked.shared.value(signal, field))
+        if signal not in self._given.numbers:
+            return np.array(self._given.shared.value(signal, field))
         return self._shaped(self.table(signal, field)[:, 0])
 
     def sample(self, signal: str, field: str, index: int) -> Any:
         return self._shaped(self.table(signal, field)[:, index])
 
     def event(self, signal: str, field: str, index: int) -> Any:
-        if field and signal in self._stacked.names:
+        if field and signal in self._given.names:
             return self._shaped(self.flags(signal, field)[:, index])
-        if not field and signal in self._stacked.events:
-            codes = self._stacked.events[signal]
+        if not field and signal in self._given.events:
+            codes = self._given.events[signal]
             return self._shaped(_coded(codes))
-        flag = self._stacked.shared.flag(signal, field, index)
+        flag = self._given.shared.flag(signal, field, index)
         return np.array(np.nan if flag is None else float(flag))
 
     def flags(self, signal: str, field: str) -> Floats:
-        if signal not in self._stacked.names:
-            own = _coded(np.asarray(self._stacked.shared.columns[signal].column(field)))
+        if signal not in self._given.names:
+            own = _coded(np.asarray(self._given.shared.columns[signal].column(field)))
             return np.broadcast_to(own, (self.size, len(own)))
-        given, row = self._stacked.flags[signal], self._stacked.names[signal].names.rows[field]
+        given, row = self._given.flags[signal], self._given.names[signal].names.rows[field]
         assert given is not None, "a column of Booleans"
         return _coded(given[:, row])
 

@@ -47,14 +47,22 @@ class Saying:
 
     def listed(self, name: Callable[[int], object] = int) -> list[tuple[int, About]]:
         """In which cycle what is said, in order, with cycles by what they are called."""
-        every = zip(*(each.tolist() for each in (self.cycle, self.about, self.codes, self.margins, self.final)))
-        return [(cycle, About(name(about), VERDICTS[code], margin, final)) for cycle, about, code, margin, final in every]
+        every = zip(
+            *(each.tolist() for each in (self.cycle, self.about, self.codes, self.margins, self.final))
+        )
+        return [
+            (cycle, About(name(about), VERDICTS[code], margin, final))
+            for cycle, about, code, margin, final in every
+        ]
 
 
 def together(parts: Sequence[Saying]) -> Saying:
     """What is said in cycles that follow one another."""
     cycle, about = np.concatenate([one.cycle for one in parts]), np.concatenate([one.about for one in parts])
-    codes, margins = np.concatenate([one.codes for one in parts]), np.concatenate([one.margins for one in parts])
+    codes, margins = (
+        np.concatenate([one.codes for one in parts]),
+        np.concatenate([one.margins for one in parts]),
+    )
     return Saying(cycle, about, codes, margins, np.concatenate([one.final for one in parts]))
 
 
@@ -77,9 +85,7 @@ def at_once(formula: Value, active: Value | None) -> tuple[Codes, Floats]:
     return codes, margins
 
 
-def worst(
-    own: tuple[Codes, Floats], place: Indices, codes: Codes, margins: Floats
-) -> tuple[Codes, Floats]:
+def worst(own: tuple[Codes, Floats], place: Indices, codes: Codes, margins: Floats) -> tuple[Codes, Floats]:
     """(cycles,): of what each cycle says about itself, and what is decided in it of earlier ones (its place, the verdict, the margin), the worst."""
     bad = BADNESS[own[0]]
     sizes = np.where(np.isnan(own[1]), 0.0, own[1])

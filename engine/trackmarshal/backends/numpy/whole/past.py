@@ -70,7 +70,7 @@ class _Window:
         if keep and node.upper is None:
             last = values.applied(np.copy, taken(found, slice(len(whole) - 1, None)))
             self._kept, self._values = one(LONG_AGO), [constant(TRUE, 1), last][-len(given) :]
-        elif keep:
+        elif keep and node.upper is not None:
             begin = whole.since(int(whole.last[-1]) - node.upper)
             self._kept = whole.after(begin)
             self._values = [values.applied(lambda array: array[begin:].copy(), each) for each in given]
@@ -82,14 +82,14 @@ class _Window:
         sides = [pairs(value) for value in operands]
 
         def found(side: int) -> Pair:
-            given = [array for each in sides for array in each[side]]
+            given = [each[side] for each in sides]
             match node.op:
                 case "once":
-                    return temporal.eventually(given[0], given[1], windows)
+                    return temporal.eventually(*given[0], windows)
                 case "historically":
-                    return temporal.always(given[0], given[1], windows)
+                    return temporal.always(*given[0], windows)
                 case "since":
-                    return temporal.since(given[0], given[1], given[2], given[3], windows)
+                    return temporal.since(*given[0], *given[1], windows)
                 case _:
                     raise AssertionError(f"`{node.op}` has no window in the past")
 
@@ -130,7 +130,7 @@ class _Count:
         if keep and node.upper is None:
             last = [each[-1:].copy() for each in found]
             self._kept, self._arrays = one(LONG_AGO), [*last, nothing[:1], nothing[:1]]
-        elif keep:
+        elif keep and node.upper is not None:
             rest = whole.since(int(whole.last[-1]) - node.upper)
             self._kept, self._arrays = whole.after(rest), [array[rest:].copy() for array in arrays]
         return _compared(node, found[0][len(whole) - own :], found[1][len(whole) - own :], limit)

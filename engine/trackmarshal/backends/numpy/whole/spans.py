@@ -17,7 +17,9 @@ class Spans:
         step = 1
         while 2 * step <= longest:
             before, wanted = self._held[-1], self._goal[-1]
-            self._held.append(None if before is None else _put(before, carrier.meet(before[:-step], before[step:])))
+            self._held.append(
+                None if before is None else _put(before, carrier.meet(before[:-step], before[step:]))
+            )
             if wanted is not None:
                 later = wanted[step:] if before is None else carrier.meet(before[:-step], wanted[step:])
                 wanted = _put(wanted, carrier.join(wanted[:-step], later))
@@ -26,7 +28,7 @@ class Spans:
 
     def all(self, begin: Indices, end: Indices) -> Rows:
         """The least of p over each span."""
-        found = np.full(len(begin), self._carrier.top, self._carrier.dtype)
+        found: Rows = np.full(len(begin), self._carrier.top, self._carrier.dtype)
         for level, chosen, left, right in _levels(begin, end):
             held = self._held[level]
             assert held is not None, "nothing has to hold here"
@@ -35,7 +37,7 @@ class Spans:
 
     def until(self, begin: Indices, end: Indices) -> Rows:
         """p until q inside each span."""
-        found = np.full(len(begin), self._carrier.bottom, self._carrier.dtype)
+        found: Rows = np.full(len(begin), self._carrier.bottom, self._carrier.dtype)
         for level, chosen, left, right in _levels(begin, end):
             held, goal = self._held[level], self._goal[level]
             assert goal is not None, "nothing is asked for here"
