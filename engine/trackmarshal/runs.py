@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.whole.engine import Engine, Outcome, why_by_cycle
 from trackmarshal.backends.numpy.whole.leaves import Leaves, of_arrays, of_frames
-from trackmarshal.backends.numpy.whole.outcomes import Saying, together
+from trackmarshal.backends.numpy.whole.outcomes import Said, Saying, following
 from trackmarshal.backends.over_run.program import explained, remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.overrun import leaves, nanoseconds
@@ -160,7 +160,7 @@ class Frames:
     def _said(self, outcome: Outcome, first: int, count: int) -> list[tuple[About, ...]]:
         """By cycle, what is said in it."""
         found: list[list[About]] = [[] for _ in range(count)]
-        saying = at_once(outcome, first) if outcome.said is None else outcome.said
+        saying = at_once(outcome, first) if outcome.said is None else outcome.said()
         for cycle, one in saying.listed(self._names.__getitem__):
             found[cycle - first].append(one)
         return [tuple(each) for each in found]
@@ -187,7 +187,7 @@ class Piece:
     """
 
     def __init__(
-        self, first: int, codes: Mapping[str, Codes], margins: Mapping[str, Floats], said: Mapping[str, Saying | None],
+        self, first: int, codes: Mapping[str, Codes], margins: Mapping[str, Floats], said: Mapping[str, Said],
         safe: NDArray[np.bool_],
     ) -> None:  # fmt: skip
         self.first, self.codes, self.margins, self._said, self.safe = first, codes, margins, said, safe
@@ -206,7 +206,7 @@ class Piece:
         whose margin becomes final, in one of these. Raises KeyError for a rule that there is not."""
         said = self._said[rule]
         if said is not None:
-            return said
+            return said()
         return at_once(Outcome(self.codes[rule], self.margins[rule], None), self.first)
 
 
@@ -304,8 +304,8 @@ class WholeRun:
         for name in self.by_cycle:
             own = [each[name] for each in results]
             codes = np.array([VERDICTS.index(one.verdict) for one in own], dtype=np.uint8)
-            said = _saying([(self._count + place, one.about) for place, one in enumerate(own)])
-            made[name] = Outcome(codes, np.array([one.margin for one in own]), said)
+            said = [(self._count + place, one.about) for place, one in enumerate(own)]
+            made[name] = Outcome(codes, np.array([one.margin for one in own]), partial(_saying, said))
         return made
 
     def _stamps(self, t: Any) -> Stamps:
@@ -339,14 +339,13 @@ def _missed(given: Any, count: int) -> NDArray[np.intp]:
 
 def _joined(parts: Sequence[Piece]) -> Piece:
     names = parts[0].codes.keys()
-    said = {name: [part._said[name] for part in parts] for name in names}
     return Piece(
         parts[0].first,
         {name: np.concatenate([part.codes[name] for part in parts]) for name in names},
         {name: np.concatenate([part.margins[name] for part in parts]) for name in names},
-        {name: None if each[0] is None else together([part for part in each if part is not None]) for name, each in said.items()},
+        {name: following([part._said[name] for part in parts]) for name in names},
         np.concatenate([part.safe for part in parts]),
-    )  # fmt: skip
+    )
 
 
 def _saying(parts: Sequence[tuple[int, Sequence[About]]]) -> Saying:

@@ -18,7 +18,7 @@ from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT
 from trackmarshal.backends.numpy.temporal.extrema import extremum
 from trackmarshal.backends.numpy.temporal.windows import Windows, edge_at
 from trackmarshal.backends.numpy.whole import values
-from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps
+from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, edge_of
 from trackmarshal.backends.numpy.whole.spans import Spans
 from trackmarshal.backends.numpy.whole.values import Pair, pairs
 from trackmarshal.ir import nodes as ir
@@ -62,6 +62,7 @@ class Looking:
         self._whole: dict[ir.Formula, Value] = {}
         self._spans: dict[tuple[ir.Formula, int, int], Spans] = {}
         self._spread: dict[ir.Formula, Value] = {}
+        self._closings: dict[ir.Formula, Floats] = {}
 
     # When -----------------------------------------------------------------------------------------------------
 
@@ -143,13 +144,18 @@ class Looking:
 
     def _closed(self, node: ir.OverRun) -> Floats:
         """(cycles,): the cycle in which nothing comes into a window any more."""
+        found = self._closings.get(node)
+        if found is not None:
+            return found
         if node.op == "next":
             found = self._places + 1.0
         else:
             assert node.upper is not None, "what looks ahead has a bound"
-            found = np.searchsorted(self._stamps, self._stamps + node.upper, "left").astype(np.float64)
+            edge = edge_of(self._stamps, self._stamps + node.upper, "left")
+            found = edge_at(edge, 0, self._count, self._count).astype(np.float64)
         if not self._ended:
             found[found >= self._count] = np.inf
+        self._closings[node] = found
         return found
 
     def _of_elements(self, node: ir.Formula) -> Times:

@@ -80,8 +80,8 @@ class Elements:
 
 def _made(first: Stamps, last: Stamps, lower: int, upper: int | None, past: bool) -> Windows:
     n = len(first)
-    begin: Edge = 0 if lower == 0 else _edge(last, last + lower, "left")
-    end: Edge = n if upper is None else _edge(first, last + upper, "right")
+    begin: Edge = 0 if lower == 0 else edge_of(last, last + lower, "left")
+    end: Edge = n if upper is None else edge_of(first, last + upper, "right")
     if isinstance(begin, int) and isinstance(end, int):
         longest = max(min(end - begin, n), 0)
     else:
@@ -89,7 +89,7 @@ def _made(first: Stamps, last: Stamps, lower: int, upper: int | None, past: bool
     return Windows(n, past, begin, end, longest)
 
 
-def _edge(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge:
+def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge:
     """For every element how many keys lie before what it reaches, or up to and with it (right).
 
     Where cycles come evenly it is the same distance for all; that is guessed from the first one, and looked at. As in `temporal.windows`.

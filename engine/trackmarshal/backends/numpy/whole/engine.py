@@ -15,9 +15,10 @@ from trackmarshal.backends.numpy.whole.outcomes import (
     OPEN,
     UNDEFINED,
     Codes,
+    Said,
     Saying,
     at_once,
-    together,
+    following,
     worst,
 )
 from trackmarshal.backends.numpy.whole.past import Operator, operator
@@ -39,17 +40,18 @@ class Leaves(Protocol):
 
 
 class Outcome(NamedTuple):
-    """What a rule says in the cycles of a piece: codes of verdicts and margins, (cycles,); said: about which cycles, or None: each about itself."""
+    """What a rule says in the cycles of a piece: codes of verdicts and margins, (cycles,); said: about which cycles, worked out when it is asked for; None: each about itself."""
 
     codes: Codes
     margins: Floats
-    said: Saying | None
+    said: Said
 
     def blocked(self, where: Bools, first: int) -> Outcome:
         """The same, but undefined in some cycles, which say so of themselves alone. first: the number of the first cycle."""
         codes, margins = self.codes.copy(), self.margins.copy()
         codes[where], margins[where] = UNDEFINED, np.nan
-        return Outcome(codes, margins, None if self.said is None else self.said.blocked(where, first))
+        said = self.said
+        return Outcome(codes, margins, None if said is None else lambda: said().blocked(where, first))
 
 
 def why_by_cycle(rule: RuleInfo) -> str:
@@ -152,11 +154,10 @@ def _segments(doubt: Bools) -> list[tuple[int, int]]:
 
 def _following(parts: Sequence[Outcome]) -> Outcome:
     """What a rule says in cycles that follow one another."""
-    said = [part.said for part in parts if part.said is not None]
     return Outcome(
         np.concatenate([part.codes for part in parts]),
         np.concatenate([part.margins for part in parts]),
-        together(said) if said else None,
+        following([part.said for part in parts]),
     )
 
 
@@ -285,17 +286,23 @@ class _Ahead:
         of_own[0][about[here] - before], of_own[1][about[here] - before] = codes[here], margins[here]
         later = ~here
         found = worst(of_own, now[later] - before, codes[later], margins[later])
-        closing = np.flatnonzero(whole.pending & (final < np.inf) & (final > first))
-        late = final[closing].astype(np.intp)
-        mine = np.arange(before, len(whole.stamps))
-        said = [
-            (mine, mine, *of_own, final[before:] == mine),
-            (now[later], about[later], codes[later], margins[later], final[about[later]] == now[later]),
-            (late, closing, *self._said(whole, looking, closing, late), np.ones(len(late), dtype=bool)),
-        ]
+
+        def said() -> Saying:
+            closing = np.flatnonzero(whole.pending & (final < np.inf) & (final > first))
+            late = final[closing].astype(np.intp)
+            mine = np.arange(before, len(whole.stamps))
+            with np.errstate(all="ignore"):
+                closed = self._said(whole, looking, closing, late)
+            parts = [
+                (mine, mine, *of_own, final[before:] == mine),
+                (now[later], about[later], codes[later], margins[later], final[about[later]] == now[later]),
+                (late, closing, *closed, np.ones(len(late), dtype=bool)),
+            ]
+            return _ordered(whole.names, parts)
+
         if keep:
             self._keep(whole, whole.pending & (final == np.inf))
-        return Outcome(*found, _ordered(whole.names, said))
+        return Outcome(*found, said)
 
     @property
     def oldest(self) -> int | None:

@@ -56,14 +56,30 @@ class Saying:
         ]
 
 
-def together(parts: Sequence[Saying]) -> Saying:
+#: What is said, worked out when it is asked for; None: of each cycle about itself.
+Said = Callable[[], Saying] | None
+
+
+def following(parts: Sequence[Said]) -> Said:
     """What is said in cycles that follow one another."""
-    cycle, about = np.concatenate([one.cycle for one in parts]), np.concatenate([one.about for one in parts])
-    codes, margins = (
-        np.concatenate([one.codes for one in parts]),
-        np.concatenate([one.margins for one in parts]),
-    )
-    return Saying(cycle, about, codes, margins, np.concatenate([one.final for one in parts]))
+    given = [part for part in parts if part is not None]
+    if not given:
+        return None
+    assert len(given) == len(parts), "a rule is decided at once, or it is not"
+
+    def said() -> Saying:
+        found = [part() for part in given]
+        cycle, about = (
+            np.concatenate([one.cycle for one in found]),
+            np.concatenate([one.about for one in found]),
+        )
+        codes, margins = (
+            np.concatenate([one.codes for one in found]),
+            np.concatenate([one.margins for one in found]),
+        )
+        return Saying(cycle, about, codes, margins, np.concatenate([one.final for one in found]))
+
+    return said
 
 
 def decided(value: Value) -> tuple[Codes, Floats]:

@@ -56,9 +56,11 @@ def _put(into: Rows, first: Rows) -> Rows:
 def _levels(begin: Indices, end: Indices) -> list[tuple[int, Indices, Indices, Indices]]:
     """Spans by the power of two that is the longest in them: which, and where the two that cover each begin."""
     length = end - begin
-    levels = np.frexp(length.astype(np.float64))[1] - 1
+    levels = np.frexp(length.astype(np.float64))[1] - 1  # of nothing: -1
     found = []
-    for level in np.unique(levels[length > 0]).tolist():
-        chosen = np.flatnonzero((levels == level) & (length > 0))
+    for level in np.flatnonzero(np.bincount(levels[length > 0])).tolist():
+        chosen = np.flatnonzero(levels == level)
+        if level == 0:
+            chosen = chosen[length[chosen] > 0]
         found.append((level, chosen, begin[chosen], end[chosen] - (1 << level)))
     return found
