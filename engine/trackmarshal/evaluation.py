@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
@@ -13,17 +12,18 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo, short_name
 from trackmarshal.ir.straight import Fields, curvatures, straightened
 from trackmarshal.runtime import saving
 from trackmarshal.runtime.contract.tracks import places_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import Judged, Program, Rated
-from trackmarshal.runtime.verdict import About, CaseResult
+from trackmarshal.runtime.stamps import stamp_after
+from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, About, CaseResult, RuleResult
 
 if TYPE_CHECKING:
     from trackmarshal.batches import Batch
+    from trackmarshal.runs import WholeRun
     from trackmarshal.semantics.compile import Compiled
     from trackmarshal.syntax import ast
 
@@ -205,6 +205,26 @@ class Evaluator:
         """
         return Run(self, saved)
 
+    def whole_run(
+        self, params: Mapping[str, Any] | None = None, tables: Mapping[str, Any] | None = None,
+        places: Mapping[str, Any] | None = None, straight: Fields = NOWHERE,
+    ) -> WholeRun:  # fmt: skip
+        """A run to which many cycles are given at once, as arrays: see `WholeRun.step`. Its cycles are evaluated with numpy.
+
+        params, tables and places override the spec's, the same in all cycles. straight: curvatures (signal, column) that the arrays do not have.
+        """
+        from trackmarshal.runs import WholeRun
+        from trackmarshal.runtime.door.arrays import ArraysReader
+
+        if straight:
+            return self._without(straight).whole_run(params, tables, places)
+        given = {"params": params, "tables": tables, "places": places}
+        return WholeRun(self, given, ArraysReader(self.reader).read)
+
+    def only(self, names: Sequence[str]) -> Evaluator:
+        """Some of the rules, for the frames of all."""
+        return Evaluator(self.spec, names, self.asked, self.declared)
+
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         """The outcome of frames. Where `auto` chose generated C and it does not hold one of them, numpy takes over."""
         if not all(frame.straight.isdisjoint(self._curvatures) for frame in frames):
@@ -228,15 +248,30 @@ class Evaluator:
             found |= zip(places, evaluator.judge_all([frames[place] for place in places]))
         return [found[place] for place in range(len(frames))]
 
-    def result(self, frame: Frame, rated: Rated, series: bool = False, candidate: str = "") -> CaseResult:
-        """One outcome, rule by rule, with the faults of its frame, and the constraints that do not hold."""
+    def result(
+        self, frame: Frame, rated: Rated, series: bool = False, candidate: str = "", brief: bool = False
+    ) -> CaseResult:
+        """One outcome, rule by rule, with the faults of its frame, and the constraints that do not hold.
+
+        brief: of rules that are not against it the verdict and the margin alone; what decided them is not looked for.
+        """
         faults = [
             str(f)
             for f in frame.faults
             if not candidate or f.signal not in frame.candidates or f.signal == candidate
         ]
-        rules = {rule.name: rated.explain(place, series) for place, rule in enumerate(self.rules)}
+        rules = {
+            rule.name: _brief(rule, rated, place)
+            if brief and VERDICTS[rated.verdicts[place]] not in UNSAFE
+            else rated.explain(place, series)
+            for place, rule in enumerate(self.rules)
+        }
         return CaseResult(frame.id, rules, tuple(faults), frame.settings.broken)
+
+    @property
+    def sweeps(self) -> bool:
+        """Whether rules follow curvatures that a case may leave out."""
+        return bool(self._curvatures)
 
     @property
     def backend(self) -> str:
@@ -300,6 +335,13 @@ class Evaluator:
         return broken_constraints(self.spec, settings)
 
 
+def _brief(rule: RuleInfo, rated: Rated, place: int) -> RuleResult:
+    """Verdict and margin of a rule alone."""
+    unit = rule.unit if rule.unit != "mixed" else "1"
+    said = VERDICTS[rated.verdicts[place]], float(rated.margins[place])
+    return RuleResult(rule.name, *said, unit, advisory=rule.advisory)
+
+
 class Run:
     """Cases as the cycles of one run. `step` takes them in order; `end` says what was open after the last one."""
 
@@ -338,16 +380,7 @@ class Run:
     def step(self, frame: Frame, series: bool = False) -> CaseResult:
         """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one."""
         program = self._evaluator.program
-        stamp = None if frame.t is None or not math.isfinite(frame.t) else nanoseconds(frame.t)
-        if stamp is None or (self._last is not None and stamp <= self._last):
-            said = (
-                "has no stamp"
-                if frame.t is None
-                else f"stamp {frame.t!r} s does not come after the one before"
-            )
-            help_ = 'write it as "t", in s, beside "signals": {"t": 0.1, "signals": {...}}'
-            raise TrackmarshalError("D206", f"the cycle {said}", help=help_)
-        self._last = stamp
+        self._last = stamp_after(frame, self._last)
         judged = program.judge(self._memory, frame)
         self._memory = program.commit(self._memory, frame, None)
         ((_, rated),) = judged.rated.items()

@@ -29,6 +29,7 @@ from trackmarshal.units import written
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
     from trackmarshal.ir.spec import Spec
+    from trackmarshal.runs import Frames
     from trackmarshal.runtime.frame import Frame
     from trackmarshal.runtime.verdict import CaseResult
 
@@ -110,20 +111,18 @@ def refuse_over_run(evaluator: Evaluator, help_: str) -> None:
 
 def _run(evaluator: Evaluator, args: argparse.Namespace) -> int:
     """Evaluate and print the cycles of one run, then what was open after the last one."""
-    going, status, read = evaluator.over_run(), 0, 0
-    for read, (identity, case) in enumerate(read_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
-        try:
-            if isinstance(case, TrackmarshalError):
-                raise case
-            result = going.step(case)
-        except TrackmarshalError as error:
-            going.missed()
-            error.file = error.file or args.data
-            status = 2
-            say(*_error_lines(identity, error, args.format))
-            continue
-        say(*([_json_line(result)] if args.format == "jsonl" else _text(result)))
-        status = max(status, 0 if result.safe else 1)
+    from trackmarshal.evaluation import CHUNK
+    from trackmarshal.runs import Frames
+
+    status, read, pending = 0, 0, list[tuple[object, Frame | TrackmarshalError]]()
+    going = _Cycles(evaluator) if _in_step(evaluator, args.data) else Frames(evaluator)
+    many = 1 if isinstance(going, _Cycles) else CHUNK
+    for read, item in enumerate(read_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
+        pending.append(item)
+        if len(pending) == many:
+            status = max(status, _flush_run(pending, going, args))
+            pending = []
+    status = max(status, _flush_run(pending, going, args))
     if read == 0:
         raise TrackmarshalError("D103", "there is no cycle in the data", file=args.data, help=_HELP)
     left = going.end()
@@ -131,6 +130,51 @@ def _run(evaluator: Evaluator, args: argparse.Namespace) -> int:
         say(*_end_lines(left, args.format))
     if any(about.verdict in UNSAFE for each in left.values() for about in each):
         status = max(status, 1)
+    return status
+
+
+def _in_step(evaluator: Evaluator, data: str) -> bool:
+    """Whether cycles are evaluated one by one: numpy takes many at once, but not while somebody waits for what is said of each."""
+    return data == "-" or evaluator.backend != "numpy" or evaluator.sweeps
+
+
+class _Cycles:
+    """A run cycle by cycle, as `Frames` has it many at a time."""
+
+    def __init__(self, evaluator: Evaluator) -> None:
+        self._going = evaluator.over_run()
+
+    def step(
+        self, cycles: Sequence[Frame | TrackmarshalError], series: bool = False
+    ) -> list[CaseResult | TrackmarshalError]:
+        return [self._one(cycle, series) for cycle in cycles]
+
+    def end(self) -> Mapping[str, Sequence[About]]:
+        return self._going.end()
+
+    def _one(self, cycle: Frame | TrackmarshalError, series: bool) -> CaseResult | TrackmarshalError:
+        try:
+            if isinstance(cycle, TrackmarshalError):
+                raise cycle
+            return self._going.step(cycle, series)
+        except TrackmarshalError as error:
+            self._going.missed()
+            return error
+
+
+def _flush_run(
+    pending: list[tuple[object, Frame | TrackmarshalError]], going: _Cycles | Frames, args: argparse.Namespace
+) -> int:
+    """Evaluate and print some cycles; 2 when one could not be read, 1 when one is not safe, else 0."""
+    status = 0
+    for (identity, _), result in zip(pending, going.step([case for _, case in pending])):
+        if isinstance(result, TrackmarshalError):
+            result.file = result.file or args.data
+            status = 2
+            say(*_error_lines(identity, result, args.format))
+        else:
+            say(*([_json_line(result)] if args.format == "jsonl" else _text(result)))
+            status = max(status, 0 if result.safe else 1)
     return status
 
 

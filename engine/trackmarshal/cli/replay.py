@@ -114,10 +114,10 @@ def run(args: argparse.Namespace) -> int:
         if args.out:
             _claim(recording, written)
         evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend or "numpy")
-        outcome = run_one(recording, evaluator, args.quiet)
-        lines = json_lines(outcome)
+        brief = args.format == "text" and not args.out and order is None
+        outcome = run_one(recording, evaluator, args.quiet, brief)
         if args.format == "jsonl":
-            for line in lines:
+            for line in json_lines(outcome):
                 print(line)
         else:
             say(*summary(outcome, evaluator))
@@ -275,15 +275,15 @@ def _claim(recording: Recording, written: set[str]) -> None:
     written.add(name.casefold())
 
 
-def run_one(recording: Recording, evaluator: Evaluator, quiet: bool) -> Replay:
-    """Replay with a progress bar."""
+def run_one(recording: Recording, evaluator: Evaluator, quiet: bool, brief: bool = False) -> Replay:
+    """Replay with a progress bar. brief: for a `summary` alone."""
     from trackmarshal.scenarios.fields import unnamed_track
     from trackmarshal.scenarios.replay import replay
 
     unnamed = unnamed_track(recording, evaluator)
     if unnamed and not quiet:
         say(f"note: {recording.name}: {unnamed}", file=sys.stderr)
-    outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet))
+    outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet), brief)
     for name in outcome.ignored:
         if not quiet:
             say(f"note: {recording.name}: its table `{name}` is unknown to the spec", file=sys.stderr)

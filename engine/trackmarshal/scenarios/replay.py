@@ -87,9 +87,12 @@ class Replay:
 
 
 def replay(
-    recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter
-) -> Replay:
-    """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar). Raises D256."""
+    recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter, brief: bool = False
+) -> Replay:  # fmt: skip
+    """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar). Raises D256.
+
+    brief: what decided is looked for where a rule is against a candidate, and nowhere else.
+    """
     spec = evaluator.spec
     _check_labels(recording, spec)
     tables, ignored = known_tables(recording, spec)
@@ -97,7 +100,7 @@ def replay(
         CycleOutcome(
             t,
             {
-                name: evaluator.result(judged.about, rated, candidate=name)
+                name: evaluator.result(judged.about, rated, candidate=name, brief=brief)
                 for name, rated in judged.rated.items()
             },
             decision.action,

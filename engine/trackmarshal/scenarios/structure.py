@@ -213,7 +213,7 @@ def _value(value: Any, name: str, own: Iterable[str], where: str) -> Any:
 
 def _column(value: Any, name: str, where: str) -> list[Any]:
     column = _list(value, where)
-    if all(type(item) is float and math.isfinite(item) for item in column):
+    if {float}.issuperset(map(type, column)) and all(map(math.isfinite, column)):  # nearly always
         return column
     return [_value(item, name, COLUMNS, f"{where}[{i}]") for i, item in enumerate(column)]
 

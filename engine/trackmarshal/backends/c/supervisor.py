@@ -240,7 +240,7 @@ class CSupervisor:
     def _explain(
         self, frame: Frame, candidate: str, verdicts: bytes, margins: Any, number: int, series: bool = False
     ) -> RuleResult:
-        return self._explaining.result(frame.of(candidate), verdicts, margins, number, series)
+        return self._explaining.of(frame.of(candidate), verdicts, margins)(number, series)
 
     def _violation(self, reason: Reason, judged: Judged) -> Violation:
         assert reason.rule is not None

@@ -68,11 +68,19 @@ class NumpyProgram(Stateless):
 
     def run(self, cases: Sequence[Frame]) -> Run:
         """Evaluate all rules on all frames, cases or seen by one candidate."""
-        batch = self._batch(cases)
+        return self.run_on(self._batch(cases))
+
+    def run_on(self, batch: Batch) -> Run:
+        """Evaluate all rules on a batch."""
         # Undefined values are part of the language: divisions by zero and NaN are no cause for warnings.
         with np.errstate(all="ignore"):
             left = self._fixed(batch) if batch.overridden else self._left
             return Run(self, batch, self._varying(batch, left))
+
+    @property
+    def tables(self) -> Tables:
+        """The spec's own tables as functions of arrays."""
+        return self._tables
 
     def _batch(self, cases: Sequence[Frame]) -> Batch:
         return Batch(self.spec, cases, self.code.rank, self._tables)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from trackmarshal.backends.over_run.now import Now, happening
 from trackmarshal.backends.over_run.outcome import Outcome
-from trackmarshal.backends.results import CaseValues, Outcomes, Stateless, rule_result
+from trackmarshal.backends.results import Outcomes, Stateless
 from trackmarshal.ir.margins import own_unit
 from trackmarshal.ir.overrun import leaves, over_run
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -150,7 +150,9 @@ class Remembering:
         def explain(number: int, series: bool = False) -> RuleResult:
             over, place = self._places[number]
             return (
-                _explained(self._over[place], frame, values(), found[place])
+                explained(
+                    self._over[place], frame, found[place].verdict, found[place].margin, found[place].about
+                )
                 if over
                 else plain.explain(place, series)
             )
@@ -182,12 +184,14 @@ def _blocked(frame: Frame) -> Outcome:
     return Outcome("undefined", math.nan, (About(frame.number, "undefined", math.nan, True),), ())
 
 
-def _explained(rule: RuleInfo, frame: Frame, values: CaseValues, outcome: Outcome) -> RuleResult:
+def explained(
+    rule: RuleInfo, frame: Frame, verdict: str, margin: float, about: tuple[About, ...]
+) -> RuleResult:
+    """The result of a rule over the run, given what it says of a frame, and about which cycles."""
     blocked = frame.unusable(rule.reads)
+    unit = rule.unit if blocked is not None or own_unit(rule.unit) else "1"
     if blocked is not None:
-        return replace(rule_result(rule, frame, values, ("undefined", math.nan)), about=outcome.about)
-    unit = rule.unit if own_unit(rule.unit) else "1"
-    reason = "nothing in its range" if outcome.verdict == "inactive" else ""
-    return RuleResult(
-        rule.name, outcome.verdict, outcome.margin, unit, None, reason, None, "", outcome.about, rule.advisory
-    )
+        verdict, margin, reason = "undefined", math.nan, str(blocked)
+    else:
+        reason = "nothing in its range" if verdict == "inactive" else ""
+    return RuleResult(rule.name, verdict, margin, unit, None, reason, None, "", about, rule.advisory)

@@ -14,6 +14,7 @@ from trackmarshal.runtime.contract import RECORD, SET, TIMELINE, Signal
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.cases import CasesReader
 from trackmarshal.runtime.door.columns import ColumnsReader
+from trackmarshal.runtime.door.stacked import Stacked
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
 from trackmarshal.runtime.frame import Columns, Frame, Settings
@@ -45,6 +46,7 @@ class Arrays:
             cases, settings, template, stacks, events,
         )  # fmt: skip
         self._passed = self._shared()
+        self._records = {s.name for s in cases.contract.signals if s.form == RECORD}
 
     def frames(self, start: int, stop: int) -> list[Frame]:
         """The cases from start to before stop, checked; their ids are their numbers."""
@@ -67,6 +69,31 @@ class Arrays:
             self._cases.check(frame, passed)
             found.append(frame)
         return found
+
+    def stacked(self, start: int, stop: int) -> Stacked | None:
+        """The same cases without a frame for each; None where something is wrong with one by itself that only its frame can say: with how
+        samples or elements follow one another, or how many there are."""
+        stop = min(stop, self.size)
+        if len(self._settings) > 1 or any(one.signal in self._stacks for one in self._template.faults):
+            return None
+        numbers = {name: s.values[start:stop] for name, s in self._stacks.items()}
+        flags = {name: None if s.flags is None else s.flags[start:stop] for name, s in self._stacks.items()}
+        events = {name: codes[start:stop] for name, codes in self._events.items()}
+        fine = np.ones(stop - start, dtype=bool)
+        for name, stack in self._stacks.items():
+            if self._cases.fine(name, numbers[name], stack.count, flags[name]):
+                continue
+            if name not in self._records or stack.common.absent:
+                return None
+            fine &= self._cases.each_fine(name, numbers[name], stack.count, flags[name])
+        for codes in events.values():
+            fine &= codes >= 0
+        shared = self._frame(0)
+        shared.faults, shared.events = list(self._template.faults), dict(self._template.events)
+        self._cases.check(shared, frozenset(self._stacks))
+        fine &= not shared.faults
+        names = {name: stack.common for name, stack in self._stacks.items()}
+        return Stacked(stop - start, shared, names, numbers, flags, events, fine)
 
     def _frame(self, index: int) -> Frame:
         """A case with what all share."""

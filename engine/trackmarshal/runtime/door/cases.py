@@ -90,6 +90,10 @@ class CasesReader:
         """Whether nothing is wrong with a signal of columns in many frames: (frames, numbers, count), (frames, flags, count)."""
         return self._checker.columns[name].all_fine(stack, count, flags)
 
+    def each_fine(self, name: str, stack: Any, count: int, flags: Any = None) -> Any:
+        """(frames,): the same of each frame by itself."""
+        return self._checker.columns[name].each_fine(stack, count, flags)
+
     def settings(self, data: Mapping[str, Any]) -> Settings:
         """Overrides from plain data, with the constraints that do not hold with them; raises TrackmarshalError."""
         given = [] if data.keys().isdisjoint(_SETTINGS) else [data.get(key) for key in _SETTINGS]

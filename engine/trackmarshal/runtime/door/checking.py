@@ -49,9 +49,16 @@ class _Together:
 
     def hold(self, values: Any) -> bool:
         """Whether all pass, of (..., rows, count)."""
+        return bool(self._passed(values).all())
+
+    def each(self, values: Any) -> Any:
+        """(frames,): which pass, of (frames, rows, count)."""
+        return self._passed(values).all(axis=(-2, -1))
+
+    def _passed(self, values: Any) -> Any:
         x = values if self.rows is None else values[..., self.rows, :]
         variables = (x[..., :-1], x[..., 1:]) if self.of == "step" else (x,)
-        return bool(self._function(*variables, *self._constants).all())
+        return self._function(*variables, *self._constants)
 
 
 class ColumnsChecker:
@@ -85,6 +92,16 @@ class ColumnsChecker:
                 and (flags is None or all(kind.hold(flags) for kind in self._flags))
             )
         )
+
+    def each_fine(self, stack: Any, count: int, flags: Any = None) -> Any:
+        """(frames,): the same of each frame by itself."""
+        found = np.full(len(stack), all(check(count) for check in self._counts))
+        for kind, values in [(kind, stack) for kind in self._numbers] + [
+            (kind, flags) for kind in self._flags
+        ]:
+            if values is not None and count:
+                found &= kind.each(values)
+        return found
 
     def check(self, columns: Columns, faults: list[Fault]) -> None:
         """Add what is wrong: the first entry of every kind in every field."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import cached_property
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, cached_property, partial
 from types import MappingProxyType
 
 from trackmarshal.backends.c.rules import remembers
@@ -27,14 +27,23 @@ class Explaining:
     def _plain(self) -> NumpyProgram:
         return NumpyProgram(self._spec, [rule for rule, over in zip(self._rules, self._over) if not over])
 
-    def result(
-        self, frame: Frame, codes: bytes, margins: Sequence[float], number: int, series: bool = False,
-        about: Mapping[int, tuple[About, ...]] = MappingProxyType({}),
+    def of(
+        self, frame: Frame, codes: bytes, margins: Sequence[float], about: Mapping[int, tuple[About, ...]] = MappingProxyType({})
+    ) -> Callable[[int, bool], RuleResult]:  # fmt: skip
+        """Whole results of one frame by the numbers of rules: what numpy finds there is looked for once for all of them.
+
+        about: what rules that look ahead say of which cycles, by their numbers.
+        """
+        values = cache(lambda: CaseView(self._plain.run([frame]), 0))
+        return partial(self._result, frame, values, codes, margins, about)
+
+    def _result(
+        self, frame: Frame, values: Callable[[], CaseView], codes: bytes, margins: Sequence[float],
+        about: Mapping[int, tuple[About, ...]], number: int, series: bool = False,
     ) -> RuleResult:  # fmt: skip
-        """The whole result of the rule of a number. about: what rules that look ahead say of which cycles, by their numbers."""
         rule, said = self._rules[number], (VERDICTS[codes[number]], float(margins[number]))
         if not self._over[number]:
-            return rule_result(rule, frame, CaseView(self._plain.run([frame]), 0), said, series)
+            return rule_result(rule, frame, values(), said, series)
         blocked = frame.unusable(rule.reads)
         reason = "nothing in its range" if said[0] == "inactive" else "" if blocked is None else str(blocked)
         unit = rule.unit if own_unit(rule.unit) else "1"

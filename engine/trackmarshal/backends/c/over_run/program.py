@@ -6,7 +6,6 @@ import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -160,5 +159,4 @@ class CRemembering:
 
         known = bytes(codes)
         about = {place: self._about(run, rule, frame.number) for place, rule in self._ahead.items()}
-        explain = partial(self._explaining.result, frame, known, own, about=about)
-        return Rated(known, own, explain, advisory(self.rules))
+        return Rated(known, own, self._explaining.of(frame, known, own, about), advisory(self.rules))

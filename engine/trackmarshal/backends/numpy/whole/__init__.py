@@ -1,0 +1,1 @@
+"""Rules over the run on many cycles at once: windows along the cycles, with what crosses from one piece of the run to the next."""

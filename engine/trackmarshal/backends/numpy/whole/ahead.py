@@ -1,0 +1,299 @@
+"""Formulas that look ahead, along the cycles of a run: when each is decided, and what it comes to in the cycle in which it is.
+
+When a formula is surely true, and when surely false, is reckoned as margins are: of a conjunction the later and the earlier of both, of a
+window the latest and the earliest of all. Times are places of cycles in a piece, never decreasing with what is still to come; infinite: not yet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmarshal.backends.numpy import temporal
+from trackmarshal.backends.numpy.logic import Value, negate
+from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT
+from trackmarshal.backends.numpy.temporal.extrema import extremum
+from trackmarshal.backends.numpy.temporal.windows import Windows, edge_at
+from trackmarshal.backends.numpy.whole import values
+from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, edge_of
+from trackmarshal.backends.numpy.whole.spans import Spans
+from trackmarshal.backends.numpy.whole.values import Pair, pairs
+from trackmarshal.ir import nodes as ir
+from trackmarshal.runtime.kleene import UNDEFINED
+
+Floats = NDArray[np.float64]
+#: The value of a formula that is settled in its own cycle, in all cycles of a piece.
+Settled = Callable[[ir.Formula], Value]
+
+
+@dataclass(eq=False)
+class Times:
+    """(cycles,) or (elements,) each: minus the place of the cycle in which a formula is surely true, and that of the one in which it is surely false."""
+
+    true: Floats
+    false: Floats
+
+
+class Looking:
+    """A piece of a run, from the oldest cycle that is open on, for formulas that look ahead.
+
+    ended: nothing comes after it, which is known one place after its last cycle. parts: what formulas are put together from; None of settled ones.
+    """
+
+    def __init__(
+        self, stamps: Stamps, elements: Elements, settled: Settled, ended: bool,
+        parts: Callable[[ir.Formula], tuple[ir.Formula, ...] | None],
+    ) -> None:  # fmt: skip
+        self._stamps, self._elements, self._settled, self._ended, self._parts = (
+            stamps,
+            elements,
+            settled,
+            ended,
+            parts,
+        )
+        self._count = len(stamps)
+        self._places = np.arange(self._count, dtype=np.float64)
+        #: Where each cycle is among the elements.
+        self._at: Indices = np.arange(self._count) if elements.cycles is None else elements.cycles
+        self._times: dict[ir.Formula, Times] = {}
+        self._whole: dict[ir.Formula, Value] = {}
+        self._spans: dict[tuple[ir.Formula, int, int], Spans] = {}
+        self._spread: dict[ir.Formula, Value] = {}
+        self._closings: dict[ir.Formula, Floats] = {}
+
+    # When -----------------------------------------------------------------------------------------------------
+
+    def final(self, node: ir.Formula) -> Floats:
+        """(cycles,): in which cycle nothing to come can change a formula any more."""
+        below = self._parts(node)
+        if below is None:
+            return self._places
+        if isinstance(node, ir.OverRun):
+            return self._closed(node)
+        found = self.final(below[0])
+        for part in below[1:]:
+            found = np.maximum(found, self.final(part))
+        return found
+
+    def times(self, node: ir.Formula) -> Times:
+        """(cycles,): when a formula is decided."""
+        known = self._times.get(node)
+        if known is None:
+            known = self._times[node] = self._when(node)
+        return known
+
+    def _when(self, node: ir.Formula) -> Times:
+        if self._parts(node) is None:
+            return _decided(self._settled(node), self._places)
+        match node:
+            case ir.Not():
+                return _not(self.times(node.operand))
+            case ir.Connective():
+                a, b = self.times(node.left), self.times(node.right)
+                match node.op:
+                    case "and":
+                        return _and(a, b)
+                    case "or":
+                        return _or(a, b)
+                    case "xor":
+                        return _or(_and(a, _not(b)), _and(_not(a), b))
+                    case "iff":
+                        return _not(_or(_and(a, _not(b)), _and(_not(a), b)))
+            case ir.Guarded():
+                return _or(_not(self.times(node.guard)), self.times(node.body))
+            case ir.OverRun():
+                return self._when_over_run(node)
+            case _:
+                raise AssertionError(f"{type(node).__name__} does not look ahead over the cycles of a piece")
+
+    def _when_over_run(self, node: ir.OverRun) -> Times:
+        of_each = [self._of_elements(operand) for operand in node.operands]
+        closed = self._closed(node)
+        if node.op == "next":
+            found = self._next(of_each[0].true, -np.inf), self._next(of_each[0].false, np.inf)
+            if self._ended:  # there is no cycle after the last one
+                found[0][-1:] = -closed[-1:] if node.weak else -np.inf
+                found[1][-1:] = np.inf if node.weak else closed[-1:]
+            return Times(*found)
+        windows = self._windows(node)
+        cycles = self._elements.of_cycles
+        match node.op:
+            case "eventually":
+                true = cycles(extremum(of_each[0].true, windows, MARGIN, np.maximum, -np.inf))
+                false = cycles(extremum(of_each[0].false, windows, MARGIN, np.maximum, -np.inf))
+                return Times(true, np.maximum(false, closed))
+            case "always":
+                true = cycles(extremum(of_each[0].true, windows, MARGIN, np.minimum, np.inf))
+                false = cycles(extremum(of_each[0].false, windows, MARGIN, np.minimum, np.inf))
+                return Times(np.minimum(true, -closed), false)
+            case "until":
+                held, goal = of_each
+                none = np.zeros(len(self._elements), dtype=bool)
+                true = temporal.until(none, held.true, none, goal.true, windows)[1]
+                false = temporal.until(none, held.false, none, goal.false, windows)[1]
+                # What is to come may be the goal, unless what has to hold until then has failed.
+                on_the_way = Windows(windows.n, False, 0, windows.end, _reach(windows))
+                broken = extremum(held.false, on_the_way, MARGIN, np.minimum, np.inf)
+                open_ = np.minimum(closed, cycles(broken))
+                return Times(cycles(true), np.maximum(cycles(false), open_))
+            case _:
+                raise AssertionError(f"`{node.op}` does not look ahead")
+
+    def _closed(self, node: ir.OverRun) -> Floats:
+        """(cycles,): the cycle in which nothing comes into a window any more."""
+        found = self._closings.get(node)
+        if found is not None:
+            return found
+        if node.op == "next":
+            found = self._places + 1.0
+        else:
+            assert node.upper is not None, "what looks ahead has a bound"
+            edge = edge_of(self._stamps, self._stamps + node.upper, "left")
+            found = edge_at(edge, 0, self._count, self._count).astype(np.float64)
+        if not self._ended:
+            found[found >= self._count] = np.inf
+        self._closings[node] = found
+        return found
+
+    def _of_elements(self, node: ir.Formula) -> Times:
+        """(elements,): nothing of a gap is ever decided."""
+        times = self.times(node)
+        if self._elements.cycles is None:
+            return times
+        made = [np.full(len(self._elements), unknown) for unknown in (-np.inf, np.inf)]
+        made[0][self._at], made[1][self._at] = times.true, times.false
+        return Times(*made)
+
+    # What -----------------------------------------------------------------------------------------------------
+
+    def value(self, node: ir.Formula, about: Indices, now: Indices) -> Value:
+        """The values of a formula about some cycles, each as it is known in a later one."""
+        if self._parts(node) is None:
+            return values.taken(self._settled(node), about)
+        match node:
+            case ir.Not():
+                return negate(self.value(node.operand, about, now))
+            case ir.Connective():
+                return values.connected(
+                    node.op, self.value(node.left, about, now), self.value(node.right, about, now)
+                )
+            case ir.Guarded():
+                return values.guarded(self.value(node.guard, about, now), self.value(node.body, about, now))
+            case ir.OverRun():
+                open_ = np.flatnonzero(now < self._closed(node)[about])
+                found = values.taken(self._in_whole(node), about)
+                if not len(open_):
+                    return found
+                return values.put(found, open_, self._so_far(node, about[open_], now[open_]))
+            case _:
+                raise AssertionError(f"{type(node).__name__} does not look ahead over the cycles of a piece")
+
+    def _in_whole(self, node: ir.OverRun) -> Value:
+        """(cycles,): the values of an operator once its windows are closed."""
+        known = self._whole.get(node)
+        if known is None:
+            given = [self._operand(operand) for operand in node.operands]
+            worst = self._side(node, [each[0] for each in given])
+            single = all(low is best for low, best in given)
+            known = values.of(worst, worst if single else self._side(node, [each[1] for each in given]))
+            self._whole[node] = known
+        return known
+
+    def _side(self, node: ir.OverRun, given: list[Pair]) -> Pair:
+        cycles = self._elements.of_cycles
+        match node.op:
+            case "next":
+                sat, margin = temporal.shift(*given[0], 1, node.weak)
+            case "eventually":
+                sat, margin = temporal.eventually(*given[0], self._windows(node))
+            case "always":
+                sat, margin = temporal.always(*given[0], self._windows(node))
+            case "until":
+                sat, margin = temporal.until(*given[0], *given[1], self._windows(node))
+            case _:
+                raise AssertionError(f"`{node.op}` does not look ahead")
+        return cycles(sat), cycles(margin)
+
+    def _so_far(self, node: ir.OverRun, about: Indices, now: Indices) -> Value:
+        """The values of an operator while its windows are open: whatever comes may still be in them."""
+        unknown = values.constant(UNDEFINED, len(about))
+        if node.op == "next":
+            return unknown
+        windows, first, seen = self._windows(node), self._at[about], self._at[now] + 1
+        n = windows.n
+        end = np.minimum(edge_at(windows.end, 0, n, n)[first], seen)
+        begin = np.minimum(edge_at(windows.begin, 0, n, n)[first], seen)
+        end = np.maximum(end, begin)
+        operands = [self._operand(operand) for operand in node.operands]
+
+        def found(best: int) -> Pair:
+            held = operands[0][best] if node.op != "eventually" else (None, None)
+            goal = operands[-1][best] if node.op != "always" else (None, None)
+            made = []
+            for part, carrier in ((0, VERDICT), (1, MARGIN)):
+                key = node, best, part
+                spans = self._spans.get(key)
+                if spans is None:
+                    spans = self._spans[key] = Spans(held[part], goal[part], carrier, _reach(windows))
+                if node.op == "always":
+                    made.append(spans.all(begin, end))
+                    continue
+                inside = spans.until(begin, end)
+                if node.op == "until":
+                    inside = carrier.meet(inside, spans.all(first, begin))
+                if best:  # the goal may come yet, if what has to hold does so far
+                    inside = carrier.join(inside, spans.all(first, seen))
+                made.append(inside)
+            return made[0], made[1]
+
+        match node.op:
+            case "always":
+                return values.of(pairs(unknown)[0], found(1))
+            case "eventually":
+                return values.of(found(0), pairs(unknown)[1])
+            case "until":
+                return values.of(found(0), found(1))
+            case _:
+                raise AssertionError(f"`{node.op}` does not look ahead")
+
+    def _operand(self, node: ir.Formula) -> tuple[Pair, Pair]:
+        """(elements,): both sides of what an operator is about, which is settled in its own cycle."""
+        spread = self._spread.get(node)
+        if spread is None:
+            spread = self._spread[node] = self._elements.spread(self._settled(node))
+        return pairs(spread)
+
+    def _windows(self, node: ir.OverRun) -> Windows:
+        assert node.upper is not None, "what looks ahead has a bound"
+        return self._elements.ahead(node.lower or 0, node.upper)
+
+    def _next(self, array: Floats, after: float) -> Floats:
+        """(cycles,) of what stands in the element after each cycle, and after the last one."""
+        return np.append(array, after)[self._at + 1]
+
+
+def _reach(windows: Windows) -> int:
+    """How many elements there are at most from one to the end of its window."""
+    n = windows.n
+    return int((edge_at(windows.end, 0, n, n) - np.arange(n)).max(initial=0)) + 1
+
+
+def _decided(value: Value, places: Floats) -> Times:
+    """When what is settled is decided: in its own cycle, or never."""
+    worst, best = pairs(value)
+    return Times(np.where(worst[0], -places, -np.inf), np.where(best[0], np.inf, places))
+
+
+def _not(a: Times) -> Times:
+    return Times(-a.false, -a.true)
+
+
+def _and(a: Times, b: Times) -> Times:
+    return Times(np.minimum(a.true, b.true), np.minimum(a.false, b.false))
+
+
+def _or(a: Times, b: Times) -> Times:
+    return Times(np.maximum(a.true, b.true), np.maximum(a.false, b.false))

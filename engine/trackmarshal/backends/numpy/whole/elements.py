@@ -1,0 +1,150 @@
+"""What windows over the run hold: cycles, and the gaps between them, in order. Stamps are whole nanoseconds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmarshal.backends.numpy.logic import Value
+from trackmarshal.backends.numpy.temporal.windows import Edge, Windows, edge_at
+from trackmarshal.backends.numpy.whole.values import constant, put
+from trackmarshal.runtime.kleene import UNDEFINED
+
+Stamps = NDArray[np.int64]
+Indices = NDArray[np.intp]
+_FIRST, _LAST = np.iinfo(np.int64).min, np.iinfo(np.int64).max
+#: Before all that there is, and far enough from the end of what 64 bits hold.
+LONG_AGO = _FIRST // 4
+
+
+@dataclass(eq=False)
+class Elements:
+    """first, last: (elements,) the first and the last nanosecond of each, never decreasing; missed: (elements,) of a gap how many cycles
+    are missing, of a cycle 0. Between two cycles there is at most one gap."""
+
+    first: Stamps
+    last: Stamps
+    missed: Indices
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    @cached_property
+    def cycles(self) -> Indices | None:
+        """Where the cycles are; None: there are no gaps."""
+        return np.flatnonzero(self.missed == 0) if self.missed.any() else None
+
+    @cached_property
+    def _windows(self) -> dict[tuple[int, int | None, bool], Windows]:
+        return {}
+
+    def spread(self, value: Value) -> Value:
+        """(elements,): the value of a formula in each, undefined in gaps."""
+        if self.cycles is None:
+            return value
+        return put(constant(UNDEFINED, len(self)), self.cycles, value)
+
+    def of_cycles(self, array: NDArray[Any]) -> NDArray[Any]:
+        """(cycles,) of an array (elements,)."""
+        return array if self.cycles is None else array[self.cycles]
+
+    def since(self, stamp: int) -> int:
+        """How many elements end before a stamp."""
+        return int(np.searchsorted(self.last, stamp, "left"))
+
+    def after(self, begin: int) -> Elements:
+        """A copy of all but the first so many."""
+        return Elements(self.first[begin:].copy(), self.last[begin:].copy(), self.missed[begin:].copy())
+
+    def back(self, lower: int, upper: int | None) -> Windows:
+        """The windows that hold what lies between so long and so long before each element; upper: None where they reach back to the first."""
+        return self._of(lower, upper, True)
+
+    def ahead(self, lower: int, upper: int) -> Windows:
+        """The windows of what lies between so long and so long after each element."""
+        return self._of(lower, upper, False)
+
+    def _of(self, lower: int, upper: int | None, past: bool) -> Windows:
+        """A window into the past is one into the future of what is mirrored in time: see `temporal.windows`."""
+        known = self._windows.get((lower, upper, past))
+        if known is None:
+            first, last = (-self.last[::-1], -self.first[::-1]) if past else (self.first, self.last)
+            known = self._windows[lower, upper, past] = _made(first, last, lower, upper, past)
+        return known
+
+
+def _made(first: Stamps, last: Stamps, lower: int, upper: int | None, past: bool) -> Windows:
+    n = len(first)
+    begin: Edge = 0 if lower == 0 else edge_of(last, last + lower, "left")
+    end: Edge = n if upper is None else edge_of(first, last + upper, "right")
+    if isinstance(begin, int) and isinstance(end, int):
+        longest = max(min(end - begin, n), 0)
+    else:
+        longest = int((edge_at(end, 0, n, n) - edge_at(begin, 0, n, n)).max(initial=0))
+    return Windows(n, past, begin, end, longest)
+
+
+def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge:
+    """For every element how many keys lie before what it reaches, or up to and with it (right).
+
+    Where cycles come evenly it is the same distance for all; that is guessed from the first one, and looked at. As in `temporal.windows`.
+    """
+    n = len(keys)
+    guess = int(np.searchsorted(keys, reach[0], side)) if n else 0
+    if guess == n:
+        return n
+    count = min(n - guess + 1, n)
+    padded = np.concatenate(([_FIRST, _FIRST], keys, [_LAST, _LAST]))
+    before = np.less_equal if side == "right" else np.less
+
+    def passed(shift: int) -> NDArray[np.bool_]:
+        at = 2 + guess + shift
+        found: NDArray[np.bool_] = before(padded[at : at + count], reach[:count])
+        return found
+
+    near, far = passed(-1), passed(0)
+    if near.all() and not far.any():
+        return guess
+    at_the_end = count == n or bool(before(keys[-1], reach[count]))
+    if at_the_end and passed(-2).all() and not passed(1).any():
+        edge = np.full(n, n, dtype=np.intp)
+        np.add(np.arange(guess - 1, guess - 1 + count), near, out=edge[:count])
+        edge[:count] += far
+        return edge
+    return np.searchsorted(keys, reach, side)
+
+
+def elements(stamps: Stamps, missed: Indices, before: int | None) -> Elements:
+    """Cycles, and a gap before each before which cycles are missing. before: the stamp of the cycle before the first; None: there is none."""
+    missed = missed.copy()
+    if before is None and len(missed):
+        missed[0] = 0  # what comes before the first cycle is no gap
+    at = np.flatnonzero(missed)
+    if not len(at):
+        return Elements(stamps, stamps, np.zeros(len(stamps), np.intp))
+    earlier = np.concatenate(([0 if before is None else before], stamps[:-1]))
+    return Elements(
+        np.insert(stamps, at, earlier[at] + 1),
+        np.insert(stamps, at, stamps[at] - 1),
+        np.insert(np.zeros(len(stamps), np.intp), at, missed[at]),
+    )
+
+
+def joined(parts: Sequence[Elements]) -> Elements:
+    """Elements that follow one another."""
+    return Elements(
+        np.concatenate([one.first for one in parts]),
+        np.concatenate([one.last for one in parts]),
+        np.concatenate([one.missed for one in parts]),
+    )
+
+
+def one(stamp: int) -> Elements:
+    """A single cycle."""
+    stamps = np.array([stamp], np.int64)
+    return Elements(stamps, stamps, np.zeros(1, np.intp))

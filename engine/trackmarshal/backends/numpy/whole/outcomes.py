@@ -1,0 +1,118 @@
+"""What rules over the run say in every cycle of a piece, and about which cycles: as `over_run.outcome` has it, on arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackmarshal.backends.numpy.logic import Value
+from trackmarshal.backends.numpy.whole.elements import Indices
+from trackmarshal.backends.numpy.whole.values import Bools, Floats, pairs
+from trackmarshal.backends.over_run.outcome import RANK
+from trackmarshal.runtime.verdict import VERDICTS, About
+
+Codes = NDArray[np.uint8]
+#: Codes of verdicts: their places in VERDICTS.
+SATISFIED, VIOLATED, UNDEFINED, INACTIVE, OPEN = (
+    np.uint8(VERDICTS.index(name)) for name in ("satisfied", "violated", "undefined", "inactive", "open")
+)
+#: By code, how bad a verdict is: 0 the worst.
+BADNESS = np.array([RANK.index(name) for name in VERDICTS], dtype=np.int64)
+_OF_BADNESS = np.argsort(BADNESS).astype(np.uint8)
+
+
+@dataclass(eq=False)
+class Saying:
+    """What is said in some cycles about some, in the order in which it is said: (said,) each. cycle, about: their numbers, counted from the first
+    of the run; codes: of verdicts; final: nothing to come can change the margin [SI]."""
+
+    cycle: Indices
+    about: Indices
+    codes: Codes
+    margins: Floats
+    final: NDArray[np.bool_]
+
+    def blocked(self, where: Bools, first: int) -> Saying:
+        """The same, but in some cycles, counted from the number of the first, nothing is said but that each itself is undefined, and stays so."""
+        blocked = where[self.cycle - first]
+        kept = ~blocked | (self.about == self.cycle)
+        blocked = blocked[kept]
+        return Saying(
+            self.cycle[kept], self.about[kept], np.where(blocked, UNDEFINED, self.codes[kept]),
+            np.where(blocked, np.nan, self.margins[kept]), self.final[kept] | blocked,
+        )  # fmt: skip
+
+    def listed(self, name: Callable[[int], object] = int) -> list[tuple[int, About]]:
+        """In which cycle what is said, in order, with cycles by what they are called."""
+        every = zip(
+            *(each.tolist() for each in (self.cycle, self.about, self.codes, self.margins, self.final))
+        )
+        return [
+            (cycle, About(name(about), VERDICTS[code], margin, final))
+            for cycle, about, code, margin, final in every
+        ]
+
+
+#: What is said, worked out when it is asked for; None: of each cycle about itself.
+Said = Callable[[], Saying] | None
+
+
+def following(parts: Sequence[Said]) -> Said:
+    """What is said in cycles that follow one another."""
+    given = [part for part in parts if part is not None]
+    if not given:
+        return None
+    assert len(given) == len(parts), "a rule is decided at once, or it is not"
+
+    def said() -> Saying:
+        found = [part() for part in given]
+        cycle, about = (
+            np.concatenate([one.cycle for one in found]),
+            np.concatenate([one.about for one in found]),
+        )
+        codes, margins = (
+            np.concatenate([one.codes for one in found]),
+            np.concatenate([one.margins for one in found]),
+        )
+        return Saying(cycle, about, codes, margins, np.concatenate([one.final for one in found]))
+
+    return said
+
+
+def decided(value: Value) -> tuple[Codes, Floats]:
+    """(cycles,): the verdict that a value is, and the margin that is sure; a margin of zero is 0.0."""
+    worst, best = pairs(value)
+    if best is worst:
+        return np.where(worst[0], SATISFIED, VIOLATED), worst[1] + 0.0
+    codes = np.where(worst[0], SATISFIED, np.where(best[0], UNDEFINED, VIOLATED))
+    margins = np.where(worst[0], worst[1], np.where(best[0], np.nan, best[1])) + 0.0
+    return codes, margins
+
+
+def at_once(formula: Value, active: Value | None) -> tuple[Codes, Floats]:
+    """(cycles,): what a rule comes to that is settled in its own cycle."""
+    codes, margins = decided(formula)
+    if active is not None:
+        idle = ~pairs(active)[1][0]
+        codes[idle], margins[idle] = INACTIVE, np.inf
+    return codes, margins
+
+
+def worst(own: tuple[Codes, Floats], place: Indices, codes: Codes, margins: Floats) -> tuple[Codes, Floats]:
+    """(cycles,): of what each cycle says about itself, and what is decided in it of earlier ones (its place, the verdict, the margin), the worst."""
+    bad = BADNESS[own[0]]
+    sizes = np.where(np.isnan(own[1]), 0.0, own[1])
+    if not len(place):
+        return own
+    others = BADNESS[codes]
+    least = bad.copy()
+    np.minimum.at(least, place, others)
+    sizes[bad > least] = np.inf
+    as_bad = others == least[place]
+    of_others = np.where(np.isnan(margins), 0.0, margins)
+    np.minimum.at(sizes, place[as_bad], of_others[as_bad])
+    found = _OF_BADNESS[least]
+    return found, np.where((found == UNDEFINED) | (found == OPEN), np.nan, sizes)
