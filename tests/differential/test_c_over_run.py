@@ -194,3 +194,39 @@ def test_cycles_in_which_nothing_is_demanded_are_asked_for_later(body: str) -> N
         assert found["c"] == found["reference"]
         verdicts |= {each["f"][0] for each in found["c"][:-1]}
     assert {"inactive", "satisfied"} <= verdicts
+
+
+def test_rules_by_themselves_are_saved_in_the_middle() -> None:
+    """Saved after any cycle, another run of the same program goes on as if nothing had happened; what was changed is refused."""
+    spec = loads(
+        SIGNALS
+        + 'rule a "" require always[0 s, 0.5 s] ego.v > -1.5 m/s\nrule b "" require once[0 s, 0.4 s] flag\n'
+        'rule c "" for all o in objects require eventually[0 s, 0.3 s] o.v > 0 m/s\nrule d "" require count(flag) <= 5\n'
+    )
+    evaluator, dice = Evaluator(spec, backend="c"), random.Random(11)
+    cycles = list[dict[str, Any] | None]()
+    for number in range(40):
+        present = [name for name in "abc" if dice.random() < 0.9]
+        objects = {"id": present, "v": [dice.uniform(-2, 2) for _ in present]}
+        signals = {
+            "ego": {"v": dice.uniform(-2, 2), "w": 0.0},
+            "objects": objects,
+            "flag": dice.random() < 0.3,
+        }
+        cycles.append(None if dice.random() < 0.05 else {"id": number, "t": number / 10, "signals": signals})
+    (whole,) = said({"c": evaluator}, cycles).values()
+    run, found = evaluator.over_run(), list[Any]()
+    for cycle in cycles:
+        lines = run.save()
+        run = evaluator.over_run(lines)
+        if cycle is None:
+            run.missed()
+            continue
+        rules = run.step(evaluator.read(cycle)).rules
+        found.append({name: (one.verdict, exact(one.margin), told(one.about)) for name, one in rules.items()})
+    found.append({rule: told(about) for rule, about in run.end().items()})
+    assert found == whole
+    for place in range(1, len(lines)):
+        with pytest.raises(TrackmarshalError) as caught:
+            evaluator.over_run([*lines[:place], lines[place].replace("0", "1", 1) + " ", *lines[place + 1 :]])
+        assert caught.value.code == "D163"

@@ -191,7 +191,7 @@ def sealed(values: list[Any]) -> list[str]:
     return [*lines, json.dumps(["end", digest])]
 
 
-@pytest.mark.parametrize("backend", ["reference", "c"])
+@pytest.mark.parametrize("backend", ["reference"])
 def test_an_evaluator_that_saves_nothing(backend: str) -> None:
     text = 'module m\nsignal ego : state { v: m/s }\nrule f "" require once[0 s, 1 s] ego.v > 0 m/s\n'
     evaluator = Evaluator(loads(text), backend=backend)

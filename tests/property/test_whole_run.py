@@ -181,10 +181,13 @@ def test_which_go_cycle_by_cycle() -> None:
         SIGNALS + 'rule a "" require once[0 s, 1 s] flag\n'
         'rule b "" for all o in objects require once[0 s, 1 s] o.v > 1 m/s\n'
         'rule c "" require once[0 s, 1 s] eventually[0 s, 1 s] flag\n'
+        "signal plan : trajectory { t: s increasing, v: m/s }\ncourse lived = ego for 1 s then plan\n"
+        'rule d "" along lived as c require historically[0 s, 1 s] c.v <= 1 m/s\n'
     )
     assert Evaluator(spec).whole_run().by_cycle == {
         "b": "it has a history for each element of a set",
         "c": "it looks ahead from other cycles than the present one",
+        "d": "it lives along a course",
     }
 
 

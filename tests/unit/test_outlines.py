@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from shapely import LineString, Polygon
 
 from trackmarshal.backends.reference import geometry
-from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.outlines import problem
 
@@ -64,31 +63,18 @@ def test_many_points_take_little_time() -> None:
     assert problem("zone", ring) is None
 
 
+@pytest.mark.parametrize("backend", ["reference", "numpy"])
 @pytest.mark.parametrize(
-    ("points", "said"),
-    [
-        (
-            [[0, 0], [9, 9], [9, 0], [0, 9]],
-            "the zone `z` crosses or touches itself near (4.500, 4.500), point 2 of places.z",
-        ),
-        (
-            [[0, 0], [1, 1], [2, 2]],
-            "the zone `z` has no area: all of its points lie on one line, point 2 of places.z",
-        ),
-        (
-            [[0, 0], [1, 0], [2e9, 2]],
-            "the zone `z` has a point (2e+09, 2), beyond 1e+09 m, point 2 of places.z",
-        ),
-    ],
+    "points", [[[0, 0], [9, 9], [9, 0], [0, 9]], [[0, 0], [1, 1], [2, 2]], [[0, 0], [1, 0], [2e9, 2]]]
 )
-def test_data_that_brings_one(points: list[list[float]], said: str) -> None:
+def test_data_that_brings_one_that_is_none(points: list[list[float]], backend: str) -> None:
     spec = loads(
         "module made\nsignal ego : state { x: m, y: m }\nzone z = polygon (0 m, 0 m) (9 m, 0 m) (0 m, 9 m)\n"
         'rule in_z "in the zone"\n  require ego in zone z\n'
     )
     data = {"signals": {"ego": {"x": 1, "y": 1}}}
-    with pytest.raises(TrackmarshalError) as raised:
-        Evaluator(spec).case({**data, "places": {"z": points}})
-    assert (raised.value.code, raised.value.message) == ("D204", said)
+    found = Evaluator(spec, backend=backend).case({**data, "places": {"z": points}})
+    assert found.rules["in_z"].verdict == "undefined"
+    assert not found.safe
     twice = {"z": [[0, 0], [0, 0], [9, 0], [0, 9], [0, 0]]}
     assert Evaluator(spec).case({**data, "places": twice}).rules["in_z"].verdict == "satisfied"

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from trackmarshal import outlines
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, Spec, TableInfo, short_name
@@ -80,17 +79,16 @@ def check_table(info: TableInfo, rows: object) -> tuple[tuple[float, ...], tuple
 
 
 def check_place(info: PlaceInfo, points: object) -> tuple[Point, ...]:
-    """Points of a zone (three or more different ones) or a line (two or more), finite; raises D202 or D204."""
+    """Points of a zone (three or more different ones) or a line (two or more), finite; raises D202 or D204.
+
+    What they enclose, if anything, is for geometry to say: of what is no zone or no line, rules are undefined.
+    """
     short = info.name.rpartition(".")[2]
     found = tuple(_points(points, f"places.{short}"))
     least = 3 if info.kind == "zone" else 2
     if len(set(found)) < least or not all(math.isfinite(x) and math.isfinite(y) for x, y in found):
         help_ = f"a {info.kind} is a list of at least {least} different points [x, y] in m"
         raise TrackmarshalError("D204", f"the points of `{short}` are too few, or not finite", help=help_)
-    wrong = outlines.problem(info.kind, found, repeated=False)
-    if wrong is not None:
-        at = f"point {wrong.at} of places.{short}"
-        raise TrackmarshalError("D204", f"the {info.kind} `{short}` {wrong.text}, {at}", help=wrong.hint)
     return found
 
 

@@ -383,8 +383,8 @@ class BadPlace(Diagnostic):
     remedy = "{hint}"
     explanation = (
         "A zone is what one ring encloses: it has an area, and crosses or touches itself nowhere. A line leads from point to point; it may cross itself, "
-        "but not run back over itself. Where a place is none, every rule that reads it would be undefined, so it is found before anything is driven. Data "
-        "that brings places of its own is held to the same (D204); points that repeat are dropped there."
+        "but not run back over itself. Where a place is none, every rule that reads it would be undefined, so it is found before anything is driven. Of "
+        "places that data brings, and that are none, rules are undefined, and points that repeat are dropped."
     )
 
     span: Span

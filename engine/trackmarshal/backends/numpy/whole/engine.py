@@ -56,6 +56,8 @@ class Outcome(NamedTuple):
 
 def why_by_cycle(rule: RuleInfo) -> str:
     """Why a rule over the run goes cycle by cycle; "": it does not."""
+    if rule.course is not None:
+        return "it lives along a course"
     for formula in (rule.formula, rule.active):
         if formula is None:
             continue
