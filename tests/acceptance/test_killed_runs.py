@@ -16,7 +16,7 @@ from trackmarshal.runtime.record import read
 from trackmarshal.supervision import box_of, nearest, rerun
 
 #: Runs that `make test` kills; `make acceptance` kills 200.
-KILLS = int(os.environ.get("TRACKMARSHAL_KILLS", "10"))
+KILLS = int(os.environ.get("TRACKMARSHAL_KILLS", "5"))
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")

@@ -25,7 +25,7 @@ from trackmarshal.evaluation import Evaluator
 pytestmark = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
 
 #: A spec is compiled in a tenth of a second: the default is the share for every day.
-GENERATED = int(os.environ.get("TRACKMARSHAL_COMPILED", "15"))
+GENERATED = int(os.environ.get("TRACKMARSHAL_COMPILED", "10"))
 #: Found wrong once: a series overwritten before it was read; a series that an optimiser took for the one before; a bound
 #: of a loop used ahead of it.
 FOUND = (30, 1237, 6040, 31366, 31507, 31894, 40888)

@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from property.test_states import ASKED, Way, declared, guarded
+from support.length import amount
 from support.run_formulas import SIGNALS, formulas, runs
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.diagnostics.base import Diagnostics
@@ -104,7 +105,7 @@ def test_long_runs_wrap_all_rings() -> None:
     dice = random.Random(7)
     t, cycles = 0.0, list[dict[str, Any] | None]()
     there = ["a", "b", "c", "d"]
-    for number in range(1500):
+    for number in range(amount(500, 1500)):
         t = round(t + dice.choice([0.01, 0.05, 0.05, 0.1, 0.7]), 9)
         if dice.random() < 0.03:
             cycles.append(None)

@@ -14,6 +14,7 @@ import trackmarshal as tm
 from support.cycles import PERIOD, cycle, mutate
 from support.decision_lines import decision_lines
 from support.emitted import emit
+from support.length import shared_out
 from support.processes import PATIENCE, Served
 from support.remembering import remembering
 from trackmarshal.evaluation import Evaluator
@@ -57,7 +58,7 @@ def test_a_process_remembers(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("count", "ids"), [(2, None), (2, []), (2, [7, 7]), (2, [7]), (1, None), (1, [7, 8])],
+    ("count", "ids"), shared_out([(2, None), (2, []), (2, [7, 7]), (2, [7]), (1, None), (1, [7, 8])], 2),
     ids=["none", "empty", "alike", "too few", "none of one", "too many"],
 )  # fmt: skip
 def test_a_client_that_does_not_say_which_is_which(count: int, ids: list[int] | None, tmp_path: Path) -> None:

@@ -33,7 +33,7 @@ from trackmarshal.runtime.verdict import CaseResult, RuleResult
 
 BACKENDS = ("reference", "numpy")
 #: Of seeded ones, what each part has.
-SEEDS = int(os.environ.get("TRACKMARSHAL_SEEDS", "6"))
+SEEDS = int(os.environ.get("TRACKMARSHAL_SEEDS", "4"))
 #: Their examples are long, or cost several evaluations; seeded ones, which are cheaper, make up for it.
 few = settings(repeatable, max_examples=5)
 some = settings(repeatable, max_examples=20)

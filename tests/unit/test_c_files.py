@@ -333,6 +333,7 @@ def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
 
 
 @needs_compiler
+@pytest.mark.acceptance
 def test_the_emitted_build_file_builds(written: Path, tmp_path: Path) -> None:
     if shutil.which("cmake") is None:
         pytest.skip("cmake is not installed")

@@ -201,6 +201,7 @@ def family(generator: np.random.Generator, steps: int = 200) -> tuple[Floats, tu
     return np.stack([x, y, np.arctan(heading)]), (kappas[0], kappas[1]), chord
 
 
+@pytest.mark.acceptance
 def test_all_that_is_assumed_is_covered() -> None:
     generator = np.random.default_rng(2)
     tight = 0.0

@@ -114,7 +114,8 @@ def _run(evaluator: Evaluator, args: argparse.Namespace) -> int:
     from trackmarshal.evaluation import CHUNK
     from trackmarshal.runs import Frames
 
-    status, read, pending = 0, 0, list[tuple[object, Frame | TrackmarshalError]]()
+    status, read = 0, 0
+    pending: list[tuple[object, Frame | TrackmarshalError]] = []
     going = _Cycles(evaluator) if _in_step(evaluator, args.data) else Frames(evaluator)
     many = 1 if isinstance(going, _Cycles) else CHUNK
     for read, item in enumerate(read_cases(args.data, evaluator), start=1):  # noqa: B007 - counted

@@ -36,6 +36,8 @@ class Now:
     frame: Frame
     values: CaseValues
     _known: dict[tuple[ir.Formula, tuple[str, ...]], Truth] = field(default_factory=dict)
+    #: By what state machines keep: what a reference has found out of a cycle, it knows for all elements.
+    _references: dict[tuple[tuple[ir.Kept, str], ...], Reference] = field(default_factory=dict)
 
     def combinations(self, axes: tuple[ir.Axis, ...]) -> list[tuple[str, ...]]:
         """What variables of some sets can stand for: one of nothing where there are none."""
@@ -65,7 +67,11 @@ class Now:
         """The values of this cycle's nodes, given the numbers that state machines keep."""
         from trackmarshal.backends.reference.evaluator import Reference
 
-        return Reference(self.values.spec, self.frame, kept)
+        key = tuple((one, value.hex()) for one, value in kept.items())  # NaN is no key
+        known = self._references.get(key)
+        if known is None:
+            known = self._references[key] = Reference(self.values.spec, self.frame, kept)
+        return known
 
     def env(self, node: ir.Formula | ir.Num, ids: tuple[str, ...]) -> dict[int, int]:
         """What the variables of a node stand for, as places in this cycle."""

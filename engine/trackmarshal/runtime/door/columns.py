@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
-from functools import partial
+from functools import lru_cache, partial
 from itertools import chain
 from operator import itemgetter
 from typing import Any, NamedTuple
@@ -425,5 +425,10 @@ def _name(key: object) -> str:
 
 def suggested(name: str, known: Iterable[str]) -> str:
     """What may have been meant, however it is spelt; empty for no idea."""
-    listed = sorted(known)
+    return _suggested(name, tuple(sorted(known)))
+
+
+@lru_cache(maxsize=256)
+def _suggested(name: str, listed: tuple[str, ...]) -> str:
+    """A recording asks the same in every cycle."""
     return close_matches(name, listed) or close_matches(name.lower(), listed)

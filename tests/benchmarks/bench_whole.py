@@ -1,0 +1,52 @@
+"""Rules over the run on a million cycles at once: what an operator takes beside what its formulas about one cycle take. CPU seconds."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from trackmarshal.evaluation import Evaluator, loads
+
+COUNT = 1_000_000
+SIGNALS = "module m\nsignal ego : state { v: m/s, w: m/s }\n"
+P, Q = "ego.v > 5 m/s", "ego.w < 1 m/s"
+BACK = {
+    "once[0 s, 3 s] p": f"once[0 s, 3 s] {P}",
+    "once[1 s, 600 s] p": f"once[1 s, 600 s] {P}",
+    "historically[0 s, 3 s] p": f"historically[0 s, 3 s] {P}",
+    "p since[0 s, 3 s] q": f"{P} since[0 s, 3 s] {Q}",
+    "rising(p)": f"rising({P})",
+    "count(p, last: 3 s) <= 4": f"count({P}, last: 3 s) <= 4",
+}
+AHEAD = {
+    "eventually[0 s, 3 s] p": f"eventually[0 s, 3 s] {P}",
+    "always[0 s, 3 s] p": f"always[0 s, 3 s] {P}",
+    "p until[0 s, 3 s] q": f"{P} until[0 s, 3 s] {Q}",
+}
+LIMITS = {f"a million cycles: {name}": 0.05 for name in BACK | AHEAD}
+
+
+def measure() -> dict[str, float]:
+    random = np.random.default_rng(1)
+    signals = {"ego": {"v": np.cumsum(random.normal(size=COUNT)) * 0.1, "w": random.normal(size=COUNT)}}
+    # Cycles that come a little late: no two windows are of one length.
+    stamps = np.arange(COUNT) * 50_000_000 + random.integers(0, 2_000_000, COUNT)
+    found = {}
+    for name, formula in (BACK | AHEAD).items():
+        plain = f"({P} or {Q})" if Q in formula else P
+        # By turns, as the machine may be busy.
+        runs = [(_seconds(formula, stamps, signals), _seconds(plain, stamps, signals)) for _ in range(5)]
+        found[f"a million cycles: {name}"] = max(
+            float(np.median([whole - leaves for whole, leaves in runs])), 1e-6
+        )
+    return found
+
+
+def _seconds(formula: str, stamps: np.ndarray, signals: dict[str, dict[str, np.ndarray]]) -> float:  # type: ignore[type-arg]
+    """A run of one rule."""
+    used = {"ego": {name: column for name, column in signals["ego"].items() if f"ego.{name}" in formula}}
+    run = Evaluator(loads(f'{SIGNALS}rule f "" require {formula}\n')).whole_run()
+    begin = time.process_time()
+    run.step(stamps, used)
+    return time.process_time() - begin
