@@ -17,12 +17,13 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Callable, Iterator
+from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
 
-from support.length import at_length
+from support.length import at_length, shared_out
 from trackmarshal.cli.main import main
 from trackmarshal.testing.builders import BUILDERS
 
@@ -106,8 +107,9 @@ def test_check_says_what_is_wrong_with_a_spec(name: str, tmp_path: Path) -> None
     refused(run("check", "bad.spec"), code, place)
 
 
-@pytest.mark.parametrize("name", SPECS)
-@pytest.mark.parametrize("verb", ["test", "eval", "replay", "explain"])
+@pytest.mark.parametrize(
+    ("name", "verb"), shared_out(product(SPECS, ("test", "eval", "replay", "explain")), 3)
+)
 def test_no_verb_works_with_a_bad_spec(name: str, verb: str, tmp_path: Path) -> None:
     content, code, _ = SPECS[name]
     (tmp_path / "bad.spec").write_bytes(content)

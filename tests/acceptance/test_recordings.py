@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from support.length import at_length
 from support.shared import shared
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.cli.replay import evaluator_for
@@ -58,7 +59,9 @@ def test_cut_in_lies_inside_its_own_ground_truth(backend: str) -> None:
 
 
 @pytest.mark.parametrize("every", CYCLES)
-@pytest.mark.parametrize("name", ["modena_T1_cutin_collision", "modena_T1_infeasible", "modena_T1_valid"])
+@pytest.mark.parametrize(
+    "name", [at_length("modena_T1_cutin_collision"), "modena_T1_infeasible", at_length("modena_T1_valid")]
+)
 def test_both_evaluators_say_the_same(name: str, every: int) -> None:
     one, other = run(name, "numpy", every), run(name, "reference", every)
     for a, b in zip(one.cycles, other.cycles, strict=True):

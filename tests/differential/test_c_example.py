@@ -121,6 +121,7 @@ def a_run(path: Path, spec: Spec, count: int) -> tuple[list[str], set[str]]:
     return lines, faults
 
 
+@pytest.mark.acceptance  # what is compiled for it takes seconds
 def test_it_decides_as_python_on_broken_cycles(tmp_path: Path, plain: Path) -> None:
     """A run's record, with the times that the clock showed."""
     spec = tm.load([SUPERVISOR], [], REPOSITORY)
@@ -229,6 +230,7 @@ def test_more_than_there_is_room_for_is_a_fault(folder: Path, tmp_path: Path) ->
     assert sum(line.startswith("decision drive safe") for line in said) > 60
 
 
+@pytest.mark.acceptance
 def test_more_faults_than_a_decision_has_room_for(tmp_path: Path, plain: Path) -> None:
     spec = tm.load([SUPERVISOR], [], REPOSITORY)
     supervisor = tm.supervisor(

@@ -12,6 +12,7 @@ import pytest
 
 from support import seed
 from support.agreement import outcomes
+from support.length import at_length
 from support.shared import SUPERVISOR, oracle, shared
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.evaluation import Evaluator, load
@@ -69,7 +70,9 @@ def test_seed_oracle(kind: str) -> None:
     assert not differences(rules, cases)
 
 
-@pytest.mark.parametrize("name", ["modena_T1_cutin_collision", "modena_T1_infeasible", "modena_T1_valid"])
+@pytest.mark.parametrize(
+    "name", [at_length("modena_T1_cutin_collision"), "modena_T1_infeasible", at_length("modena_T1_valid")]
+)
 def test_recording(name: str) -> None:
     """Both candidates of every tenth cycle, all rules."""
     recording = load_recording(shared("data", "scenarios", f"{name}.saa"))

@@ -16,7 +16,7 @@ from trackmarshal.evaluation import Evaluator
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
-RUNS = int(os.environ.get("TRACKMARSHAL_RUNS", "16"))
+RUNS = int(os.environ.get("TRACKMARSHAL_RUNS", "8"))
 PARTS = 4
 
 

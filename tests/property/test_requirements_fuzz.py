@@ -154,7 +154,7 @@ def test_the_reader_and_the_schema_agree(case: tuple[str, Any]) -> None:
     assert bool(found) == bool(errors), f"reader: {[str(f) for f in found]}; schema: {errors}"
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=amount(10, 30), deadline=None)
 @given(st.randoms(use_true_random=False))
 def test_the_matrix_is_a_pure_function(rng: random.Random) -> None:
     """Any choice of the records, in any order, twice: the same bytes."""

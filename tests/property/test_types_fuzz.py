@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from support import typed
+from support.length import shared_out
 from support.plain_contract import Plain
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.runtime.cycle import Cycle
@@ -206,7 +207,7 @@ def said(decision: Decision) -> tuple[Any, ...]:
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-@pytest.mark.parametrize("variant", typed.VARIANTS)
+@pytest.mark.parametrize("variant", shared_out(typed.VARIANTS, 2))
 def test_arbitrary_objects_in_cycles(variant: str) -> None:
     now = 0.0
     backends = ["numpy", "reference", *(["c"] if compiler() is not None else [])]

@@ -132,7 +132,7 @@ def verdicts(made: Any, decisions: list[Any]) -> set[tuple[str, str]]:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("backend", SAVING)
+@pytest.mark.parametrize("backend", ["numpy", pytest.param("c", marks=[needs_c, pytest.mark.acceptance])])
 def test_from_every_cycle(backend: str, tmp_path: Path) -> None:
     path = tmp_path / "run.arrows"
     said = verdicts(*recorded(path, backend))
