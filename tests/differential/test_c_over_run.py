@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from property.test_states import ASKED, Way, declared, guarded
-from support.length import amount
+from support.length import AT_LENGTH, amount
 from support.run_formulas import SIGNALS, formulas, runs
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.diagnostics.base import Diagnostics
@@ -68,7 +68,7 @@ _CLAUSES = st.builds(
     formulas(True, depth=2),
 )  # fmt: skip
 _SETTINGS = settings(
-    max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate],
+    derandomize=not AT_LENGTH, max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate],
 )  # fmt: skip
 
 
