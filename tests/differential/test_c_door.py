@@ -84,6 +84,7 @@ def records(columns: dict[str, Any]) -> list[dict[str, float]]:
     return [{name: float(column[i]) for name, column in columns.items()} for i in range(count)]
 
 
+@pytest.mark.verifies("S-1-B-1")
 def test_a_step_says_of_both_candidates_what_the_reference_says() -> None:
     evaluator = Evaluator(spec(), None, "reference")
     run, seen = Step(), Counter[str]()
@@ -109,6 +110,7 @@ def test_a_step_says_of_both_candidates_what_the_reference_says() -> None:
     assert min(seen[name] for name in ("satisfied", "violated", "inactive")) >= 3
 
 
+@pytest.mark.verifies("S-1-B-1")
 def test_mutated_cycles_are_refused_for_what_is_wrong_with_them() -> None:
     """No breach passes, nothing else is refused, and every reason is one that there is."""
     run, last, refused = Step(oldest=0.1), None, Counter[str]()
@@ -273,6 +275,7 @@ def test_what_is_stored_is_driven_when_a_new_configuration_is_refused() -> None:
     assert driver.step(straight(2), 2 * PERIOD).safe
 
 
+@pytest.mark.verifies("S-1-B-4")
 @pytest.mark.parametrize("byte", [0, 0xFF, 0x5A])
 def test_a_context_that_was_never_made_drives_nothing(byte: int) -> None:
     driver = Driver(source())

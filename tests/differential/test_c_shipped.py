@@ -23,7 +23,7 @@ from trackmarshal.scenarios.fields import own_names
 from trackmarshal.scenarios.recording import CANDIDATES
 from trackmarshal.scenarios.replay import known_tables
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-1")]
 
 KINDS: dict[str, tuple[Callable[[dict[str, Any]], dict[str, Any]], list[str]]] = {
     "trajectory": (seed.trajectory, list(seed.TRAJECTORY_RULES.values())),

@@ -65,6 +65,7 @@ def boxed(name: str) -> tuple[Recording, Rulebox]:
     return recording, rulebox(found, recording.params, tables)
 
 
+@pytest.mark.verifies("S-1-B-1")
 @pytest.mark.parametrize(("name", "limits"), shared_out(product(RECORDINGS, ("driven", "open_loop")), 3))
 def test_shipped_scenarios(name: str, limits: str) -> None:
     recording, box = boxed(name)
@@ -128,6 +129,7 @@ def bench() -> tuple[Bench, list[Beside]]:
     return made, beside
 
 
+@pytest.mark.verifies("S-1-B-1")
 @pytest.mark.parametrize("fault", shared_out(PUT_IN, 3), ids=lambda fault: fault.id)
 def test_injected_faults(fault: Fault) -> None:
     made, beside = bench()
@@ -139,6 +141,7 @@ def test_injected_faults(fault: Fault) -> None:
 # Generated runs --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.verifies("S-1-B-1")
 @pytest.mark.parametrize("part", range(PARTS))
 def test_generated_runs(part: int) -> None:
     """Faults of every kind that a cycle can have; TRACKMARSHAL_RUNS=N makes N runs of 50 cycles."""
@@ -177,6 +180,7 @@ def test_more_reasons_than_there_is_room_for() -> None:
 # The shell -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.verifies("S-1-B-4")
 def test_what_never_came_back_from_c_drives_nothing() -> None:
     pair = Pair(evaluator())
     pair.step(cycle(0), 0.0, 0.01)
@@ -198,6 +202,7 @@ def test_what_never_came_back_from_c_drives_nothing() -> None:
     assert pair.c.step(cycle(3)).safe
 
 
+@pytest.mark.verifies("S-1-B-4")
 def test_a_step_never_raises(monkeypatch: pytest.MonkeyPatch) -> None:
     pair = Pair(evaluator())
     pair.step(cycle(0), 0.0, 0.01)
@@ -226,6 +231,7 @@ def test_parameters_and_tables_are_put_in_and_checked() -> None:
     assert caught.value.code == "E403"
 
 
+@pytest.mark.verifies("S-1-B-1")
 def test_a_record_runs_again_the_same_with_either(tmp_path: Path) -> None:
     now = [0.0]
     spec = spec_with()

@@ -14,7 +14,7 @@ from support.remembering import NAMES, remembering
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.evaluation import Evaluator
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-1")]
 
 RUNS = int(os.environ.get("TRACKMARSHAL_RUNS", "8"))
 PARTS = 4

@@ -13,7 +13,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.runtime.frame import Settings
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-1")]
 
 SPEC = """module tables_in_c
 

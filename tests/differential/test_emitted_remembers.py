@@ -17,6 +17,7 @@ from support.emitted import emit
 from support.length import shared_out
 from support.processes import PATIENCE, Served
 from support.remembering import remembering
+from support.sanitized import FLAGS as SANITIZED
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.process.client import Border, Client
 from trackmarshal.process.serving import build
@@ -110,6 +111,12 @@ def test_the_example_and_the_client_in_c(tmp_path: Path) -> None:
     example = subprocess.run(
         [made / "example", made / "run.cycles"], capture_output=True, text=True, check=True
     )
+    command = ["cc", *FLAGS, *SANITIZED, "supervisor.c", "main.c", "cycles.c", "-o", "sanitized", "-lm"]
+    subprocess.run(command, cwd=made, check=True)
+    again = subprocess.run(
+        [made / "sanitized", made / "run.cycles"], capture_output=True, text=True, check=True
+    )
+    assert (again.stdout, again.stderr) == (example.stdout, "")
     decisions = [line.split() for line in example.stdout.splitlines() if line.startswith("decision ")]
     wanted = [line.split() for line in expected if line.startswith("decision ")]
     assert [words[:2] for words in decisions] == [words[:2] for words in wanted]

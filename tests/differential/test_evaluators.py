@@ -36,6 +36,8 @@ from support.generated import RandomChoices, Subject, subject
 from support.length import amount
 from trackmarshal.backends.numpy import places
 
+pytestmark = pytest.mark.verifies("S-1-B-1")
+
 
 @dataclass(frozen=True)
 class Kind:

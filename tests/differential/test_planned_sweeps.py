@@ -21,6 +21,8 @@ from numpy.typing import NDArray
 from support.shared import shared
 from trackmarshal.runtime import geometry as fast
 
+pytestmark = pytest.mark.verifies("S-1-A-2")
+
 BODY = (4.7, 2.8)
 #: Steps of the walk between two samples.
 STEPS = 25

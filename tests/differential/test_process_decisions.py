@@ -26,7 +26,10 @@ from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.supervision import rulebox
 
-pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+pytestmark = [
+    pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler"),
+    pytest.mark.verifies("S-1-B-1"),
+]
 #: As `replay` holds recordings, with capacities that a process has.
 OPEN = replace(Limits.open_loop(), samples=64, elements=32, border=2048)
 

@@ -9,11 +9,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 
 from support.dense.generated import CAR, generated
 from support.dense.recording import Columns, Cycle, Floats
 from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal.evaluation import Evaluator, load
+
+pytestmark = pytest.mark.verifies("S-1-A-7")
 
 WINDOW, DS, DV = 0.25, 5.0, 2.0
 #: What lies between samples, where rules do not look, may ask for this much more of the grip; squares of speed may differ by m^2/s^2.

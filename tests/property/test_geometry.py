@@ -12,6 +12,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from trackmarshal.backends.reference import geometry as reference
+from trackmarshal.backends.reference.geometry import corridor, region
+from trackmarshal.points import distance, segment
 from trackmarshal.runtime import geometry as fast
 
 Point = tuple[float, float]
@@ -307,3 +309,50 @@ def test_curvilinear_coordinates(line: list[Point], closed: bool, point: Point) 
     if closed:
         assert 0.0 <= found[0] < made.length
         assert abs(float(made.gap(found[0], found[0] + 0.3 * made.length)[0]) - 0.3 * made.length) < 1e-6
+
+
+def all_of(around: region.Region, corners: list[Point], origin: Point) -> list[region.Segment]:
+    return [segment(a, b, origin) for a, b in around.border]
+
+
+def gap_to_all(corners: list[Point], hull: list[region.Segment], border: list[region.Segment]) -> float:
+    from_corners = [distance(*corner, s) for corner in corners for s in border]
+    from_border = [distance(s.ax, s.ay, edge) for s in border for edge in hull]
+    return min(from_corners + from_border)
+
+
+@unhurried
+@given(
+    st.data(),
+    corridors(),
+    sizes,
+    st.integers(1, 5),
+    st.sampled_from([0.0, 0.0, 1e3, 4e6, 9e8]),
+    st.sampled_from([1.0, 1.0, 1e-3, 50.0]),
+)
+def test_what_the_reference_leaves_out_of_a_border_changes_no_bit(
+    data: st.DataObject,
+    borders: tuple[list[Point], list[Point]],
+    body: tuple[float, float],
+    stretch: int,
+    away: float,
+    scale: float,
+) -> None:
+    left, right = (tuple((scale * x + away, scale * y - away) for x, y in border) for border in borders)
+    (x0, y0, h0), (x1, y1, h1) = data.draw(moves(borders))
+    poses = (scale * x0 + away, scale * y0 - away, h0), (scale * x1 + away, scale * y1 - away, h1)
+    made = corridor.corridor_region(left, right, False)
+    assume(not isinstance(made, str))
+    for kind in (region.Region, region.Outside):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(region, "STRETCH", stretch)
+            found = region.hull_margin(kind(made.border, made.groups), *poses, *body)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(region, "near", all_of)
+            patch.setattr(region, "gap", gap_to_all)
+            assert (
+                found.hex()
+                == region.hull_margin(
+                    made if kind is region.Region else kind(made.border, made.groups), *poses, *body
+                ).hex()
+            )

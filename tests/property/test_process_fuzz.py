@@ -16,7 +16,10 @@ from support.processes import Served, built
 from support.sanitized import FLAGS as SANITIZED
 from trackmarshal.process.messages import Layout
 
-pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+pytestmark = [
+    pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler"),
+    pytest.mark.verifies("S-1-B-3"),
+]
 #: Messages that `make acceptance` mutates.
 MESSAGES = int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "10000")) // 5
 Pool = tuple[list[bytes], list[bytes]]

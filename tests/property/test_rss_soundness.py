@@ -18,6 +18,8 @@ from property.strategies.specs import repeatable
 from support.length import amount
 from trackmarshal.evaluation import Evaluator, load
 
+pytestmark = pytest.mark.verifies("S-1-A-2")
+
 T = sympy.Symbol("t", nonnegative=True)
 some = settings(repeatable, max_examples=amount(20, 60))
 speeds = st.floats(0.0, 90.0)

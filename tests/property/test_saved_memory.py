@@ -18,6 +18,7 @@ from support.run_formulas import SIGNALS, formulas, runs
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, Run, loads
+from trackmarshal.runtime.saving import VERSION
 
 EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "12"))
 Cycles = list[dict[str, Any] | None]
@@ -144,7 +145,7 @@ def code_of(lines: Any, text: str = REMEMBERING, **choice: Any) -> str:
 
 def test_it_is_json_without_words_of_its_own() -> None:
     lines = saved()
-    assert json.loads(lines[0])[:3] == ["trackmarshal-snapshot", 1, "numpy"]
+    assert json.loads(lines[0])[:3] == ["trackmarshal-snapshot", 2, "numpy"]
     assert {json.loads(line)[0] for line in lines[1:]} >= {
         "run",
         "cells",
@@ -176,7 +177,15 @@ def test_of_other_rules_of_the_same_spec() -> None:
 
 
 def test_of_another_version_and_format() -> None:
-    for place, value in ((0, "other"), (1, 2), (1, 1.0), (1, True), (2, "c"), (3, "0" * 64)):
+    for place, value in (
+        (0, "other"),
+        (1, VERSION - 1),
+        (1, VERSION + 1),
+        (1, float(VERSION)),
+        (1, True),
+        (2, "c"),
+        (3, "0" * 64),
+    ):
         lines = [json.loads(line) for line in saved()]
         lines[0][place] = value
         assert code_of(sealed(lines)) == "D164"

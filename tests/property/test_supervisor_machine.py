@@ -10,6 +10,7 @@ import random
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
@@ -27,6 +28,8 @@ from trackmarshal.runtime.machine import (
     PREVIOUS_EMERGENCY,
     STATES,
 )
+
+pytestmark = pytest.mark.verifies("S-1-B-1")
 
 #: How long an emergency trajectory of the model's cycles lasts.
 STOP = SPEED / BRAKING

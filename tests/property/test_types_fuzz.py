@@ -26,6 +26,8 @@ from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.supervision import supervisor
 
+pytestmark = pytest.mark.verifies("S-1-B-1")
+
 #: Cycles that `make test` hands in; `make acceptance` sets more, of which so many are enough here.
 CYCLES = min(int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "1000")), 100_000)
 #: The reference sees the first of them.

@@ -23,6 +23,12 @@ rule anew "" require count(ego.y > 1 m, reset: rising(ego.y < 0.8 m)) <= 3
 rule soon "" whenever plan.first.v > 20 m/s within 0.15 s require plan.first.v < 24 m/s
 rule keeps "" for all o in objects require always[0 s, 0.2 s] (o.x > ego.x - 5 m or previous o.x > ego.x)
 rule follows "" require once (next ego.v > 5 m/s)
+
+course lived = ego for 0.4 s then plan
+rule slows "" along lived as c require historically[0 s, 0.3 s] c.v <= 24 m/s or eventually[0 s, 1 s] c.v <= 22 m/s
+rule one_turn "" along lived as c require always count(rising(c.heading > 0.01 rad), last: 0.4 s) <= 1
+rule goes_on "" along lived as c at last require c.v > 1 m/s since[0 s, 3 s] c.x > 5 m
+rule steps "" along lived as c whenever previous c.v > 20 m/s require count(c.y > 1 m, reset: rising(c.y < 0.8 m)) <= 3
 """
 NAMES = tuple(line.split()[1] for line in RULES.splitlines() if line.startswith("rule"))
 

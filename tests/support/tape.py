@@ -29,7 +29,8 @@ class Taped(Stepper):
         self.limits = limits
 
     def step(self, number: Any, t: Any, now: float, columns: Sequence[Columns | None], lines: Sequence[Line], closed: Any = (),
-             events: Any = (), found: Any = (), arena: Any = None) -> Said:  # fmt: skip
+             events: Any = (), found: Any = (), arena: Any = None, lanes: Any = ()) -> Said:  # fmt: skip
+        assert not lanes, "a tape has none"
         said = super().step(number, t, now, columns, lines, closed, events, found, arena)
         self._write(found, said)
         for entry in columns:

@@ -70,7 +70,7 @@ def samples(program: Program, rule: RuleInfo, frames: Sequence[Frame]) -> list[F
         return found
     rows = _along(program, rule, used)
     if rows is None:
-        rows = [sampled.margins(values) for values in _values(program, used)]
+        rows = [sampled.margins(values) for values in _values(program, rule, used)]
     for place, row in zip(usable, rows):
         found[place][: len(row)] = row
         found[place][len(row) :] = np.inf
@@ -83,12 +83,13 @@ def _along(program: Program, rule: RuleInfo, frames: Sequence[Frame]) -> list[Fl
         return None
     from trackmarshal.backends.c.program import CProgram
 
-    assert isinstance(program, CProgram)
+    if not isinstance(program, CProgram):  # others of its rules remember
+        return None
     return [np.array(program.along(frame, rule)[1], dtype=np.float64) for frame in frames]
 
 
-def _values(program: Program, frames: Sequence[Frame]) -> list[CaseValues]:
-    """The values of all formulas in each frame: generated code keeps none, so that numpy looks for them."""
+def _values(program: Program, rule: RuleInfo, frames: Sequence[Frame]) -> list[CaseValues]:
+    """The values of a rule's formulas in each frame: generated code keeps none, so that numpy looks for them."""
     from trackmarshal.backends.numpy.program import NumpyProgram
     from trackmarshal.backends.numpy.views import CaseView
     from trackmarshal.backends.reference.evaluator import Reference
@@ -97,9 +98,7 @@ def _values(program: Program, frames: Sequence[Frame]) -> list[CaseValues]:
         case "reference":
             return [Reference(program.spec, frame) for frame in frames]
         case "numpy" | "c":
-            of_arrays = (
-                program if isinstance(program, NumpyProgram) else NumpyProgram(program.spec, program.rules)
-            )
+            of_arrays = program if isinstance(program, NumpyProgram) else NumpyProgram(program.spec, [rule])
             run = of_arrays.run(frames)
             return [CaseView(run, index) for index in range(len(frames))]
         case other:

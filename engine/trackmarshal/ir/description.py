@@ -21,6 +21,10 @@ def describe(root: ir.IR) -> str:
             value = said[name]
             if name in ("shown", "turned"):
                 continue  # how a comparison is shown is no part of what a formula means
+            if isinstance(node, ir.Axis) and name in ("forget", "capacity"):
+                if value:  # most sets remember nothing of what is absent, and say nothing of it
+                    parts.append(f"{name} {value}")
+                continue
             if isinstance(value, ir.IR):
                 parts.append(f"#{visit(value)}")
             elif isinstance(value, tuple):

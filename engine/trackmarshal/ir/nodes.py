@@ -40,13 +40,16 @@ class IR(Node):
 class Axis(IR):
     """What a variable ranges over: the samples of a timeline, or the elements of a set.
 
-    `width` consecutive samples are bound at once; `level` is the nesting depth inside the rule, from 0.
+    `width` consecutive samples are bound at once; `level` is the nesting depth inside the rule, from 0. forget: how long an element of
+    the set may be absent and keep its history [ns]; capacity: of how many anything is remembered, None where none is that is absent.
     """
 
     signal: str
     kind: Literal["samples", "elements"]
     width: int
     level: int
+    forget: int = 0
+    capacity: int | None = None
 
 
 # Numbers ------------------------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ that speak of one cycle alone. Whoever knows the leaves of every cycle knows the
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from weakref import WeakKeyDictionary
 
 from trackmarshal.ir import nodes as ir
 
@@ -16,11 +17,19 @@ def nanoseconds(seconds: float) -> int:
     return round(seconds * 1e9)
 
 
+#: What `over_run` found, as long as a formula is there.
+_OVER_RUN: WeakKeyDictionary[ir.AnyNode, bool] = WeakKeyDictionary()
+
+
 def over_run(formula: ir.Formula | ir.Num | None) -> bool:
     """Whether a formula speaks of other cycles than the present one."""
-    return formula is not None and any(
-        isinstance(node, (ir.Remembered, ir.Kept)) for node in ir.below(formula)
-    )
+    if formula is None:
+        return False
+    found = _OVER_RUN.get(formula)
+    if found is None:
+        found = any(isinstance(node, (ir.Remembered, ir.Kept)) for node in ir.below(formula))
+        _OVER_RUN[formula] = found
+    return found
 
 
 def recalls(node: ir.Formula) -> bool:

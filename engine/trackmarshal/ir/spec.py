@@ -42,13 +42,19 @@ COURSE = "course"
 
 
 class SignalType(Node):
-    """The contract of one signal: trajectory, series, state, object (many: a set), corridor, polyline."""
+    """The contract of one signal: trajectory, series, state, object (many: a set), corridor, polyline.
+
+    capacity: the most elements of a set, and the most of which anything is remembered, those that are absent included; None: as many as the
+    limit `elements` says, and nothing of what is absent. forget: for how long one may be absent and keep its history [ns].
+    """
 
     name: str
     kind: str
     many: bool
     fields_: tuple[FieldType, ...]
     span: Span
+    capacity: int | None = None
+    forget: int = 0
 
     def field(self, name: str) -> FieldType | None:
         return next((field for field in self.fields_ if field.name == name), None)

@@ -1,5 +1,7 @@
 """Building and starting a Supervisor as a process of its own."""
 
+# implements S-1-B-3: a process of its own, which shares messages with the planner and nothing else
+
 from __future__ import annotations
 
 import os

@@ -12,7 +12,8 @@ import numpy as np
 
 from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.interface import FAULT_NAMES
-from trackmarshal.backends.c.over_run.numbering import Numbering
+from trackmarshal.backends.c.lanes import Lanes
+from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
 from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.step import Reason, Said
 from trackmarshal.backends.c.supervisor import CSupervisor
@@ -76,13 +77,17 @@ class RemoteStepper:
         self._silent = False
         self._serial = 0
         self._bordered: dict[int, _Points] = {}
-        self._numbering = Numbering()
+        self._numbering = Numbering(lasting(source.plan.spec))
+        #: The stamp of the cycle that was asked about last [s].
+        self._t: float | None = None
 
     def step(
         self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
         closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[Found] = (), arena: Arena | None = None,
+        lanes: Sequence[Lanes] = (),
     ) -> Said:  # fmt: skip
         """As a Stepper's; the process reads the clock itself. Raises NoAnswer."""
+        assert not lanes, "messages have none: a process that would need them is not built"
         order = self.words
         given = [_columns(one, name in self._records) for name, one in zip(order.columns, columns)]
         for name in order.ids:
@@ -103,6 +108,7 @@ class RemoteStepper:
             signals[signal]["closed"] = is_closed
         for event, flag in zip(order.events, events):
             signals[event] = None if flag < 0 else flag == 1
+        self._t = t
         return self._asked(self.client.send(number, t, driving, emergency, signals, found), found)
 
     def none_came(self, now: float, found: Sequence[Found] = ()) -> Said:
@@ -163,7 +169,7 @@ class RemoteStepper:
             self.verdicts[row] = message[f"{name}_verdict"][:count]
         said = Said._make(_SAID.unpack_from(message.data, message.kind.entries[SAID[0][0]].offset))
         if said.judged:
-            self._numbering.settle()
+            self._numbering.settle(self._t)
         self._serial += 1
         return said._replace(serial=self._serial)
 

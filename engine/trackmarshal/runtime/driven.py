@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
-from trackmarshal.runtime.cycle import EMERGENCY
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.faults import Fault, fault, name_of
 from trackmarshal.runtime.frame import Columns, Frame
 
@@ -22,6 +22,14 @@ def in_doubt(frame: Frame, decision: Decision | None) -> bool:
     if frame.faults:
         return True
     return decision is not None and any(name_of(found) in _IN_DOUBT for found in decision.faults)
+
+
+def drives_on(frame: Frame, decision: Decision | None) -> bool:
+    """Whether what was decided to be driven is a frame's own driving candidate: then the cycle was what its rules saw."""
+    driven = None if decision is None else decision.driven
+    if driven is None or decision is None or driven.candidate != DRIVING or driven.t != decision.t:
+        return False
+    return not frame.faults and driven.columns is frame.candidates.get(DRIVING)
 
 
 def as_driven(frame: Frame, decision: Decision | None) -> Frame:
@@ -41,7 +49,7 @@ def as_driven(frame: Frame, decision: Decision | None) -> Frame:
         columns |= {PLAN: now, FOLLOWED: now}
     return Frame(
         frame.id, frame.settings, columns, events, frame.lines, frame.closed, {}, faults, frame.orders, t=frame.t,
-        number=frame.number,
+        number=frame.number, lanes=frame.lanes,
     )  # fmt: skip
 
 

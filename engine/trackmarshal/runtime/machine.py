@@ -1,5 +1,7 @@
 """What is driven: a state machine of four states, as a table and pure functions (S-1-B-1; docs/supervisor.md)."""
 
+# implements S-1-B-1: what is driven is a table of twelve entries, and nothing else
+
 from __future__ import annotations
 
 import math

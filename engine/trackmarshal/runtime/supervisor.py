@@ -4,6 +4,8 @@ Every part says which step its answer is of. A cycle is safe only if all of them
 run, or that answers for another cycle, is `incomplete`.
 """
 
+# implements S-1-B-4: a part that did not answer for this very step makes the cycle unsafe; so does a late verdict
+
 from __future__ import annotations
 
 import math
@@ -102,6 +104,7 @@ class Found:
 
 def watch(about: int, now: float, finished: float, limits: Limits) -> Timely:
     """Whether the verdict came in time; one that did at a time that nobody knows did not."""
+    # implements S-1-B-2: what is decided late is driven by nobody
     if finished - now <= limits.budget:
         return Timely(about, None)
     message = f"{finished - now:g} s, the budget is {limits.budget:g} s"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from trackmarshal.source import Span
 from trackmarshal.units import beside
@@ -13,16 +14,14 @@ VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
 UNSAFE = ("violated", "undefined")
 
 
-@dataclass(frozen=True, slots=True)
-class Bound:
+class Bound(NamedTuple):
     """One side of a value: whether the formula holds, and its margin."""
 
     sat: bool
     margin: float
 
 
-@dataclass(frozen=True, slots=True)
-class Truth:
+class Truth(NamedTuple):
     """The value of a formula between its worst and its best case over everything undefined in it.
 
     An undefined comparison may hold or not, by any margin: its worst case is (False, -inf), its best (True, +inf).

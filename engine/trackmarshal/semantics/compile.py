@@ -45,6 +45,7 @@ from trackmarshal.semantics.errors import (
     WrongKind,
 )
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
+from trackmarshal.semantics.lifetimes import lifetimes
 from trackmarshal.semantics.modules import Library
 from trackmarshal.semantics.records import check_field, record_params
 from trackmarshal.semantics.rulebooks import Rulebooks, check_signal, check_test_target
@@ -250,7 +251,12 @@ class _Compiler:
                     FieldType(side, "polyline", "m", False, None, None, None, item.span)
                     for side in ("left", "right")
                 ]
-            signal = SignalType(item.name, item.kind, item.many, tuple(fields), item.span)
+            capacity, forget = lifetimes(
+                item,
+                lambda expr, unit: self._finite(expr, unit, parse_unit(unit)[2], module),
+                self.found,
+            )
+            signal = SignalType(item.name, item.kind, item.many, tuple(fields), item.span, capacity, forget)
             if known is None:
                 self.signals[item.name] = signal
             elif known != signal and self.scopes[module].own[item.name].item is item:

@@ -457,6 +457,22 @@ class CourseProblem(Diagnostic):
     hint: str = ""
 
 
+class LifetimeProblem(Diagnostic):
+    code = "E580"
+    title = "elements that cannot be known for so long"
+    text = "{problem}"
+    remedy = "{hint}"
+    explanation = (
+        "`signal objects : set of object { ... } capacity 32 forget 2 s`: no cycle has more than 32 elements, and rules over the run remember "
+        "something of 32 at most, of those that are absent for up to two seconds, too. So `forget` is of sets with a capacity, which is a whole "
+        "number from 1 to 1000."
+    )
+
+    span: Span
+    problem: str
+    hint: str = ""
+
+
 class JudgedNowhere(Diagnostic):
     code = "E271"
     title = "a sample at which no rule can be judged"

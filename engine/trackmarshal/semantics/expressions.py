@@ -613,7 +613,7 @@ class Expressions:
                     value.span,
                     "the window of a temporal operator is constant",
                     None,
-                    "write a number with a unit of time",
+                    "write a number with a unit of time: how much is remembered is known before the run, and a parameter may be overridden",
                 )
             )
         return value, seconds

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import assert_never
 
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import ahead, outside_machines, recalled, recalls, sets
+from trackmarshal.ir.overrun import ahead, outside_machines, over_run, recalled, recalls, sets
 from trackmarshal.semantics.errors import OverRunProblem
 from trackmarshal.source import Span
 
@@ -16,7 +16,9 @@ LONGEST = 3_600_000 * 10**9
 def misused(*formulas: ir.Formula | None) -> OverRunProblem | None:
     """The first thing that is wrong with temporal operators over the run in some formulas; None where nothing is."""
     for formula in formulas:
-        for node in ir.below(formula) if formula is not None else ():
+        if formula is None or not over_run(formula):
+            continue
+        for node in ir.below(formula):
             problem = _of_operator(node) if isinstance(node, ir.Remembered) else _of_other(node)
             if problem is not None:
                 return problem
@@ -53,6 +55,14 @@ def _of_operator(node: ir.Remembered) -> OverRunProblem | None:
         return OverRunProblem(
             node.span, "`count` over what looks ahead would have to remember the whole run", hint
         )
+    lasting = next((axis for axis in sets(node) if axis.forget), None)
+    if lasting is not None and node.past and any(_waits(part) for part in ir.below(node)):
+        hint = "let it look back alone, or declare no `forget`"
+        return OverRunProblem(
+            node.span,
+            f"`{_called(node)}` looks back at what looks ahead, of elements of `{lasting.signal}` that may be absent",
+            hint,
+        )
     if isinstance(node, ir.OverRun) and not node.past and node.op != "next" and node.upper is None:
         hint = f"give it a window: `{node.op}[0 s, 5 s]`"
         return OverRunProblem(node.span, f"`{node.op}` without a bound is never decided over the run", hint)
@@ -61,6 +71,10 @@ def _of_operator(node: ir.Remembered) -> OverRunProblem | None:
             node.span, "the window of a temporal operator over the run is longer than a thousand hours"
         )
     return None
+
+
+def _waits(node: ir.AnyNode) -> bool:
+    return isinstance(node, ir.OverRun) and not node.past
 
 
 def _of_other(node: ir.AnyNode) -> OverRunProblem | None:

@@ -420,12 +420,14 @@ class Field(Node):
 
 
 class Signal(Item):
-    """`signal plan : trajectory { ... }`; `many` for `set of`."""
+    """`signal plan : trajectory { ... }`; `many` for `set of`, `capacity 32 forget 2 s` of which says how many elements are known, and for how long."""
 
     name: str
     kind: str
     many: bool
     fields_: tuple[Field, ...]
+    capacity: Expr | None = None
+    forget: Expr | None = None
     span: Span = NOWHERE
 
 

@@ -138,7 +138,12 @@ class Builder:
         return c[1] if c[0] is None else ast.Unary("-", c[1], self._span(meta))
 
     def signal(self, meta: Meta, c: list[Any]) -> ast.Signal:
-        return ast.Signal(spelled(c[0]), c[2], c[1] is not None, c[3] or (), self._span(meta))
+        return ast.Signal(spelled(c[0]), c[2], c[1] is not None, c[3] or (), c[4], c[5], self._span(meta))
+
+    def capacity(self, meta: Meta, c: list[Any]) -> ast.Expr:
+        return c[0]  # type: ignore[no-any-return]
+
+    forget = capacity
 
     def course(self, meta: Meta, c: list[Any]) -> ast.Course:
         return ast.Course(spelled(c[0]), self._name(c[1]), c[2], self._name(c[3]), self._span(meta))

@@ -160,16 +160,19 @@ class Layout:
 
     def _signal(self, item: ast.Signal, columns: Columns) -> Laid:
         head = f"signal {self._n.name(item.name).ljust(columns.name)} : {'set of ' if item.many else ''}{item.kind}"
+        told = [("capacity", item.capacity), ("forget", item.forget)]
+        tail = "".join(f" {word} {self._n.expr(value)}" for word, value in told if value is not None)
         if not item.fields_:
-            return Laid([Piece(head, 0)])
+            return Laid([Piece(head + tail, 0)])
         fields = [self._field(field) for field in item.fields_]
         pieces = [Piece(f"{head} {{", 0)]
         pieces += [_placed(f"{text},", field) for text, field in zip(fields, item.fields_)]
-        pieces.append(Piece("}", 0, item.span.end - 1, item.span.end))
-        return Laid(pieces, self._filled(f"{head} {{ ", fields))
+        pieces.append(Piece(f"}}{tail}", 0, item.span.end - 1, item.span.end))
+        return Laid(pieces, self._filled(f"{head} {{ ", fields, tail))
 
-    def _filled(self, opened: str, fields: list[str]) -> str:
-        return opened + self._w.fill([(text, None) for text in fields], len(opened), len(opened), 2) + " }"
+    def _filled(self, opened: str, fields: list[str], tail: str = "") -> str:
+        filled = self._w.fill([(text, None) for text in fields], len(opened), len(opened), 2 + len(tail))
+        return f"{opened}{filled} }}{tail}"
 
     def _type(self, kind: str) -> str:
         return self._n.unit(kind) if is_unit(kind) else self._n.name(kind)

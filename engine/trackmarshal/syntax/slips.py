@@ -88,6 +88,8 @@ def _without_comma(number: str) -> str:
 
 
 def _word(found: str, line: str, expected: set[str]) -> str:
+    if found == "to" and "COMPARE" in expected:
+        return "a predicate that is called `to` stands before its arguments: write `to(a, b)`, or rename it"
     if found == "for":
         return "write `for all NAME in DOMAIN`" if expected & {"_FOR_ALL", "NOT"} else ""
     if found in RESERVED and expected <= {"NAME", "ID", "CONSECUTIVE"} and expected:

@@ -62,6 +62,8 @@ class PreparedTest(Node):
     unit: str | None
     binder: str | None
     at: str | None
+    #: Its syntax tree without the title, of which neither layout nor comments are part.
+    said: str
     span: Span
 
     @property
@@ -147,7 +149,18 @@ class _Preparation:
             return None
         verdict, margin, tolerance, unit, binder, at = expect
         return PreparedTest(
-            rule, item.title, case, tuple(later), verdict, margin, tolerance, unit, binder, at, item.span.head
+            rule,
+            item.title,
+            case,
+            tuple(later),
+            verdict,
+            margin,
+            tolerance,
+            unit,
+            binder,
+            at,
+            repr((item.steps, item.expect)),
+            item.span.head,
         )
 
     def _after(self, entry: ast.After, rule: RuleInfo | None) -> float:

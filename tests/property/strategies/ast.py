@@ -289,7 +289,10 @@ def _signals() -> SearchStrategy[ast.Signal]:
     )
     defaults = st.one_of(st.none(), bounds(), name_nodes(), st.builds(ast.Boolean, st.booleans()))
     field = st.builds(ast.Field, names(), types, st.booleans(), ranges(), defaults)
-    return st.builds(ast.Signal, names(), kinds, st.booleans(), st.lists(field, max_size=12).map(tuple))
+    some = st.one_of(st.none(), bounds())
+    return st.builds(
+        ast.Signal, names(), kinds, st.booleans(), st.lists(field, max_size=12).map(tuple), some, some
+    )
 
 
 def _pairs(least: int) -> SearchStrategy[tuple[tuple[ast.Expr, ast.Expr], ...]]:
@@ -322,7 +325,8 @@ def _tables() -> SearchStrategy[ast.Table]:
     ways |= st.builds(ast.Way, st.sampled_from(["linear", "step"]), st.just("wrap"), bounds())
     cells = st.lists(bounds(), min_size=1, max_size=5).map(tuple)
     rows = st.lists(st.tuples(bounds(), cells).map(lambda row: (row[0], *row[1])), min_size=1, max_size=6)
-    second = st.builds(ast.Second, names(), units(), names(), cells)
+    labels = names().filter(lambda name: name != "inf")  # a row that begins with it is one of values
+    second = st.builds(ast.Second, names(), units(), labels, cells)
     second |= st.builds(ast.Second, names(), units(), st.just(""), st.just(()))
     return st.builds(
         ast.Table, names(), names(), units(), units(), rows.map(tuple), st.none() | strings(),

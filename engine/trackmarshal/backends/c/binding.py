@@ -25,7 +25,8 @@ class Words:
 
     After `HEAD`: for each of `columns` (the candidates first) the address of its numbers, (numbers, count) in C's order, 0 where it
     is missing, that of its flags, and its count; for each of `lines` (signal, field) address, count and id; for each of `ids`, sets
-    whose elements are known again, the address of their numbers; for each of `closed` and `events` a word.
+    whose elements are known again, the address of their numbers; for each of `lanes` that of address, count and id of the left borders, and
+    then of the right ones; for each of `closed` and `events` a word.
     """
 
     columns: tuple[str, ...]
@@ -33,12 +34,15 @@ class Words:
     ids: tuple[str, ...]
     closed: tuple[str, ...]
     events: tuple[str, ...]
+    lanes: tuple[str, ...] = ()
 
     @property
     def formats(self) -> tuple[str, str, str]:
         """For `struct`: of the head, the columns, and the rest."""
         head = "".join(kind for _, kind in HEAD)
-        rest = f"={3 * len(self.lines) + len(self.ids)}Q{len(self.closed) + len(self.events)}q"
+        rest = (
+            f"={3 * len(self.lines) + len(self.ids) + len(self.lanes)}Q{len(self.closed) + len(self.events)}q"
+        )
         return f"={head}", f"={3 * len(self.columns)}Q", rest
 
 
@@ -50,6 +54,7 @@ def words(given: Supervised) -> Words:
         tuple(signal.name for signal in given.inputs if signal.named),
         tuple(signal.name for signal in given.borders if _closed(signal)),
         tuple(signal.name for signal in given.events),
+        tuple(signal.name for signal in given.lanes),
     )
 
 
@@ -116,6 +121,8 @@ def _structs(given: Supervised) -> Iterator[str]:
         yield f"  tmg_line lines[{len(order.lines)}];"
     if order.ids:
         yield f"  uint64_t ids[{len(order.ids)}];"
+    if order.lanes:
+        yield f"  uint64_t lanes[{len(order.lanes)}];"
     if order.closed:
         yield f"  int64_t closed[{len(order.closed)}];"
     if order.events:
@@ -142,6 +149,8 @@ def _step(given: Supervised) -> Iterator[str]:
         assert signal is not None
         c_name = given.plan.c_name if place < 2 else given.signals[name]
         yield f"  tm_in_{c_name} columns_{place};"
+    for signal in given.lanes:
+        yield f"  static tm_points lanes_{given.signals[signal.name]}[2][TM_MAX_ELEMENTS];"
     for signal in given.borders:
         yield f"  tm_in_{given.signals[signal.name]} lines_{given.signals[signal.name]};"
     for name in ("came", "numbered", "stamped"):
@@ -196,6 +205,8 @@ def _columns(given: Supervised, signal: Signal, place: int, target: str) -> Iter
         for row, field in enumerate(fields):
             at = f"{kind}[{row}u]" if record else f"&{kind}[{row}u * count]"
             yield f"    {own}.{names[field.name]} = {at};"
+    if signal.lines:
+        yield from _lanes(given, signal, own)
     if signal.named:
         place = words(given).ids.index(signal.name)
         yield f"    {own}.id = (const uint64_t *)(uintptr_t)in->ids[{place}];"
@@ -203,3 +214,19 @@ def _columns(given: Supervised, signal: Signal, place: int, target: str) -> Iter
     yield "  } else {"
     yield f"    {target} = NULL;"
     yield "  }"
+
+
+def _lanes(given: Supervised, signal: Signal, own: str) -> Iterator[str]:
+    """The borders of lanes, those of the left sides first."""
+    made = f"lanes_{given.signals[signal.name]}"
+    yield f"    const tmg_line *borders = (const tmg_line *)(uintptr_t)in->lanes[{words(given).lanes.index(signal.name)}];"
+    yield "    for (size_t lane = 0; lane < count && lane < TM_MAX_ELEMENTS; ++lane) {"
+    yield "      for (size_t side = 0; side < 2; ++side) {"
+    yield "        const tmg_line *border = &borders[side * count + lane];"
+    yield f"        {made}[side][lane].points = (const double *)(uintptr_t)border->points;"
+    yield f"        {made}[side][lane].count = (size_t)border->count;"
+    yield f"        {made}[side][lane].id = border->id;"
+    yield "      }"
+    yield "    }"
+    yield f"    {own}.left = {made}[0];"
+    yield f"    {own}.right = {made}[1];"

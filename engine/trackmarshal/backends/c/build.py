@@ -81,9 +81,10 @@ def _built(files: Mapping[str, str], units: Sequence[str], flags: list[str], end
         digest.update(part.encode())
         digest.update(b"\0")
     folder = cache_folder()
-    root = Path(tempfile.mkdtemp(prefix="trackmarshal-")) if folder is None else folder / "c"
-    root.mkdir(parents=True, exist_ok=True)
     name = digest.hexdigest()[:32]
+    # In folders of their own, by the first letters: in a folder of thousands, looking takes as long as compiling something small.
+    root = Path(tempfile.mkdtemp(prefix="trackmarshal-")) if folder is None else folder / "c" / name[:2]
+    root.mkdir(parents=True, exist_ok=True)
     return _kept(root, name, ending) or _compile(files, units, flags, root, name, ending)
 
 

@@ -56,7 +56,7 @@ def _libm(source: Source, graph: dict[str, set[str]], code: RuleCode) -> set[str
     begun = [code.entry]
     for root in roots(code.rule):
         for node in ir.below(root):
-            if isinstance(node, ir.Line | ir.Area) and shape_key(node) in source.plan.shapes:
+            if isinstance(node, ir.Line | ir.Area | ir.OnLane) and shape_key(node) in source.plan.shapes:
                 begun.append(_make(source.plan.shape(node)).partition("(")[0])
     missing = [name for name in begun if name not in graph]
     if missing:

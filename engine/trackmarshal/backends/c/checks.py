@@ -66,7 +66,10 @@ def condition(check: Check, names: Mapping[str, str]) -> str:
 
 def capacity(check: Check) -> str:
     """The index of a fault of a length: the capacity, where it is one."""
-    return next((CAPACITIES[value] for _, value in check.constants if isinstance(value, str)), "TM_NOWHERE")
+    most = dict(check.constants).get("most") if check.kind.fault == "over_capacity" else None
+    if most is None:
+        return "TM_NOWHERE"
+    return CAPACITIES[most] if isinstance(most, str) else f"{int(most)}u"
 
 
 def _signature(name: str, given: str, constants: Sequence[Sequence[str]]) -> str:

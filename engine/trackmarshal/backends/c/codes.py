@@ -32,7 +32,7 @@ CODES = {
     "E476": (
         "messages cannot tell so much apart",
         "A Supervisor that is a process of its own takes messages of fixed length, in which a mask of 64 bits says which columns of a"
-        " signal, and which lines, are there or wanted. A spec with more of them runs inside another program (`compile` without"
+        " signal, and which lines, are there or wanted. There is no place for lanes in them. A spec with more of them runs inside another program (`compile` without"
         " --process), or without the rules that read them.",
     ),
     "E477": (

@@ -195,6 +195,11 @@ def _init(plan: Layout, given: Supervised) -> Iterator[str]:
             yield f"  {kept}.{given.lines[signal.name, field.name]}.count = 0u;"
         yield f"  {kept}.closed = false;"
         yield f"  {kept}.set = false;"
+    for signal in given.lanes:
+        yield "  for (size_t lane = 0u; lane < TM_MAX_ELEMENTS; ++lane) {"
+        yield f"    c->lanes.{given.signals[signal.name]}[lane].set = false;"
+        yield f"    c->lanes.{given.signals[signal.name]}[lane].bad = false;"
+        yield "  }"
     for name in LIMITS:
         yield f"  c->limits.{name} = 0.0;"
         yield f"  own.limits.{name} = TM_NAN; /* what tm_defaults leaves out is refused */"

@@ -16,6 +16,7 @@ from trackmarshal.runtime.contract import (
     IS_EMERGENCY,
     LINES,
     PLAN,
+    SET,
     Contract,
     Signal,
     of_cycles,
@@ -41,6 +42,11 @@ class Supervised:
     def inputs(self) -> list[Signal]:
         """Timelines, sets and records."""
         return [signal for signal in self.contract.signals if signal.form not in (LINES, EVENT)]
+
+    @property
+    def lanes(self) -> list[Signal]:
+        """Sets of lanes, each of which has two borders; they are inputs, too."""
+        return [signal for signal in self.inputs if signal.lines]
 
     @property
     def events(self) -> list[Signal]:
@@ -73,7 +79,7 @@ def supervised_layout(spec: Spec, rules: Sequence[RuleInfo]) -> tuple[Layout, Su
         raise AssertionError(f"rules read {', '.join(plan.inputs.keys() - known)} without saying so")
     assert contract.plan is not None
     for signal in (contract.plan, *contract.signals):
-        if signal.form != LINES and signal.lines:
+        if signal.form not in (LINES, SET) and signal.lines:
             span = spec.signals[signal.name].span
             raise TrackmarshalError(
                 "E470",

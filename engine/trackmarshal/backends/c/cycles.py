@@ -17,6 +17,7 @@ import numpy as np
 
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.interface import LIMITS
+from trackmarshal.backends.c.lanes import Lanes, as_many
 from trackmarshal.backends.c.over_run.numbering import Numbering
 from trackmarshal.backends.c.source import Source
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, Signal
@@ -26,6 +27,7 @@ from trackmarshal.runtime.faults import Fault, name_of
 
 if TYPE_CHECKING:
     from trackmarshal.runtime.frame import Columns, Frame, Settings
+    from trackmarshal.runtime.lines import Line
 
 FORMAT, VERSION = "trackmarshal-cycles", 1
 #: The most letters of a name in a file; longer ones are cut.
@@ -122,6 +124,8 @@ class CycleWriter:
                 yield from self._lines(signal, frame, spoilt)
             else:
                 yield from self._columns(signal.name, signal, frame.columns[signal.name], spoilt)
+                if signal.lines and signal.name not in spoilt:
+                    yield from self._lanes(as_many(frame.lanes[signal.name], frame.columns[signal.name]))
 
     def end(self) -> Iterator[str]:
         """What stands after the last cycle: without it, a file was cut off."""
@@ -151,9 +155,18 @@ class CycleWriter:
         self._last[name] = now
         yield " ".join([label(name), ":", *closed])
         for field, line in lines:
-            known = self._ids.setdefault(line.number, len(self._ids) + 1)
-            points = _words(line.points.reshape(-1))
-            yield " ".join([f" {label(field or 'line')}", integer(known), integer(len(line)), *points])
+            yield self._line(field or "line", line)
+
+    def _lanes(self, lanes: Lanes) -> Iterator[str]:
+        """The borders of each lane, the left ones first."""
+        for side, name in enumerate(("left", "right")):
+            for lane in lanes:
+                yield self._line(name, lane[side]) if len(lane[side]) else f" {name} -"
+
+    def _line(self, name: str, line: Line) -> str:
+        known = self._ids.setdefault(line.number, len(self._ids) + 1)
+        points = _words(line.points.reshape(-1))
+        return " ".join([f" {label(name)}", integer(known), integer(len(line)), *points])
 
 
 def _words(column: np.ndarray[Any, Any]) -> Iterator[str]:

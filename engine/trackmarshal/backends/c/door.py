@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 
 from trackmarshal.backends.c.checks import Helpers, breach, capacity, condition, text
 from trackmarshal.backends.c.contract import Supervised
+from trackmarshal.backends.c.lanes import lanes_of
 from trackmarshal.backends.c.machine import ego_of
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.order import fit, order
@@ -31,10 +32,16 @@ class Door:
         assert contract.plan is not None
         plan = self._signal(contract.plan, given.plan.c_name)
         others = [line for signal in contract.signals for line in self._other(signal)]
-        body = [*order(), *plan, *fit(given), *others, *self._whole()]
+        lanes = [line for signal in given.lanes for line in lanes_of(given, signal)]
+        body = [*order(), *plan, *fit(given), *others, *lanes, *self._whole()]
         self.functions = [*self._helpers.functions, *body]
         #: How many parts run up to the door's end: those of each candidate twice, order and fit, and two before the door.
-        self.parts = 2 * self._parts_of(contract.plan) + sum(map(self._parts_of, contract.signals)) + 4
+        self.parts = (
+            2 * self._parts_of(contract.plan)
+            + sum(map(self._parts_of, contract.signals))
+            + 4
+            + len(given.lanes)
+        )
 
     def _signal(self, signal: Signal, c_name: str) -> Iterator[str]:
         """A timeline, set or record."""
@@ -134,6 +141,9 @@ class Door:
         yield "  }"
         for signal in given.contract.signals:
             yield from self._call(signal)
+        for signal in given.lanes:
+            c_name = given.signals[signal.name]
+            yield f"  tm_lanes_{c_name}(c, cycle, cycle->signals.{c_name}, {text(signal.name)}, look);"
         yield "  c->marks.door = c->serial;"
         yield "}"
         yield ""

@@ -13,7 +13,7 @@ from trackmarshal.backends.c.cycles import FORMAT, FOUND, LETTERS, VERSION, dige
 from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.names import comment, distinct
-from trackmarshal.backends.c.places import _bordered, _setters, sources
+from trackmarshal.backends.c.places import _bordered, _setters, is_lanes, sources
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir.spec import FieldType
@@ -64,7 +64,7 @@ def _supervisor(source: Source, given: Supervised) -> dict[str, Any]:
         "faults": list(FAULTS),
         "states": list(STATES),
         "rules": [label(code.rule.name) for code in source.rules],
-        "borders": [signal for signal in signals if signal["form"] == "lines"],
+        "borders": [signal for signal in signals if signal["form"] == "lines"], "lanes": bool(given.lanes),
         "has_flags": any(s["form"] == "event" or (s["form"] == "record" and s["flags"]) for s in signals),
         "has_flag_columns": any(s["form"] == "columns" and s["flags"] for s in signals),
     }  # fmt: skip
@@ -99,7 +99,7 @@ def _columns(signal: Signal, item: Input, c_name: str, member: str) -> dict[str,
         "form": "record" if signal.form == RECORD else "columns", "name": label(member.rpartition(".")[2]), "c": c_name,
         "member": member, "type": f"tm_in_{item.c_name}", "what": f"A {signal.form}: {comment(member.rpartition('.')[2])}",
         "capacity": "TM_MAX_SAMPLES" if signal.form == TIMELINE else "TM_MAX_ELEMENTS",
-        "named": signal.named, "fields": fields, "numbers": len(signal.numbers), "flags": len(signal.flags),
+        "named": signal.named, "lanes": bool(signal.lines), "fields": fields, "numbers": len(signal.numbers), "flags": len(signal.flags),
     }  # fmt: skip
 
 
@@ -110,7 +110,8 @@ def _constant(source: Source) -> dict[str, Any]:
     plan = source.plan
     setters = _setters(plan)
     places = [
-        ({"setter": setters[name], "name": _text(name)}, _bordered(plan, name)) for name in sources(plan)
+        ({"setter": setters[name], "name": _text(name), "lanes": is_lanes(plan, name)}, _bordered(plan, name))
+        for name in sources(plan)
     ]
     inputs = list(plan.inputs.values())
     columns = [(item, info) for item in inputs if item.kind == "columns" for info, _ in item.fields]

@@ -22,6 +22,8 @@ from trackmarshal.source import Span
 _LONG = 150
 _LONG_SIDE = 40
 _ZERO = c.Literal("0u")
+#: Numbers of what is swept straight: two poses, length and width. Curvatures come after them.
+_STRAIGHT = 8
 #: What a number of many is called while it is worked out.
 _FOLDED: dict[FoldOp, str] = {"sum": "total", "least": "least", "greatest": "greatest", "nearest": "nearest"}
 
@@ -109,7 +111,7 @@ class Writer:
         self._length: dict[c.Expr, int] = {}
         #: How many series of the context the function needs, before they share places.
         self.slots = 0
-        self.series: dict[tuple[c.Scope, ir.Timed], list[c.Expr]] = {}
+        self.series: dict[tuple[c.Scope, ir.Timed | ir.Tallied], list[c.Expr]] = {}
         #: Geometric predicates of which only margins below this one matter.
         self.bounds: dict[ir.IR, c.Expr] = {}
         #: Functions of libm that the function calls.
@@ -169,6 +171,10 @@ class Writer:
         return "tm_truth" if self.known else "tm_cases"
 
     def input(self, signal: str) -> c.Expr:
+        course = self.plan.courses.get(signal)
+        if course is not None:
+            courses = c.Member(self.name("context"), "course", True)
+            return c.Member(courses, course.c_name, False)
         return c.Member(self.name("in"), self.plan.input(signal).c_name, True)
 
     def count(self, axis: ir.Axis) -> c.Expr:
@@ -367,7 +373,7 @@ class Writer:
             case ir.StationGap():
                 return self._on_line("gap", node.line, self.number(node.start, at), self.number(node.end, at))
             case ir.OnLane():
-                raise self.refuse(node, f"generated C has no lanes, and it asks for one of `{node.signal}`")
+                return self._on_lane(node, at)
             case ir.StretchRoom():
                 parts = (self.number(part, at) for part in (node.station, node.start, node.end))
                 return self._on_line("stretch_room", node.line, *parts)
@@ -445,13 +451,39 @@ class Writer:
         shapes = c.Member(self.name("context"), "shapes", True)
         return c.Name("context"), c.Address(c.Member(shapes, self.plan.shape(item).c_name, False))
 
+    def _on_lane(self, node: ir.OnLane, at: c.Scope) -> c.Expr:
+        """What is asked of a lane by its number; of one that is not there, nothing is known."""
+        shapes = c.Member(self.name("context"), "shapes", True)
+        every = c.Member(shapes, self.plan.shape(node).c_name, False)
+        count = c.Member(self.input(node.signal), "count", False)
+        lane = self.call("tm_lane_at", every, count, self.number(node.lane, at))
+        given = [self.number(each, at) for each in node.ends]
+        match node.what:
+            case "inside" | "meets":
+                self.libm |= {"sin", "cos", "sqrt"}
+                way = "curved" if len(given) > _STRAIGHT else "swept"
+                bound = [c.Name("TM_INF")] if node.what == "inside" else []
+                return self.call(f"tm_{way}_{node.what}", self.name("context"), lane, *given, *bound)
+            case "station" | "offset" | "direction":
+                call = self.call("tm_line_project", self.name("context"), lane, *given)
+                key = ("lane", self.plan.shape(node), node.lane, *node.ends)
+                return c.Member(self._projection(key, call, node, at), node.what, False)
+            case "distance" | "gap":
+                return self.call(f"tm_line_{node.what}", self.name("context"), lane, *given)
+            case "room":
+                return self.call("tm_line_stretch_room", self.name("context"), lane, *given)
+            case _:
+                assert_never(node.what)
+
     def _projected(self, node: ir.Projected, at: c.Scope) -> c.Expr:
         """The name of a point's projection, made once: its station, offset and direction are three nodes."""
         x, y = self.number(node.x, at), self.number(node.y, at)
         key = ("projection", node.line, node.x, node.y)
+        return self._projection(key, self._on_line("project", node.line, x, y), node, at)
+
+    def _projection(self, key: tuple[object, ...], call: c.Expr, node: ir.Num, at: c.Scope) -> c.Expr:
         known = at.known.get(key)
         if known is None:
-            call = self._on_line("project", node.line, x, y)
             known = self.declare(at, "tm_projection", call, identifier(f"projection_{self._whose(node, at)}"))
             at.known[key] = known
         return known
@@ -500,9 +532,7 @@ class Writer:
             case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.timed(node, at)
             case ir.Tallied():
-                raise self.refuse(
-                    node, "generated code counts cycles of the run, and no samples of a timeline"
-                )
+                return self._tallied(node, at)
             case ir.OverRun():
                 return self.call(f"tm_{self.plan.memory(node).c_name}_now", *self._recalled(node, at))
             case ir.Counted():
@@ -532,7 +562,7 @@ class Writer:
             case "last":
                 return self._last(node.axis.signal)
             case "now":
-                raise AssertionError("courses are refused")
+                return c.Member(self.input(node.axis.signal), "now", False)
             case _:
                 assert_never(node.place)
 
@@ -541,6 +571,15 @@ class Writer:
         from trackmarshal.backends.c.timelines import series
 
         return self.over("kept", *series(self, node, at), self.index(node.axis, at))
+
+    def _tallied(self, node: ir.Tallied, at: c.Scope) -> c.Expr:
+        """A count of the samples up to the present one, compared."""
+        from trackmarshal.backends.c.timelines import series
+
+        count = self.over("tallied_at", *series(self, node, at), self.index(node.axis, at))
+        compare = compared(node.op, node.turned)
+        limit = self.number(node.limit, at, "limit")
+        return self.call(f"tm_{compare}" if self.known else f"tm_count_{compare}", count, limit)
 
     def place_of(self, axis: ir.Axis, scope: c.Scope, places: str = "place") -> c.Expr:
         """The place in memories of an element of a set, in the present cycle (`place`) or from now on (`next`)."""

@@ -97,7 +97,7 @@ def _rules(source: Source) -> str:
         "numbers": [place(*each) for each in order.numbers], "flags": [place(*each) for each in order.flags],
         "ids": [plan.input(name).c_name for name in order.ids], "timed": order.timed,
         "nothing": not plan.inputs and not order.timed, "alongs": _alongs(source),
-        "waiting": bool(plan.future.rules),
+        "waiting": bool(plan.future.rules), "lasting": [plan.input(name).c_name for name in plan.lasting],
         "cases": [(index, code.c_name) for index, code in enumerate(source.rules) if code.along],
     }  # fmt: skip
     return render("program/rules.c.j2", context)

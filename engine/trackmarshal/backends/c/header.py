@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from trackmarshal.backends.c import interface, places
 from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.layout import Input, Layout
+from trackmarshal.backends.c.courses import counts_samples, longest
+from trackmarshal.backends.c.layout import Input, Layout, roots
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.online import TYPES, Monitor
 from trackmarshal.backends.c.over_run.writing import types as remembered
@@ -43,13 +44,13 @@ def header(
     begins, end = places.firsts(plan)
     context = {
         "guard": f"TM_{name.upper()}_H", "plan": plan, "given": supervised, "series": series, "monitors": monitors,
-        "capacities": [(macro, _capacity(macro, plan), CAPACITIES[macro][1]) for macro in capacities(plan, supervised)],
+        "along": along(plan), "capacities": [(macro, _capacity(macro, plan), CAPACITIES[macro][1]) for macro in capacities(plan, supervised)],
         "inputs": list(plan.inputs.values()), "comment": comment, "declaration": _declaration, "unit": unit,
         "geometry": places.has_geometry(plan), "firsts": begins, "end": end, "params": _params(plan),
         "members": _members(plan, series, supervised), "rules": [(f"TM_RULE_{code.c_name.upper()}", _about(code)) for code in codes],
         "places": list(places.prototypes(plan, supervised is not None)), "cases": CASES, "monitor_types": TYPES,
         "named": plan.named, "remembered": remembered(plan, supervised is not None),
-        "rulebooks": rulebooks,
+        "rulebooks": rulebooks, "counted": counts_samples(root for rule in plan.rules for root in roots(rule)),
     }  # fmt: skip
     if supervised is not None:
         context |= interface.said(plan)
@@ -64,7 +65,15 @@ _LIMITS = {
 
 def default(macro: str, spec: Spec) -> int:
     """A capacity as the spec declares it, or as it is by default."""
+    if macro == "TM_MAX_ELEMENTS":
+        return elements(spec, Limits.of(spec).elements)
     return getattr(Limits.of(spec), _LIMITS[macro]) if macro in _LIMITS else CAPACITIES[macro][0]
+
+
+def elements(spec: Spec, limit: int) -> int:
+    """The most elements of any set: those that are declared, and the limit of sets that declare none."""
+    sets = [signal for signal in spec.signals.values() if signal.many]
+    return max((limit if signal.capacity is None else signal.capacity for signal in sets), default=limit)
 
 
 def capacities(plan: Layout, supervised: Supervised | None = None) -> list[str]:
@@ -84,7 +93,7 @@ def capacities(plan: Layout, supervised: Supervised | None = None) -> list[str]:
         found.append("TM_MAX_PLACE")
     if plan.tables:
         found.append("TM_MAX_KNOTS")
-    if plan.future.rules or any(each.kind != "previous" for each in plan.kept.values()):
+    if plan.future.rules or plan.courses or any(each.kind != "previous" for each in plan.kept.values()):
         found.append("TM_MAX_RATE")
     return found
 
@@ -133,6 +142,12 @@ def unit(info: FieldType) -> str:
     return f"{unit}{low}{high}{', increasing' if info.increasing else ''}"
 
 
+def along(plan: Layout) -> str:
+    """C of how many samples a timeline has at most."""
+    course = longest(plan.courses.values())
+    return "TM_MAX_SAMPLES" if course is None else course.size
+
+
 def _members(plan: Layout, series: int, supervised: Supervised | None) -> list[str]:
     """Members of the context."""
     members = [] if supervised is None else interface.members(plan, supervised)
@@ -146,8 +161,11 @@ def _members(plan: Layout, series: int, supervised: Supervised | None) -> list[s
         ]
     if series:
         members += [
-            f"  tm_series series[{series}];", "  tm_series goal;", "  tm_series hold;", "  size_t queue[TM_MAX_SAMPLES];",
+            f"  tm_series series[{series}];", "  tm_series goal;", "  tm_series hold;", f"  size_t queue[{along(plan)}];",
         ]  # fmt: skip
+    if plan.courses:
+        joined = [f"    tm_course_{course.c_name} {course.c_name};" for course in plan.courses.values()]
+        members += ["  struct {", *joined, "  } course; /* of the candidate that is being rated */"]
     if plan.remembers:
         members.append("  tm_run run;")
     return [*members, *places.members(plan)] or ["  tm_flag unused;"]

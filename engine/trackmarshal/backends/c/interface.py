@@ -91,4 +91,10 @@ def members(plan: Layout, given: Supervised) -> list[str]:
             found.append("      bool set; /* made of what passed last */")
             found.append(f"    }} {own};")
         found.append("  } lines;")
+    if given.lanes:
+        found.append("  struct {")
+        found += [
+            f"    tm_passed_lane {given.signals[signal.name]}[TM_MAX_ELEMENTS];" for signal in given.lanes
+        ]
+        found.append("  } lanes;")
     return found

@@ -30,8 +30,11 @@ def constant(code: RuleCode) -> str:
     return f"TM_RULE_{code.c_name.upper()}"
 
 
-def calls(codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
+def calls(plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
     """Statements that compute rules: groups, then what is left."""
+    for course in plan.courses.values():
+        yield f"  c->course.{course.c_name}.count = 0u;"
+        yield f"  tm_join_{course.c_name}(c, in);"
     grouped = {rule.name for group in groups for rule in group.rules}
     if any(is_ahead(code.rule) for code in codes):
         yield "  c->run.future.ready = 0u;"
@@ -62,12 +65,12 @@ def judge(
         yield "  if (!tm_begin_cycle(c, in, cycle->t) || (c->run.begun != c->serial)) {"
         yield "    return; /* it is no cycle of the run: no rule says anything */"
         yield "  }"
-    yield from calls(codes, groups)
+    yield from calls(plan, codes, groups)
     yield f"  given.{given.plan.c_name} = *cycle->emergency;"
     if told is not None:
         yield f"  given.{told.c_name} = TM_TRUE;"
     yield "  out = &look->out->emergency;"
-    yield from calls(mine, own)
+    yield from calls(plan, mine, own)
     for code in codes:
         if code not in mine:
             yield f"  out->rule[{constant(code)}] = look->out->driving.rule[{constant(code)}];"

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import assert_never
 
+from trackmarshal.backends.c.courses import Course, courses_of
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.backends.c.over_run.cells import Cell, cells_of
 from trackmarshal.backends.c.over_run.future import Future, future_of
@@ -30,13 +31,14 @@ class Input:
 class Shape:
     """A prepared polyline or region of the context: `key` tells what it is made of, `sources` its border lines.
 
-    kind: "zone", "corridor" (regions), "place", "signal", "centre" (lines).
+    kind: "zone", "corridor" (regions), "place", "signal", "centre" (lines). many: one for each lane of a set.
     """
 
     key: tuple[str, str, str]
     c_name: str
     kind: str
     region: bool
+    many: bool = False
 
 
 @dataclass
@@ -57,6 +59,8 @@ class Layout:
     kept: dict[ir.Formula | ir.Machine, Cell] = field(default_factory=dict)
     #: What rules that look ahead keep.
     future: Future = field(default_factory=Future)
+    #: What was driven and what is planned, where rules live along both.
+    courses: dict[str, Course] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._same = Same(self.facts)
@@ -65,9 +69,10 @@ class Layout:
         return self.inputs[signal]
 
     def field_name(self, signal: str, name: str) -> str:
-        return next(c for info, c in self.inputs[signal].fields if info.name == name)
+        fields = self.courses[signal].fields if signal in self.courses else self.inputs[signal].fields
+        return next(c for info, c in fields if info.name == name)
 
-    def shape(self, item: ir.Line | ir.Area) -> Shape:
+    def shape(self, item: ir.Line | ir.Area | ir.OnLane) -> Shape:
         return self.shapes[shape_key(item)]
 
     def memory(self, node: ir.OverRun | ir.Counted | ir.Machine) -> Cell:
@@ -86,7 +91,7 @@ class Layout:
     @property
     def remembers(self) -> bool:
         """Whether anything is kept from one cycle to the next."""
-        return bool(self.kept or self.future.rules)
+        return bool(self.kept or self.future.rules or self.courses)
 
     def put_tables(self, names: set[str]) -> None:
         """Name the tables of the spec that are read."""
@@ -98,6 +103,11 @@ class Layout:
     def other_ways(self) -> bool:
         """Whether a table of one argument is read in another way than `linear clamp`."""
         return any(self.spec.tables[name].way != LINEAR_CLAMP for name in self.tables)
+
+    @property
+    def lasting(self) -> list[str]:
+        """Those of them that are known again after an absence."""
+        return [item.name for item in self.named if item.signal is not None and item.signal.forget]
 
     @property
     def named(self) -> list[Input]:
@@ -116,8 +126,18 @@ class Layout:
         return [s for s in self.shapes.values() if s.region]
 
 
-def shape_key(item: ir.Line | ir.Area) -> tuple[str, str, str]:
+def shape_key(item: ir.Line | ir.Area | ir.OnLane) -> tuple[str, str, str]:
+    """What a line or region is made of; of lanes, all of them."""
+    if isinstance(item, ir.OnLane):
+        if item.what in ("inside", "meets"):
+            return "corridor", item.signal, ""
+        return ("centre", item.signal, "") if item.side == "centre" else ("signal", item.signal, item.side)
     return (item.kind, item.name, item.field if isinstance(item, ir.Line) else "")
+
+
+def _is_lanes(spec: Spec, key: tuple[str, str, str]) -> bool:
+    """Whether there is one for each lane of a set."""
+    return key[1] in spec.signals and spec.signals[key[1]].many
 
 
 def roots(rule: RuleInfo) -> list[ir.Formula]:
@@ -171,7 +191,10 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         | ir.Compare()
                     ):
                         pass  # what they are made of is below, too
-                    case ir.Ordinal() | ir.Fold() | ir.OnLane():
+                    case ir.OnLane():
+                        columns.setdefault(node.signal, set())
+                        shapes[shape_key(node)] = node.what in ("inside", "meets")
+                    case ir.Ordinal() | ir.Fold():
                         pass
                     case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance():
                         pass
@@ -192,8 +215,11 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
                         pass  # see `remember`
                     case _:
                         assert_never(node)
+    result.courses = courses_of(result.rules, columns)
     for name in whole:
         columns.setdefault(name, set())
+        if any(info.kind == "polyline" for info in spec.signals[name].fields_) and spec.signals[name].many:
+            shapes["corridor", name, ""] = True  # lanes: the door asks whether they are roads
     if whole:
         for name, fields in columns.items():
             if name in spec.signals:
@@ -215,7 +241,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
     order = sorted(shapes)
     c_names = distinct(".".join(part for part in key if part) for key in order)
     for key, c_name in zip(order, c_names.values(), strict=True):
-        result.shapes[key] = Shape(key, c_name, key[0], shapes[key])
+        result.shapes[key] = Shape(key, c_name, key[0], shapes[key], _is_lanes(spec, key))
     rules_ = distinct((rule.name for rule in result.rules), endings=_ENDINGS)
     result.rule_names = {name: c_name.lower() for name, c_name in rules_.items()}
     return result

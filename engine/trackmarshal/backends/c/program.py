@@ -12,14 +12,16 @@ from functools import partial
 from typing import Any
 
 from trackmarshal.backends.c.build import library
+from trackmarshal.backends.c.courses import bytes_of_courses
 from trackmarshal.backends.c.glue import Flat, flat
 from trackmarshal.backends.c.header import CAPACITIES, capacities, default
 from trackmarshal.backends.c.over_run.cells import bytes_of_rate
-from trackmarshal.backends.c.over_run.numbering import Numbering
-from trackmarshal.backends.c.places import PlaceSetter
+from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
+from trackmarshal.backends.c.places import PlaceSetter, bytes_of_lanes, lanes
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
+from trackmarshal.backends.over_run.lives import Without
 from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -56,6 +58,10 @@ class Library:
             self.dll.tmg_remember.argtypes = [*[pointer] * 5, ctypes.c_int]
             self.dll.tmg_missed.argtypes = self.dll.tmg_forget.argtypes = [pointer]
             self.dll.tmg_remembered.restype = self.dll.tmg_remembered_size.restype = size
+        if source.plan.lasting:
+            self.dll.tmg_without.argtypes = [pointer, size, size]
+        if lanes(source.plan):
+            self.dll.tmg_set_lane.argtypes = [pointer, size, size, pointer, size, pointer, size]
         if source.plan.future.rules:
             self.dll.tmg_oldest.argtypes = self.dll.tmg_present.argtypes = self.dll.tmg_end.argtypes = [
                 pointer
@@ -109,7 +115,7 @@ class CProgram(Stateless):
         self._library: Library | None = None
         self._places: PlaceSetter | None = None
         self._numpy: NumpyProgram | None = None
-        self.numbering = Numbering()
+        self.numbering = Numbering(lasting(spec))
 
     def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
         """What decided is not kept by generated code: where it is asked for, numpy's program looks for it."""
@@ -179,6 +185,10 @@ class CProgram(Stateless):
         sizes = {name: self._size(name, wanted[name]) for name in self._kinds}
         if have is not None:
             sizes = {name: max(size, have.sizes[name]) for name, size in sizes.items()}
+        if bytes_of_lanes(self.source.plan, sizes) > _BYTES:
+            raise TrackmarshalError(
+                "E473", f"lanes take more than {_BYTES >> 20} MiB", help="choose another backend"
+            )
         self._library = Library(self.source, sizes)
         if have is not None and self.order.timed:
             self._library.take_over(have)
@@ -195,6 +205,7 @@ class CProgram(Stateless):
         if name == "TM_MAX_RATE":
             plan, elements = self.source.plan, default("TM_MAX_ELEMENTS", self.spec)
             each = bytes_of_rate(plan.kept.values(), elements) + plan.future.bytes_of_rate(elements)
+            each += bytes_of_courses(plan.courses.values(), self.source.series)
             if each * default(name, self.spec) > _BYTES:
                 raise TrackmarshalError(
                     "E473",
@@ -202,16 +213,18 @@ class CProgram(Stateless):
                     help="choose another backend",
                 )
             return int(min(_RATE, _BYTES / max(each, 1.0)))
-        if name == "TM_MAX_ELEMENTS" and self.source.plan.named:
+        if name == "TM_MAX_ELEMENTS" and (self.source.plan.named or lanes(self.source.plan)):
             return max(wanted, default(name, self.spec))
-        if name == "TM_MAX_ELEMENTS" or (name == "TM_MAX_SAMPLES" and not self.source.series):
+        if name == "TM_MAX_ELEMENTS" or (
+            name == "TM_MAX_SAMPLES" and not self.source.series and not self.source.plan.courses
+        ):
             return _FREE
         least = max(wanted, 256)
         if name == "TM_MAX_KNOTS":
             least = max(
                 wanted, CAPACITIES[name][0], *(len(self.spec.tables[table].knots) for table in self._tables)
             )
-        if name == "TM_MAX_BORDER":
+        if name == "TM_MAX_BORDER" and not lanes(self.source.plan):  # there is one for each lane
             least = max(wanted, CAPACITIES[name][0])
         if name == "TM_MAX_PLACE":
             least = max(wanted, *(len(p.points) for p in self.spec.places.values()))
@@ -225,7 +238,12 @@ class CProgram(Stateless):
     def anew(self) -> CProgram:
         """The same program, which remembers nothing yet."""
         made = copy(self)
-        made._changed, made._library, made._places, made.numbering = set(), None, None, Numbering()
+        made._changed, made._library, made._places, made.numbering = (
+            set(),
+            None,
+            None,
+            Numbering(lasting(self.spec)),
+        )
         return made
 
     def remember(self, frame: Frame, driven: bool) -> None:
@@ -235,7 +253,7 @@ class CProgram(Stateless):
             raise TrackmarshalError(
                 "E473", f"windows over the run have room for {lib.sizes['TM_MAX_RATE']} cycles a second"
             )
-        self.numbering.settle()
+        self.numbering.settle(frame.t)
 
     def skip(self) -> None:
         """A cycle was refused, or did not come."""
@@ -256,6 +274,15 @@ class CProgram(Stateless):
         verdict, final = (ctypes.c_byte * room)(), (ctypes.c_byte * room)()
         found = lib.dll.tmg_about(lib.context, place, int(ended), number, verdict, margin, final)
         return [(number[k], VERDICTS[verdict[k]], margin[k], bool(final[k])) for k in range(found)]
+
+    def without(self, frame: Frame) -> Without:
+        """The elements of the frame that ran last for which there was no place."""
+        found = dict[str, tuple[int, list[str]]]()
+        for number, name in enumerate(self.source.plan.lasting):
+            lib, ids = self.library_for(), frame.columns[name].ids[: self._count(frame, name)]
+            lost = [each for at, each in enumerate(ids) if lib.dll.tmg_without(lib.context, number, at)]
+            found[name] = self.spec.signals[name].capacity or 0, sorted(lost)
+        return found
 
     def present(self) -> tuple[int, int]:
         """The numbers, in the run, of the oldest cycle that rules that look ahead keep, and of the present one."""
@@ -295,18 +322,20 @@ class CProgram(Stateless):
     def _prepared(self, case: Frame) -> tuple[Library, tuple[Any, ...]]:
         """A library that holds the case, configured for it, and the addresses of its input; the rest keeps them alive."""
         order = self.order
-        counts = [case.count(name) for name in order.counts]
+        counts = [self._count(case, name) for name in order.counts]
         sequences = [n for n, name in zip(counts, order.counts) if self.spec.signals[name].sequence]
         elements = [n for n, name in zip(counts, order.counts) if not self.spec.signals[name].sequence]
         knots = max((len(rows[0]) for rows in case.settings.tables.values()), default=0)
-        border = max((len(points) for points in case.lines.values()), default=0)
+        borders = [points for pairs in case.lanes.values() for pair in pairs for points in pair]
+        border = max((len(points) for points in (*case.lines.values(), *borders)), default=0)
         place = max((len(points) for points in case.settings.places.values()), default=0)
         lib = self.library_for(max(sequences, default=0), max(elements, default=0), border, place, knots)
         self._configure(case, lib)
         kept = [_column(case, name, field) for name, field, _ in order.columns]
         for name in order.ids:
-            ids = case.columns[name].ids
-            if len(ids) != case.count(name):
+            count = self._count(case, name)
+            ids = case.columns[name].ids if count else ()
+            if len(ids) != count:
                 raise TrackmarshalError(
                     "E473", f"not every element of `{name}` in case {case.id!r} has an id"
                 )
@@ -319,6 +348,11 @@ class CProgram(Stateless):
             array("b", [_flag(case.flag(name, field)) for name, field in order.flags]),
         )
         return lib, (*(numbers.buffer_info()[0] for numbers in given), given, kept)
+
+    def _count(self, case: Frame, name: str) -> int:
+        """How many samples or elements a signal has; none where there are more than it declares, as its rules are undefined then."""
+        count, most = case.count(name), self.spec.signals[name].capacity
+        return 0 if most is not None and count > most else count
 
     def _configure(self, case: Frame, lib: Library) -> None:
         """Put a case's overrides into the context, and the spec's own values where the case before had others."""

@@ -169,8 +169,12 @@ def _lines(source: Source) -> Iterator[str]:
         for signals, count in code.operations:
             times = 1
             for name in signals:
-                signal = plan.spec.signals[name]
-                times *= limits["TM_MAX_SAMPLES" if signal.sequence else "TM_MAX_ELEMENTS"]
+                course = plan.courses.get(name)
+                if course is not None:
+                    times *= course.most(limits["TM_MAX_RATE"], limits["TM_MAX_SAMPLES"])
+                else:
+                    sequence = plan.spec.signals[name].sequence
+                    times *= limits["TM_MAX_SAMPLES" if sequence else "TM_MAX_ELEMENTS"]
             total += times * count
             if signals:
                 loops.append(" x ".join(signals) + f" ({times})")

@@ -39,6 +39,16 @@ typedef struct {
 } tm_cases;
 """
 
+#: How often formulas held in C.
+TALLY = """/* How often something held, surely and possibly, and whether the count starts anew there. */
+typedef struct {
+  uint64_t sure;
+  uint64_t possible;
+  bool surely_anew;
+  bool possibly_anew;
+} tm_tally;
+"""
+
 #: Numbers of many in C, while they are worked out.
 FOLD = """/* One number of many, so far; `place`: which one has it, -1.0 where there is none. */
 typedef struct {
@@ -82,7 +92,7 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
             counted, more, _ = _function(plan, rule, True)
             whole = _entry(plan, rule, name)
             functions, entry, series = [counted, full, whole], whole.name, max(series, more)
-        along, most = ("", 0) if rule.along is None else _along(plan, rule)
+        along, most = ("", 0) if rule.along is None or rule.course is not None else _along(plan, rule)
     except RecursionError as error:
         span = rule.span
         raise TrackmarshalError(
@@ -237,7 +247,7 @@ def _timed(plan: Layout, rule: RuleInfo) -> list[tuple[c.Expr, c.Expr]]:
         (plan.input(node.axis.signal).c_name, plan.field_name(node.axis.signal, "t"))
         for root in roots(rule)
         for node in ir.below(root)
-        if isinstance(node, (ir.Temporal, ir.Until))
+        if isinstance(node, (ir.Temporal, ir.Until, ir.Tallied)) and node.axis.signal not in plan.courses
     }
     signals = [(c.Member(c.Name("in"), signal, True), t) for signal, t in sorted(places)]
     return [(c.Member(signal, t, False), c.Member(signal, "count", False)) for signal, t in signals]
@@ -250,6 +260,11 @@ def _entry(plan: Layout, rule: RuleInfo, name: str) -> c.Function:
     for times, count in _timed(plan, rule):
         undefined = c.Evaluate(c.Call("tm_undefined", (_OUT,)))
         body.append(c.If(_out_of_order(times, count), (undefined, c.Return())))
+    if rule.course is not None:  # put together before the rules are asked
+        courses = c.Member(c.Name("context"), "course", True)
+        joined = c.Member(courses, plan.courses[rule.course.signal.name].c_name, False)
+        none = c.Binary("==", c.Member(joined, "count", False), c.Literal("0u"))
+        body.append(c.If(none, (c.Evaluate(c.Call("tm_undefined", (_OUT,))), c.Return())))
     full = c.Evaluate(c.Call(f"tm_rule_{name}_any", given))
     body.append(c.If(c.Unary("!", c.Call(f"tm_rule_{name}_known", given)), (full,)))
     return c.Function((), "void", f"tm_rule_{name}", PARAMETERS, tuple(body))

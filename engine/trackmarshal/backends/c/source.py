@@ -9,6 +9,7 @@ from typing import Any
 from trackmarshal.backends.c import grids, machine, parts
 from trackmarshal.backends.c.configuration import configuration
 from trackmarshal.backends.c.contract import Supervised, supervised_layout
+from trackmarshal.backends.c.courses import counts_samples
 from trackmarshal.backends.c.door import Door
 from trackmarshal.backends.c.header import header
 from trackmarshal.backends.c.judging import calls as rule_calls
@@ -16,12 +17,20 @@ from trackmarshal.backends.c.judging import judge
 from trackmarshal.backends.c.layout import Layout, layout, roots
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.online import Monitor, monitors
-from trackmarshal.backends.c.over_run.writing import recalling, remembering
+from trackmarshal.backends.c.over_run.writing import joining, recalling, remembering
 from trackmarshal.backends.c.places import calls, initial, own_places, setters
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rulebooks import RANKS, BookCode, book_codes, declared, defined
-from trackmarshal.backends.c.rules import CASES, FOLD, TRUTH, GroupCode, RuleCode, group_codes, rule_code
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.backends.c.rules import (
+    CASES,
+    FOLD,
+    TALLY,
+    TRUTH,
+    GroupCode,
+    RuleCode,
+    group_codes,
+    rule_code,
+)
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 
@@ -56,8 +65,6 @@ def generate(
     online: with a monitor, a sample at a time, of every rule along a timeline that can have one. doored: the whole Supervisor around
     the rules; raises E482 for a spec that cannot be supervised with.
     """
-    for rule in rules:
-        _refuse_course(rule)
     supervised: Supervised | None = None
     if doored:
         plan, supervised = supervised_layout(spec, rules)
@@ -73,15 +80,6 @@ def generate(
         plan, codes, header(plan, codes, series, name, found, supervised, declared(books)),
         _source(plan, codes, groups, name, found, supervised, books), name, found, supervised,
     )  # fmt: skip
-
-
-def _refuse_course(rule: RuleInfo) -> None:
-    """Raise E470 for a rule along a course: generated code remembers what formulas come to, and no samples."""
-    if rule.course is not None:
-        raise TrackmarshalError(
-            "E470", f"rule `{rule.name}`: generated code does not remember what the course `{rule.course.signal.name}` joins",
-            file=rule.span.file.path, line=rule.span.line, help="choose rules with --rule, or another backend",
-        )  # fmt: skip
 
 
 def _source(
@@ -110,7 +108,7 @@ def _source(
     if books:
         types.append(RANKS)
     bodies = [
-        *recalling(plan), *(code.text for code in codes), *(group.text for group in groups), *(monitor.text for monitor in found)
+        *recalling(plan), *joining(plan), *(code.text for code in codes), *(group.text for group in groups), *(monitor.text for monitor in found)
     ]  # fmt: skip
     known = parts.functions()
     if any(
@@ -118,6 +116,8 @@ def _source(
     ):
         types.append(FOLD)
     types += grids.types(plan)
+    if not plan.remembers and counts_samples(root for rule in plan.rules for root in roots(rule)):
+        types.append(TALLY)
     context = {
         "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found or plan.remembers else [CASES])],  # the header has it where it has what is made of them
         "functions": [known[function] for function in parts.needed([*bodies, *tail])], "bodies": bodies,
@@ -155,7 +155,7 @@ def _check(plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode],
         params.append({"name": c_name, "value": literal(param.value), "about": about})
     context = {
         "columns": [(i.c_name, i.signal is not None and i.signal.sequence) for i in plan.inputs.values() if i.kind == "columns"],
-        "calls": list(rule_calls(codes, groups)), "data": data, "params": params, "tables": _data(plan)["tables"],
+        "calls": list(rule_calls(plan, codes, groups)), "data": data, "params": params, "tables": _data(plan)["tables"],
         "shapes": list(initial(plan)), "over_run": plan.remembers,
     }  # fmt: skip
     return render("program/source/check.c.j2", context).removesuffix("\n")

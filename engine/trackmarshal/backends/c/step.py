@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.build import library
-from trackmarshal.backends.c.header import CAPACITIES, capacities
+from trackmarshal.backends.c.header import CAPACITIES, capacities, elements
 from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
-from trackmarshal.backends.c.over_run.numbering import Numbering
+from trackmarshal.backends.c.lanes import Lanes, as_many
+from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.frame import Arena, Columns
@@ -108,7 +109,7 @@ class Stepping(Protocol):
     def step(
         self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
         closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
-        arena: Arena | None = None,
+        arena: Arena | None = None, lanes: Sequence[Lanes] = (),
     ) -> Said: ...  # fmt: skip
 
     def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said: ...
@@ -169,7 +170,7 @@ class Stepper:
         #: Lines, ids, closed and events, and the words for them.
         self._rest: tuple[Any, bytes] = (None, b"")
         self._named = [self.words.columns.index(name) for name in self.words.ids]
-        self._numbering = Numbering()
+        self._numbering = Numbering(lasting(source.plan.spec))
         self._ids: list[array[int]] = []
         self._said = struct.Struct("=" + "".join(kind for _, kind in SAID))
         self._out = ctypes.create_string_buffer(self._said.size)
@@ -183,6 +184,8 @@ class Stepper:
         self._numbers = np.zeros(max(1, width * self._most))
         self._flags = np.zeros(max(1, width * self._most), dtype=np.int8)
         self._bases = self._numbers.ctypes.data, self._flags.ctypes.data
+        #: Words of lanes, which are read in the step.
+        self._lanes: list[array[int]] = []
         self._lines: list[tuple[Line | None, int, int]] = [(None, 0, 0)] * len(self.words.lines)
         #: Texts of faults that were found before; reasons speak of them up to the next step.
         self._kept: Any = None
@@ -210,7 +213,7 @@ class Stepper:
         spec = source.plan.spec
         declared = {
             "TM_MAX_SAMPLES": int(limits["samples"]),
-            "TM_MAX_ELEMENTS": int(limits["elements"]),
+            "TM_MAX_ELEMENTS": elements(spec, int(limits["elements"])),
             "TM_MAX_BORDER": int(limits["border"]),
             "TM_MAX_RATE": int(limits["rate"]),
             "TM_MAX_PLACE": max(
@@ -282,6 +285,7 @@ class Stepper:
         """The words of a cycle that came, number and stamp 0, whose columns are read where they are. Raises AssertionError for a program
         that knows elements again."""
         assert not self.words.ids
+        assert not self.words.lanes
         own: list[Any] = []
         for entry in columns:
             flags = 0 if entry.flags is None else entry.flags.ctypes.data
@@ -324,7 +328,7 @@ class Stepper:
     def step(
         self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
         closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
-        arena: Arena | None = None,
+        arena: Arena | None = None, lanes: Sequence[Lanes] = (),
     ) -> Said:  # fmt: skip
         """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`, None for one that is
         missing; what is wrong with it already, as (name, signal, field, index)."""
@@ -337,18 +341,23 @@ class Stepper:
             self._columns(columns, own)
             middle = self._middle.pack(*own)
         ids = tuple(_ids(columns[place]) for place in self._named)
-        rest = (*lines, ids, *closed, *events)
+        if lanes:  # as many as the set has elements: where it is none, C is not told of lanes either
+            places = map(self.words.columns.index, self.words.lanes)
+            lanes = [as_many(each, columns[place]) for each, place in zip(lanes, places)]
+        rest = (*lines, ids, *lanes, *closed, *events)
         if rest != self._rest[0]:
             own = []
             self._bordered(lines, own)
             self._ids = [self._numbering.of(name, each or ()) for name, each in zip(self.words.ids, ids)]
             own += [0 if each is None else kept.buffer_info()[0] for each, kept in zip(ids, self._ids)]
+            self._lanes = [_words_of(each) for each in lanes]
+            own += [each.buffer_info()[0] for each in self._lanes]
             self._rest = rest, self._tail.pack(*own, *closed, *events)
         self._in[:] = self._head.pack(*given) + middle + self._rest[1]
         self._run(self._bound)
         said = Said._make(self._said.unpack_from(self._out))
         if said.judged and self._named:
-            self._numbering.settle()
+            self._numbering.settle(t)
         return said
 
     def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said:
@@ -431,6 +440,15 @@ class Stepper:
 def _ids(columns: Columns | None) -> tuple[str, ...] | None:
     """The ids of a set, None where not each of its elements has one: C reads as many as there are elements."""
     return None if columns is None or len(columns.ids) != columns.count else columns.ids
+
+
+def _words_of(lanes: Lanes) -> array[int]:
+    """Address, count and id of the left borders, then of the right ones."""
+    own: list[int] = []
+    for side in (0, 1):
+        for pair in lanes:
+            own += (*_memory_of(pair[side].points), pair[side].number)
+    return array("Q", own or [0])
 
 
 def _memory_of(points: Floats) -> tuple[int, int]:

@@ -73,6 +73,7 @@ class CSupervisor:
             order.closed,
             order.events,
         )
+        self._lanes = order.lanes
         self._reader = CycleReader(self.contract, settings, lambda readers: fastest(readers, self.limits))
         self._words = Wording(self.contract, self.limits)
         self._named = named_rules(self.rules)
@@ -164,8 +165,9 @@ class CSupervisor:
         lines = [frame.lines[place] for place in self._lines]
         closed = [frame.closed.get(name, False) for name in self._closed]
         events = [frame.events[name] for name in self._events]
+        lanes = [frame.lanes[name] for name in self._lanes]
         return self.stepper.step(
-            stamp.number, stamp.t, now, columns, lines, closed, events, given, frame.arena
+            stamp.number, stamp.t, now, columns, lines, closed, events, given, frame.arena, lanes
         )
 
     def _decision(

@@ -9,13 +9,18 @@ from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.names import literal
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
+from trackmarshal.ir.overrun import nanoseconds
 
 if TYPE_CHECKING:
     from trackmarshal.backends.c.expressions import Writer
 
 
-def series(self: Writer, node: ir.Timed, scope: c.Scope) -> tuple[c.Expr, ...]:
-    """The series that hold a formula's value at every sample: one for what is known, else the worst and the best case."""
+#: What is computed for all samples of a timeline at once.
+Passed = ir.Timed | ir.Tallied
+
+
+def series(self: Writer, node: Passed, scope: c.Scope) -> tuple[c.Expr, ...]:
+    """The series that hold a formula's value at every sample, or a count: one for what is known, else the worst and the best case."""
     operands = operands_of(node)
     free: frozenset[ir.Axis] = frozenset()
     for operand in operands:
@@ -27,8 +32,10 @@ def series(self: Writer, node: ir.Timed, scope: c.Scope) -> tuple[c.Expr, ...]:
     return tuple(_place(self, slot) for slot in known)
 
 
-def operands_of(node: ir.Timed) -> list[ir.Formula]:
+def operands_of(node: Passed) -> list[ir.Formula]:
     """The formulas that a temporal operator is about."""
+    if isinstance(node, ir.Tallied):
+        return [node.counted, *([] if node.reset is None else [node.reset])]
     return [node.left, node.right] if isinstance(node, ir.Until) else [node.operand]
 
 
@@ -36,13 +43,16 @@ def _place(self: Writer, slot: c.Expr) -> c.Expr:
     return c.Address(c.Element(c.Member(self.name("context"), "series", True), slot))
 
 
-def _written(self: Writer, node: ir.Timed, operands: list[ir.Formula], home: c.Scope) -> list[c.Expr]:
+def _written(self: Writer, node: Passed, operands: list[ir.Formula], home: c.Scope) -> list[c.Expr]:
     sides = 1 if self.known else 2
     sources: list[list[c.Expr]] = []
     for operand in operands:
         slots = [_slot(self) for _ in range(sides)]
         loop = self.loop(node.axis, home, self.names_of(node.axis, home))
         value = self.formula(operand, loop)
+        if node.axis.signal in self.plan.courses:
+            missing = c.Element(_of_course(self, node.axis, "missing"), self.index(node.axis, loop))
+            value = self.over("unless_missed", missing, value)
         kept = [*(_place(self, slot) for slot in slots), self.index(node.axis, loop), value]
         if self.known:
             kept.append(c.Address(c.Name("known")))
@@ -51,7 +61,12 @@ def _written(self: Writer, node: ir.Timed, operands: list[ir.Formula], home: c.S
         sources.append(slots)
     result = [_slot(self) for _ in range(sides)]
     for side, target in enumerate(result):
-        call = _call(self, node, [s[side] for s in sources], target)
+        if isinstance(node, ir.Tallied):
+            # A count surely starts anew where it may: what is sure is what comes after that.
+            own = [sources[0][side], *(source[sides - 1 - side] for source in sources[1:])]
+            call = _tally(self, node, own, target)
+        else:
+            call = _call(self, node, [s[side] for s in sources], target)
         self.add(home, c.Evaluate(call))
     return result
 
@@ -72,22 +87,52 @@ def _call(self: Writer, node: ir.Timed, own: list[c.Expr], target: c.Expr) -> c.
                 raise self.refuse(
                     node, f"[{lower:g} s, {upper:g} s] is no window: 0 <= lower <= upper does not hold"
                 )
-            times = self.field(node.axis.signal, "t")
+            course = node.axis.signal in self.plan.courses
+            ends = (_bound(end) if course else end for end in (lower, upper))
             window = (
                 context,
-                times,
+                *_times(self, node.axis),
                 total,
-                c.Literal(literal(lower)),
-                c.Literal(literal(upper)),
+                *(c.Literal(literal(end)) for end in ends),
                 truth(node.past),
             )
+            of = "_of" if course else ""
             if isinstance(node, ir.Until):
-                return self.call("tm_held", *window, *own, target)
-            return self.call("tm_extreme", *window, truth(node.extreme is Extreme.LEAST), *own, target)
+                return self.call(f"tm_held{of}", *window, *own, target)
+            return self.call(f"tm_extreme{of}", *window, truth(node.extreme is Extreme.LEAST), *own, target)
         case ir.Shift():
             return self.call("tm_shift", context, total, truth(node.step > 0), truth(node.weak), *own, target)
         case _:
             assert_never(node)
+
+
+def _tally(self: Writer, node: ir.Tallied, own: list[c.Expr], target: c.Expr) -> c.Expr:
+    """The pass over the timeline that counts."""
+    course = node.axis.signal in self.plan.courses
+    total, context = self.count(node.axis), self.name("context")
+    missing = _of_course(self, node.axis, "missing") if course else c.Name("NULL")
+    if node.reset is not None:
+        return self.call("tm_tally_anew", context, missing, total, *own, target)
+    upper = math.inf if node.upper is None else node.upper
+    times = _times(self, node.axis)
+    back = c.Literal(literal(_bound(upper) if course else upper))
+    return self.call("tm_tally_last", context, times[0], times[-1], missing, total, back, *own, target)
+
+
+def _times(self: Writer, axis: ir.Axis) -> tuple[c.Expr, ...]:
+    """When samples are: times, or of a course the beginnings and ends."""
+    if axis.signal in self.plan.courses:
+        return _of_course(self, axis, "begin"), _of_course(self, axis, "end")
+    return (self.field(axis.signal, "t"),)
+
+
+def _of_course(self: Writer, axis: ir.Axis, member: str) -> c.Expr:
+    return c.Member(self.input(axis.signal), member, False)
+
+
+def _bound(seconds: float) -> float:
+    """The bound of a window along a course, in whole nanoseconds."""
+    return seconds if math.isinf(seconds) else float(nanoseconds(seconds))
 
 
 def truth(value: bool) -> c.Expr:

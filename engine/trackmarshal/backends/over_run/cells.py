@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, assert_never
+from typing import Any, NamedTuple, assert_never
 
 from trackmarshal.backends.over_run.counts import Range, compared
 from trackmarshal.backends.over_run.history import looks_ahead, parts_of, recalled_of, recalls_of, sets_of
-from trackmarshal.backends.over_run.machines import Possible, begun, is_in, kept, stepped, widened
+from trackmarshal.backends.over_run.lives import ANY_CYCLES, Arrivals, Lives
+from trackmarshal.backends.over_run.machines import Possible, begun, is_in, kept, stepped, unknown, widened
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.windows import Item, Sliding, folding
 from trackmarshal.ir import nodes as ir
@@ -21,6 +22,8 @@ Ids = Mapping[int, str]
 Key = tuple[str, ...]
 #: What has a memory of its own: an operator, or a state machine, of which there is one whatever is asked of it.
 Holder = ir.OverRun | ir.Counted | ir.Machine
+#: Before all stamps [ns]; generated C has the same.
+EVER = -4_000_000_000_000_000_000
 
 
 def looks_back(node: ir.Formula) -> bool:
@@ -53,6 +56,18 @@ def cells_of(
     return list(found)
 
 
+class Taken(NamedTuple):
+    """All that is remembered: the last stamp, the cycles missed since, by the number of each holder what it holds of which elements (of a
+    window what `Sliding.taken` gives), who of sets is known again after an absence, and for what is remembered of them the last stamp, and the cycles
+    since."""
+
+    last: int | None
+    missed: int
+    held: list[tuple[int, Key, Any]]
+    lives: Mapping[str, Lives]
+    since: list[tuple[int, Key, int, int]]
+
+
 class Cells:
     """The memory of some operators. Cycles are looked at with `at`, and then remembered, or missed."""
 
@@ -62,69 +77,108 @@ class Cells:
         #: The last stamp, None before the first, and how many cycles were missed since.
         self._last: int | None = None
         self._missed = 0
+        #: Of sets whose elements are known again after an absence: who is, and for what is remembered of them the last stamp, and the
+        #: cycles since.
+        self._lives = {
+            axis.signal: Lives(axis.forget, axis.capacity or 0)
+            for holder in holders
+            for axis in sets_of(holder)
+            if axis.forget
+        }
+        self._since: dict[tuple[Holder, Key], tuple[int, int]] = {}
 
     def at(self, now: Now) -> Present:
         """The present cycle, after all that is remembered."""
-        return Present(self, now)
+        found = {name: one.arrivals(now.t, now.ids[name], self._missed) for name, one in self._lives.items()}
+        return Present(self, now, found)
+
+    @property
+    def lasting(self) -> bool:
+        """Whether elements of any set are known again after an absence."""
+        return bool(self._lives)
 
     def missed(self) -> None:
         """A gap, unless nothing came before it."""
         self._missed += self._last is not None
 
-    def gap(self, now: Now) -> tuple[int, int] | None:
-        """The first and the last nanosecond of what lies between the last cycle and this one, where cycles were missed."""
-        return None if not self._missed or self._last is None else (self._last + 1, now.t - 1)
-
-    def before(self, machine: ir.Machine, key: Key, now: Now) -> Possible:
+    def before(self, machine: ir.Machine, key: Key, present: Present) -> Possible:
         """What a state machine may be in when the present cycle begins."""
-        held: Possible | None = self._held[machine].get(key)
+        held: Possible | None = None if present.over(machine, key) else self._held[machine].get(key)
         if held is None:
-            return begun(machine, now.t)
-        return widened(machine, held) if self._missed else held
+            return begun(machine, present.now.t) if present.sure(machine, key) else unknown(machine)
+        return widened(machine, held) if self._gap(machine, key, present) else held
 
-    def value(self, node: ir.OverRun | ir.Counted, key: Key, now: Now, values: tuple[Truth, ...]) -> Any:
+    def value(
+        self, node: ir.OverRun | ir.Counted, key: Key, present: Present, values: tuple[Truth, ...]
+    ) -> Any:
         """The value of an operator in the present cycle, for which `values` are its operands."""
-        held = self._held[node].get(key)
+        held = None if present.over(node, key) else self._held[node].get(key)
         if isinstance(node, ir.OverRun) and node.op == "previous":
-            return (TRUE if node.weak else FALSE) if held is None else UNDEFINED if self._missed else held
+            if held is None:
+                first = TRUE if node.weak else FALSE
+                return first if present.sure(node, key) else UNDEFINED
+            return UNDEFINED if self._gap(node, key, present) else held
         known: Sliding[Any] = _empty(node) if held is None else held
-        return known.value(now.t, self._items(node, now, values, held is not None))
+        return known.value(present.now.t, self._items(node, key, present, values, held is not None))
 
     def remember(self, now: Now, present: Present) -> None:
         """The present cycle is past. All values are looked at before anything is changed."""
         found = [
-            (holder, [(key, present.brought(holder, key)) for key in now.combinations(sets_of(holder))])
+            (
+                holder,
+                [
+                    (key, present.brought(holder, key))
+                    for key in now.combinations(sets_of(holder))
+                    if not present.without(holder, key)
+                ],
+            )
             for holder in self._holders
         ]
+        since: dict[tuple[Holder, Key], tuple[int, int]] = {}
         for node, values in found:
-            held, later = self._held[node], dict[Key, Any]()
+            held = {key: one for key, one in self._held[node].items() if not present.over(node, key)}
+            later = dict[Key, Any]()
             for key, operands in values:
                 if isinstance(node, ir.Machine):
                     later[key] = operands
-                    continue
-                if isinstance(node, ir.OverRun) and node.op == "previous":
+                elif isinstance(node, ir.OverRun) and node.op == "previous":
                     later[key] = operands[0]
-                    continue
-                known = held.get(key)
-                items = self._items(node, now, operands, known is not None)
-                later[key] = _empty(node) if known is None else known
-                later[key].add(now.t, items)
+                else:
+                    known = held.get(key)
+                    items = self._items(node, key, present, operands, known is not None)
+                    later[key] = _empty(node) if known is None else known
+                    later[key].add(now.t, items)
+            if _lasting(node):
+                since |= {(node, key): (now.t, 0) for key in later}
+                for key in held.keys() - later.keys():
+                    later[key] = held[key]
+                    last, cycles = self._since[node, key]
+                    since[node, key] = last, cycles + 1 + self._missed
             self._held[node] = later
+        self._lives = {name: one for name, (one, _) in present.lives.items()}
+        self._since = since
         self._last, self._missed = now.t, 0
 
-    def taken(self) -> tuple[int | None, int, list[tuple[int, Key, Any]]]:
-        """All that is remembered, as it is now: the last stamp, the cycles missed since, and by the number of each holder what it holds of
-        which elements; of a window what `Sliding.taken` gives."""
+    def taken(self) -> Taken:
+        """All that is remembered, as it is now."""
         held = [
             (number, key, one.taken() if isinstance(one, Sliding) else one)
             for number, holder in enumerate(self._holders)
             for key, one in self._held[holder].items()
         ]
-        return self._last, self._missed, held
+        numbers = {holder: number for number, holder in enumerate(self._holders)}
+        since = [
+            (numbers[holder], key, last, cycles) for (holder, key), (last, cycles) in self._since.items()
+        ]
+        return Taken(self._last, self._missed, held, dict(self._lives), since)
 
-    def put(self, last: int | None, missed: int, held: Sequence[tuple[int, Key, Any]]) -> None:
+    def put(self, taken: Taken) -> None:
         """Remember what others of the same holders did: as `taken` gave it."""
-        self._last, self._missed = last, missed
+        self._last, self._missed, held = taken.last, taken.missed, taken.held
+        self._lives = {name: taken.lives[name] for name in self._lives}
+        self._since = {
+            (self._holders[number], key): (last, cycles) for number, key, last, cycles in taken.since
+        }
         for number, key, one in held:
             holder = self._holders[number]
             if isinstance(holder, ir.Machine) or (isinstance(holder, ir.OverRun) and holder.op == "previous"):
@@ -134,13 +188,33 @@ class Cells:
                 window.put(*one)
                 self._held[holder][key] = window
 
+    def _gap(self, holder: Holder, key: Key, present: Present) -> tuple[int, int, int] | None:
+        """The first and the last nanosecond of what lies between the last cycle that an operator has of some elements and this one, and how
+        many cycles were missed there, or had them not; None where there were none."""
+        last, cycles = self._since.get((holder, key), (self._last, 0))
+        cycles += self._missed
+        return None if not cycles or last is None else (last + 1, present.now.t - 1, cycles)
+
     def _items(
-        self, node: ir.OverRun | ir.Counted, now: Now, values: tuple[Truth, ...], before: bool
+        self,
+        node: ir.OverRun | ir.Counted,
+        key: Key,
+        present: Present,
+        values: tuple[Truth, ...],
+        before: bool,
     ) -> list[Item[Any]]:
-        fold = folding(node)
-        items = [Item(now.t, now.t, fold.item(values))]
-        gap = self.gap(now) if before else None
-        return items if gap is None else [Item(*gap, fold.gap(len(values), self._missed)), *items]
+        """What the present cycle brings to a window; `before`: something is remembered already."""
+        fold, t = folding(node), present.now.t
+        items = [Item(t, t, fold.item(values))]
+        gap = self._gap(node, key, present) if before else None
+        if not before and not present.sure(node, key):
+            gap = EVER, t - 1, ANY_CYCLES
+        return items if gap is None else [Item(*gap[:2], fold.gap(len(values), gap[2])), *items]
+
+
+def _lasting(holder: Holder) -> bool:
+    """Whether something is remembered of elements that are absent."""
+    return any(axis.forget for axis in sets_of(holder))
 
 
 def _empty(node: ir.OverRun | ir.Counted) -> Sliding[Any]:
@@ -153,6 +227,8 @@ class Present:
 
     cells: Cells
     now: Now
+    #: Of sets whose elements are known again after an absence: who will be, and what happens in this cycle.
+    lives: Mapping[str, tuple[Lives, Arrivals]]
     _known: dict[tuple[ir.Formula, Key], Truth] = field(default_factory=dict)
     _machines: dict[tuple[ir.Machine, Key], Possible] = field(default_factory=dict)
 
@@ -162,6 +238,21 @@ class Present:
         if known is None:
             known = self._known[node, key] = self._value(node, key)
         return known
+
+    def over(self, holder: Holder, key: Key) -> bool:
+        """Whether what was remembered is of elements of which nothing is any more."""
+        return any(name in one.over for name, (_, one) in self._lasting(holder, key))
+
+    def without(self, holder: Holder, key: Key) -> bool:
+        """Whether there is no place for one of these elements."""
+        return any(name in one.without for name, (_, one) in self._lasting(holder, key))
+
+    def sure(self, holder: Holder, key: Key) -> bool:
+        """Whether nothing came before the first cycle of these elements."""
+        return all(after.seen[name].sure for name, (after, _) in self._lasting(holder, key))
+
+    def _lasting(self, holder: Holder, key: Key) -> list[tuple[str, tuple[Lives, Arrivals]]]:
+        return [(name, self.lives[axis.signal]) for axis, name in zip(sets_of(holder), key) if axis.forget]
 
     def brought(self, holder: Holder, key: Key) -> Any:
         """What this cycle brings to what has a memory: the operands of an operator, the states that a machine may be in now."""
@@ -175,10 +266,12 @@ class Present:
     def possible(self, machine: ir.Machine, key: Key) -> Possible:
         """The states that a machine may be in after this cycle."""
         known = self._machines.get((machine, key))
+        if known is None and self.without(machine, key):
+            known = self._machines[machine, key] = unknown(machine)
         if known is None:
             ids = _ids(machine, key)
             guards = [self._of(guard, ids) for guard in machine.guards]
-            before = self.cells.before(machine, key, self.now)
+            before = self.cells.before(machine, key, self)
             known = self._machines[machine, key] = stepped(
                 machine,
                 before,
@@ -206,11 +299,15 @@ class Present:
             return self._recalled(node, key)
         ids = _ids(node, key)
         match node:
+            case ir.OverRun() if self.without(node, key):
+                return UNDEFINED
             case ir.OverRun():
-                value: Truth = self.cells.value(node, key, self.now, self.operands(node, key))
+                value: Truth = self.cells.value(node, key, self, self.operands(node, key))
                 return value
             case ir.Counted():
-                count: Range = self.cells.value(node, key, self.now, self.operands(node, key))
+                count = Range(0, ANY_CYCLES)
+                if not self.without(node, key):
+                    count = self.cells.value(node, key, self, self.operands(node, key))
                 return compared(node, count, self.now.number(node.limit))
             case ir.InState():
                 return is_in(self.possible(node.machine, key), node.state)
@@ -219,7 +316,10 @@ class Present:
             case ir.Connective():
                 return connect(node.op, self._of(node.left, ids), self._of(node.right, ids))
             case ir.Guarded():
-                guard, body = self._of(node.guard, ids), self._of(node.body, ids)
+                guard = self._of(node.guard, ids)
+                if not (guard.worst.sat or guard.best.sat):
+                    return TRUE
+                body = self._of(node.body, ids)
                 worst = body.worst if guard.best.sat else TRUE.worst
                 return Truth(worst, body.best if guard.worst.sat else TRUE.best)
             case ir.Quantify():
@@ -240,8 +340,10 @@ class Present:
         for name in self.now.ids[node.axis.signal]:
             inner = {**ids, node.axis.level: name}
             guard = TRUE if node.guard is None else self._of(node.guard, inner)
-            body = self._of(node.body, inner)
             surely, possibly = guard.worst.sat, guard.best.sat
+            if not (surely or possibly):
+                continue  # nobody asks for the body, which may take long
+            body = self._of(node.body, inner)
             if possibly if join is least else surely:
                 worst = join(worst, body.worst)
             if surely if join is least else possibly:

@@ -10,15 +10,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import product, zip_longest
-from typing import assert_never
+from typing import NamedTuple, assert_never
 
 from trackmarshal.backends.over_run.counts import Range, compared
-from trackmarshal.backends.over_run.machines import Possible, begun, is_in, kept, stepped, widened
+from trackmarshal.backends.over_run.lives import ANY_CYCLES
+from trackmarshal.backends.over_run.machines import Possible, begun, is_in, kept, stepped, unknown, widened
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import ALWAYS, Known
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
-from trackmarshal.ir.overrun import parts, recalled, recalls, sets
+from trackmarshal.ir.overrun import back, parts, recalled, recalls, sets
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, least, negate
 from trackmarshal.runtime.verdict import Bound, Truth
@@ -47,8 +48,7 @@ class Past:
     now: Now | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Element:
+class Element(NamedTuple):
     """Something in an operator's window, or on the way to it: the operands' values in a cycle, in a gap, or in what is to come."""
 
     values: tuple[Truth, ...]
@@ -58,6 +58,13 @@ class Element:
     cycles: int = 1
     #: The cycle's place; None of a gap, of what is to come, and of what is no longer there.
     place: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Life:
+    """One life of an element; sure: it is known that nothing was before it."""
+
+    sure: bool
 
 
 parts_of = cache(parts)
@@ -83,6 +90,19 @@ Earlier = Mapping[tuple[ir.OverRun, tuple[str, ...]], Truth]
 Parts = Callable[[ir.Formula], tuple[ir.Formula, ...] | None]
 
 
+@cache
+def _looks_back(node: ir.OverRun) -> tuple[int, int]:
+    """How far before a cycle the operands of an operator look for their values about it: nanoseconds, and cycles."""
+    each = [back(operand) for operand in node.operands]
+    return max(reach for reach, _ in each), max(steps for _, steps in each)
+
+
+def _first_known(node: ir.OverRun, cycles: Sequence[Past]) -> int:
+    """The first cycle about which the operands of an operator can be known when there is none before these."""
+    reach, steps = _looks_back(node)
+    return next(place for place in range(steps, len(cycles)) if cycles[place].t - cycles[0].t >= reach)
+
+
 @dataclass(slots=True)
 class History:
     """The cycles of a run up to now. ended: none will come after the last one. parts: down to which leaves formulas are taken apart."""
@@ -93,6 +113,7 @@ class History:
     #: What operators without a bound make of the cycles before the first one here, for the elements that were there until then.
     earlier: Earlier = field(default_factory=dict)
     _values: dict[tuple[ir.Formula, int, tuple[tuple[int, str], ...]], Known] = field(default_factory=dict)
+    _known_lives: dict[ir.Axis, list[dict[str, Life | None]]] = field(default_factory=dict)
 
     def value(self, node: ir.Formula, k: int, ids: Ids) -> Known:
         """The value of a formula about cycle k."""
@@ -151,6 +172,8 @@ class History:
 
     def _over_run(self, node: ir.OverRun, k: int, ids: Ids) -> Known:
         """From cycle k outwards: what the window holds, and of `since` and `until` what has to hold on the way there."""
+        if node.past and self.without(node, ids, k):
+            return Known(UNDEFINED, True)
         given = list(self.elements(node, k, ids))
         value, held = FALSE, TRUE
         match node.op:
@@ -175,6 +198,9 @@ class History:
 
     def _counted(self, node: ir.Counted, k: int, ids: Ids) -> Known:
         """From cycle k backwards, up to the last one in which the count starts anew: that it surely does, or that it may."""
+        limit = self.cycles[k].number(node.limit)
+        if self.without(node, ids, k):
+            return Known(compared(node, Range(0, ANY_CYCLES), limit), True)
         given = list(self.elements(node, k, ids))
         sure = possible = 0
         surely_on = possibly_on = True
@@ -185,15 +211,17 @@ class History:
                 possible += possibly_on * counted.best.sat * element.cycles
             for reset in resets:
                 surely_on, possibly_on = surely_on and not reset.best.sat, possibly_on and not reset.worst.sat
-        limit = self.cycles[k].number(node.limit)
         return Known(compared(node, Range(sure, possible), limit), all(element.final for element in given))
 
     def possible(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
         """What a machine may be in after cycle k: from the first cycle of its life on, cycle by cycle."""
+        if self.without(machine, ids, k):
+            return unknown(machine)
         members = self._members(machine, ids, k)[0]
-        possible = begun(machine, self.cycles[members[0]].t)
+        sure = self._sure(machine, ids, k)
+        possible = begun(machine, self.cycles[members[0]].t) if sure else unknown(machine)
         for before, this in zip((None, *members), members[: members.index(k) + 1]):
-            if before is not None and self.cycles[this].missed:
+            if before is not None and self._between(before, this):
                 possible = widened(machine, possible)
             guards = [self._settled(guard, this, ids) for guard in machine.guards]
             now = self._now(this)
@@ -223,16 +251,22 @@ class History:
         return self.value(node, k, {axis.level: ids[axis.level] for axis in sets_of(node)}).value
 
     def folded(self, nodes: Sequence[ir.OverRun], count: int) -> Earlier:
-        """What operators make of the first cycles, when these are dropped: their values about the last of them, by element."""
+        """What operators make of the first cycles, when `count` of these are dropped, by element: their values about the first one of which
+        they can still be known."""
         if not count:
             return self.earlier
-        last, found = count - 1, dict[tuple[ir.OverRun, tuple[str, ...]], Truth]()
+        found = dict[tuple[ir.OverRun, tuple[str, ...]], Truth]()
         for node in nodes:
-            axes = sets_of(node)
-            for key in product(*(self.cycles[last].ids[axis.signal] for axis in axes)):
-                ids = {axis.level: name for axis, name in zip(axes, key)}
-                found[node, key] = self.value(node, last, ids).value
+            last = count + _first_known(node, self.cycles[count:])
+            for ids in self.combinations(node, last):
+                found[node, tuple(ids.values())] = self.value(node, last, ids).value
         return found
+
+    def combinations(self, node: ir.Formula, k: int) -> Iterator[Ids]:
+        """The elements of a cycle that the variables of a formula can stand for."""
+        axes = sets_of(node)
+        for key in product(*(self.cycles[k].ids[axis.signal] for axis in axes)):
+            yield {axis.level: name for axis, name in zip(axes, key)}
 
     def elements(self, node: ir.Remembered, k: int, ids: Ids) -> Iterator[Element]:
         """What there is from cycle k outwards, as far as the window reaches: cycles, gaps between them, and what is to come."""
@@ -243,7 +277,18 @@ class History:
         members, open_ = self._members(node, ids, k)
         at = members.index(k)
         outwards = members[at::-1] if node.past else members[at:]
+        before = self._before(node, ids, members)
+        if before is not None:
+            assert k >= before, "nothing is asked about what is folded"
+            if k == before:
+                yield Element(self._came_to(node, ids), True)
+                return
+            outwards = [j for j in outwards if j >= before]
         for this, following in zip_longest(outwards, outwards[1:]):
+            if this == before:
+                # What `since` came to there is what it comes to from there on, as long as its left side holds.
+                yield Element(self._came_to(node, ids), True)
+                return
             now = self.cycles[this].t
             if now < low if node.past else now > high:
                 return
@@ -255,36 +300,83 @@ class History:
             yield Element(tuple(one.value for one in known), low <= now <= high, final, place=this)
             if following is None:
                 break
-            between = range(this, following, -1) if node.past else range(this + 1, following + 1)
-            for later in between:
+            if node.past:
+                if many := self._between(following, this):
+                    begin, end = self.cycles[following].t, now
+                    yield Element(unknown, begin < high and end > low, cycles=many)
+                continue
+            for later in range(this + 1, following + 1):
                 if self.cycles[later].missed:
                     begin, end = self.cycles[later - 1].t, self.cycles[later].t
                     yield Element(unknown, begin < high and end > low, cycles=self.cycles[later].missed)
         if open_ and not node.past and self.cycles[-1].t < high:
             yield Element(unknown, True, False)
-        if (
-            isinstance(node, ir.OverRun)
-            and node.past
-            and members[0] == 0
-            and node.upper is None
-            and node.op != "previous"
-        ):
-            earlier = self.earlier.get((node, tuple(ids[axis.level] for axis in sets_of(node))))
-            if earlier is not None:
-                if self.cycles[0].missed:
-                    yield Element(unknown, True)
-                # What `since` came to there is what it comes to from there on, as long as its left side holds.
-                yield Element((TRUE, earlier)[-len(node.operands) :], True)
+        if node.past and not self._sure(node, ids, k):
+            # So many cycles as may be, up to the first one.
+            yield Element(unknown, self.cycles[members[0]].t > low, cycles=ANY_CYCLES)
+
+    def _before(self, node: ir.Remembered, ids: Ids, members: Sequence[int]) -> int | None:
+        """The cycle about which it is known what an operator without a bound came to, as those before it are dropped; None where it has to be
+        looked at all of them."""
+        if not isinstance(node, ir.OverRun) or self._folded(node, ids) is None:
+            return None
+        place = _first_known(node, self.cycles)
+        return place if place in members else None
+
+    def _folded(self, node: ir.OverRun, ids: Ids) -> Truth | None:
+        return self.earlier.get((node, tuple(ids[axis.level] for axis in sets_of(node))))
+
+    def _came_to(self, node: ir.Remembered, ids: Ids) -> tuple[Truth, ...]:
+        """Operands with which an operator comes to what it came to."""
+        assert isinstance(node, ir.OverRun)
+        earlier = self._folded(node, ids)
+        assert earlier is not None
+        return (TRUE, earlier)[-len(node.operands) :]
 
     def _members(self, node: ir.Remembered | ir.Machine, ids: Ids, k: int) -> tuple[Sequence[int], bool]:
         """The cycles of the life, around cycle k, of what an operator is about, and whether it may go on."""
         members: Sequence[int] = range(len(self.cycles))
         open_ = not self.ended
         for axis in sets_of(node):
-            life = self._life(axis.signal, ids[axis.level], k)
+            name = ids[axis.level]
+            if axis.forget and (isinstance(node, ir.Machine) or node.past):
+                known = self._lives(axis)
+                own = known[k][name]
+                life = {j for j, each in enumerate(known) if own is not None and each.get(name) is own}
+            else:
+                life = self._life(axis.signal, name, k)
             members = [j for j in members if j in life]
             open_ = open_ and len(self.cycles) - 1 in life
         return members, open_
+
+    def _between(self, before: int, this: int) -> int:
+        """How many cycles lie between two: those that were missed, and those in which what an operator is about was not there."""
+        missed = sum(self.cycles[later].missed for later in range(before + 1, this + 1))
+        return this - before - 1 + missed
+
+    def without(self, node: ir.Remembered | ir.Machine, ids: Ids, k: int) -> ir.Axis | None:
+        """The set of an element that an operator is about, and for which there was no place in cycle k; None where there is none."""
+        for axis in sets_of(node):
+            if axis.forget and self._lives(axis)[k][ids[axis.level]] is None:
+                return axis
+        return None
+
+    def placeless(self, axis: ir.Axis) -> list[str]:
+        """The elements of the last cycle for which there is no place."""
+        return [name for name, life in self._lives(axis)[-1].items() if life is None]
+
+    def _sure(self, node: ir.Remembered | ir.Machine, ids: Ids, k: int) -> bool:
+        """Whether it is known that nothing was before the lives of the elements that an operator is about."""
+        lives = [self._lives(axis)[k][ids[axis.level]] for axis in sets_of(node) if axis.forget]
+        return all(life is not None and life.sure for life in lives)
+
+    def _lives(self, axis: ir.Axis) -> list[dict[str, Life | None]]:
+        """In every cycle, which life the elements of a set live that may be absent; None: there was no place for it."""
+        known = self._known_lives.get(axis)
+        if known is None:
+            cycles = [(cycle.t, cycle.ids[axis.signal]) for cycle in self.cycles]
+            known = self._known_lives[axis] = lived(cycles, axis.forget, axis.capacity or 0)
+        return known
 
     def _life(self, signal: str, name: str, k: int) -> set[int]:
         """The cycles around k in which an element was there without interruption."""
@@ -295,6 +387,35 @@ class History:
                 life.add(j)
                 j += step
         return life
+
+
+def lived(
+    cycles: Sequence[tuple[int, Sequence[str]]], forget: int, capacity: int
+) -> list[dict[str, Life | None]]:
+    """Which life each element lives in which cycle, of their stamps [ns] and who is there; None: there is no place for it.
+
+    A life goes on after an absence of up to `forget`; as long as it may, it has one of so many places, which are given in the order of the input.
+    """
+    found: list[dict[str, Life | None]] = []
+    held: dict[str, tuple[Life, int]] = {}
+    lost: int | None = None
+    for k, (t, ids) in enumerate(cycles):
+        for name, (_, last) in list(held.items()):
+            absence = t - cycles[last][0]
+            back = name in ids and (last == k - 1 or absence <= forget)
+            if not back and (name in ids or absence >= forget):
+                del held[name]
+        sure = lost is None or (lost != k - 1 and t - cycles[lost][0] > forget)
+        now: dict[str, Life | None] = {}
+        for name in ids:
+            life = held[name][0] if name in held else Life(sure) if len(held) < capacity else None
+            now[name] = life
+            if life is None:
+                lost = k
+            else:
+                held[name] = life, k
+        found.append(now)
+    return found
 
 
 def _named(node: ir.Formula | ir.Num, ids: Ids) -> tuple[str, ...]:

@@ -61,6 +61,11 @@ def widened(machine: ir.Machine, before: Possible) -> Possible:
     return {**before, **{state: unknown for state in machine.states if state in reached}}
 
 
+def unknown(machine: ir.Machine) -> Possible:
+    """A machine of which nothing is known."""
+    return {state: (None,) * (1 + len(machine.names)) for state in machine.states}
+
+
 def is_in(possible: Possible, state: str) -> Truth:
     """Whether a machine is in a state."""
     if state not in possible:

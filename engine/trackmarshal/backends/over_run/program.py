@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from itertools import chain
-from typing import TYPE_CHECKING, Any, Protocol
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from trackmarshal.backends.over_run.lives import Without, no_place
 from trackmarshal.backends.over_run.now import Now, happening
 from trackmarshal.backends.over_run.outcome import Outcome
 from trackmarshal.backends.results import Outcomes, Stateless
@@ -15,7 +18,8 @@ from trackmarshal.ir.margins import own_unit
 from trackmarshal.ir.overrun import leaves, over_run
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.course import Courses, Lived
-from trackmarshal.runtime.driven import as_driven, in_doubt
+from trackmarshal.runtime.cycle import DRIVING
+from trackmarshal.runtime.driven import as_driven, drives_on, in_doubt
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory, Rated, advisory
 from trackmarshal.runtime.saving import Piece, Pieces
@@ -43,6 +47,9 @@ class Engine(Protocol):
     def end(self, state: Any) -> Sequence[tuple[About, ...]]:
         """What each rule says of the cycles that were left open, after the last one."""
 
+    def without(self, state: Any, now: Now) -> Without:
+        """The elements of a cycle for which there is no place in a state."""
+
     @property
     def described(self) -> str:
         """In words, what a state is made of. Raises TrackmarshalError E486 where states are not saved."""
@@ -62,6 +69,14 @@ class Remembered(Memory):
     courses: tuple[Lived, ...]
 
 
+class _Seen(NamedTuple):
+    """A frame as rules see it that rate a candidate, with what an evaluator of leaves says of it."""
+
+    candidate: str
+    frame: Frame
+    outcomes: Outcomes
+
+
 class Remembering:
     """A program of rules some of which are over the run. Raises AssertionError for frames without a stamp."""
 
@@ -76,11 +91,16 @@ class Remembering:
         formulas = [
             formula for rule in self._over for formula in (rule.formula, rule.active) if formula is not None
         ]
-        found = dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula))
-        self.inner = program(spec, [rule for rule in self.rules if not _over(rule)], tuple(found))
+        found = tuple(dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula)))
+        self.inner = program(spec, [rule for rule in self.rules if not _over(rule)], found)
+        self._of_leaves = partial(program, spec, [], found)
         self._engine = engine(self._over)
         #: Of each rule its place among those over the run, or among the others.
         self._places = _places(self.rules)
+        #: Frames that were evaluated ahead, by their identity.
+        self._ready: dict[int, tuple[Frame, list[_Seen]]] = {}
+        #: The frame that was judged last, and the cycle as it is if its driving candidate is driven.
+        self._last: tuple[Frame, Now] | None = None
 
     @property
     def identity(self) -> Mapping[str, Any]:
@@ -92,11 +112,33 @@ class Remembering:
 
     def judge(self, memory: Memory, frame: Frame) -> Judged:
         assert isinstance(memory, Remembered)
-        seen = [(name, self._courses.joined(memory.courses, one)) for name, one in frame.seen()]
-        outcomes = self.inner.outcomes([one for _, one in seen])
-        return Judged(
-            frame, {name: self._rated(memory.state, one, each) for (name, one), each in zip(seen, outcomes)}
-        )
+        known = self._ready.pop(id(frame), None)
+        self._last = None
+        if known is not None and known[0] is frame:
+            seen = known[1]
+        else:
+            (seen,) = self._seen(
+                [[(n, self._courses.joined(memory.courses, one)) for n, one in frame.seen()]]
+            )
+        rated = {}
+        for name, one, outcomes in seen:
+            now = happening(one, outcomes.values())
+            rated[name] = self._rated(memory.state, now, outcomes)
+            if name == DRIVING:
+                self._last = frame, now
+        return Judged(frame, rated)
+
+    def ahead(self, frames: Sequence[Frame]) -> None:
+        """Evaluate together what does not depend on what is remembered of other cycles; whoever judges one of these frames next finds it there."""
+        self._ready = {}
+        if not self._courses.infos:
+            found = self._seen([frame.seen() for frame in frames])
+            self._ready = {id(frame): (frame, seen) for frame, seen in zip(frames, found)}
+
+    def _seen(self, each: Sequence[Sequence[tuple[str, Frame]]]) -> list[list[_Seen]]:
+        """Of frames by candidate what the evaluator of leaves says of each."""
+        outcomes = iter(self.inner.outcomes([one for seen in each for _, one in seen]))
+        return [[_Seen(name, one, next(outcomes)) for name, one in seen] for seen in each]
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         """Each frame as the first and only cycle of a run, at whatever time it has: windows hold this cycle alone."""
@@ -107,12 +149,21 @@ class Remembering:
         assert isinstance(memory, Remembered)
         if in_doubt(frame, decision):
             return self.missed(memory)
-        driven = as_driven(frame, decision)
-        (outcome,) = self.inner.outcomes([self._courses.joined(memory.courses, driven)])
+        if self._last is not None and self._last[0] is frame and drives_on(frame, decision):
+            now = self._last[1]  # what is driven was judged as it is
+        else:
+            driven = self._courses.joined(memory.courses, as_driven(frame, decision))
+            (outcome,) = self._leaves.outcomes([driven])
+            now = happening(driven, outcome.values())
+        self._last = None
         return Remembered(
-            self._engine.commit(memory.state, happening(driven, outcome.values())),
-            self._courses.commit(memory.courses, driven),
+            self._engine.commit(memory.state, now), self._courses.commit(memory.courses, now.frame)
         )
+
+    @cached_property
+    def _leaves(self) -> Stateless:
+        """The leaves alone: of what is driven instead of what was judged, no rule has a verdict."""
+        return self._of_leaves()
 
     def missed(self, memory: Memory) -> Memory:
         assert isinstance(memory, Remembered)
@@ -136,12 +187,13 @@ class Remembering:
         """What was remembered; raises ValueError, KeyError, TypeError or IndexError for what was not saved by such a program."""
         return Remembered(self._engine.load(pieces), self._courses.load(pieces))
 
-    def _rated(self, state: Any, frame: Frame, inner: Outcomes) -> Rated:
-        plain, values = inner.rated, inner.values
+    def _rated(self, state: Any, now: Now, inner: Outcomes) -> Rated:
+        plain, frame = inner.rated, now.frame
         found = [
             _blocked(frame) if frame.unusable(rule.reads) is not None else outcome
-            for rule, outcome in zip(self._over, self._engine.judge(state, happening(frame, values())))
+            for rule, outcome in zip(self._over, self._engine.judge(state, now))
         ]
+        without = self._engine.without(state, now)
         verdicts, margins = bytearray(), []
         for over, place in self._places:
             verdicts.append(VERDICTS.index(found[place].verdict) if over else plain.verdicts[place])
@@ -151,7 +203,12 @@ class Remembering:
             over, place = self._places[number]
             return (
                 explained(
-                    self._over[place], frame, found[place].verdict, found[place].margin, found[place].about
+                    self._over[place],
+                    frame,
+                    found[place].verdict,
+                    found[place].margin,
+                    found[place].about,
+                    without,
                 )
                 if over
                 else plain.explain(place, series)
@@ -185,13 +242,20 @@ def _blocked(frame: Frame) -> Outcome:
 
 
 def explained(
-    rule: RuleInfo, frame: Frame, verdict: str, margin: float, about: tuple[About, ...]
+    rule: RuleInfo,
+    frame: Frame,
+    verdict: str,
+    margin: float,
+    about: tuple[About, ...],
+    without: Without = MappingProxyType({}),
 ) -> RuleResult:
-    """The result of a rule over the run, given what it says of a frame, and about which cycles."""
+    """The result of a rule over the run, given what it says of a frame, and about which cycles; `without`: the elements that found no place."""
     blocked = frame.unusable(rule.reads)
     unit = rule.unit if blocked is not None or own_unit(rule.unit) else "1"
     if blocked is not None:
         verdict, margin, reason = "undefined", math.nan, str(blocked)
     else:
         reason = "nothing in its range" if verdict == "inactive" else ""
+        if verdict == "undefined":
+            reason = no_place(rule, without)
     return RuleResult(rule.name, verdict, margin, unit, None, reason, None, "", about, rule.advisory)

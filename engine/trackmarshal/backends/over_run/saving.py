@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any, NamedTuple
 
-from trackmarshal.backends.over_run.cells import Cells, Holder, Key
+from trackmarshal.backends.over_run.cells import Cells, Holder, Key, Taken
 from trackmarshal.backends.over_run.history import Earlier, Past, sets_of
+from trackmarshal.backends.over_run.lives import Lives, Seen
 from trackmarshal.backends.over_run.machines import Held, Possible
 from trackmarshal.backends.over_run.outcome import Pending
 from trackmarshal.backends.over_run.windows import Item, Tally
@@ -62,10 +63,16 @@ def described(holders: Sequence[Holder], made: Made) -> str:
 
 def saved_cells(cells: Cells, holders: Sequence[Holder]) -> Iterator[Piece]:
     """The pieces of what looks back, of what it holds now."""
-    last, missed, held = cells.taken()
+    last, missed, held, lives, since = cells.taken()
 
     def made() -> Iterator[Piece]:
         yield ["cells", last, missed, len(held)]
+        for signal, one in sorted(lives.items()):
+            yield ["lives", signal, len(one.seen), None if one.lost is None else list(one.lost)]
+            yield from _many("seen", ([name, *known] for name, known in one.seen.items()))
+        if lives:
+            yield ["since", len(since)]
+            yield from _many("ago", ([number, list(key), t, cycles] for number, key, t, cycles in since))
         for number, key, one in held:
             holder = holders[number]
             if isinstance(holder, ir.Machine):
@@ -86,15 +93,45 @@ def saved_cells(cells: Cells, holders: Sequence[Holder]) -> Iterator[Piece]:
 def loaded_cells(pieces: Pieces, holders: Sequence[Holder]) -> Cells:
     """The cells of these holders with what was saved."""
     last, missed, many = pieces.next("cells", 3)
+    cells = Cells(holders)
+    lives = {signal: _lives(pieces, signal, one) for signal, one in sorted(cells.taken().lives.items())}
+    since: list[tuple[int, Key, int, int]] = []
+    if lives:
+        (ago,) = pieces.next("since", 1)
+        since = [
+            (count(number), _key(key, len(sets_of(holders[number]))), checked(t, int), count(cycles))
+            for number, key, t, cycles in _listed(pieces, "ago", count(ago))
+        ]
     held: list[tuple[int, Key, Any]] = []
     for _ in range(count(many)):
         held.append(_loaded(pieces, holders))
     places = {(number, key) for number, key, _ in held}
     if len(places) != len(held) or (last is None and (held or missed)):
         raise ValueError("what is remembered of no cycle, or twice")
-    cells = Cells(holders)
-    cells.put(None if last is None else checked(last, int), count(missed), held)
+    lasting = {
+        (number, key) for number, key, _ in held if any(axis.forget for axis in sets_of(holders[number]))
+    }
+    if {(number, key) for number, key, _, _ in since} != lasting or len(since) != len(lasting):
+        raise ValueError("it is not known since when something is remembered")
+    cells.put(Taken(None if last is None else checked(last, int), count(missed), held, lives, since))
     return cells
+
+
+def _lives(pieces: Pieces, signal: str, empty: Lives) -> Lives:
+    """Who of a set is known again after an absence."""
+    name, many, lost = pieces.next("lives", 3)
+    if name != signal:
+        raise ValueError(f"`{name}` is not the set whose elements are known again")
+    seen = {
+        checked(one, str): Seen(checked(t, int), count(since), checked(sure, bool))
+        for one, t, since, sure in _listed(pieces, "seen", count(many))
+    }
+    if len(seen) != many or many > empty.capacity:
+        raise ValueError("more elements than there is room for, or one of them twice")
+    if lost is not None:
+        at, ago = checked(lost, list)
+        lost = checked(at, int), count(ago)
+    return Lives(empty.forget, empty.capacity, seen, lost)
 
 
 def _loaded(pieces: Pieces, holders: Sequence[Holder]) -> tuple[int, Key, Any]:

@@ -17,6 +17,7 @@ from trackmarshal.backends.over_run.history import (
     sets_of,
     values_of,
 )
+from trackmarshal.backends.over_run.lives import Without
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import ALWAYS, Known, Outcome, Pending, outcome
 from trackmarshal.backends.over_run.saving import (
@@ -67,6 +68,7 @@ class Streaming:
             dict.fromkeys(leaf for formula in of_ahead for leaf in leaves(formula, parts_ahead))
         )
         asking = cells_of(of_ahead, looks_ahead)
+        self._asking = [node for node in asking if not isinstance(node, ir.Machine)]
         #: Numbers that what looks ahead asks of cycles that are past.
         self._limits = tuple(dict.fromkeys(node.limit for node in asking if isinstance(node, ir.Counted)))
         self._unbounded: list[ir.OverRun] = [
@@ -83,15 +85,25 @@ class Streaming:
             max((steps for _, steps in reaches), default=0),
         )
 
+        #: The two candidates that were judged last, each after what was remembered.
+        self._judged: tuple[tuple[_Kept, Present], ...] = ()
+
     def start(self) -> _Kept:
         return _Kept(Cells(self._nodes), [], 0, 0, [() for _ in self._rules], {})
 
     def judge(self, state: _Kept, now: Now) -> list[Outcome]:
         present = self._fresh(state).cells.at(now)
+        self._judged = *self._judged[-1:], (state, present)
         return self._outcomes(state, [*state.cycles, self._past(state, now, present)], present)
 
-    def commit(self, state: _Kept, now: Now) -> _Kept:
+    def without(self, state: _Kept, now: Now) -> Without:
+        if not state.cells.lasting:
+            return {}
         present = self._fresh(state).cells.at(now)
+        return {name: (one.capacity, sorted(here.without)) for name, (one, here) in present.lives.items()}
+
+    def commit(self, state: _Kept, now: Now) -> _Kept:
+        present = self._present(self._fresh(state), now)
         known = {
             (leaf, ids): present.leaf(leaf, ids)
             for leaf in self._leaves
@@ -106,6 +118,12 @@ class Streaming:
         old = self._too_old(cycles, state.dropped, pending, history)
         earlier = history.folded(self._unbounded, old)
         return _Kept(state.cells, cycles[old:], state.dropped + old, 0, pending, earlier)
+
+    def _present(self, state: _Kept, now: Now) -> Present:
+        """A cycle after what is remembered; one that was judged has its values already."""
+        known, self._judged = self._judged, ()
+        found = [present for kept, present in known if kept is state and present.now is now]
+        return found[0] if found else state.cells.at(now)
 
     def missed(self, state: _Kept) -> _Kept:
         self._fresh(state).taken = True
@@ -178,12 +196,24 @@ class Streaming:
         """Whether nothing can change any more of what rules come to about a cycle, whether they apply or not."""
         values = values_of(history)
         ahead = (rule for rule, open_ in zip(self._rules, self._ahead) if open_)
-        return all(known.final for rule in ahead for known in values(rule, place))
+        return all(known.final for rule in ahead for known in values(rule, place)) and all(
+            history.value(node, place, ids).final
+            for node in self._asking
+            for ids in history.combinations(node, place)
+        )
 
     def _fresh(self, state: _Kept) -> _Kept:
         if state.taken:
             raise RuntimeError("the memory of an earlier cycle was taken over by a later one")
         return state
+
+    def _settled_before(self, cycles: list[Past], dropped: int) -> int:
+        """Before which cycle all was settled when cycles were dropped: as many are kept before it as are looked back at from it."""
+        reach, steps = self._back
+        if not dropped:
+            return 0
+        later = range(steps + 2, len(cycles))
+        return next((place for place in later if cycles[place - 1].t - reach > cycles[0].t), len(cycles))
 
     def _too_old(
         self, cycles: list[Past], dropped: int, pending: list[tuple[Pending, ...]], history: History
@@ -192,11 +222,12 @@ class Streaming:
         reach, steps = self._back
         oldest = min((one.place - dropped for each in pending for one in each), default=len(cycles))
         if self._looks_back:
-            # What a rule that is inactive there would say may still change, and is asked for by operators about later cycles.
-            places = range(min(oldest, len(cycles)))
+            # What operators say about a cycle of which rules say nothing more may still change, and is asked for about later cycles.
+            places = range(self._settled_before(cycles, dropped), min(oldest, len(cycles)))
             oldest = next((place for place in places if not self._settled(history, place)), oldest)
-        first = oldest
-        limit = cycles[min(oldest, len(cycles) - 1)].t - reach if cycles else 0
+        # What is asked about the cycle before the oldest one is kept of operators without a bound.
+        first = max(0, oldest - 1)
+        limit = cycles[min(first, len(cycles) - 1)].t - reach if cycles else 0
         while first > 0 and cycles[first - 1].t >= limit:
             first -= 1
         # One more, so that a gap before the first is seen, and as many as steps go back.

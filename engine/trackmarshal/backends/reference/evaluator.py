@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from typing import assert_never
+from weakref import WeakKeyDictionary
 
 from trackmarshal.backends import witness
 from trackmarshal.backends.over_run.counts import Range, compared
@@ -36,6 +37,24 @@ from trackmarshal.runtime.verdict import Bound, Truth
 
 #: The index of the variable of each axis that is bound, by the axis's level.
 Env = dict[int, int]
+#: Numbers that are as quickly read again as looked up.
+_READ_AT_ONCE = (ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar)
+
+
+#: What `levels` found, as long as a node is there.
+_LEVELS: WeakKeyDictionary[Node, frozenset[int]] = WeakKeyDictionary()
+
+
+def levels(node: Node) -> frozenset[int]:
+    """The levels of the axes that a node reads."""
+    found = _LEVELS.get(node)
+    if found is None:
+        own = (node.level,) if isinstance(node, ir.Axis) else ()
+        found = frozenset(own).union(*map(levels, node.children()))
+        if isinstance(node, ir.Fold):  # it binds the variable of its axis itself
+            found -= {node.axis.level}
+        _LEVELS[node] = found
+    return found
 
 
 class Reference:
@@ -47,50 +66,42 @@ class Reference:
         self.frame = frame
         self._truths: dict[tuple[int, tuple[tuple[int, int], ...]], Truth] = {}
         self._series: dict[tuple[int, tuple[tuple[int, int], ...]], list[Truth]] = {}
-        self._lines: dict[int, tuple[list[Point], bool]] = {}
-        self._numbers: dict[tuple[int, tuple[tuple[int, int], ...]], float] = {}
+        self._lines: dict[int, geometry.Line] = {}
+        self._numbers: dict[tuple[int | None, ...], float] = {}
         self._levels: dict[int, frozenset[int]] = {}
 
     # Numbers --------------------------------------------------------------------------------------------------
 
     def number(self, node: ir.Num, env: Env) -> float:
         """The number that a node stands for; NaN where it has none."""
-        if isinstance(node, (ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar)):
+        if type(node) in _READ_AT_ONCE:
             return self._number(node, env)
-        read = self._read(node)
-        if env.keys() <= read:
+        read = self._levels.get(id(node))
+        if read is None:
+            read = self._levels[id(node)] = levels(node)
+        if len(env) <= len(read):  # every variable that is bound, mostly
             return self._number(node, env)
-        key = (id(node), tuple((level, index) for level, index in env.items() if level in read))
-        if key not in self._numbers:
-            self._numbers[key] = self._number(node, env)
-        return self._numbers[key]
-
-    def _read(self, node: Node) -> frozenset[int]:
-        """The levels of the axes that a node reads."""
-        found = self._levels.get(id(node))
-        if found is None:
-            own = (node.level,) if isinstance(node, ir.Axis) else ()
-            found = frozenset(own).union(*map(self._read, node.children()))
-            if isinstance(node, ir.Fold):  # it binds the variable of its axis itself
-                found -= {node.axis.level}
-            self._levels[id(node)] = found
-        return found
+        key = (id(node), *map(env.get, read))
+        value = self._numbers.get(key)
+        if value is None:
+            value = self._numbers[key] = self._number(node, env)
+        return value
 
     def _number(self, node: ir.Num, env: Env) -> float:
-        match node:
+        match node:  # what there is most of comes first
+            case ir.Arith():
+                return arithmetic.arith(node.op, self.number(node.left, env), self.number(node.right, env))
+            case ir.Column():
+                column = self.frame.columns[node.axis.signal].listed(node.field)
+                return float(column[max(0, env[node.axis.level] + node.offset)])
             case ir.Const():
                 return node.value
             case ir.Param():
                 return self.frame.settings.params.get(node.name, self.spec.params[node.name].value)
-            case ir.Column():
-                column = self.frame.columns[node.axis.signal].listed(node.field)
-                return float(column[max(0, env[node.axis.level] + node.offset)])
             case ir.Sample():
                 return float(self.frame.columns[node.signal].listed(node.field)[node.index])
             case ir.Scalar():
                 return self.frame.value(node.signal, node.field)
-            case ir.Arith():
-                return arithmetic.arith(node.op, self.number(node.left, env), self.number(node.right, env))
             case ir.Neg():
                 return -self.number(node.operand, env)
             case ir.Func():
@@ -118,29 +129,20 @@ class Reference:
                 return self._projected(node, env)[2]
             case ir.Distance():
                 x, y = self.number(node.x, env), self.number(node.y, env)
-                points, closed = self.line(node.line)
                 if node.line.kind == "path":
-                    return geometry.distance_to_path(x, y, points)
-                return geometry.distance_to_line(x, y, points, closed)
+                    return geometry.distance_to_path(x, y, self.line(node.line))
+                return geometry.distance_to_line(x, y, self.line(node.line))
             case ir.StationGap():
-                points, closed = self.line(node.line)
-                return geometry.station_gap(
-                    points, self.number(node.start, env), self.number(node.end, env), closed
-                )
+                ends = self.number(node.start, env), self.number(node.end, env)
+                return geometry.station_gap(self.line(node.line), *ends)
             case ir.StretchRoom():
-                points, closed = self.line(node.line)
-                return geometry.stretch_room(
-                    points,
-                    self.number(node.station, env),
-                    self.number(node.start, env),
-                    self.number(node.end, env),
-                    closed,
-                )
+                ends = self.number(node.start, env), self.number(node.end, env)
+                return geometry.stretch_room(self.line(node.line), self.number(node.station, env), *ends)
             case ir.Kept():
                 return self._kept[node]
             case ir.OnLane():
-                ends = [self.number(end, env) for end in node.ends]
-                return on_lane(node, self.frame, self.number(node.lane, env), ends)
+                at = [self.number(end, env) for end in node.ends]
+                return on_lane(node, self.frame, self.number(node.lane, env), at)
             case ir.Ordinal():
                 return float(env[node.axis.level])
             case ir.Fold():
@@ -180,13 +182,14 @@ class Reference:
 
     def _projected(self, node: ir.Projected, env: Env) -> tuple[float, float, float]:
         """Station, offset and direction of a point."""
-        return geometry.project(self.number(node.x, env), self.number(node.y, env), *self.line(node.line))
+        return geometry.project(self.number(node.x, env), self.number(node.y, env), self.line(node.line))
 
-    def line(self, line: ir.Line) -> tuple[list[Point], bool]:
+    def line(self, line: ir.Line) -> geometry.Line:
         """The points of a line, and whether it is closed."""
-        if id(line) not in self._lines:
-            self._lines[id(line)] = self._line(line)
-        return self._lines[id(line)]
+        found = self._lines.get(id(line))
+        if found is None:
+            found = self._lines[id(line)] = geometry.Line(*self._line(line))
+        return found
 
     def _line(self, line: ir.Line) -> tuple[list[Point], bool]:
         frame = self.frame

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.backends.over_run.history import History, Past, sets_of, values_of
+from trackmarshal.backends.over_run.lives import Without
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import Outcome, Pending, outcome
 from trackmarshal.errors import TrackmarshalError
@@ -34,12 +35,18 @@ class KeepingAll:
             formula for rule in rules for formula in (rule.formula, rule.active) if formula is not None
         ]
         self._leaves = tuple(dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula)))
+        below = [part for formula in formulas for part in ir.below(formula)]
+        self._lasting = dict.fromkeys(part for part in below if isinstance(part, ir.Axis) and part.forget)
 
     def start(self) -> Kept:
         return Kept((), 0, ((),) * len(self._rules))
 
     def judge(self, state: Kept, now: Now) -> list[Outcome]:
         return self._outcomes(History((*state.cycles, _past(state, now))), state, now)
+
+    def without(self, state: Kept, now: Now) -> Without:
+        history = History((*state.cycles, _past(state, now)))
+        return {axis.signal: (axis.capacity or 0, sorted(history.placeless(axis))) for axis in self._lasting}
 
     def commit(self, state: Kept, now: Now) -> Kept:
         known = self._all_of(now)

@@ -1,5 +1,7 @@
 """The input contract (S-2-C) as data: every door, in Python and in C, is made from these tables."""
 
+# implements S-1-B-1: each demand on the input is an entry of a table
+
 from trackmarshal.runtime.contract.checks import KINDS, Check, Kind
 from trackmarshal.runtime.contract.conditions import Condition
 from trackmarshal.runtime.contract.signals import (

@@ -74,7 +74,7 @@ def _most(info: FieldType | SignalType) -> Constants | None:
     if isinstance(info, FieldType):
         return (("most", "border"),) if info.kind == "polyline" else None
     return (
-        (("most", "elements"),)
+        (("most", "elements" if info.capacity is None else float(info.capacity)),)
         if info.many
         else (("most", "samples"),)
         if info.sequence

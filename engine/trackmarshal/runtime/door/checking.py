@@ -16,6 +16,8 @@ from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import Columns, Frame
 from trackmarshal.runtime.lines import Line
 
+#: A breach of what there is room for.
+OVER_CAPACITY = "over_capacity"
 #: What conditions of each sort speak of.
 _VARIABLES = {"value": ("x",), "step": ("before", "x"), "count": ("n",), "point": ("x",)}
 
@@ -29,6 +31,9 @@ class _Ready:
             name: capacities[value] if isinstance(value, str) else value for name, value in check.constants
         }
         self.capacity = next((v for _, v in check.constants if isinstance(v, str)), "")
+        most = self.constants.get("most") if self.fault == OVER_CAPACITY else None
+        #: How many there is room for, of what has a capacity.
+        self.room = None if most is None or most == float("inf") else int(most)
         self._function = check.kind.holds.function(*_VARIABLES[self.of], *self.constants)
 
     def __call__(self, *variables: Any) -> Any:
@@ -109,9 +114,8 @@ class ColumnsChecker:
             return
         for check in self._counts:
             if not check(columns.count):
-                capacity = int(check.constants["most"]) if check.capacity else None
                 message = _too_many(columns.count, check, "entries")
-                faults.append(fault(check.fault, self.label, "", capacity, message))
+                faults.append(fault(check.fault, self.label, "", check.room, message))
                 return
         record = self.signal.form == "record"
         for field, checks in self._fields:
@@ -149,9 +153,8 @@ class LineChecker:
         for check in self._checks:
             if check.of == "count":
                 if not check(len(line)):
-                    index = int(check.constants["most"]) if check.capacity else None
                     message = _too_many(len(line), check, "points")
-                    faults.append(fault(check.fault, *self._place, index, message))
+                    faults.append(fault(check.fault, *self._place, check.room, message))
                     return
             elif check.of == "point":
                 fine = check(line.points)
@@ -184,12 +187,18 @@ class FrameChecker:
             if s.form == LINES
             for field in s.lines
         }
-        self._lanes = {s.name: LanesChecker(s) for s in contract.signals if s.form == SET and s.lines}
+        self._lanes = {s.name: LanesChecker(s, limits) for s in contract.signals if s.form == SET and s.lines}
         self._order = contract.signals
 
-    def check_candidates(self, frame: Frame, found: set[str], faults: list[Fault]) -> None:
+    def all_fine(self, name: str, stack: Any, count: int) -> bool:
+        """Whether nothing is wrong with a signal of columns, or a candidate, in many frames: (frames, numbers, count)."""
+        return {**self.columns, **self.candidates}[name].all_fine(stack, count)
+
+    def check_candidates(
+        self, frame: Frame, found: set[str], faults: list[Fault], passed: Set[str] = frozenset()
+    ) -> None:
         for name, columns in frame.candidates.items():
-            if name not in found:
+            if name not in found and name not in passed:
                 self.candidates[name].check(columns, faults)
 
     def check_signals(
@@ -228,9 +237,11 @@ def _together(fields: tuple[Field, ...]) -> list[_Together]:
 
 def _too_many(count: int, check: _Ready, things: str) -> str:
     """A count that a check does not pass, and for a capacity which limit to raise to what."""
-    if not check.capacity:
+    room = check.room
+    if room is None:
         return f"{count} {things}"
-    room = int(check.constants["most"])
+    if not check.capacity:
+        return f"{count} elements, room for {room}: declare the signal with `capacity {count}`"
     return f"{count} {CAPACITIES[check.capacity]}, room for {room}: raise the limit `{check.capacity}` to {count}"
 
 

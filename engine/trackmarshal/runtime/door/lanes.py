@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Sequence
 from typing import Any
 
 from trackmarshal.runtime.contract import Signal
+from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.faults import Fault, fault, name_of
@@ -40,7 +42,8 @@ class LanesReader:
             faults += _first(found)
         except Exception:  # what was handed in has a say in how it is read
             frame.lanes[name] = ((NOWHERE, NOWHERE),)
-            faults.append(fault("wrong_type", name, "", None, "its lanes cannot be read"))
+            if not any(one.signal == name and not one.field and one.index is None for one in faults):
+                faults.append(fault("wrong_type", name, "", None, "its lanes cannot be read"))
 
     def _lane(self, index: int, pair: tuple[Any, Any], faults: list[Fault]) -> tuple[Line, Line]:
         while len(self._readers) <= index:
@@ -64,10 +67,13 @@ class LanesReader:
 
 
 class LanesChecker:
-    """Checks the borders of one set of lanes: each has two points at least, and they make a road that does not cross itself."""
+    """Checks the borders of one set of lanes: each has two points at least, and they make a road that does not cross itself. limits: of a
+    Supervisor, whose `border` is the most points of each."""
 
-    def __init__(self, signal: Signal) -> None:
+    def __init__(self, signal: Signal, limits: Limits | None = None) -> None:
         self._name = signal.name
+        self._room = math.inf if limits is None else limits.border
+        self._most = _most(signal, limits)
         self._known: OrderedDict[tuple[int, int], str] = OrderedDict()
 
     def check(self, frame: Frame, faults: list[Fault]) -> None:
@@ -75,8 +81,18 @@ class LanesChecker:
         if any(found.signal == self._name and not found.field and found.index is None for found in faults):
             return  # there is no set
         found = []
-        for index, (left, right) in enumerate(frame.lanes[self._name]):
-            problem = "" if left is NOWHERE or right is NOWHERE else self._problem(left, right)
+        lanes = frame.lanes[self._name]
+        if len(lanes) > self._most:  # which is a fault of the set
+            return
+        for place, side in enumerate(SIDES):
+            for index, lane in enumerate(lanes):
+                count = len(lane[place])
+                if count > self._room:
+                    message = f"{count} points, room for {self._room:g}: raise the limit `border` to {count}"
+                    found.append(fault("over_capacity", self._name, side, index, message))
+        for index, (left, right) in enumerate(lanes):
+            there = left is not NOWHERE and right is not NOWHERE and max(len(left), len(right)) <= self._room
+            problem = self._problem(left, right) if there else ""
             if problem:
                 found.append(fault("bad_border", self._name, "", index, problem))
         faults += _first(found)
@@ -90,6 +106,16 @@ class LanesChecker:
             while len(self._known) > KEPT:
                 self._known.popitem(last=False)
         return known
+
+
+def _most(signal: Signal, limits: Limits | None) -> float:
+    """How many lanes there is room for."""
+    told = [value for check in signal.checks for name, value in check.constants if name == "most"]
+    if limits is None:
+        told = [value for value in told if not isinstance(value, str)]
+    return min(
+        (getattr(limits, value) if isinstance(value, str) else value for value in told), default=math.inf
+    )
 
 
 def _first(faults: list[Fault]) -> list[Fault]:

@@ -7,7 +7,7 @@ no account. Anything else is left to the signal's reader, which says what is wro
 from __future__ import annotations
 
 import marshal
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -81,10 +81,11 @@ _Copied = tuple[Layout, str, int, Any, tuple[str, ...]]
 
 
 class Stacks:
-    """The numbers of one signal of many cases."""
+    """The numbers of one signal of many cases. spare: names that it may have besides those of the spec, which say nothing."""
 
-    def __init__(self, reader: ColumnsReader) -> None:
+    def __init__(self, reader: ColumnsReader, spare: Set[str] = frozenset()) -> None:
         self._reader = reader
+        self._spare = spare - reader.known
         self._form = reader.signal.form
         self._fits = bool(reader.names.numbers) and not reader.names.flags
         #: By whether the names are those of each element, and by names.
@@ -199,7 +200,8 @@ class Stacks:
         except KeyError:
             if len(self._layouts) >= _KEPT:
                 self._layouts.clear()
-            made = self._layouts[key] = self._reader.layout(key[1:], each)
+            known = [name for name in key[1:] if name not in self._spare]
+            made = self._layouts[key] = self._reader.layout(known, each)
             return made
 
     # Arrays ---------------------------------------------------------------------------------------------------------

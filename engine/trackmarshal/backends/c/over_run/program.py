@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -76,10 +76,11 @@ class CRemembering:
         return Judged(frame, {name: self._rated(run, one) for name, one in frame.seen()})
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
-        """Each frame as the first and only cycle of a run."""
+        """Each frame as the first and only cycle of a run, at whatever time it has."""
         run = _Run(self._program.anew())
+        stamped = (replace(frame, t=0.0) if frame.t is None else frame for frame in frames)
         return [
-            Judged(frame, {name: self._rated(run, one) for name, one in frame.seen()}) for frame in frames
+            Judged(frame, {name: self._rated(run, one) for name, one in frame.seen()}) for frame in stamped
         ]
 
     def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
@@ -159,4 +160,9 @@ class CRemembering:
 
         known = bytes(codes)
         about = {place: self._about(run, rule, frame.number) for place, rule in self._ahead.items()}
-        return Rated(known, own, self._explaining.of(frame, known, own, about), advisory(self.rules))
+        return Rated(
+            known,
+            own,
+            self._explaining.of(frame, known, own, about, run.program.without(frame)),
+            advisory(self.rules),
+        )

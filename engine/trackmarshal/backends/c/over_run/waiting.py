@@ -30,6 +30,7 @@ def described(plan: Layout) -> dict[str, Any]:
             {"c_name": plan.rule_names[rule.name], "active": rule.active is not None} for rule in future.rules
         ],
         "sets": [plan.input(name).c_name for name in future.sets],
+        "lasting": [plan.input(name).c_name for name in future.sets if plan.spec.signals[name].forget],
         "leaves": [_table(plan, each) for each in future.leaves.values()],
         "given": [_table(plan, each) for each in future.given.values()],
         "operators": [_operator(plan, each) for each in future.operators.values()],

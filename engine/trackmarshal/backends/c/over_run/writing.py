@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.courses import counts_samples
+from trackmarshal.backends.c.courses import described as course
 from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment, identifier
 from trackmarshal.backends.c.over_run import waiting
 from trackmarshal.backends.c.over_run.cells import Cell
 from trackmarshal.backends.c.rendering import render
-from trackmarshal.backends.c.rules import CASES, finished, remembers
+from trackmarshal.backends.c.rules import CASES, TALLY, finished, remembers
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import over_run, recalls
 from trackmarshal.ir.reads import reads
+from trackmarshal.ir.spec import SignalType
 from trackmarshal.runtime.contract import FOLLOWED, PLAN
 
 #: Sorts of windows: what they keep, what an empty one comes to, how newer and older items are joined, what a gap and what anything may be.
@@ -55,11 +59,21 @@ def described(plan: Layout) -> dict[str, Any]:
     return {
         "cases": CASES,
         "kinds": kinds,
-        "sets": [{"name": item.name, "c_name": item.c_name} for item in plan.named],
+        "sets": [{"name": item.name, "c_name": item.c_name, **_lasting(item.signal)} for item in plan.named],
+        "lasting": any(item.signal is not None and item.signal.forget for item in plan.named),
         "kept": [_described(plan, each) for each in plan.kept.values()],
         "comment": comment,
+        "tally": TALLY if counts_samples(root for rule in plan.rules for root in roots(rule)) else "",
+        "courses": [course(each, partial(_of_input, plan)) for each in plan.courses.values()],
+        "notes": any(map(remembers, plan.rules)),
         "ahead": waiting.described(plan) if plan.future.rules else None,
     }
+
+
+def _of_input(plan: Layout, signal: str, field: str) -> str:
+    """C of a field of an input; of none, how many samples it has."""
+    name = plan.field_name(signal, field) if field else "count"
+    return f"{plan.input(signal).c_name}.{name}"
 
 
 def _described(plan: Layout, each: Cell) -> dict[str, Any]:
@@ -67,6 +81,8 @@ def _described(plan: Layout, each: Cell) -> dict[str, Any]:
     own = {
         "kind": each.kind, "c_name": each.c_name, "about": f"{comment(each.shown)}{place}",
         "set": "" if each.axis is None else plan.input(each.axis.signal).c_name,
+        "most": _lasting(None if each.axis is None else plan.spec.signals[each.axis.signal])["room"],
+        "forget": bool(each.axis is not None and each.axis.forget), "reaches": each.upper is None or each.upper > 0,
     }  # fmt: skip
     if isinstance(each.node, ir.Machine):
         asked = [node for rule in plan.rules for root in roots(rule) for node in ir.below(root)]
@@ -80,6 +96,13 @@ def _described(plan: Layout, each: Cell) -> dict[str, Any]:
         "lower": f"INT64_C({each.lower})", "upper": "INT64_C(-1)" if each.upper is None else f"INT64_C({each.upper})",
         "weak": isinstance(each.node, ir.OverRun) and each.node.weak, "ripe": each.lower == 0,
     }  # fmt: skip
+
+
+def _lasting(signal: SignalType | None) -> dict[str, str]:
+    """For how long elements of a set may be absent, in C, and how many have a memory."""
+    if signal is None or not signal.forget:
+        return {"forget": "", "room": "TM_MAX_ELEMENTS"}
+    return {"forget": f"INT64_C({signal.forget})", "room": f"{signal.capacity}u"}
 
 
 def _machine(machine: ir.Machine) -> dict[str, Any]:
@@ -137,11 +160,19 @@ def recalling(plan: Layout) -> list[str]:
     if not plan.remembers:
         return []
     given = described(plan)
-    windows = [render("program/over_run/window.c.j2", {"kind": kind}) for kind in given["kinds"].values()]
+    windows = [
+        render("program/over_run/window.c.j2", {"kind": kind, "lasting": given["lasting"]})
+        for kind in given["kinds"].values()
+    ]
     found = [*windows, render("program/over_run/recall.c.j2", given)]
     if plan.future.rules:
         found += [*waiting.put_together(plan), render("program/over_run/future.c.j2", given)]
     return found
+
+
+def joining(plan: Layout) -> list[str]:
+    """Functions that keep what was driven, and join it with what is planned."""
+    return [render("program/over_run/course.c.j2", described(plan))] if plan.courses else []
 
 
 def remembering(plan: Layout, supervised: bool) -> list[str]:
@@ -149,7 +180,7 @@ def remembering(plan: Layout, supervised: bool) -> list[str]:
     if not plan.remembers:
         return []
     given = {**described(plan), "supervised": supervised}
-    found = ["\n".join([*c.printed(_note(plan)), ""])]
+    found = ["\n".join([*c.printed(_note(plan)), ""])] if given["notes"] else []
     if plan.future.rules:
         found += ["\n".join([*c.printed(_settle(plan)), ""]), render("program/over_run/follow.c.j2", given)]
     return [*found, render("program/over_run/remember.c.j2", given)]

@@ -15,6 +15,8 @@ FILES = (
     "temporal",
     "online",
     "run",
+    "lives",
+    "course",
     "future",
     "exact",
     "curve",

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from trackmarshal.backends.c.binding import SAID
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.cycles import FOUND
-from trackmarshal.backends.c.header import CAPACITIES, capacities, unit
+from trackmarshal.backends.c.header import CAPACITIES, capacities, elements, unit
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
@@ -156,6 +156,10 @@ def table(source: Source, sizes: Mapping[str, int]) -> Table:
         for signal in given.borders
         for field in signal.lines
     )
+    for signal in given.lanes:
+        raise TrackmarshalError(
+            "E476", f"messages have no place for the lanes of `{signal.name}`", help="run the Supervisor where the cycles are made"
+        )  # fmt: skip
     signals, fields = _names(given)
     _bounded(lines, "lines")
     messages = (
@@ -183,7 +187,7 @@ def sizes_of(source: Source, limits: Mapping[str, float]) -> dict[str, int]:
     spec = source.plan.spec
     return {
         "TM_MAX_SAMPLES": int(limits["samples"]),
-        "TM_MAX_ELEMENTS": int(limits["elements"]),
+        "TM_MAX_ELEMENTS": elements(spec, int(limits["elements"])),
         "TM_MAX_BORDER": int(limits["border"]),
         "TM_MAX_RATE": int(limits["rate"]),
         "TM_MAX_PLACE": max(CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0),

@@ -10,6 +10,7 @@ from trackmarshal.backends.reference.geometry.corridor import (
 )
 from trackmarshal.backends.reference.geometry.curve import Curve, curve_between
 from trackmarshal.backends.reference.geometry.curvilinear import (
+    Line,
     centre_line,
     distance_to_line,
     distance_to_path,
@@ -27,7 +28,7 @@ from trackmarshal.backends.reference.geometry.footprint import (
 )
 
 __all__ = [
-    "Curve", "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "curve_between", "distance_to_line", "distance_to_path",
+    "Curve", "Line", "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "curve_between", "distance_to_line", "distance_to_path",
     "footprint", "hull_in_polygon_margin", "hull_inside_margin", "hull_meets_margin", "in_zone_margin", "line_fault", "project", "station_gap", "stretch_room", "swept",
     "swept_clearance", "zone_fault",
 ]  # fmt: skip

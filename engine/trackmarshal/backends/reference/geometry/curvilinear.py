@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 
 from trackmarshal.points import (
     Point,
@@ -22,6 +23,31 @@ Points = Sequence[Sequence[float]]
 NOWHERE = (math.nan, math.nan, math.nan)
 
 
+class Line:
+    """The points of a line, and what whoever asks about it more than once need not work out again."""
+
+    def __init__(self, points: Points, closed: bool = False) -> None:
+        self.points = points
+        self.closed = closed
+
+    @cached_property
+    def fault(self) -> str | None:
+        """What makes it unusable; None for a usable one, which has segments."""
+        return line_fault(self.points, self.closed)
+
+    @cached_property
+    def segments(self) -> list[Segment]:
+        return chain(distinct(self.points, self.closed), self.closed)
+
+    @cached_property
+    def stations(self) -> list[float]:
+        return stations(self.segments)
+
+
+def _line(points: Points | Line, closed: bool) -> Line:
+    return points if isinstance(points, Line) else Line(points, closed)
+
+
 def line_fault(points: Points, closed: bool = False) -> str | None:
     """What makes a line unusable; None for a usable one."""
     for index, (x, y) in enumerate(points):
@@ -31,15 +57,16 @@ def line_fault(points: Points, closed: bool = False) -> str | None:
     return f"line has fewer than {least} distinct points" if len(distinct(points, closed)) < least else None
 
 
-def project(x: float, y: float, points: Points, closed: bool = False) -> tuple[float, float, float]:
+def project(x: float, y: float, points: Points | Line, closed: bool = False) -> tuple[float, float, float]:
     """Station [m], offset [m, positive to the left] and direction [rad] of a point along a line.
 
     The nearest segment wins, of equally near ones the first. Beyond the ends of an open line its first and last segment
     go on as rays, so the station runs on below 0 and above the length. On a closed line it is in [0, length).
     """
-    if line_fault(points, closed) or not usable(x, y):
+    line = _line(points, closed)
+    if line.fault or not usable(x, y):
         return NOWHERE
-    segments = chain(distinct(points, closed), closed)
+    closed, segments = line.closed, line.segments
     reaches = [distance(x, y, s) for s in segments]
     nearest = reaches.index(min(reaches))
     s = segments[nearest]
@@ -50,8 +77,8 @@ def project(x: float, y: float, points: Points, closed: bool = False) -> tuple[f
     if before or after:
         advance = 0.0 if before else length
         offset = math.copysign(reaches[nearest], offset)
-    station = stations(segments)[nearest] + advance
-    if closed and station >= stations(segments)[-1]:
+    station = line.stations[nearest] + advance
+    if closed and station >= line.stations[-1]:
         station = 0.0
     return station, offset, math.atan2(s.ey, s.ex)
 
@@ -64,28 +91,32 @@ def stations(segments: Sequence[Segment]) -> list[float]:
     return reached
 
 
-def station_gap(points: Points, s_from: float, s_to: float, closed: bool = False) -> float:
+def station_gap(points: Points | Line, s_from: float, s_to: float, closed: bool = False) -> float:
     """How far `s_to` lies ahead of `s_from` [m]; on a closed line the shorter way round, in (-length/2, length/2]."""
-    if line_fault(points, closed) or not (math.isfinite(s_from) and math.isfinite(s_to)):
+    line = _line(points, closed)
+    if line.fault or not (math.isfinite(s_from) and math.isfinite(s_to)):
         return math.nan
     gap = s_to - s_from
-    if closed:
-        length = stations(chain(distinct(points, True), True))[-1]
+    if line.closed:
+        length = line.stations[-1]
         gap -= length * math.ceil(gap / length - 0.5)
     return gap
 
 
-def stretch_room(points: Points, station: float, start: float, end: float, closed: bool = False) -> float:
+def stretch_room(
+    points: Points | Line, station: float, start: float, end: float, closed: bool = False
+) -> float:
     """How far inside the stretch from `start` ahead to `end` a station lies, along the line [m]; negative: outside.
 
     On a closed line the stretch goes on over the finish line; one that ends where it begins is the whole lap. On an open line it ends
     ahead of where it begins, or where it does; otherwise NaN.
     """
-    if line_fault(points, closed) or not all(map(math.isfinite, (station, start, end))):
+    line = _line(points, closed)
+    if line.fault or not all(map(math.isfinite, (station, start, end))):
         return math.nan
-    if not closed:
+    if not line.closed:
         return min(station - start, end - station) if start <= end else math.nan
-    length = stations(chain(distinct(points, True), True))[-1]
+    length = line.stations[-1]
     s, a, b = (on_lap(each, length) for each in (station, start, end))
     # Which side it is on is compared, not computed, so that rounding cannot change it.
     inside = a <= s <= b if a < b else a <= s or s <= b
@@ -107,18 +138,20 @@ def ahead(start: float, end: float, length: float) -> float:
     return end - start if start <= end else (end - start) + length
 
 
-def distance_to_line(x: float, y: float, points: Points, closed: bool = False) -> float:
+def distance_to_line(x: float, y: float, points: Points | Line, closed: bool = False) -> float:
     """The distance [m] of a point from a line."""
-    if line_fault(points, closed) or not usable(x, y):
+    line = _line(points, closed)
+    if line.fault or not usable(x, y):
         return math.nan
-    return min(distance(x, y, s) for s in chain(distinct(points, closed), closed))
+    return min(distance(x, y, s) for s in line.segments)
 
 
-def distance_to_path(x: float, y: float, points: Points) -> float:
+def distance_to_path(x: float, y: float, points: Points | Line) -> float:
     """The distance [m] of a point from the path of a trajectory; of one that stays in one place, from that place."""
-    if len(points) >= 2 and len(distinct(points, False)) == 1 and usable(x, y, *points[0]):
-        return between(x, y, *points[0])
-    return distance_to_line(x, y, points)
+    line = _line(points, False)
+    if len(line.points) >= 2 and not line.segments and usable(x, y, *line.points[0]):
+        return between(x, y, *line.points[0])
+    return distance_to_line(x, y, line)
 
 
 def centre_line(left: Points, right: Points, closed: bool = False) -> list[Point]:

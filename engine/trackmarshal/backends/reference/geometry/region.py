@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 from trackmarshal.backends.reference.geometry.curve import Placed, curve, placed
 from trackmarshal.backends.reference.geometry.footprint import convex_hull, depth, swept_corners
@@ -23,6 +25,42 @@ from trackmarshal.points import (
 
 #: The margin of a hull that the border enters by less than any measure below can show.
 LEAST = -2.2250738585072014e-308
+#: So many segments of a border that follow each other are looked at as one, where they are far away.
+STRETCH = 16
+
+
+class Box(NamedTuple):
+    """The least and the greatest x and y of some points."""
+
+    left: float
+    right: float
+    low: float
+    high: float
+
+    def seen_from(self, x: float, y: float) -> Box:
+        """The box of the same points seen from an origin; rounding keeps their order, so it is exactly theirs."""
+        return Box(self.left - x, self.right - x, self.low - y, self.high - y)
+
+    def wider(self, by: float) -> Box:
+        """The box with so much more on every side."""
+        return Box(self.left - by, self.right + by, self.low - by, self.high + by)
+
+    def apart(self, other: Box) -> float:
+        """How far two boxes are apart in x or in y, which is no farther than they are; 0 where they overlap."""
+        in_x = max(self.left - other.right, other.left - self.right)
+        in_y = max(self.low - other.high, other.low - self.high)
+        return max(in_x, in_y, 0.0)
+
+    @property
+    def size(self) -> float:
+        """How far two points of it may be apart, or more."""
+        return (self.right - self.left) + (self.high - self.low)
+
+
+def box_of(points: Sequence[Point]) -> Box:
+    """The box of points."""
+    xs, ys = zip(*points)
+    return Box(min(xs), max(xs), min(ys), max(ys))
 
 
 @dataclass(frozen=True)
@@ -32,6 +70,12 @@ class Region:
     border: tuple[tuple[Point, Point], ...]
     #: A point is inside when a ray from it crosses the sides of any one group an odd number of times.
     groups: tuple[tuple[tuple[Point, Point], ...], ...]
+
+    @cached_property
+    def stretches(self) -> list[tuple[Box, tuple[tuple[Point, Point], ...]]]:
+        """The border in stretches, each with its box."""
+        parts = [self.border[at : at + STRETCH] for at in range(0, len(self.border), STRETCH)]
+        return [(box_of([point for ends in part for point in ends]), part) for part in parts]
 
     def holds(self, x: float, y: float) -> bool:
         """Whether a point that is not on the border lies inside."""
@@ -92,7 +136,7 @@ def piece_margin(region: Region, first: Placed, second: Placed, length: float, w
     x0, y0 = first.x, first.y
     corners = swept_corners(first, second, length, width)
     hull = chain(convex_hull(corners), True)
-    border = [segment(a, b, (x0, y0)) for a, b in region.border]
+    border = near(region, corners, (x0, y0))
     entering = [s for s in border if enters(s, hull)]
     if not entering and region.holds((x0 + second.x) / 2, (y0 + second.y) / 2):
         return gap(corners, hull, border)
@@ -117,27 +161,45 @@ def enters(s: Segment, hull: Sequence[Segment]) -> bool:
     return min(turns) < 0.0 < max(turns)
 
 
+def near(region: Region, corners: Sequence[Point], origin: Point) -> list[Segment]:
+    """The border's segments, seen from an origin, without those that no margin of the corners' hull depends on.
+
+    A corner is no farther from the border than the first corner is, and the way to it; what is farther from all corners is nearest to
+    none, does not enter their hull and has no end in it.
+    """
+    (x, y), box = corners[0], box_of(corners)
+    stretches = [(around.seen_from(*origin), part) for around, part in region.stretches]
+    _, nearest = min(stretches, key=lambda stretch: stretch[0].apart(Box(x, x, y, y)))
+    reach = min(distance(x, y, segment(a, b, origin)) for a, b in nearest)
+    known = reach + box.size
+    return [
+        segment(a, b, origin)
+        for around, part in stretches
+        if around.apart(box) <= surely(known, around.size)
+        for a, b in part
+    ]
+
+
 def gap(corners: Sequence[Point], hull: Sequence[Segment], border: Sequence[Segment]) -> float:
     """The distance of a hull from a border that does not enter it: a corner of one is nearest to a side of the other."""
     known = min(distance(*corners[0], s) for s in border)
-    xs, ys = zip(*corners)
-    box = (min(xs), max(xs), min(ys), max(ys))
-    border = [s for s in border if not farther(s, box, known)]
+    longest = max(abs(s.ex) + abs(s.ey) for s in border)
+    left, right, low, high = box_of(corners).wider(surely(known, longest))
+    border = [
+        s for s in border
+        if not (s.ax < left > s.bx or s.ax > right < s.bx or s.ay < low > s.by or s.ay > high < s.by)
+    ]  # fmt: skip
     from_corners = min(distance(x, y, s) for x, y in corners for s in border)
     from_border = min(distance(s.ax, s.ay, edge) for s in border for edge in hull)
     return min(from_corners, from_border)
 
 
-def farther(s: Segment, box: tuple[float, float, float, float], known: float) -> bool:
-    """Whether a segment is surely farther than known from all that lies in a box (least and greatest x, least and greatest y).
+def surely(known: float, size: float) -> float:
+    """How far something of a size has to be away to be farther than known, however distances are rounded.
 
-    Surely: by a billionth of all lengths from which distances are computed, which round by a millionth of that.
+    By a billionth of all lengths from which distances are computed, which round by a millionth of that.
     """
-    left, right, low, high = box
-    apart = max(
-        min(s.ax, s.bx) - right, left - max(s.ax, s.bx), min(s.ay, s.by) - high, low - max(s.ay, s.by), 0.0
-    )
-    return apart - known > 1e-9 * (abs(s.ex) + abs(s.ey) + apart + known)
+    return known + 3e-9 * (known + size)
 
 
 def middle(s: Segment, hull: Sequence[Segment]) -> Point:

@@ -1,0 +1,218 @@
+/** What is said of a sample of a course; of a gap, nothing is known. */
+static inline tm_truth tm_unless_missed(uint64_t missing, tm_truth a) {
+  const tm_truth said = {a.margin, a.sat, a.known && (missing == 0u)};
+  return said;
+}
+
+/** What is said of a sample of a course, or may be; of a gap, nothing is known. */
+static inline tm_cases tm_unless_missed_any(uint64_t missing, tm_cases a) {
+  return (missing > 0u) ? tm_unknown_any() : a;
+}
+
+/** Where a window begins to hold a sample that begins and ends so, counted in an operator's direction. */
+static double tm_near_end(const double *begin, const double *end, size_t n, bool past, size_t j) {
+  return past ? -begin[(n - 1u) - j] : end[j];
+}
+
+/** How far a window has to reach to hold a sample, counted in an operator's direction. */
+static double tm_far_end(const double *begin, const double *end, size_t n, bool past, size_t j) {
+  return past ? -end[(n - 1u) - j] : begin[j];
+}
+
+/** always, eventually, historically, once along a course, whose samples may be gaps: a part in the window is enough. */
+static void tm_extreme_of(tm_context *c, const double *begins, const double *ends, size_t n, double a, double b, bool past,
+                          bool least, size_t from, size_t to) {
+  const tm_series *x = &c->series[from];
+  tm_series *y = &c->series[to];
+  const double sign = least ? 1.0 : -1.0;
+  size_t begin = 0u;
+  size_t end = 0u;
+  size_t head = 0u;
+  size_t tail = 0u;
+  size_t decisive = 0u; /* samples in the window that fail (least), or that hold */
+  for (size_t k = 0u; k < n; ++k) {
+    const double now = tm_time(begins, n, past, k);
+    while ((begin < n) && ((begin < k) || !((now + a) <= tm_near_end(begins, ends, n, past, begin)))) {
+      const size_t at = past ? ((n - 1u) - begin) : begin;
+      if ((begin < end) && (x->sat[at] != least)) {
+        --decisive;
+      }
+      ++begin;
+    }
+    if (end < begin) {
+      end = begin;
+    }
+    while ((head < tail) && (c->queue[head] < begin)) {
+      ++head;
+    }
+    while ((end < n) && (tm_far_end(begins, ends, n, past, end) <= (now + b))) {
+      const size_t at = past ? ((n - 1u) - end) : end;
+      const double key = sign * x->margin[at];
+      while (head < tail) {
+        const size_t last = c->queue[tail - 1u];
+        if (!((sign * x->margin[past ? ((n - 1u) - last) : last]) >= key)) {
+          break;
+        }
+        --tail;
+      }
+      c->queue[tail] = end;
+      ++tail;
+      if (x->sat[at] != least) {
+        ++decisive;
+      }
+      ++end;
+    }
+    const size_t into = past ? ((n - 1u) - k) : k;
+    double margin = TM_INF;
+    if (head < tail) {
+      const size_t best = c->queue[head];
+      margin = sign * x->margin[past ? ((n - 1u) - best) : best];
+    }
+    y->margin[into] = (sign * margin) + 0.0;
+    y->sat[into] = (decisive == 0u) == least;
+  }
+}
+
+/** until, since along a course, whose samples may be gaps: from each sample on, q in the window and p in all before it. */
+static void tm_held_of(tm_context *c, const double *begins, const double *ends, size_t n, double a, double b, bool past,
+                       size_t from_p, size_t from_q, size_t to) {
+  const tm_series *p = &c->series[from_p];
+  const tm_series *q = &c->series[from_q];
+  tm_series *y = &c->series[to];
+  size_t begin = 0u;
+  size_t end = 0u;
+  size_t mid = 0u; /* steps from `begin` to `mid` are composed one by one in `goal` and `hold`, the rest in one */
+  double rest_goal = -TM_INF;
+  double rest_hold = TM_INF;
+  bool rest_goal_sat = false;
+  bool rest_hold_sat = true;
+  size_t head = 0u; /* the queue holds candidates for the minimum of p before the window */
+  size_t tail = 0u;
+  size_t failing = 0u;
+  for (size_t k = 0u; k < n; ++k) {
+    const double now = tm_time(begins, n, past, k);
+    if ((k > 0u) && (k <= begin)) { /* sample k - 1 no longer counts */
+      const size_t gone = past ? ((n - 1u) - (k - 1u)) : (k - 1u);
+      if (!p->sat[gone]) {
+        --failing;
+      }
+    }
+    while ((head < tail) && (c->queue[head] < k)) {
+      ++head;
+    }
+    while ((begin < n) && ((begin < k) || !((now + a) <= tm_near_end(begins, ends, n, past, begin)))) {
+      if (begin >= k) {
+        const size_t at = past ? ((n - 1u) - begin) : begin;
+        while (head < tail) {
+          const size_t last = c->queue[tail - 1u];
+          if (!(p->margin[past ? ((n - 1u) - last) : last] >= p->margin[at])) {
+            break;
+          }
+          --tail;
+        }
+        c->queue[tail] = begin;
+        ++tail;
+        if (!p->sat[at]) {
+          ++failing;
+        }
+      }
+      ++begin;
+    }
+    size_t stop = (end < begin) ? begin : end;
+    while ((stop < n) && (tm_far_end(begins, ends, n, past, stop) <= (now + b))) {
+      ++stop;
+    }
+    if (begin >= mid) {
+      double goal = -TM_INF;
+      double hold = TM_INF;
+      bool goal_sat = false;
+      bool hold_sat = true;
+      for (size_t j = stop; j > begin; --j) {
+        const size_t at = past ? (n - j) : (j - 1u);
+        goal = tm_greatest(q->margin[at], tm_least(p->margin[at], goal));
+        hold = tm_least(p->margin[at], hold);
+        goal_sat = q->sat[at] || (p->sat[at] && goal_sat);
+        hold_sat = p->sat[at] && hold_sat;
+        c->goal.margin[j - 1u] = goal;
+        c->hold.margin[j - 1u] = hold;
+        c->goal.sat[j - 1u] = goal_sat;
+        c->hold.sat[j - 1u] = hold_sat;
+      }
+      mid = stop;
+      rest_goal = -TM_INF;
+      rest_hold = TM_INF;
+      rest_goal_sat = false;
+      rest_hold_sat = true;
+    } else {
+      for (size_t j = end; j < stop; ++j) {
+        const size_t at = past ? ((n - 1u) - j) : j;
+        rest_goal = tm_greatest(rest_goal, tm_least(rest_hold, q->margin[at]));
+        rest_hold = tm_least(rest_hold, p->margin[at]);
+        rest_goal_sat = rest_goal_sat || (rest_hold_sat && q->sat[at]);
+        rest_hold_sat = rest_hold_sat && p->sat[at];
+      }
+    }
+    end = stop;
+    double margin = -TM_INF;
+    bool sat = false;
+    if (begin < end) {
+      margin = tm_greatest(c->goal.margin[begin], tm_least(c->hold.margin[begin], rest_goal));
+      sat = c->goal.sat[begin] || (c->hold.sat[begin] && rest_goal_sat);
+      if (head < tail) {
+        const size_t worst = c->queue[head];
+        margin = tm_least(p->margin[past ? ((n - 1u) - worst) : worst], margin);
+      }
+      sat = sat && (failing == 0u);
+    }
+    const size_t into = past ? ((n - 1u) - k) : k;
+    y->margin[into] = margin + 0.0;
+    y->sat[into] = sat;
+  }
+}
+
+/** How many samples one may be: of a gap, as many as cycles are missing. */
+static uint64_t tm_weight(const uint64_t *missing, size_t k) {
+  return ((missing != NULL) && (missing[k] > 0u)) ? missing[k] : 1u;
+}
+
+/** At how many samples something held, up to each of them, from as far back as a window goes. `missing` is NULL where there are no gaps. */
+static void tm_tally_last(tm_context *c, const double *begins, const double *ends, const uint64_t *missing, size_t n, double b,
+                          size_t from, size_t to) {
+  const tm_series *x = &c->series[from];
+  tm_series *y = &c->series[to];
+  uint64_t count = 0u;
+  size_t first = 0u;
+  for (size_t k = 0u; k < n; ++k) {
+    while ((first < k) && !((begins[k] - b) <= ends[first])) {
+      count -= x->sat[first] ? tm_weight(missing, first) : 0u;
+      ++first;
+    }
+    count += x->sat[k] ? tm_weight(missing, k) : 0u;
+    y->margin[k] = (double)count;
+    y->sat[k] = false;
+  }
+}
+
+/** At how many samples something held, up to each of them, from the last one on with which the count starts anew. */
+static void tm_tally_anew(tm_context *c, const uint64_t *missing, size_t n, size_t from, size_t reset, size_t to) {
+  const tm_series *x = &c->series[from];
+  const tm_series *anew = &c->series[reset];
+  tm_series *y = &c->series[to];
+  uint64_t count = 0u;
+  for (size_t k = 0u; k < n; ++k) {
+    count = (anew->sat[k] ? 0u : count) + (x->sat[k] ? tm_weight(missing, k) : 0u);
+    y->margin[k] = (double)count;
+    y->sat[k] = false;
+  }
+}
+
+/** A count of samples, all of which are known. */
+static inline double tm_tallied_at(const tm_series *counted, size_t i) {
+  return counted->margin[i];
+}
+
+/** A count of samples: of those that surely count, and of those that may. */
+static inline tm_tally tm_tallied_at_any(const tm_series *sure, const tm_series *possible, size_t i) {
+  const tm_tally a = {(uint64_t)sure->margin[i], (uint64_t)possible->margin[i], false, false};
+  return a;
+}

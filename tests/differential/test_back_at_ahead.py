@@ -1,0 +1,65 @@
+"""What looks back at what looks ahead: a cycle is kept for as long as a later one asks about it, in each evaluator, and after a restart."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from support.length import amount
+from trackmarshal.evaluation import Evaluator, loads
+
+AHEAD = (
+    "(s.x < 0 until[0 s, 3 s] s.z > 0)",
+    "(eventually[1 s, 2 s] s.z > 0)",
+    "(always[0 s, 2 s] s.x < 1)",
+    "(next s.z > 0)",
+)
+BACK = (
+    "previous {}", "once {}", "historically {}", "{} since s.x > 1", "once[0 s, 2 s] {}", "historically[1 s, 2 s] {}",
+    "{} since[0 s, 3 s] s.z > 1",
+)  # fmt: skip
+
+Said = dict[int, list[tuple[object, str, str]]]
+
+
+def said(evaluator: Evaluator, rows: list[tuple[float, float, float]], restart: bool) -> Said:
+    """By cycle what was said about it for good, and in which cycle."""
+    run, found = evaluator.over_run(), Said()
+    for k, (t, x, z) in enumerate(rows):
+        if restart and k == len(rows) // 2:
+            run = evaluator.over_run(list(run.save()))
+        read = evaluator.read({"id": k, "t": t, "signals": {"s": {"x": x, "z": z}}})
+        for one in run.step(read).rules["f"].about:
+            if one.final:
+                found.setdefault(one.cycle, []).append((k, one.verdict, one.margin.hex()))  # type: ignore[call-overload]
+    for one in run.end().get("f", ()):
+        if one.final:
+            found.setdefault(one.cycle, []).append(("end", one.verdict, one.margin.hex()))  # type: ignore[call-overload]
+    return found
+
+
+def formulas() -> list[str]:
+    chosen = random.Random(7)
+    nested = [outer.format(f"({inner.format(ahead)})") for outer in BACK for inner in BACK for ahead in AHEAD]
+    return [back.format(ahead) for back in BACK for ahead in AHEAD] + chosen.sample(
+        nested, amount(12, len(nested))
+    )
+
+
+@pytest.mark.parametrize("formula", formulas())
+def test_all_say_the_same_of_every_cycle(formula: str) -> None:
+    chosen = random.Random(formula)
+    text = f'module m\nsignal s : state {{ x: 1, z: 1 }}\nrule f "x"\n  require {formula}\n'
+    evaluators = {name: Evaluator(loads(text), backend=name) for name in ("reference", "numpy", "c")}
+    for _ in range(3):
+        t, rows = 0.0, []
+        for _ in range(14):
+            t += chosen.choice((0.5, 1.0, 1.0, 2.0))
+            rows.append((t, chosen.uniform(-2, 2), chosen.uniform(-2, 2)))
+        found = {name: said(one, rows, False) for name, one in evaluators.items()}
+        assert found["numpy"] == found["reference"]
+        assert found["c"] == found["reference"]
+        assert sorted(found["reference"]) == list(range(len(rows)))
+        for name in ("numpy", "c"):
+            assert said(evaluators[name], rows, True) == found["reference"], name

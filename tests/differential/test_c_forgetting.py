@@ -1,0 +1,119 @@
+"""Elements that are absent for a while and keep their history, in generated C: what the other evaluators say, to the last bit."""
+
+from __future__ import annotations
+
+import json
+import random
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from differential.test_c_over_run import _SETTINGS, OTHERS, said
+from property.test_forgetting import KEPT, LASTING, rule
+from support.length import amount
+from support.run_formulas import formulas, runs
+from support.start import STRICT
+from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.source import generate
+from trackmarshal.evaluation import Evaluator, loads
+
+pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+#: What looks ahead ends with an absence, whatever is remembered.
+AHEAD = (
+    "always[0 s, 0.4 s] o.v > 0 m/s", "next o.v > 0 m/s", "once[0 s, 0.5 s] o.v > 1 m/s implies eventually[0.1 s, 0.6 s] flag",
+    "(m(o) is q) until[0 s, 0.5 s] o.v <= ego.v",
+)  # fmt: skip
+
+
+@given(
+    LASTING,
+    st.lists(formulas(True, ahead=False), min_size=8, max_size=8),
+    st.lists(runs(), min_size=12, max_size=12),
+)
+@_SETTINGS
+def test_all_three_agree(lasting: str, drawn: list[str], several: list[list[dict[str, Any] | None]]) -> None:
+    bodies = [*drawn, *AHEAD, KEPT, "not (m(o) is r)", f"(m(o) is q) iff once[0 s, 0.3 s] ({KEPT})"]
+    text = rule(lasting, "require flag") + "".join(
+        f'rule f{n} "x" for all o in objects require {one}\nrule g{n} "x" require exists o in objects: ({one})\n'
+        for n, one in enumerate(bodies)
+    )
+    spec = loads(text)
+    evaluators = {name: Evaluator(spec, backend=name) for name in (*OTHERS, "c")}
+    for cycles in several:
+        found = said(evaluators, cycles)
+        assert found["c"] == found["reference"] == found["numpy"], text
+
+
+def test_long_runs_in_which_places_are_scarce() -> None:
+    """Runs of many cycles, saved and restored in between: elements come and go, more than there are places for."""
+    spec = loads(
+        "module m\nevent flag\nsignal objects : set of object { v: m/s } capacity 4 forget 0.3 s\n"
+        'rule a "" for all o in objects require once[0 s, 1 s] o.v > 1 m/s\n'
+        'rule b "" for all o in objects require historically[0.2 s, 2 s] o.v > -1.9 m/s\n'
+        'rule c "" for all o in objects require o.v > -1.5 m/s since[0.1 s, 1 s] o.v > 1.5 m/s\n'
+        'rule d "" for all o in objects require count(o.v > 1 m/s, last: 0.8 s) <= 3\n'
+        'rule e "" for all o in objects require count(o.v > 0 m/s, reset: o.v > 1.8 m/s) <= 5\n'
+        'rule f "" for all o in objects require not rising(o.v > 1 m/s)\n'
+        'rule g "" for all o in objects require o.v > -1.8 m/s since o.v > 1 m/s\n'
+        'rule h "" for all o in objects require always[0 s, 0.3 s] o.v > -1.9 m/s\n'
+        'rule i "" whenever exists o in objects: once[0 s, 0.5 s] o.v > 1.9 m/s within 0.4 s require flag\n'
+        "state m : { p, q } for each o in objects starts p\n"
+        "  becomes q when o.v > 1.5 m/s\n    remember took = o.v\n  becomes p when o.v < -1.5 m/s\n"
+        'rule j "" for all o in objects require m(o) is p or m(o).took > 1.6 m/s or time_in(m(o)) < 0.5 s\n'
+    )
+    dice = random.Random(11)
+    t, there, cycles = 0.0, list("abcdef"), list[dict[str, Any] | None]()
+    away: dict[str, float] = {}
+    for number in range(amount(400, 3000)):
+        t = round(t + dice.choice([0.01, 0.05, 0.05, 0.1, 0.1, 0.4]), 9)
+        for name in there:
+            if name not in away and dice.random() < 0.15:
+                away[name] = t + dice.choice([0.05, 0.2, 0.5, 1.5])
+            elif away.get(name, t) < t:
+                del away[name]
+        present = [name for name in there if name not in away]
+        dice.shuffle(present)
+        objects = {"id": present[:4], "v": [dice.uniform(-2, 2) for _ in present[:4]]}
+        signals = {"objects": objects, "flag": dice.random() < 0.3}
+        cycles.append(None if dice.random() < 0.04 else {"id": number, "t": t, "signals": signals})
+    evaluators = {name: Evaluator(spec, backend=name) for name in ("numpy", "c")}
+    found = said(evaluators, cycles)
+    assert found["c"] == found["numpy"]
+    for name in "abcdefghij":
+        assert len({each[name][0] for each in found["c"][:-1]}) >= 3, name
+    for backend, evaluator in evaluators.items():
+        run, every = evaluator.over_run(), list[Any]()
+        for cycle in cycles:
+            if dice.random() < 0.1:
+                run = evaluator.over_run(json.loads(json.dumps(run.save())))
+            if cycle is None:
+                run.missed()
+            else:
+                every.append(
+                    {name: one.verdict for name, one in run.step(evaluator.read(cycle)).rules.items()}
+                )
+        assert every == [{name: one[0] for name, one in each.items()} for each in found[backend][:-1]]
+
+
+@pytest.mark.parametrize("doored", [False, True])
+@pytest.mark.parametrize("body", [AHEAD[0], "once[0.1 s, 0.5 s] o.v > 0 m/s", "previous o.v > 0 m/s", KEPT])
+def test_each_by_itself_compiles_without_a_warning(body: str, doored: bool, tmp_path: Path) -> None:
+    text = rule(" capacity 3 forget 0.7 s\n", f"for all o in objects require {body}")
+    if doored:
+        plan = "signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+        text = text.replace(
+            "signal ego : state { ", f"{plan}signal ego : state {{ x: m, y: m, heading: rad, "
+        )
+    spec = loads(text)
+    made = generate(spec, spec.rules, "made", doored=doored)
+    (tmp_path / "made.h").write_text(made.header, encoding="utf-8")
+    (tmp_path / "made.c").write_text(made.source, encoding="utf-8")
+    found = compiler()
+    assert found is not None
+    command = [*found, *STRICT, "-c", "made.c", "-o", "made.o"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
