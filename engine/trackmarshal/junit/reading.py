@@ -1,0 +1,205 @@
+"""A report of a test runner, read: what each of its tests came to, and which requirements it names.
+
+The file is input from elsewhere: document types and entities are refused, size and depth are bounded, and nothing that is not known is taken for
+a pass.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import replace
+from pathlib import Path
+from xml.parsers import expat
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import read_regular
+from trackmarshal.junit.suite import Case, Suite
+from trackmarshal.records import ExternalTest
+
+#: The largest report that is read.
+MAX_BYTES = 64_000_000
+#: How deep elements may nest; suites in suites need a few.
+MAX_DEPTH = 60
+#: The longest name of a test or a suite.
+MAX_NAME = 4_000
+#: The property, or attribute, by which a test or a suite names requirements.
+VERIFIES = "verifies"
+
+#: What may stand in a suite; `failure` and `error` there are about what all of its tests need.
+_IN_SUITE = frozenset({"testsuite", "testcase", "properties", "system-out", "system-err", "failure", "error"})
+_FAILED = frozenset({"failure", "rerunFailure", "flakyFailure"})
+_ERROR = frozenset({"error", "rerunError", "flakyError"})
+_SAYS = _FAILED | _ERROR | {"skipped"}
+_SILENT = frozenset({"system-out", "system-err"})
+
+
+def read(path: Path, shown: str, tool: str = "") -> tuple[ExternalTest, ...]:
+    """The tests of a report, in their order; raises T331 to T335, OSError. `shown` is the path that reports print."""
+    data = read_regular(path, MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:
+        raise _refused("T334", shown, f"larger than {MAX_BYTES // 1_000_000} MB", None, "split it")
+    digest = hashlib.sha256(data).hexdigest()
+    return tuple(_Reader(shown, tool, digest).read(data))
+
+
+def ids_in(text: str) -> list[str]:
+    """The ids that a property names, with commas or blanks between them."""
+    return [word for word in re.split(r"[,;\s]+", text) if word]
+
+
+class _Reader:
+    """One pass over the events of the parser."""
+
+    def __init__(self, shown: str, tool: str, digest: str) -> None:
+        self._shown = shown
+        self._tool = tool
+        self._digest = digest
+        self._path: list[str] = []
+        self._suites: list[Suite] = []
+        self._case: Case | None = None
+        self._silent = 0  # how deep in what is passed over
+        self._property: tuple[str, str] | None = None
+        self._text = ""
+        self._tests: list[ExternalTest] = []
+        self._parser = expat.ParserCreate()
+        self._parser.buffer_text = True
+        self._parser.StartDoctypeDeclHandler = self._document_type
+        self._parser.EntityDeclHandler = self._document_type
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.CharacterDataHandler = self._characters
+
+    def read(self, data: bytes) -> list[ExternalTest]:
+        try:
+            self._parser.Parse(data, True)
+        except expat.ExpatError as error:
+            message = expat.ErrorString(error.code)
+            raise _refused("T331", self._shown, f"not XML: {message}", error.lineno, _AGAIN) from error
+        except (ValueError, LookupError) as error:  # an encoding that is none
+            raise _refused("T331", self._shown, f"not XML: {error}", None, _AGAIN) from error
+        return self._tests
+
+    def _document_type(self, *_: object) -> None:
+        raise self._fail("T332", "a document type is declared", "remove `<!DOCTYPE ...>`")
+
+    def _fail(self, code: str, message: str, help_: str) -> TrackmarshalError:
+        return _refused(code, self._shown, message, self._parser.CurrentLineNumber, help_)
+
+    def _start(self, name: str, attributes: dict[str, str]) -> None:
+        parent = self._path[-1] if self._path else ""
+        self._path.append(name)
+        if len(self._path) > MAX_DEPTH:
+            raise self._fail("T334", f"nested more than {MAX_DEPTH} deep", "is this a report of tests?")
+        if self._silent:
+            self._silent += 1
+        elif not parent:
+            if name not in ("testsuites", "testsuite"):
+                raise self._fail("T333", f"the root is <{name}>, not <testsuites>", _AGAIN)
+            self._open(attributes)
+        elif parent in ("testsuites", "testsuite"):
+            self._in_suite(name, attributes)
+        elif parent == "testcase":
+            self._in_case(name, attributes)
+        elif parent == "properties":
+            if name == "property":
+                self._property = (attributes.get("name", ""), attributes.get("value", ""))
+                self._text = ""
+            else:
+                self._silent = 1
+        else:  # in a failure, which may hold more than text, or a property
+            self._silent = 1
+
+    def _in_suite(self, name: str, attributes: dict[str, str]) -> None:
+        if name not in _IN_SUITE:
+            raise self._fail("T333", f"<{name}> in a suite is not known", _AGAIN)
+        if name == "testsuite":
+            self._open(attributes)
+        elif name == "testcase":
+            self._named(attributes)
+            self._case = Case(attributes, self._suites[-1], self._parser.CurrentLineNumber)
+            self._case.requirements += ids_in(attributes.get(VERIFIES, ""))
+        elif name in ("failure", "error"):
+            said = attributes.get("message", "")
+            about = {"name": "the suite as a whole", "classname": self._suites[-1].name}
+            case = Case(about, self._suites[-1], self._parser.CurrentLineNumber)
+            case.say("failed" if name == "failure" else "error", said)
+            self._close(case)
+            self._silent = 1
+        elif name in _SILENT:
+            self._silent = 1
+
+    def _in_case(self, name: str, attributes: dict[str, str]) -> None:
+        assert self._case is not None
+        if name in _SAYS:
+            outcome = "failed" if name in _FAILED else "error" if name in _ERROR else "skipped"
+            said = attributes.get("message", "")
+            if name.startswith("flaky"):
+                said = f"passed only when it was repeated: {said}".rstrip(": ")
+            self._case.say(outcome, said)
+            self._text = ""
+        elif name in _SILENT:
+            self._silent = 1
+        elif name != "properties":
+            self._case.say("error", f"<{name}> in a test is not known, so it is not known what came of it")
+            self._silent = 1
+
+    def _end(self, name: str) -> None:
+        self._path.pop()
+        if self._silent:
+            self._silent -= 1
+        elif name == "property" and self._property is not None:
+            called, value = self._property
+            if called == VERIFIES:
+                self._here().extend(ids_in(value or self._text))
+            self._property = None
+        elif name in _SAYS and self._case is not None:
+            self._case.explain(self._text)
+        elif name == "testcase" and self._case is not None:
+            self._close(self._case)
+            self._case = None
+        elif name in ("testsuite", "testsuites"):
+            suite = self._suites.pop()
+            lacking = suite.lacking()
+            if lacking:
+                raise self._fail("T335", lacking, _AGAIN)
+            # Properties of a suite may stand behind its tests.
+            self._tests[suite.first :] = self._tests[suite.first :] if not suite.requirements else [
+                replace(t, requirements=tuple(dict.fromkeys((*t.requirements, *suite.requirements))))
+                for t in self._tests[suite.first :]
+            ]  # fmt: skip
+
+    def _characters(self, text: str) -> None:
+        if not self._silent and len(self._text) < Case.MOST:
+            self._text += text[: Case.MOST]
+
+    def _here(self) -> list[str]:
+        return self._suites[-1].requirements if self._case is None else self._case.requirements
+
+    def _open(self, attributes: dict[str, str]) -> None:
+        self._named(attributes)
+        above = self._suites[-1] if self._suites else None
+        try:
+            suite = Suite(attributes, above, len(self._tests))
+        except ValueError as error:
+            raise self._fail("T333", str(error), _AGAIN) from error
+        suite.requirements += ids_in(attributes.get(VERIFIES, ""))
+        self._suites.append(suite)
+
+    def _named(self, attributes: dict[str, str]) -> None:
+        for name in ("name", "classname"):
+            if len(attributes.get(name, "")) > MAX_NAME:
+                raise self._fail("T334", f"a name of more than {MAX_NAME} characters", "shorten it")
+
+    def _close(self, case: Case) -> None:
+        for suite in self._suites:
+            suite.tests += 1
+            suite.failing += case.bad
+        self._tests.append(case.record(self._tool, self._shown, self._digest))
+
+
+_AGAIN = "write it anew with the test runner; its tests count for nothing as it is"
+
+
+def _refused(code: str, shown: str, message: str, line: int | None, help_: str) -> TrackmarshalError:
+    return TrackmarshalError(code, message, file=shown, line=line, help=help_)

@@ -1,0 +1,196 @@
+"""Tests that say which requirements they verify: `@pytest.mark.verifies("S-1-B-1")`.
+
+pytest loads this by itself where trackmarshal is installed; trackmarshal never does. Ids that the project does not demand are errors of collection. What a
+test verifies becomes properties of pytest's own `--junitxml`, and records with `--trackmarshal-results PATH`, also under pytest-xdist.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Generator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+VERIFIES = "verifies"
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("trackmarshal")
+    group.addoption(
+        "--trackmarshal-results",
+        metavar="PATH",
+        help="write what came of tests that verify requirements (JSON)",
+    )
+    group.addoption(
+        "--trackmarshal-project", metavar="DIR", help="the project whose requirements tests verify (default: the one around rootdir)"
+    )  # fmt: skip
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", f"{VERIFIES}(*ids): the requirements that a test verifies")
+    path = config.getoption("--trackmarshal-results")
+    if path and not hasattr(
+        config, "workerinput"
+    ):  # workers of pytest-xdist report to the one that started them
+        config.pluginmanager.register(_Results(config, Path(path).absolute()), "trackmarshal-results")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(
+    collector: pytest.Collector,
+) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Tests get what they verify as properties; what is wrong with that fails the file or class that they stand in."""
+    report = yield
+    wrong: dict[str, None] = {}
+    for item in report.result or ():
+        if isinstance(item, pytest.Item):
+            ids, said = _verified(item)
+            item.user_properties += [(VERIFIES, id_) for id_ in ids]
+            wrong |= dict.fromkeys(said)
+    if wrong:
+        report.outcome = "failed"
+        report.longrepr = "\n".join(wrong)
+        report.result = []
+    return report
+
+
+def _verified(item: pytest.Item) -> tuple[list[str], list[str]]:
+    """The ids that a test names, nearest first, and what is wrong with them."""
+    ids: dict[str, None] = {}
+    wrong: list[str] = []
+    where = f"{item.location[0]}:{(item.location[1] or 0) + 1}"
+    for mark in item.iter_markers(VERIFIES):
+        if mark.kwargs or not mark.args or not all(isinstance(id_, str) for id_ in mark.args):
+            wrong.append(f'{where}: `verifies` takes ids of requirements: @pytest.mark.verifies("S-1-B-1")')
+            continue
+        ids |= dict.fromkeys(mark.args)
+    if ids:
+        known = _known(item.config)
+        if isinstance(known, str):
+            return [], [*wrong, f"{where}: {known}"]
+        for id_ in ids:
+            if id_ not in known:
+                wrong.append(
+                    f"{where}: error[T336]: no requirement `{id_}` is demanded{_suggested(id_, known)}"
+                )
+    return list(ids), wrong
+
+
+def _suggested(id_: str, known: frozenset[str]) -> str:
+    from trackmarshal.trace.findings import did_you_mean
+
+    said = did_you_mean(id_, known)
+    return f"; {said}" if said else ""
+
+
+_KNOWN = pytest.StashKey[frozenset[str] | str]()
+
+
+def _known(config: pytest.Config) -> frozenset[str] | str:
+    """The ids of the project's requirements, or why they are not known."""
+    if _KNOWN not in config.stash:
+        from trackmarshal.trace import requirement_ids
+
+        root = _project(config)
+        if root is None:
+            said = f"no project is around {config.rootpath}; name one with --trackmarshal-project DIR"
+            config.stash[_KNOWN] = said
+        else:
+            config.stash[_KNOWN] = frozenset(map(str, requirement_ids(root)))
+    known: frozenset[str] | str = config.stash[_KNOWN]
+    return known
+
+
+def _project(config: pytest.Config) -> Path | None:
+    from trackmarshal.cli.project import MARKER, project_of
+
+    named = config.getoption("--trackmarshal-project")
+    if named is None:
+        return project_of(config.rootpath)
+    root: Path = (config.invocation_params.dir / named).resolve()
+    if not (root / MARKER).is_file():
+        raise pytest.UsageError(f"--trackmarshal-project: {root} has no {MARKER}")
+    return root
+
+
+@dataclass(slots=True)
+class _Seen:
+    """What is known of a test so far."""
+
+    ids: tuple[str, ...]
+    file: str
+    line: int
+    outcome: str = ""
+    message: str = ""
+    duration: float = 0.0
+    phases: set[str] = field(default_factory=set)
+
+
+class _Results:
+    """Outcomes of tests that verify requirements, kept until the end; only what ran from setup to teardown passed."""
+
+    #: From worst to best.
+    _ORDER = ("error", "failed", "skipped", "passed", "")
+
+    def __init__(self, config: pytest.Config, path: Path) -> None:
+        self._config = config
+        self._path = path
+        self._seen: dict[str, _Seen] = {}
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        ids = tuple(str(value) for name, value in report.user_properties if name == VERIFIES)
+        if not ids:
+            return
+        file, line, _ = report.location
+        seen = self._seen.setdefault(report.nodeid, _Seen(ids, file, (line or 0) + 1))
+        seen.phases.add(report.when or "")
+        seen.duration += report.duration
+        outcome, message = _outcome(report)
+        if self._ORDER.index(outcome) < self._ORDER.index(seen.outcome):
+            seen.outcome, seen.message = outcome, message
+
+    def pytest_sessionfinish(self) -> None:
+        from datetime import UTC, datetime
+
+        from trackmarshal import __version__
+        from trackmarshal.records import ExternalTest, ResultsFile, save
+
+        now = datetime.now(UTC).isoformat(timespec="seconds")
+        items = []
+        for nodeid, seen in sorted(self._seen.items()):
+            suite, _, name = nodeid.partition("::")
+            if seen.outcome == "passed" and not {"setup", "call", "teardown"} <= seen.phases:
+                seen.outcome, seen.message = "error", "it did not run to its end"
+            items.append(
+                ExternalTest(
+                    suite, name, tuple(dict.fromkeys(seen.ids)), seen.outcome, seen.message, self._shown(seen.file),
+                    seen.line, seen.duration, f"pytest {pytest.__version__}", now,
+                )
+            )  # fmt: skip
+        save(self._path, ResultsFile("external_tests", tuple(items), __version__, now))
+
+    def _shown(self, file: str) -> str:
+        """A path from the project's folder, where there is one."""
+        root = _project(self._config)
+        whole = self._config.rootpath / file
+        return Path(os.path.relpath(whole, root)).as_posix() if root is not None else Path(file).as_posix()
+
+
+def _outcome(report: pytest.TestReport) -> tuple[str, str]:
+    """What a phase of a test came to, in the words of records, and why."""
+    match report.outcome:
+        case "passed":
+            return "passed", ""
+        case "skipped":
+            reason = (
+                report.longrepr[2] if isinstance(report.longrepr, tuple) else getattr(report, "wasxfail", "")
+            )
+            return "skipped", str(reason)[:1_000]
+        case "failed":
+            crash = getattr(report.longrepr, "reprcrash", None)
+            message = str(getattr(crash, "message", None) or report.longrepr)
+            return ("failed" if report.when == "call" else "error"), message[:1_000]
+        case other:  # a plugin repeats what failed, until it passes
+            return "failed", f"passed only when it was repeated: {other}"
