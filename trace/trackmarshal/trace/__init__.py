@@ -6,18 +6,18 @@ says what fails it. Nothing here evaluates a rule: what the engine found comes i
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import date
 from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
 from trackmarshal.trace import baseline as _baseline
 from trackmarshal.trace import files as _files
+from trackmarshal.trace import outside as _outside
 from trackmarshal.trace import requirements as _requirements
 from trackmarshal.trace.codes import CODES
+from trackmarshal.trace.collector import no_collection
 from trackmarshal.trace.faults import rows as fault_rows
 from trackmarshal.trace.files import Results, load_results
 from trackmarshal.trace.findings import Finding, Place
@@ -36,43 +36,35 @@ def build(
     runs: Iterable[RunSummary] = (),
     today: date | None = None,
     *,
-    spec_fingerprint: str = "",
-    run_fingerprints: Mapping[str, str] | None = None,
+    engine: str = "",
+    run_inputs: Mapping[str, Mapping[str, str]] | None = None,
     findings: Iterable[Finding] = (),
     fault_cases: Iterable[FaultCase] = (),
     fault_results: Iterable[FaultResult] = (),
+    parts: Iterable[SpecPart] = (),
 ) -> Matrix:
     """The matrix of a project.
 
     Results and runs that are not given count as not run. `today` (default: the clock's day) decides which waivers
-    hold. With `spec_fingerprint`, that of all rules, parameters and tables, test results made from others are stale;
-    with `run_fingerprints`, by scenario that of what it is replayed with, so are runs. Faults carry their own. `findings` are those of reading the results (`load_results`). What is wrong
-    with the project becomes findings of the matrix; nothing is raised for it.
+    hold. Test results are stale where their inputs are not those of their rule and test, and of `engine`; runs where theirs are not those of
+    `run_inputs`, by scenario what it is replayed with. Faults carry their own. `findings` are those of reading the results (`load_results`).
+    What is wrong with the project becomes findings of the matrix; nothing is raised for it.
     """
     found = list(findings)
-    with _no_collection():
+    with no_collection():
         project = _requirements.load(project_root, found)
         spec = Spec(
-            spec_items, spec_tests, test_results, runs, spec_fingerprint, run_fingerprints, fault_cases, fault_results
+            spec_items, spec_tests, test_results, runs, engine, run_inputs, fault_cases, fault_results, parts
         )  # fmt: skip
         hashes = {
             **_files.sources(project_root, project, spec.runs.values()),
             **_files.hashes(project_root, project, spec.items),
         }
         baseline = _baseline.load(project_root, project, found)
-        return assemble(project, spec, hashes, baseline, today=today or date.today(), found=found)
-
-
-@contextmanager
-def _no_collection() -> Iterator[None]:
-    """Without the cyclic collector: nothing here makes cycles, and walking all that is alive took half the time."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
+        around = _outside.load(project_root, project, found)
+        return assemble(
+            project, spec, hashes, baseline, today=today or date.today(), found=found, around=around
+        )
 
 
 def gate(matrix: Matrix) -> list[Finding]:
@@ -96,15 +88,25 @@ def accept_baseline(
     spec_items: Sequence[SpecItem],
     spec_tests: Sequence[SpecTest],
     fault_cases: Sequence[FaultCase] = (),
-) -> Path:
-    """Write down what there is now as accepted; returns the baseline's path. Raises what reading found wrong."""
+    parts: Sequence[SpecPart] = (),
+    *,
+    by: str = "",
+    reason: str = "",
+    today: date | None = None,
+) -> tuple[Path, list[str]]:
+    """Write down what there is now as accepted; returns the baseline's path, and what became weaker by that.
+
+    Raises what reading found wrong, and T378 where something became weaker and `by` or `reason` does not say by whom, or why.
+    """
     project, found = load(project_root)
     for finding in found:
         file, line = (finding.place.file, finding.place.line) if finding.place else (None, None)
         raise TrackmarshalError(
             finding.code, finding.message, file=file, line=line, help="mend this before accepting a baseline"
         )
-    return _baseline.accept(project_root, project, spec_items, spec_tests, fault_cases)
+    spec = Spec(spec_items, spec_tests, (), (), fault_cases=fault_cases, parts=parts)
+    now = _baseline.content(project, spec, _files.hashes(project_root, project, spec.items))
+    return _baseline.accept(project_root, project, now, by, reason, today or date.today())
 
 
 __all__ = [

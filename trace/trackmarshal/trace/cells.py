@@ -6,24 +6,26 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.records import SpecItem
-from trackmarshal.trace import faults
+from trackmarshal.trace import external, faults
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
-from trackmarshal.trace.model import Interface, Project, Requirement, Stage, matches
+from trackmarshal.trace.graph.graph import Graph, Key, Link
+from trackmarshal.trace.model import Project, Requirement, Stage, matches
+from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.runs import Showing, showing
 from trackmarshal.trace.spec import Spec, item_place
 
 #: From worst to best; `waived` stands where a gap is answered for.
 STATUSES = ("failed", "stale", "missing", "partial", "waived", "covered")
 #: Kinds of items that come up from the requirements below.
-FROM_BELOW = frozenset({"rule", "monitor", "assumption", "test", "run", "fault"})
+FROM_BELOW = frozenset({"rule", "monitor", "assumption", "test", "run", "fault", "external test", "code"})
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
     """One thing that counts in a cell, or ought to."""
 
-    kind: str  #: interface, requirement, adoption, document, rule, monitor, assumption, test, run, fault or waiver
+    kind: str  #: interface, requirement, adoption, document, rule, monitor, assumption, test, run, fault, external test, code or waiver
     name: str
     title: str
     status: str
@@ -46,8 +48,32 @@ class Ground:
     project: Project
     spec: Spec
     hashes: Hashes
-    interfaces: Mapping[str, Interface]
-    children: Mapping[str, Sequence[str]]  #: requirements by what they refine
+    graph: Graph
+    outside: Outside
+
+    def out_of(self, key: Key, kind: str) -> list[Link]:
+        """The links of a kind that stand at a node; those of a second declaration of it do not count."""
+        return [k for k in self.graph.out_of(key) if k.kind == kind and k.state != "ambiguous"]
+
+    def into(self, key: Key, kind: str) -> list[Link]:
+        """The links of a kind that lead to a node and hold, one from each other node that is demanded."""
+        found: dict[Key, Link] = {}
+        for link in self.graph.into(key):
+            if link.kind == kind and link.state == "covers" and self.graph.nodes[link.source].demanded:
+                found.setdefault(link.source, link)
+        return list(found.values())
+
+    def satisfying(self, requirement: str) -> list[SpecItem]:
+        """The rules and assumptions that satisfy a requirement."""
+        return [self.spec.by_name[k.source[1]] for k in self.into(("requirement", requirement), "satisfies")]
+
+    def evaluated(self, requirement: str) -> list[SpecItem]:
+        """Its rules, and its assumptions that are monitored."""
+        return [item for item in self.satisfying(requirement) if item.kind == "rule" or item.monitored]
+
+    def children(self, requirement: str) -> list[str]:
+        """The requirements that refine one."""
+        return [link.source[1] for link in self.into(("requirement", requirement), "refines")]
 
 
 def combined(statuses: Iterable[str]) -> str | None:
@@ -76,13 +102,12 @@ def cell(ground: Ground, requirement: Requirement, stage: Stage, below: Mapping[
         if status is not None:
             statuses.append(status)
     if not FROM_BELOW.isdisjoint(stage.counts):
-        for name in ground.children.get(requirement.id, ()):
-            if name in below:
-                child = ground.project.by_id[name]
-                lacking = (i.detail for i in below[name].items if i.status != "covered" and i.detail)
-                detail = "" if below[name].status == "covered" else next(lacking, "")
-                items.append(Item("requirement", name, child.title, below[name].status, detail, child.place))
-                statuses.append(below[name].status)
+        for name, own in below.items():
+            child = ground.project.by_id[name]
+            lacking = (i.detail for i in own.items if i.status != "covered" and i.detail)
+            detail = "" if own.status == "covered" else next(lacking, "")
+            items.append(Item("requirement", name, child.title, own.status, detail, child.place))
+            statuses.append(own.status)
     status = combined(statuses)
     if status is None:
         return None if stage.if_any else Cell("missing", ())
@@ -103,28 +128,33 @@ def _together(items: list[Item]) -> Proof:
 
 def _interface(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     items = []
-    for source in requirement.derived_from:
-        interface = ground.interfaces.get(source)
+    key, nodes = ("requirement", str(requirement.id)), ground.graph.nodes
+    issues = [nodes[link.source] for link in ground.into(key, "leads_to")]
+    for link in ground.out_of(key, "derived_from"):
+        name = link.target[1]
+        interface = nodes.get(link.target)
         if interface is None:
-            items.append(Item("interface", source, "", "missing", "no such interface", source.place))
+            items.append(Item("interface", name, "", "missing", "no such interface", link.place))
             continue
-        answered = [issue for issue in interface.issues if requirement.id in issue.leads_to]
+        answered = [issue.title for issue in issues if issue.attributes["interface"] == name]
         if answered:
-            text = " ".join(issue.text for issue in answered)
-            items.append(Item("interface", source, interface.title, "covered", text, interface.id.place))
+            items.append(
+                Item("interface", name, interface.title, "covered", " ".join(answered), interface.place)
+            )
         else:
-            detail = "no issue of it leads here" if interface.issues else "not analysed"
-            items.append(Item("interface", source, interface.title, "missing", detail, interface.id.place))
+            analysed = ground.into(link.target, "found_at")
+            detail = "no issue of it leads here" if analysed else "not analysed"
+            items.append(Item("interface", name, interface.title, "missing", detail, interface.place))
     return _together(items)
 
 
 def _parent(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     items = []
-    for name in requirement.refines:
-        above = ground.project.by_id.get(name)
+    for link in ground.out_of(("requirement", str(requirement.id)), "refines"):
+        above, name = ground.graph.nodes.get(link.target), link.target[1]
         if above is None or not above.demanded:
             detail = "no such requirement" if above is None else "demanded no longer"
-            items.append(Item("requirement", name, "", "missing", detail, name.place))
+            items.append(Item("requirement", name, "", "missing", detail, link.place))
         else:
             items.append(Item("requirement", name, above.title, "covered", "refines it", above.place))
     return _together(items)
@@ -154,16 +184,14 @@ def _document(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
 
 
 def _rule(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
-    return _linked(
-        "rule", requirement.metrics, ground.spec.rules(requirement.id), lambda item: ("covered", item.source)
-    )
+    return _linked(ground, requirement, "rule", "metrics", lambda item: ("covered", item.source))
 
 
 def _monitor(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     def judge(item: SpecItem) -> tuple[str, str]:
         return ("covered", "watched while driving") if item.monitored else ("missing", "has no monitor")
 
-    return _linked("monitor", requirement.assumptions, ground.spec.assumptions(requirement.id), judge)
+    return _linked(ground, requirement, "monitor", "assumptions", judge)
 
 
 def _assumption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
@@ -177,44 +205,43 @@ def _assumption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof
             lacks.append(f"`{item.evidence}` is not there")
         return ("partial", ", ".join(lacks)) if lacks else ("covered", f"{item.owner}; {item.evidence}")
 
-    return _linked("assumption", requirement.assumptions, ground.spec.assumptions(requirement.id), judge)
+    return _linked(ground, requirement, "assumption", "assumptions", judge)
 
 
 def _linked(
-    kind: str, wanted: Sequence[str], linked: Sequence[SpecItem], judge: Callable[[SpecItem], tuple[str, str]]
+    ground: Ground,
+    requirement: Requirement,
+    kind: str,
+    wanted: str,
+    judge: Callable[[SpecItem], tuple[str, str]],
 ) -> Proof:
-    """Items that satisfy a requirement, and those that it names and that don't."""
+    """Rules (or assumptions) that satisfy a requirement, and those that it names, by links of the kind `wanted`, and that don't."""
     items = []
+    key, of_kind = ("requirement", str(requirement.id)), "rule" if kind == "rule" else "assumption"
+    linked = [item for item in ground.satisfying(requirement.id) if (item.kind == "rule") == (kind == "rule")]
     for item in linked:
         status, detail = judge(item)
         items.append(Item(kind, item.name, item.title, status, detail, item_place(item)))
     there = {item.name for item in linked}
-    for name in wanted:
-        if name not in there:
-            place = getattr(name, "place", None)
-            items.append(
-                Item(
-                    kind,
-                    name,
-                    "",
-                    "missing",
-                    f"no {kind if kind != 'monitor' else 'assumption'} of this name satisfies it",
-                    place,
-                )
-            )
+    for link in ground.out_of(key, wanted):
+        if link.target[1] not in there:
+            detail = f"no {of_kind} of this name satisfies it"
+            items.append(Item(kind, link.target[1], "", "missing", detail, link.place))
     return _together(items)
 
 
 def _test(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     spec, items = ground.spec, []
-    for rule in spec.evaluated(requirement.id):
-        tests = spec.tests_of.get(rule.name, ())
+    for rule in ground.evaluated(requirement.id):
+        key = ("rule" if rule.kind == "rule" else "assumption", rule.name)
+        tests = [link for link in ground.graph.into(key) if link.kind == "tests"]
         if not tests:
             items.append(
                 Item(item_kind(rule), rule.name, rule.title, "missing", "has no test", item_place(rule))
             )
         for test in tests:
-            result = spec.results.get((test.rule, test.title))
+            title = ground.graph.nodes[test.source].title
+            result = spec.results.get((rule.name, title))
             stale = "" if result is None else spec.staleness(result)
             if result is None:
                 status, detail = "missing", "not run"
@@ -227,12 +254,12 @@ def _test(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
                     "failed",
                     f"{result.outcome}: {result.message}" if result.message else result.outcome,
                 )
-            items.append(Item("test", rule.name, test.title, status, detail, item_place(test)))
+            items.append(Item("test", rule.name, title, status, detail, test.place))
     return _together(items)
 
 
 def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
-    rules = ground.spec.evaluated(requirement.id)
+    rules = ground.evaluated(requirement.id)
     if not rules:
         return None, []
     items: list[Item] = []
@@ -270,6 +297,24 @@ def _fault(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     return _together(items)
 
 
+def _external_test(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    items = []
+    for found in ground.outside.tests_of.get(requirement.id, ()):
+        if found.stage == stage.id:
+            status, detail = external.verdict(found.test)
+            items.append(
+                Item("external test", found.test.name, found.test.suite, status, detail, found.place)
+            )
+    return _together(items)
+
+
+def _code(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    markers = ground.outside.markers_of.get(requirement.id, ())
+    return _together(
+        [Item("code", m.place.file, "", "covered", "says it implements it", m.place) for m in markers]
+    )
+
+
 def _over_runs(seen: Sequence[Showing], rules: set[str], evaluated: set[str]) -> str:
     """Runs add to each other: every rule has to be evaluated in one of them, and one of them has to be conclusive."""
     for status in ("failed", "stale"):
@@ -291,4 +336,6 @@ _KINDS: dict[str, Callable[[Ground, Requirement, Stage], Proof]] = {
     "test": _test,
     "run": _run,
     "fault": _fault,
+    "external test": _external_test,
+    "code": _code,
 }

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from trackmarshal.trace import cycles, wording
+from trackmarshal.trace import wording
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
-from trackmarshal.trace.model import Interface, Project, Requirement, matches
+from trackmarshal.trace.model import Interface, Project, matches
 from trackmarshal.trace.values import Placed
 
 _ALIKE = str.maketrans({"O": "0", "I": "1", "L": "1", "S": "5", "B": "8", "Z": "2"})
@@ -16,7 +16,8 @@ _NOWHERE = Place("")
 
 def check(project: Project) -> Iterator[Finding]:
     """Everything that can be said without a spec (T130 to T149)."""
-    yield from _unique("requirement", (r.id for r in project.requirements))
+    named = [("requirement", r.id) for r in project.requirements]
+    yield from _named_uniquely([*named, *((entry.kind, entry.id) for entry in project.entries)])
     yield from _unique("interface", (i.id for i in project.interfaces))
     yield from _unique("issue", (issue.id for i in project.interfaces for issue in i.issues))
     yield from _unique("subsystem", (s.id for s in project.subsystems))
@@ -24,35 +25,40 @@ def check(project: Project) -> Iterator[Finding]:
     yield from _unique("waiver", (w.id for w in project.waivers))
     if project.modelled is not None:
         yield from _model(project)
-    yield from _requirements(project)
+    for requirement in project.requirements:
+        yield from wording.check(requirement)
     yield from _v_model(project)
 
 
 def _unique(what: str, ids: Iterable[Placed]) -> Iterator[Finding]:
-    first: dict[str, Placed] = {}
-    alike: dict[str, Placed] = {}
-    for id_ in ids:
+    yield from _named_uniquely((what, id_) for id_ in ids)
+
+
+def _named_uniquely(ids: Iterable[tuple[str, Placed]]) -> Iterator[Finding]:
+    """Things, each with what it is, of which no two have one id, or ids that are easily taken for each other."""
+    first: dict[str, tuple[str, Placed]] = {}
+    alike: dict[str, tuple[str, Placed]] = {}
+    for what, id_ in ids:
         if id_ in first:
-            also = ((first[id_].place, "first given here"),)
-            yield Finding(
-                "T130",
-                "error",
-                f"the {what} `{id_}` is given twice",
-                id_.place,
-                "give one of them another id",
-                str(id_),
-                also,
+            other, before = first[id_]
+            also = ((before.place, "first given here"),)
+            message = (
+                f"the {what} `{id_}` is given twice"
+                if other == what
+                else f"the {what} `{id_}` has the id of the {other} `{id_}`"
             )
+            yield Finding("T130", "error", message, id_.place, "give one of them another id", str(id_), also)
             continue
-        first[id_] = id_
+        first[id_] = (what, id_)
         skeleton = id_.upper().translate(_ALIKE)
         if skeleton in alike:
-            other = alike[skeleton]
-            message = f"the {what}s `{other}` and `{id_}` are easily taken for each other"
-            also = ((other.place, "the other one"),)
+            other, before = alike[skeleton]
+            said = f"the {what}s" if other == what else f"the {other} and the {what}"
+            message = f"{said} `{before}` and `{id_}` are easily taken for each other"
+            also = ((before.place, "the other one"),)
             yield Finding("T131", "error", message, id_.place, "give one of them another id", str(id_), also)
         else:
-            alike[skeleton] = id_
+            alike[skeleton] = (what, id_)
 
 
 def _model(project: Project) -> Iterator[Finding]:
@@ -114,14 +120,6 @@ def _interface(interface: Interface, project: Project) -> Iterator[Finding]:
                 name,
             )
     for issue in interface.issues:
-        if not issue.leads_to:
-            yield error(
-                "T134",
-                f"the issue `{issue.id}` leads nowhere",
-                issue.id.place,
-                "name the requirements that answer it",
-                name,
-            )
         if not issue.id.startswith(f"{name}."):
             yield error(
                 "T134",
@@ -130,119 +128,13 @@ def _interface(interface: Interface, project: Project) -> Iterator[Finding]:
                 f"call it `{name}.1` or the like",
                 name,
             )
-        yield from _targets(issue.leads_to, f"the issue `{issue.id}` leads to", project, name)
-        for target in issue.leads_to:
-            requirement = project.by_id.get(target)
-            if requirement is not None and name not in requirement.derived_from:
-                message = f"`{name}` leads to `{target}`, but `{target}` is not derived from `{name}`"
-                also = ((requirement.place, f"`{target}` is here"),)
-                help_ = f"add `{name}` to its `derived_from`, or drop it here"
-                yield Finding("T136", "error", message, target.place, help_, str(target), also)
-
-
-def _targets(targets: tuple[Placed, ...], said: str, project: Project, subject: str) -> Iterator[Finding]:
-    """References to requirements: each exists, is named once."""
-    seen: set[str] = set()
-    for target in targets:
-        if target in seen:
-            yield error("T142", f"{said} `{target}` twice", target.place, "name it once", subject)
-        seen.add(target)
-        if target not in project.by_id:
-            yield error(
-                "T137",
-                f"{said} `{target}`, which does not exist",
-                target.place,
-                did_you_mean(target, project.by_id),
-                subject,
-            )
-
-
-def _requirements(project: Project) -> Iterator[Finding]:
-    interfaces = {str(i.id): i for i in project.interfaces}
-    for requirement in project.requirements:
-        yield from wording.check(requirement)
-        yield from _derivation(requirement, interfaces)
-        yield from _targets(requirement.refines, f"`{requirement.id}` refines", project, requirement.id)
-        yield from _integrity(requirement, project)
-        yield from _listed_once(requirement)
-    parents = {str(r.id): r.refines for r in project.by_id.values()}
-    for cycle in cycles.cycles(parents):
-        place = project.by_id[cycle[0]].place
-        help_ = "a requirement cannot refine itself, however far around; drop one of the links"
-        yield error(
-            "T138",
-            f"requirements refine each other in a circle: {cycles.shown(cycle)}",
-            place,
-            help_,
-            cycle[0],
-        )
-
-
-def _derivation(requirement: Requirement, interfaces: dict[str, Interface]) -> Iterator[Finding]:
-    name = requirement.id
-    if not (requirement.derived_from or requirement.refines or requirement.adopted):
-        message = f"`{name}` comes from nowhere"
-        help_ = "give `derived_from` (interfaces), `refines` (requirements above) or `adopted` (why it stands all the same)"
-        yield error("T139", message, requirement.place, help_, name)
-    seen: set[str] = set()
-    for source in requirement.derived_from:
-        interface = interfaces.get(source)
-        if source in seen:
-            yield error(
-                "T142", f"`{name}` is derived from `{source}` twice", source.place, "name it once", name
-            )
-        elif interface is None:
-            message = f"`{name}` is derived from the interface `{source}`, which does not exist"
-            yield error("T132", message, source.place, did_you_mean(source, interfaces), name)
-        elif requirement.demanded and name not in interface.leads_to:
-            message = f"`{name}` is derived from `{source}`, but no issue of `{source}` leads to `{name}`"
-            also = ((interface.id.place, f"`{source}` is analysed here"),)
-            yield Finding(
-                "T135",
-                "error",
-                message,
-                source.place,
-                "add the issue that it answers, or drop the link",
-                str(name),
-                also,
-            )
-        seen.add(source)
-
-
-def _integrity(requirement: Requirement, project: Project) -> Iterator[Finding]:
-    own = _LEVEL.get(requirement.asil.partition("(")[0])
-    if own is None or "(" in requirement.asil:  # decomposed levels lie below their parent's on purpose
-        return
-    for parent in requirement.refines:
-        above = project.by_id.get(parent)
-        level = None if above is None else _LEVEL.get(above.asil.partition("(")[0])
-        if above is not None and level is not None and own < level:
-            message = f"`{requirement.id}` has ASIL {requirement.asil}, below `{parent}`, which it refines, with {above.asil}"
-            help_ = "raise it, or write the decomposition, such as `B(D)`"
-            also = ((above.asil.place, f"ASIL of `{parent}`"),)
-            yield Finding("T143", "error", message, requirement.asil.place, help_, str(requirement.id), also)
-
-
-def _listed_once(requirement: Requirement) -> Iterator[Finding]:
-    for field, names in (("metrics", requirement.metrics), ("assumptions", requirement.assumptions)):
-        seen: set[str] = set()
-        for name in names:
-            if name in seen:
-                yield error(
-                    "T142",
-                    f"`{requirement.id}` lists `{name}` twice under `{field}`",
-                    name.place,
-                    "list it once",
-                    requirement.id,
-                )
-            seen.add(name)
 
 
 def _v_model(project: Project) -> Iterator[Finding]:
     stages = {str(stage.id): stage for stage in project.stages}
     named = [
         *(s.stage for s in project.scenarios), *(e.stage for e in project.evidence), *(d.stage for d in project.gate),
-        *(stage for w in project.waivers for stage in w.stages),
+        *(j.stage for j in project.junit), *(stage for w in project.waivers for stage in w.stages),
     ]  # fmt: skip
     for stage in named:
         if stage not in stages:

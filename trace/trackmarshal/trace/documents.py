@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from trackmarshal.trace.documents_safety import ASSURANCE, DESIGN, HAZARDS, LINK_SCHEMA
 from trackmarshal.trace.shapes import (
     ASIL,
     HASH,
@@ -15,6 +16,7 @@ from trackmarshal.trace.shapes import (
     Field,
     Flag,
     Many,
+    Pairs,
     Record,
     Text,
     Word,
@@ -73,6 +75,11 @@ REQUIREMENT = Record("requirement", "One requirement.", (
     Field("rationale", TEXT, "Why it is demanded."),
     optional("derived_from", Many(INTERFACE_ID), "The interfaces of the system model whose issues it answers."),
     optional("refines", Many(REQUIREMENT_ID), "The requirements above it."),
+    optional("achieves", Many(REQUIREMENT_ID, 1), "The safety goals that it serves."),
+    optional("allocated_to", Many(REQUIREMENT_ID, 1), "The design elements that meet it."),
+    optional("verified_by", Many(REQUIREMENT_ID, 1), "The declared methods that show that it is met."),
+    optional("independence", Many(REQUIREMENT_ID, 1), "For a requirement whose ASIL is decomposed among those that refine it: the analyses that argue that they are independent."),
+    optional("owner", TEXT, "Who answers for it; where persons are declared, one of them, by id or name."),
     optional("adopted", TEXT, "For a requirement with neither interface nor parent: why it stands all the same."),
     Field("status", Word({"draft": "being written", "approved": "agreed", "obsolete": "demanded no longer; kept so that its id is not used again"}),
           "How far it has come."),
@@ -85,6 +92,7 @@ REQUIREMENT = Record("requirement", "One requirement.", (
     optional("metrics", Many(NAME), "The rules that S-2-B designs for it. Rules may satisfy it without being listed."),
     optional("assumptions", Many(NAME), "The input assumptions (S-2-C) that handle it, or part of it."),
     Field("source", TEXT, "Where it is written: paper and section, regulation and clause."),
+    optional("foreign", Pairs(), "What another tool says of it and is kept for it, by the other tool's names; `import requirements` writes it."),
 ))  # fmt: skip
 
 REQUIREMENTS = Record("requirements", "A list of requirements.", (
@@ -105,6 +113,8 @@ COUNTS = Word({
     "test": "tests of its rules and monitors, with their results",
     "run": "replayed scenarios in which its rules were evaluated",
     "fault": "faults of campaigns that name it, each found as expected",
+    "external test": "tests of other runners that name it, with their results",
+    "code": "source code that says it implements it",
 })  # fmt: skip
 DEGREE = Word({"covered": "nothing less than covered", "partial": "covered or partial"})
 
@@ -136,6 +146,13 @@ PROJECT = Record("project", "Settings of the project.", (
         optional("kept", PROJECT_PATH, "For a log that is not part of the project: its run, kept in this file by `import log --keep`; `assess` does not replay it."),
     ))), "The scenarios that `assess` replays."),
     optional("campaigns", Many(PROJECT_PATH, 1), "Files of faults that `assess` puts into recordings."),
+    optional("junit", Many(Record("report", "Results of another test runner.", (
+        Field("path", PROJECT_PATH, "The JUnit XML, a folder of such files, or what `pytest --trackmarshal-results` wrote (.json)."),
+        Field("stage", STAGE_ID, "The stage that its tests are evidence at."),
+        optional("tool", TEXT, "The test runner."),
+        optional("names", TEXT, "A regular expression that finds ids in `suite::name` of a test, `_` standing for `-`; its first group, if it has one."),
+    )), 1), "Reports of other test runners, whose tests name requirements."),
+    optional("sources", Many(PROJECT_PATH, 1), "Folders of source code with comments such as `implements S-1-B-4`."),
 ))  # fmt: skip
 
 V_MODEL = Record("v-model", "What each stage of the development must show, and what the gate demands.", (
@@ -176,4 +193,7 @@ V_MODEL = Record("v-model", "What each stage of the development must show, and w
     ))), "Gaps that are known and accepted for a while."),
 ))  # fmt: skip
 
-DOCUMENTS = {"system-model": SYSTEM_MODEL, "requirements": REQUIREMENTS, "v-model": V_MODEL}
+DOCUMENTS = {
+    "system-model": SYSTEM_MODEL, "requirements": REQUIREMENTS, "v-model": V_MODEL, "hazards": HAZARDS, "design": DESIGN,
+    "assurance": ASSURANCE, "link-schema": LINK_SCHEMA,
+}  # fmt: skip

@@ -11,8 +11,9 @@ from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import FaultResult, RunSummary, SpecItem, TestResult
 from trackmarshal.trace.findings import Finding, Place, error
-from trackmarshal.trace.model import Project
+from trackmarshal.trace.model import Entry, Project
 from trackmarshal.trace.spec import Spec, item_place
+from trackmarshal.trace.values import Placed
 
 #: sha256 by path; None where there is no such file.
 Hashes = Mapping[str, str | None]
@@ -21,9 +22,18 @@ Hashes = Mapping[str, str | None]
 def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
     """The hashes of all files that evidence, scenarios, campaigns and assumptions name."""
     paths = {str(e.path) for e in project.evidence} | {str(s.path) for s in project.scenarios}
-    paths |= set(map(str, project.campaigns))
+    paths |= {str(s.kept) for s in project.scenarios if s.kept} | set(map(str, project.campaigns))
+    paths |= {str(path) for _, path in _written_down(project)}
     paths |= {item.evidence for item in items if item.evidence}
     return {path: _hash(root, path) for path in sorted(paths)}
+
+
+def _written_down(project: Project) -> Iterator[tuple[Entry, Placed]]:
+    """The files in which analyses and reviews are written down."""
+    for entry in project.entries:
+        for kind, path in entry.links:
+            if kind == "backed_by":
+                yield entry, path
 
 
 def sources(root: Path, project: Project, runs: Iterable[RunSummary]) -> Hashes:
@@ -64,6 +74,10 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
             message = f"the evidence `{entry.path}` has changed since it was reviewed"
             help_ = f"review it again, then set `sha256: {actual}`"
             yield error("T251", message, entry.path.place, help_, entry.path)
+    for made, path in _written_down(project):
+        if found.get(path) is None:
+            message = f"the document `{path}` of the {made.kind} `{made.id}` is not there"
+            yield error("T250", message, path.place, "write it, or strike the entry", path)
     for item in spec.by_name.values():
         if item.kind == "assume" and item.evidence and found.get(item.evidence) is None:
             message = f"the evidence `{item.evidence}` of the assumption `{item.name}` is not there"

@@ -85,23 +85,30 @@ class Waivers:
 def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[Finding]:
     """A finding for every cell that is less covered than the gate demands (T230)."""
     stages = {str(stage.id): stage for stage in project.stages}
-    demands: Sequence[Demand] = project.gate or tuple(
-        Demand(stage.id, (Placed.at("*", stage.id.place),), "covered") for stage in project.stages
-    )
+    wanted_of = demands(project)
     for requirement in project.by_id.values():
         for name, cell in cells.get(requirement.id, {}).items():
-            wanted = [
-                d.at_least for d in demands if d.stage == name and matches(requirement.id, d.requirements)
-            ]
-            if (
-                not wanted
-                or cell.status in ("covered", "waived")
-                or (cell.status == "partial" and "covered" not in wanted)
-            ):
-                continue
-            degree = "covered" if "covered" in wanted else "at least partial"
-            message = f"`{requirement.id}` at {name} ({stages[name].title}): {cell.status}, wanted {degree}; {_why(cell)}"
-            yield error("T230", message, requirement.place, "", requirement.id)
+            message = falls_short(requirement, stages[name], cell, wanted_of)
+            if message:
+                yield error("T230", message, requirement.place, "", requirement.id)
+
+
+def demands(project: Project) -> tuple[Demand, ...]:
+    """What the gate demands of cells: without a gate, that all are covered."""
+    return project.gate or tuple(
+        Demand(stage.id, (Placed.at("*", stage.id.place),), "covered") for stage in project.stages
+    )
+
+
+def falls_short(requirement: Requirement, stage: Stage, cell: Cell, demands: Sequence[Demand]) -> str | None:
+    """How a cell is less covered than is demanded; empty when it is not, None when nothing is demanded of it."""
+    wanted = [d.at_least for d in demands if d.stage == stage.id and matches(requirement.id, d.requirements)]
+    if not wanted:
+        return None
+    if cell.status in ("covered", "waived") or (cell.status == "partial" and "covered" not in wanted):
+        return ""
+    degree = "covered" if "covered" in wanted else "at least partial"
+    return f"`{requirement.id}` at {stage.id} ({stage.title}): {cell.status}, wanted {degree}; {_why(cell)}"
 
 
 def _said(item: Item) -> str:

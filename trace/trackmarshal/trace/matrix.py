@@ -8,12 +8,15 @@ from dataclasses import dataclass
 from datetime import date
 
 from trackmarshal.trace import baseline as baselines
-from trackmarshal.trace import consistency, cycles, faults, files, gates, links, runs, tests
+from trackmarshal.trace import consistency, cycles, faults, files, gates, links, outside, runs, tests
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
-from trackmarshal.trace.links import Link
-from trackmarshal.trace.model import Project, Requirement, Stage, Waiver, matches
+from trackmarshal.trace.graph import checks, integrity, people, schema
+from trackmarshal.trace.graph.building import build
+from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, matches
+from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec
 
 #: Findings that mean that a document could not be used as it is: reading, YAML, which document it is.
@@ -37,10 +40,11 @@ class Matrix:
     today: date
     stages: tuple[Stage, ...]
     rows: tuple[Row, ...]
-    links: tuple[Link, ...]
+    graph: Graph
     waivers: tuple[Waiver, ...]
     findings: tuple[Finding, ...]
     counts: Mapping[str, int]  #: how many rules, assumptions, tests, results and runs went in
+    demands: tuple[Demand, ...] = ()  #: what the gate demands of cells
 
     @property
     def passes(self) -> bool:
@@ -72,22 +76,32 @@ def assemble(
     *,
     today: date,
     found: Iterable[Finding] = (),
+    around: Outside | None = None,
 ) -> Matrix:
-    """The matrix; `found` is what reading the inputs brought to light."""
+    """The matrix; `found` is what reading the inputs brought to light, `around` what is known from outside of specs."""
+    around = around or Outside()
     waivers = gates.Waivers(project, today)
-    cells = _cells(project, spec, hashes, waivers)
+    graph = build(project, spec, hashes, around)
+    cells = _cells(Ground(project, spec, hashes, graph, around), waivers)
     loose = [
         *consistency.check(project),
+        *checks.check(graph),
+        *schema.check(graph, project, project.schema or schema.default()),
+        *integrity.check(graph),
+        *people.check(graph, project, today),
         *links.check(project, spec),
         *tests.check(project, spec),
-        *baselines.check(baseline, project, spec),
+        *baselines.check(baseline, baselines.content(project, spec, hashes), project, spec),
         *runs.check(project, spec, hashes),
         *faults.check(project, spec, hashes),
         *files.check(project, spec, hashes),
+        *outside.check(project, around),
     ]
     judged = [waivers.finding(finding) for finding in loose]
     findings = in_order([*found, *judged, *gates.check(project, cells), *waivers.check()])
-    rows = tuple(Row(requirement, depth, cells[requirement.id]) for requirement, depth in _in_order(project))
+    rows = tuple(
+        Row(requirement, depth, cells[requirement.id]) for requirement, depth in _in_order(project, graph)
+    )
     counts = {
         "requirements": len(rows),
         "rules": sum(item.kind == "rule" for item in spec.items),
@@ -97,33 +111,32 @@ def assemble(
         "runs": len(spec.runs),
         "faults": sum(not case.open for case in spec.faults),
     }
+    if project.junit:
+        counts["external_tests"] = len(around.tests)
+    if project.sources:
+        counts["code_links"] = len(around.markers)
     return Matrix(
         project.name,
         today,
         project.stages,
         rows,
-        links.links(project, spec),
+        graph,
         project.waivers,
         findings,
         counts,
+        gates.demands(project),
     )
 
 
-def _in_order(project: Project) -> list[tuple[Requirement, int]]:
+def _in_order(project: Project, graph: Graph) -> list[tuple[Requirement, int]]:
     """Requirements in the order of files and lines, each followed by those that refine it (first parent counts)."""
     demanded = sorted((r for r in project.by_id.values() if r.demanded), key=lambda r: r.place)
     below: dict[str, list[Requirement]] = defaultdict(list)
     tops: list[Requirement] = []
     for requirement in demanded:
-        parent = next(
-            (
-                project.by_id[p]
-                for p in requirement.refines
-                if p in project.by_id and project.by_id[p].demanded
-            ),
-            None,
-        )
-        (tops if parent is None else below[parent.id]).append(requirement)
+        links = graph.out_of(("requirement", str(requirement.id)))
+        parent = next((k.target[1] for k in links if k.kind == "refines" and k.state == "covers"), None)
+        (tops if parent is None else below[parent]).append(requirement)
     order: dict[str, int] = {}
     for top in [*tops, *demanded]:  # the second time round: members of cycles, which no top leads to
         stack = [(top, 0)]
@@ -135,29 +148,20 @@ def _in_order(project: Project) -> list[tuple[Requirement, int]]:
     return [(project.by_id[name], depth) for name, depth in order.items()]
 
 
-def _cells(
-    project: Project, spec: Spec, hashes: Hashes, waivers: gates.Waivers
-) -> dict[str, dict[str, Cell]]:
+def _cells(ground: Ground, waivers: gates.Waivers) -> dict[str, dict[str, Cell]]:
     """The cells of every demanded requirement, those below first: what is open there shows above."""
-    demanded = [r for r in project.by_id.values() if r.demanded]
-    parents = {str(r.id): [str(p) for p in r.refines] for r in demanded}
-    children: dict[str, list[str]] = defaultdict(list)
-    for name, above in parents.items():
-        for parent in dict.fromkeys(above):
-            children[parent].append(name)
-    interfaces = {str(i.id): i for i in reversed(project.interfaces)}
-    ground = Ground(project, spec, hashes, interfaces, children)
+    project = ground.project
+    demanded = [str(r.id) for r in project.by_id.values() if r.demanded]
+    parents = {
+        name: [k.target[1] for k in ground.out_of(("requirement", name), "refines")] for name in demanded
+    }
     asked = {str(s.id): {n for n in parents if matches(n, s.applies_to)} for s in project.stages}
     cells: dict[str, dict[str, Cell]] = {name: {} for name in parents}
     for name in cycles.children_first(parents):
-        requirement = project.by_id[name]
+        requirement, children = project.by_id[name], ground.children(name)
         for stage in project.stages:
             if name in asked[stage.id]:
-                below = {
-                    child: cells[child][stage.id]
-                    for child in children.get(name, ())
-                    if stage.id in cells[child]
-                }
+                below = {child: cells[child][stage.id] for child in children if stage.id in cells[child]}
                 made = cell(ground, requirement, stage, below)
                 if made is not None:
                     cells[name][str(stage.id)] = waivers.cell(made, requirement, stage)

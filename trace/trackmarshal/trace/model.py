@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import date
 from functools import lru_cache
@@ -76,6 +76,8 @@ class Requirement:
     metrics: tuple[Placed, ...]
     assumptions: tuple[Placed, ...]
     source: str
+    owner: str = ""
+    links: tuple[tuple[str, Placed], ...] = ()  #: further ones, with their kinds
 
     @property
     def place(self) -> Place:
@@ -84,6 +86,78 @@ class Requirement:
     @property
     def demanded(self) -> bool:
         return self.status != "obsolete"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """What a document says of a thing whose meaning lies in its links: a hazard, a person, a review, a design element ..."""
+
+    kind: str  #: of nodes
+    id: Placed
+    title: str
+    attributes: Mapping[str, str]
+    links: tuple[tuple[str, Placed], ...]  #: with their kinds
+    made: date | None = None
+    versions: tuple[tuple[Placed, str], ...] = ()  #: of what a review is, and the fingerprint that it had
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """What an attribute has to be: one of these values, in which `*` stands for any characters."""
+
+    attribute: str
+    values: tuple[Placed, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """One way to meet a need: by links (or their converse), by what is reached below, or by a field."""
+
+    place: Place = field(repr=False)  # not what it says
+    link: Placed
+    reaches: Placed
+    field: Placed
+    kinds: tuple[Placed, ...]
+    where: tuple[Condition, ...]
+    at_least: int = 1
+    at_most: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """What a node of a kind needs, and of which nodes it is asked."""
+
+    kind: str
+    place: Place = field(repr=False)  # not what it says
+    any_of: tuple[Way, ...]
+    ids: tuple[Placed, ...]
+    from_asil: str
+    stages: tuple[Placed, ...]
+    counts: str
+    if_any: str
+    obsolete: bool
+    where: tuple[Condition, ...]
+    level: str
+    code: Placed
+    says: str
+    help: str
+
+
+@dataclass(frozen=True, slots=True)
+class Permitted:
+    """Ends that links of a kind may have, as patterns of ids."""
+
+    link: str
+    sources: tuple[Placed, ...]
+    targets: tuple[Placed, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Schema:
+    """Which links nodes need, and which they may have."""
+
+    needs: tuple[Need, ...] = ()
+    permitted: tuple[Permitted, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +196,16 @@ class Evidence:
     stage: Placed
     requirements: tuple[Placed, ...]
     sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class TestReport:
+    """A report of another test runner, or a folder of them, and the stage that its tests are evidence at."""
+
+    path: Placed
+    stage: Placed
+    tool: str
+    names: Placed  #: a regular expression that finds ids in names of tests; empty: names are names
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,9 +249,14 @@ class Project:
     stages: tuple[Stage, ...] = ()
     scenarios: tuple[Scenario, ...] = ()
     campaigns: tuple[Placed, ...] = ()
+    junit: tuple[TestReport, ...] = ()
+    sources: tuple[Placed, ...] = ()  #: folders of code that says what it implements
     evidence: tuple[Evidence, ...] = ()
     gate: tuple[Demand, ...] = ()
     waivers: tuple[Waiver, ...] = ()
+    place: Place | None = None  #: where its settings are
+    entries: tuple[Entry, ...] = ()  #: hazards, goals, design, persons, reviews and their like
+    schema: Schema | None = None  #: the project's own, where it has one
     modelled: Place | None = None  #: where the system model is, if there is one
     by_id: dict[str, Requirement] = field(default_factory=dict, repr=False, compare=False)
 
@@ -179,10 +268,12 @@ class Project:
 
 @lru_cache(maxsize=4096)
 def _pattern(patterns: tuple[str, ...]) -> re.Pattern[str]:
-    return re.compile("|".join(".*".join(map(re.escape, pattern.split("*"))) for pattern in patterns))
+    return re.compile(
+        "|".join(".*".join(map(re.escape, pattern.split("*"))) for pattern in patterns), re.DOTALL
+    )
 
 
 def matches(name: str, patterns: Iterable[str]) -> bool:
     """Whether an id is one of these, where `*` stands for any characters; no patterns match nothing."""
-    wanted = tuple(str(pattern) for pattern in patterns)
+    wanted = tuple(patterns)
     return bool(wanted) and _pattern(wanted).fullmatch(name) is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Iterable
 from dataclasses import replace
@@ -9,26 +10,65 @@ from datetime import date
 from pathlib import Path
 
 from trackmarshal.files import below
-from trackmarshal.trace import model, tree
+from trackmarshal.trace import entries, model, tree
+from trackmarshal.trace.collector import no_collection
 from trackmarshal.trace.documents import DOCUMENTS
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.values import Placed, Reader, Table
 
 FOLDER = "requirements"
 V_MODEL = f"{FOLDER}/v-model.yaml"
+Bytes = dict[str, bytes]
+
+
+#: What was read last, by the hashes of all that it was made from: commands ask for it from several places, and parsing takes long.
+_last: tuple[dict[str, str], model.Project, tuple[Finding, ...]] | None = None
 
 
 def load(root: Path, found: list[Finding]) -> model.Project:
     """Everything under `requirements/`; what is wrong goes to `found` (T101 to T129), what can be read is kept."""
-    folder = root / FOLDER
-    files = _files(folder, root, found)
-    tables: dict[str, list[Table]] = {kind: [] for kind in DOCUMENTS}
-    for path in files:
+    global _last  # noqa: PLW0603 - one project, the last one
+    unread: list[Finding] = []
+    files = _bytes(root, unread)
+    found += unread
+    hashes = {shown: hashlib.sha256(data).hexdigest() for shown, data in files.items()}
+    if _last is None or _last[0] != hashes:
+        misread: list[Finding] = []
+        with no_collection():
+            _last = (hashes, _project(files, misread), tuple(misread))
+    _, project, wrong = _last
+    found += wrong
+    return project
+
+
+def documents(root: Path, found: list[Finding]) -> list[tuple[str, str, Table]]:
+    """Every document under `requirements/` that can be read: its path from the project, which it is, its fields."""
+    read = []
+    for shown, data in _bytes(root, found).items():
+        document = _document(data, shown, found)
+        if document is not None:
+            read.append((shown, *document))
+    return read
+
+
+def _bytes(root: Path, found: list[Finding]) -> Bytes:
+    """The files of a project's requirements by their paths from its root."""
+    read = {}
+    for path in _files(root / FOLDER, root, found):
         shown = path.relative_to(root).as_posix()
-        read = _document(path, shown, found)
+        data = tree.read(path, shown, found)
+        if data is not None:
+            read[shown] = data
+    return read
+
+
+def _project(files: Bytes, found: list[Finding]) -> model.Project:
+    tables: dict[str, list[Table]] = {kind: [] for kind in DOCUMENTS}
+    for shown, data in files.items():
+        read = _document(data, shown, found)
         if read is not None:
             tables[read[0]].append(read[1])
-    for kind in ("system-model", "v-model"):
+    for kind in ("system-model", "v-model", "link-schema"):
         for extra in tables[kind][1:]:
             message = f"a second {kind}; the first is {tables[kind][0].place.file}"
             found.append(error("T129", message, extra.place, "merge the two"))
@@ -45,7 +85,9 @@ def load(root: Path, found: list[Finding]) -> model.Project:
     requirements = tuple(
         _requirement(t) for d in tables["requirements"] for t in d.tables("requirements") if t.text("id")
     )
-    project = replace(project, requirements=requirements, by_id={})
+    beside = tuple(entry for kind in entries.LISTS for entry in entries.entries(tables[kind], kind))
+    schema = entries.schema(tables["link-schema"][0]) if tables["link-schema"] else None
+    project = replace(project, requirements=requirements, entries=beside, schema=schema, by_id={})
     for requirement in requirements:
         project.by_id.setdefault(str(requirement.id), requirement)
     return _with_model(project, tables["system-model"][0]) if tables["system-model"] else project
@@ -69,8 +111,8 @@ def _files(folder: Path, root: Path, found: list[Finding]) -> list[Path]:
     return [path for path in files if path.suffix.lower() == path.suffix]
 
 
-def _document(path: Path, shown: str, found: list[Finding]) -> tuple[str, Table] | None:
-    node = tree.read(path, shown, found)
+def _document(data: bytes, shown: str, found: list[Finding]) -> tuple[str, Table] | None:
+    node = tree.parse(data, shown, found)
     if node is None or isinstance(node, tree.Refused):
         return None
     place = Place(shown, node.line, node.column)
@@ -101,7 +143,7 @@ def _requirement(t: Table) -> model.Requirement:
     return model.Requirement(
         t.text("id"), t.text("title"), t.text("statement"), t.text("rationale"), t.texts("derived_from"), t.texts("refines"),
         t.text("adopted"), t.text("status"), t.text("asil"), t.texts("verification"), t.texts("metrics"), t.texts("assumptions"),
-        t.text("source"),
+        t.text("source"), t.text("owner"), entries.of_requirement(t),
     )  # fmt: skip
 
 
@@ -130,6 +172,7 @@ def _settings(t: Table) -> model.Project:
     tests = settings.get("tests_per_rule", {})
     return model.Project(
         name=settings.text("name"),
+        place=settings.place,
         specs=settings.texts("specs"),
         default_spec=settings.text("default_spec"),
         results=settings.text("results") or "out/results",
@@ -142,6 +185,12 @@ def _settings(t: Table) -> model.Project:
             _scenario(s) for s in settings.tables("scenarios") if s.text("path") and s.text("stage")
         ),
         campaigns=settings.texts("campaigns"),
+        junit=tuple(
+            model.TestReport(j.text("path"), j.text("stage"), j.text("tool"), j.text("names"))
+            for j in settings.tables("junit")
+            if j.text("path") and j.text("stage")
+        ),
+        sources=settings.texts("sources"),
         evidence=tuple(_evidence(e) for e in t.tables("evidence") if e.text("path") and e.text("stage")),
         gate=tuple(
             model.Demand(d.text("stage"), d.texts("requirements"), d.text("at_least") or "covered")

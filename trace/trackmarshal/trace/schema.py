@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from trackmarshal.trace.documents import DOCUMENTS
-from trackmarshal.trace.shapes import Count, Date, Field, Flag, Many, Record, Shape, Text, Word
+from trackmarshal.trace.shapes import Count, Date, Field, Flag, Many, Pairs, Record, Shape, Text, Word
 
 
 def schema() -> dict[str, Any]:
@@ -16,7 +16,7 @@ def schema() -> dict[str, Any]:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Requirements of a trackmarshal project",
-        "description": "One of three documents, told apart by `document`. Written from trackmarshal.trace.documents.",
+        "description": "One of several documents, told apart by `document`. Written from trackmarshal.trace.documents.",
         "oneOf": documents,
         "$defs": dict(sorted(definitions.items())),
     }
@@ -53,7 +53,15 @@ def _shape(shape: Shape, definitions: dict[str, Any]) -> dict[str, Any]:
         case Word(choices=choices):
             return {
                 "enum": list(choices),
-                "$comment": "; ".join(f"{word}: {meaning}" for word, meaning in choices.items()),
+                **(
+                    {
+                        "$comment": "; ".join(
+                            f"{word}: {meaning}" for word, meaning in choices.items() if meaning
+                        )
+                    }
+                    if any(choices.values())
+                    else {}
+                ),
             }
         case Date():
             return {"type": "string", "format": "date", "pattern": "^[0-9]{4}-[0-9]{2}-[0-9]{2}$"}
@@ -61,6 +69,8 @@ def _shape(shape: Shape, definitions: dict[str, Any]) -> dict[str, Any]:
             return {"type": "integer", "minimum": 0}
         case Flag():
             return {"type": "boolean"}
+        case Pairs():
+            return {"type": "object", "additionalProperties": {"type": "string", "pattern": r"\S"}}
         case Many(of=inner, least=least):
             return {
                 "type": "array",

@@ -25,9 +25,13 @@ class Text:
 
     pattern: str = ""
     said: str = "a text"
+    compiled: re.Pattern[str] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "compiled", re.compile(self.pattern or r"(?s:.*)"))
 
     def fits(self, text: str) -> bool:
-        return not self.pattern or re.fullmatch(self.pattern, text) is not None
+        return self.compiled.fullmatch(text) is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +54,11 @@ class Count:
 @dataclass(frozen=True, slots=True)
 class Flag:
     """true or false."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pairs:
+    """A mapping of free names to texts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +92,7 @@ class Record:
         object.__setattr__(self, "by_name", {item.name: item for item in self.fields})
 
 
-Shape = Text | Word | Date | Count | Flag | Many | Record
+Shape = Text | Word | Date | Count | Flag | Pairs | Many | Record
 
 
 def optional(name: str, shape: Shape, description: str) -> Field:

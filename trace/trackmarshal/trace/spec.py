@@ -6,7 +6,16 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 
-from trackmarshal.records import FaultCase, FaultResult, RuleFacts, RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records import (
+    FaultCase,
+    FaultResult,
+    RuleFacts,
+    RunSummary,
+    SpecItem,
+    SpecPart,
+    SpecTest,
+    TestResult,
+)
 from trackmarshal.trace.findings import Place
 
 _WORST_FIRST = ("failed", "error", "passed")
@@ -29,17 +38,19 @@ class Spec:
         tests: Iterable[SpecTest],
         results: Iterable[TestResult],
         runs: Iterable[RunSummary],
-        fingerprint: str = "",
-        run_fingerprints: Mapping[str, str] | None = None,
+        engine: str = "",
+        run_inputs: Mapping[str, Mapping[str, str]] | None = None,
         fault_cases: Iterable[FaultCase] = (),
         fault_results: Iterable[FaultResult] = (),
+        parts: Iterable[SpecPart] = (),
     ) -> None:
         self.items = sorted(items, key=_where)
         self.tests = sorted(tests, key=_where)
-        #: Of everything that tests evaluate; empty when the caller does not know it.
-        self.fingerprint = fingerprint
-        #: Of what each scenario is replayed with, by its path; scenarios that are missing are not compared.
-        self.run_fingerprints = run_fingerprints or {}
+        self.parts = sorted(parts, key=lambda part: (part.kind, part.name))
+        #: Which engine evaluates now; empty when the caller does not know it.
+        self.engine = engine
+        #: Of what each scenario is replayed with now, by its path; scenarios that are missing are not compared.
+        self.run_inputs = run_inputs or {}
         self.by_name: dict[str, SpecItem] = {}
         self.by_requirement: dict[str, list[SpecItem]] = defaultdict(list)
         for item in self.items:
@@ -48,8 +59,10 @@ class Spec:
             for id_ in dict.fromkeys(ref.id for ref in item.satisfies):
                 self.by_requirement[id_].append(item)
         self.tests_of: dict[str, list[SpecTest]] = defaultdict(list)
+        self._test: dict[tuple[str, str], SpecTest] = {}
         for test in self.tests:
             self.tests_of[test.rule].append(test)
+            self._test.setdefault((test.rule, test.title), test)
         #: The worst of several results of one test: nothing says which of them is right.
         self.results: dict[tuple[str, str], TestResult] = {}
         for result in sorted(
@@ -73,28 +86,17 @@ class Spec:
         self._facts: dict[str, dict[str, RuleFacts]] = {}
         self._stale: dict[tuple[str, str | None], str] = {}
 
-    def rules(self, requirement: str) -> list[SpecItem]:
-        """The rules that say they satisfy it."""
-        return [item for item in self.by_requirement.get(requirement, ()) if item.kind == "rule"]
-
-    def assumptions(self, requirement: str) -> list[SpecItem]:
-        """The assumptions that say they satisfy it."""
-        return [item for item in self.by_requirement.get(requirement, ()) if item.kind == "assume"]
-
-    def evaluated(self, requirement: str) -> list[SpecItem]:
-        """Its rules, and its assumptions that are monitored."""
-        return [
-            item for item in self.by_requirement.get(requirement, ()) if item.kind == "rule" or item.monitored
-        ]
-
     def staleness(self, result: TestResult) -> str:
         """Why a result no longer says anything about the spec as it is now; empty when it does."""
-        item = self.by_name.get(result.rule)
-        if item is not None and result.fingerprint != item.fingerprint:
-            return f"`{item.name}` has changed since"
-        if self.fingerprint and result.spec_fingerprint and result.spec_fingerprint != self.fingerprint:
-            return "the specs have changed since"
-        return ""
+        item, test = self.by_name.get(result.rule), self._test.get((result.rule, result.title))
+        if item is None or test is None:
+            return ""
+        if not result.inputs:
+            return f"`{item.name}` has changed since" if result.fingerprint != item.fingerprint else ""
+        now = {**item.inputs, "test": test.fingerprint, "engine": self.engine}
+        if self.engine:
+            return changed(result.inputs, now)
+        return changed({**result.inputs, "engine": ""}, now)
 
     def facts(self, run: RunSummary) -> dict[str, RuleFacts]:
         """What each rule said in a run, by the rule's name."""
@@ -112,10 +114,33 @@ class Spec:
     def _run_staleness(self, run: RunSummary, source_hash: str | None) -> str:
         if source_hash is not None and run.source_hash != source_hash:
             return "the recording has changed since"
-        for facts in run.rules:
-            item = self.by_name.get(facts.rule)
-            if item is not None and item.fingerprint != facts.fingerprint:
-                return f"`{item.name}` has changed since"
-        if self.run_fingerprints.get(run.scenario, run.spec_fingerprint) != run.spec_fingerprint:
-            return "the specs have changed since"
-        return ""
+        now = self.run_inputs.get(run.scenario)
+        if now is None:
+            return ""
+        if run.inputs:
+            return changed(run.inputs, now)
+        rules = {name: value for name, value in now.items() if name.startswith("rule ")}
+        return changed({f"rule {facts.rule}": facts.fingerprint for facts in run.rules}, rules)
+
+
+#: What the kinds of inputs are called.
+_CALLED = {
+    "rule": "the rule", "param": "the parameter", "table": "the table", "place": "the place", "signal": "the signal",
+}  # fmt: skip
+_WHOLE = {
+    "constraints": "the constraints on its parameters", "test": "what the test gives or expects", "engine": "the engine",
+    "recording": "the recording", "limits": "the limits of the Supervisor",
+}  # fmt: skip
+
+
+def changed(before: Mapping[str, str], now: Mapping[str, str]) -> str:
+    """The first difference between what a result was made from and what there is, in words; empty where there is none."""
+    for name in sorted(before.keys() | now.keys(), key=lambda name: (not name.startswith("rule "), name)):
+        if before.get(name) != now.get(name):
+            kind, _, own = name.partition(" ")
+            said = f"{_CALLED[kind]} `{own}`" if own else _WHOLE[kind]
+            if name not in now:
+                return f"it was made from {said}, which takes no part any more"
+            plural = "have" if name == "constraints" else "has"
+            return f"{said} {plural} changed since" if name in before else f"{said} {plural} joined since"
+    return ""

@@ -38,7 +38,8 @@ class Scalar(Node):
     __slots__ = ("plain", "text")
 
     def __init__(self, text: str, plain: bool, line: int, column: int) -> None:
-        super().__init__(line, column)
+        self.line = line  # without `super`: there are as many of them as values
+        self.column = column
         self.text = text
         self.plain = plain
 
@@ -71,15 +72,15 @@ class Mapping(Node):
         self.key: Scalar | None = None
 
 
-def read(path: Path, shown: str, found: list[Finding]) -> Node | None:
-    """The tree of a file, or None; what is wrong goes to `found` (T101 to T111)."""
+def read(path: Path, shown: str, found: list[Finding]) -> bytes | None:
+    """The bytes of a file, or None where it cannot be read or is too large; what is wrong goes to `found` (T101, T102)."""
     try:
         size = path.stat().st_size
         if size > MAX_BYTES:
             message = f"{size} bytes, the limit is {MAX_BYTES}"
             found.append(error("T102", message, Place(shown), "split it into several files"))
             return None
-        data = read_regular(path)
+        return read_regular(path)
     except OSError as problem:
         found.append(
             error(
@@ -87,11 +88,10 @@ def read(path: Path, shown: str, found: list[Finding]) -> Node | None:
             )
         )
         return None
-    return parse(data, shown, found)
 
 
 def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
-    """The tree of a text in UTF-8 (byte order mark and CRLF allowed), or None."""
+    """The tree of a text in UTF-8 (byte order mark and CRLF allowed), or None; what is wrong goes to `found` (T103 to T111)."""
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
@@ -110,7 +110,7 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
         )
         return None
     try:
-        return _Builder(shown, found).build(yaml.parse(text, Loader=yaml.CSafeLoader))
+        return _Builder(shown, found).build(_events(text))
     except _TooDeep as stop:
         message = f"nested more than {MAX_DEPTH} deep"
         found.append(error("T110", message, stop.place, "no document here needs such depth"))
@@ -125,6 +125,15 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
         help_ = "indent with blanks; quote texts that hold `: ` or ` #`"
         found.append(error("T105", f"not YAML: {problem.problem}{context}", place, help_))
     return None
+
+
+def _events(text: str) -> Iterator[Any]:
+    """The parser's events, one by one."""
+    loader = yaml.CSafeLoader(text)
+    try:
+        yield from iter(loader.get_event, None)
+    finally:
+        loader.dispose()
 
 
 #: Stands for a key that was refused; its value is dropped.
@@ -148,20 +157,27 @@ class _Builder:
         self._aliases: set[str] = set()
 
     def build(self, events: Iterator[Any]) -> Node | None:
+        scalar, begins, ends = yaml.ScalarEvent, (yaml.MappingStartEvent, yaml.SequenceStartEvent), (
+            yaml.MappingEndEvent, yaml.SequenceEndEvent,
+        )  # fmt: skip
+        stack, add = self._stack, self._add
         for event in events:
-            kind = type(event).__name__
-            if kind == "ScalarEvent":
-                self._scalar(event)
-            elif kind in ("MappingStartEvent", "SequenceStartEvent"):
-                self._open(event, Mapping if kind == "MappingStartEvent" else Listing)
-            elif kind in ("MappingEndEvent", "SequenceEndEvent"):
-                self._stack.pop()
-            elif kind == "AliasEvent":
+            kind = type(event)
+            if kind is scalar:  # nine of ten
+                mark = event.start_mark
+                line, column = mark.line + 1, mark.column + 1
+                fine = (event.tag is None and event.anchor is None) or self._judge(event)
+                add(Scalar(event.value, not event.style, line, column) if fine else Refused(line, column))
+            elif kind in begins:
+                self._open(event, Mapping if kind is yaml.MappingStartEvent else Listing)
+            elif kind in ends:
+                stack.pop()
+            elif kind is yaml.AliasEvent:
                 if event.anchor not in self._aliases:
                     self._refuse(event, "T107", f"the alias `*{event.anchor}`", "write the value out")
                 self._aliases.add(event.anchor)
-                self._add(Refused(event.start_mark.line + 1, event.start_mark.column + 1))
-            elif kind == "DocumentStartEvent":
+                add(Refused(event.start_mark.line + 1, event.start_mark.column + 1))
+            elif kind is yaml.DocumentStartEvent:
                 self._documents += 1
                 if self._documents == 2:
                     self._refuse(
@@ -171,8 +187,8 @@ class _Builder:
                         "one file holds one document; split it at `---`",
                     )
                     return None
-            elif kind not in ("StreamStartEvent", "StreamEndEvent", "DocumentEndEvent"):
-                raise RuntimeError(f"unknown YAML event {kind}")
+            elif kind not in (yaml.StreamStartEvent, yaml.StreamEndEvent, yaml.DocumentEndEvent):
+                raise RuntimeError(f"unknown YAML event {kind.__name__}")
         if self._root is None:
             self._found.append(
                 error(
@@ -183,12 +199,6 @@ class _Builder:
                 )
             )
         return self._root
-
-    def _scalar(self, event: Any) -> None:
-        mark = event.start_mark
-        fine = self._judge(event)
-        place = (mark.line + 1, mark.column + 1)
-        self._add(Scalar(event.value, not event.style, *place) if fine else Refused(*place))
 
     def _open(self, event: Any, kind: type[Listing] | type[Mapping]) -> None:
         mark = event.start_mark
@@ -216,12 +226,15 @@ class _Builder:
             self._root = node
             return
         parent = self._stack[-1]
-        if isinstance(parent, Listing):
+        if type(parent) is Listing:
             parent.items.append(node)
-        elif parent.key is None:
-            parent.key = self._key(node)
+            return
+        assert type(parent) is Mapping  # two kinds of nodes hold others
+        key = parent.key
+        if key is None:
+            parent.key = node if type(node) is Scalar else self._key(node)
         else:
-            key, parent.key = parent.key, None
+            parent.key = None
             if key is _NO_KEY:
                 return
             first = parent.keys.get(key.text)

@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
-from trackmarshal.trace.shapes import Count, Date, Flag, Many, Record, Shape, Text, Word
+from trackmarshal.trace.shapes import Count, Date, Flag, Many, Pairs, Record, Shape, Text, Word
 from trackmarshal.trace.tree import Listing, Mapping, Node, Refused, Scalar
 
 
@@ -57,9 +57,9 @@ _SAID = {
 
 def resolved(node: Scalar) -> str:
     """What YAML readers take a scalar for: str, bool, int, float, null, timestamp, merge or value."""
-    if not node.plain:
+    if not node.plain or node.text[:1] not in _RESOLVERS:
         return "str"
-    for tag, pattern in _RESOLVERS.get(node.text[:1], ()):
+    for tag, pattern in _RESOLVERS[node.text[:1]]:
         if pattern.match(node.text):
             return tag.rsplit(":", 1)[1]
     return "str"
@@ -109,6 +109,8 @@ class Reader:
             return self.table(node, shape, f"the {shape.name}")
         if isinstance(shape, Many):
             return self._many(node, shape, called)
+        if isinstance(shape, Pairs):
+            return self._pairs(node, called)
         if not isinstance(node, Scalar):
             self._wrong(node, called, _wanted(shape))
             return None
@@ -131,8 +133,21 @@ class Reader:
         values = [self._value(item, shape.of, inner) for item in node.items]
         return [value for value in values if value is not None]
 
+    def _pairs(self, node: Node, called: str) -> dict[str, Placed] | None:
+        if not isinstance(node, Mapping):
+            self._wrong(node, called, "a mapping")
+            return None
+        values = {
+            name: self._value(value, Text(), f"`{name}` of {called}") for name, value in node.entries.items()
+        }
+        return {name: value for name, value in values.items() if value is not None}
+
     def _text(self, node: Scalar, shape: Text, called: str) -> Placed | None:
         kind = resolved(node)
+        if kind == "str" and node.text and not node.text.isspace():  # as nearly all of them
+            said = node.text if shape.pattern else node.text.strip()
+            if shape.fits(said):
+                return Placed.at(said, Place(self._file, node.line, node.column))
         if kind == "null" or (kind == "str" and not node.text.strip()):
             self._found.append(
                 error("T126", f"{called} is empty", self.place(node), "fill it in, or leave the field out")

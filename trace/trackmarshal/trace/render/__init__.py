@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from trackmarshal.trace.matrix import Matrix
 
-FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github")
+FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github", "junit")
 
 
-def render(matrix: Matrix, format: str = "text", *, colour: bool = False) -> str:
-    """The matrix in one of FORMATS; `colour` is for text on a terminal. Raises ValueError for another format."""
+def render(
+    matrix: Matrix, format: str = "text", *, colour: bool = False, where: Callable[[str], str] | None = None
+) -> str:
+    """The matrix in one of FORMATS; `colour` is for text on a terminal, `where` what paths are called in SARIF, annotations and JUnit.
+
+    Raises ValueError for another format.
+    """
+    called = where or str
     match format:
         case "text":
             from trackmarshal.trace.render import text
@@ -33,10 +41,14 @@ def render(matrix: Matrix, format: str = "text", *, colour: bool = False) -> str
         case "sarif":
             from trackmarshal.trace.render import exchange
 
-            return exchange.render_sarif(matrix)
+            return exchange.render_sarif(matrix, called)
         case "github":
             from trackmarshal.trace.render import exchange
 
-            return exchange.render_github(matrix)
+            return exchange.render_github(matrix, called)
+        case "junit":
+            from trackmarshal.trace.render import junit
+
+            return junit.render(matrix, called)
         case _:
             raise ValueError(f"unknown format {format!r}, known are {', '.join(FORMATS)}")

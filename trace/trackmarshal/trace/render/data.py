@@ -7,6 +7,7 @@ from typing import Any
 
 from trackmarshal.trace.cells import Item
 from trackmarshal.trace.findings import Finding, Place
+from trackmarshal.trace.graph.graph import Graph, Link
 from trackmarshal.trace.matrix import Matrix, Row
 from trackmarshal.trace.render.words import verdict
 
@@ -38,12 +39,29 @@ def record(matrix: Matrix) -> dict[str, Any]:
             }
             for w in matrix.waivers
         ],
-        "links": [
-            {"kind": link.kind, "source": link.source, "target": link.target, "state": link.state, "span": str(link.place)}
-            for link in matrix.links
-        ],
+        "links": _links(matrix.graph),
         "counts": dict(matrix.counts),
     }  # fmt: skip
+
+
+def _links(graph: Graph) -> list[dict[str, str]]:
+    """All links, in order; a result is called by its outcome, as it has been from the beginning."""
+    found = {
+        (
+            link.kind,
+            _outcome(graph, link) if link.kind == "result" else link.source[1],
+            link.target[1],
+            link.state,
+            link.place,
+        )
+        for link in graph.links
+    }
+    names = ("kind", "source", "target", "state", "span")
+    return [dict(zip(names, map(str, entry))) for entry in sorted(found)]
+
+
+def _outcome(graph: Graph, link: Link) -> str:
+    return graph.nodes[link.source].attributes["outcome"]
 
 
 def _row(row: Row) -> dict[str, Any]:

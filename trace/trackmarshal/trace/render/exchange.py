@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Any
 from urllib.parse import quote
 
@@ -15,14 +16,14 @@ from trackmarshal.trace.render.words import tally, verdict
 _COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 
 
-def render_sarif(matrix: Matrix) -> str:
+def render_sarif(matrix: Matrix, where: Callable[[str], str] = str) -> str:
     """One run with all findings; its properties carry the verdict and the coverage."""
     codes = sorted({finding.code for finding in matrix.findings})
     rules = [_rule(code) for code in codes]
     run = {
         "tool": {"driver": {"name": "trackmarshal", "version": trackmarshal.__version__, "rules": rules}},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(finding, codes.index(finding.code)) for finding in matrix.findings],
+        "results": [_result(finding, codes.index(finding.code), where) for finding in matrix.findings],
         "properties": {"verdict": verdict(matrix), "coverage": matrix.coverage},
     }
     log = {"$schema": "https://json.schemastore.org/sarif-2.1.0.json", "version": "2.1.0", "runs": [run]}
@@ -36,7 +37,7 @@ def _rule(code: str) -> dict[str, Any]:
     return {"id": code, "shortDescription": {"text": title}, "fullDescription": {"text": explanation}}
 
 
-def _result(finding: Finding, index: int) -> dict[str, Any]:
+def _result(finding: Finding, index: int, where: Callable[[str], str]) -> dict[str, Any]:
     text = finding.message + (f"\nhelp: {finding.help}" if finding.help else "")
     result: dict[str, Any] = {
         "ruleId": finding.code,
@@ -45,17 +46,17 @@ def _result(finding: Finding, index: int) -> dict[str, Any]:
         "message": {"text": text},
     }
     if finding.place is not None:
-        result["locations"] = [{"physicalLocation": _location(finding.place)}]
+        result["locations"] = [{"physicalLocation": _location(finding.place, where)}]
     if finding.also:
         result["relatedLocations"] = [
-            {"id": number, "physicalLocation": _location(place), "message": {"text": label}}
+            {"id": number, "physicalLocation": _location(place, where), "message": {"text": label}}
             for number, (place, label) in enumerate(finding.also)
         ]
     return result
 
 
-def _location(place: Place) -> dict[str, Any]:
-    location: dict[str, Any] = {"artifactLocation": {"uri": quote(place.file)}}
+def _location(place: Place, where: Callable[[str], str]) -> dict[str, Any]:
+    location: dict[str, Any] = {"artifactLocation": {"uri": quote(where(place.file))}}
     if place.line:
         location["region"] = {
             "startLine": place.line,
@@ -64,18 +65,18 @@ def _location(place: Place) -> dict[str, Any]:
     return location
 
 
-def render_github(matrix: Matrix) -> str:
+def render_github(matrix: Matrix, where: Callable[[str], str] = str) -> str:
     """One workflow command a finding, and the verdict at the end."""
-    lines = [_command(finding) for finding in matrix.findings]
+    lines = [_command(finding, where) for finding in matrix.findings]
     level = "notice" if matrix.passes else "error"
     lines.append(f"::{level} title=traceability::{_data(f'{verdict(matrix)}: {tally(matrix)}')}")
     return "\n".join(lines) + "\n"
 
 
-def _command(finding: Finding) -> str:
+def _command(finding: Finding, where: Callable[[str], str]) -> str:
     properties: dict[str, object] = {}
     if finding.place is not None:
-        properties["file"] = finding.place.file
+        properties["file"] = where(finding.place.file)
         if finding.place.line:
             properties["line"] = finding.place.line
         if finding.place.column:

@@ -25,7 +25,7 @@ class Group:
     def folded(self) -> bool:
         """Whether these are many tests and none of them needs attention."""
         return len(self.items) > 3 and all(
-            item.kind == "test" and item.status == "covered" for item in self.items
+            item.kind in ("test", "external test") and item.status == "covered" for item in self.items
         )
 
 

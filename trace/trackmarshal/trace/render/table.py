@@ -32,7 +32,7 @@ def render_csv(matrix: Matrix) -> str:
         for stage in stages:
             cell = row.cells.get(stage)
             line += ["", ""] if cell is None else [cell.status, "; ".join(_item(item) for item in cell.items)]
-        writer.writerow([_harmless(value) for value in line])
+        writer.writerow([harmless(value) for value in line])
     return out.getvalue()
 
 
@@ -42,7 +42,7 @@ def _item(item: Item) -> str:
     return f"{item.kind} {item.name}{title} {item.status}{place}"
 
 
-def _harmless(value: str) -> str:
+def harmless(value: str) -> str:
     """A value that no spreadsheet takes for a formula."""
     text = printable(value)
     return f"'{text}" if text[:1] in ("=", "+", "-", "@") else text
@@ -52,7 +52,7 @@ def render_markdown(matrix: Matrix) -> str:
     """Verdict, matrix, findings."""
     stages = [str(stage.id) for stage in matrix.stages]
     lines = [
-        f"# Traceability of {_escaped(matrix.project)}",
+        f"# Traceability of {escaped(matrix.project)}",
         "",
         f"**{verdict(matrix).upper()}** on {matrix.today.isoformat()}: {tally(matrix)}. From {inputs(matrix)}.",
         "",
@@ -62,19 +62,19 @@ def render_markdown(matrix: Matrix) -> str:
     for row in matrix.rows:
         statuses = [row.cells[stage].status if stage in row.cells else "" for stage in stages]
         cells = [f"{SIGNS[status]} {status}" if status else "" for status in statuses]
-        name = "&nbsp;" * 4 * row.depth + f"**{row.requirement.id}** {_escaped(row.requirement.title)}"
+        name = "&nbsp;" * 4 * row.depth + f"**{row.requirement.id}** {escaped(row.requirement.title)}"
         lines.append("| " + " | ".join([name, *cells]) + " |")
     coverage = matrix.coverage
     totals = [f"{coverage[stage]['covered']}/{coverage[stage]['of']}" for stage in stages]
     lines += ["| covered of | " + " | ".join(totals) + " |", ""]
-    lines += [f"- {stage.id}, {_escaped(stage.title)}: {_escaped(stage.shows)}" for stage in matrix.stages]
+    lines += [f"- {stage.id}, {escaped(stage.title)}: {escaped(stage.shows)}" for stage in matrix.stages]
     if matrix.findings:
         lines += ["", "## Findings", ""]
     for finding in matrix.findings:
         place = f" `{finding.place}`" if finding.place else ""
-        help_ = f" *{_escaped(finding.help)}*" if finding.help else ""
+        help_ = f" *{escaped(finding.help)}*" if finding.help else ""
         lines.append(
-            f"- **{finding.level} {finding.code}**{place}: {_escaped(finding.message, code=True)}{help_}"
+            f"- **{finding.level} {finding.code}**{place}: {escaped(finding.message, code=True)}{help_}"
         )
     if matrix.waivers:
         lines += ["", "## Waivers", ""]
@@ -84,12 +84,12 @@ def render_markdown(matrix: Matrix) -> str:
             if waiver.stages
             else ", ".join(waiver.codes)
         )
-        said = f"{_escaped(what)}, {_escaped(waiver.owner)}, {waiver.granted} until {waiver.expires}"
-        lines.append(f"- **{waiver.id}** ({said}): {_escaped(waiver.justification)}")
+        said = f"{escaped(what)}, {escaped(waiver.owner)}, {waiver.granted} until {waiver.expires}"
+        lines.append(f"- **{waiver.id}** ({said}): {escaped(waiver.justification)}")
     return "\n".join(lines) + "\n"
 
 
-def _escaped(text: str, code: bool = False) -> str:
+def escaped(text: str, code: bool = False) -> str:
     """Text in one line that Markdown leaves alone; with `code`, backquotes keep their meaning."""
     marks = "\\|<>*_[]#" if code else "\\|<>*_[]#`"
     plain = printable(text)

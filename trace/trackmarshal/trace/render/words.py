@@ -31,7 +31,7 @@ def tally(matrix: Matrix) -> str:
 
 def inputs(matrix: Matrix) -> str:
     """What went in."""
-    names = {"test_results": "test results"}
+    names = {"test_results": "test results", "external_tests": "external tests", "code_links": "code links"}
     return ", ".join(
         f"{count} {names.get(what, what) if count != 1 else names.get(what, what)[:-1]}"
         for what, count in matrix.counts.items()
@@ -40,4 +40,4 @@ def inputs(matrix: Matrix) -> str:
 
 def printable(text: str) -> str:
     """Text in one line, without control characters that would steer a terminal."""
-    return "".join(char if char.isprintable() else " " for char in text)
+    return text if text.isprintable() else "".join(char if char.isprintable() else " " for char in text)

@@ -1,0 +1,11 @@
+"""The baseline: what was accepted last, so that what is demanded and what shows it cannot weaken without a word.
+
+It is a file beside the requirements, written by `accept` only, with who accepted each weakening and why. Additions need no acceptance.
+"""
+
+from trackmarshal.trace.baseline.changes import Change, changes
+from trackmarshal.trace.baseline.check import check
+from trackmarshal.trace.baseline.content import Content, content
+from trackmarshal.trace.baseline.file import Acceptance, Baseline, accept, load
+
+__all__ = ["Acceptance", "Baseline", "Change", "Content", "accept", "changes", "check", "content", "load"]

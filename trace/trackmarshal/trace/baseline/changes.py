@@ -1,0 +1,145 @@
+"""What is different between a baseline and what there is now, and whether less is demanded or shown than before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from trackmarshal.trace.baseline.content import Content, Entry, Value
+
+ASILS = ("QM", "A", "B", "C", "D")
+
+#: Fields of which an element less is a weakening, and one more is none.
+_FEWER = {
+    ("requirement", "derived_from"), ("requirement", "refines"), ("requirement", "verification"), ("requirement", "metrics"),
+    ("requirement", "assumptions"), ("interface", "leads_to"), ("project", "specs"), ("project", "campaigns"), ("project", "sources"), ("stage", "applies_to"),
+    ("gate", "requirements"), ("scenario", "by"), ("scenario", "requirements"), ("scenario", "with"), ("evidence", "requirements"),
+    ("rule", "satisfies"), ("assumption", "satisfies"),
+}  # fmt: skip
+#: Fields of which an element more is a weakening: each is one more thing that is excused.
+_MORE = {
+    ("waiver", "stages"), ("waiver", "requirements"), ("waiver", "codes"), ("waiver", "subjects"),
+}  # fmt: skip
+#: Fields that say nothing by themselves: what others come to, or how something is shown.
+_SILENT = {
+    ("param", "shown"),
+    ("table", "shown"),
+    ("place", "shown"),
+    ("signal", "shown"),
+    ("rule", "reads"),
+    ("assumption", "reads"),
+}
+
+#: Hashes of files. One that is not there is told where it is missed.
+_FILES = ("recording", "kept run", "sha256")
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One difference. field is "" for an entry that is gone or new; before and after are as people read them, of lists what is in one alone."""
+
+    kind: str
+    name: str
+    field: str
+    before: str
+    after: str
+    weaker: bool  #: or not known to be none
+    listed: bool = False
+
+    @property
+    def key(self) -> str:
+        """The entry that it is about."""
+        return f"{self.kind} {self.name}".rstrip()
+
+    def __str__(self) -> str:
+        if not self.field:
+            return f"{self.key} is {'gone' if self.before else 'new'}"
+        if not (self.before or self.after):
+            return f"{self.key}: its {self.field} changed"
+        if self.listed:
+            parts = [f"{self.before} left" * bool(self.before), f"{self.after} came" * bool(self.after)]
+            return f"{self.key}: in its {self.field} {' and '.join(part for part in parts if part)}"
+        return f"{self.key}: its {self.field} changed from {self.before or 'nothing'} to {self.after or 'nothing'}"
+
+
+def changes(before: Content, now: Content) -> Iterator[Change]:
+    """All differences, in the order of the entries. What is gone takes with it what it is made of: the tests of a rule that is gone are not told."""
+    renamed = _renamed(before, now)
+    for key in sorted((before.keys() | now.keys()) - renamed):
+        kind, _, name = key.partition(" ")
+        if key not in now:
+            rule = name.partition(": ")[0]
+            if kind == "test" and not {f"rule {rule}", f"assumption {rule}"} & now.keys():
+                continue
+            yield Change(kind, name, "", "there", "", kind != "waiver")
+        elif key not in before:
+            yield Change(kind, name, "", "", "there", kind in ("waiver", "link-schema"))
+        else:
+            yield from _of(kind, name, before[key], now[key])
+
+
+def _renamed(before: Content, now: Content) -> set[str]:
+    """Tests that have another title and are otherwise the same, by their titles of before and of now."""
+    new = {
+        (key.partition(": ")[0], str(entry)): key
+        for key, entry in now.items()
+        if key.startswith("test ") and key not in before
+    }
+    found = set()
+    for key, entry in before.items():
+        if key.startswith("test ") and key not in now:
+            same = new.pop((key.partition(": ")[0], str(entry)), None)
+            if same is not None:
+                found |= {key, same}
+    return found
+
+
+def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
+    for field in sorted(before.keys() | now.keys()):
+        old, new = before.get(field, ""), now.get(field, "")
+        if old == new or (kind, field) in _SILENT or (field in _FILES and not new):
+            continue
+        shown = ("", "")
+        if kind in ("param", "table", "place", "signal") and field == "says":
+            shown = (_text(before.get("shown", "")), _text(now.get("shown", "")))
+            shown = ("", "") if shown[0] == shown[1] else shown
+        elif isinstance(old, list) or isinstance(new, list):
+            both = set(_elements(old)) & set(_elements(new))
+            shown = (_quoted(set(_elements(old)) - both), _quoted(set(_elements(new)) - both))
+        elif not _hash(old) and not _hash(new):
+            shown = (_text(old), _text(new))
+        listed = isinstance(old, list) or isinstance(new, list)
+        yield Change(kind, name, field, *shown, _weaker(kind, field, old, new), listed)
+
+
+def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
+    """Whether less is demanded or shown; True where that is not known."""
+    if (kind, field) in _FEWER or field.startswith("link "):
+        return bool(set(_elements(old)) - set(_elements(new)))
+    if (kind, field) in _MORE:
+        return bool(set(_elements(new)) - set(_elements(old)))
+    if field == "asil" and isinstance(old, str) and isinstance(new, str) and {old, new} <= set(ASILS):
+        return ASILS.index(new) < ASILS.index(old)
+    if field.endswith(" tests a rule"):
+        return int(_text(new) or 0) < int(_text(old) or 0)
+    if field == "boundary":
+        return not new
+    if (kind, field) == ("waiver", "expires"):
+        return _text(new) > _text(old)
+    return True
+
+
+def _elements(value: Value) -> list[str]:
+    return [value] if isinstance(value, str) and value else list(value)
+
+
+def _quoted(names: set[str]) -> str:
+    return ", ".join(f"`{name}`" for name in sorted(names))
+
+
+def _hash(value: Value) -> bool:
+    return isinstance(value, str) and len(value) == 64 and set(value) <= set("0123456789abcdef")
+
+
+def _text(value: Value) -> str:
+    return value if isinstance(value, str) else ", ".join(value)

@@ -1,0 +1,142 @@
+"""What became weaker since the baseline was accepted, as findings."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+
+from trackmarshal.trace.baseline.changes import Change, changes
+from trackmarshal.trace.baseline.content import Content
+from trackmarshal.trace.baseline.file import Baseline
+from trackmarshal.trace.findings import Finding, Place
+from trackmarshal.trace.model import Project
+from trackmarshal.trace.spec import Spec, item_place
+
+_HELP = 'restore it, or accept it by name: `trackmarshal trace --accept-baseline --by "NAME" --reason "..."`'
+#: What the kinds of entries are called.
+_CALLED = {
+    "param": "parameter", "place": "place", "evidence": "evidence", "gate": "gate", "project": "project's settings",
+}  # fmt: skip
+#: The codes of what is gone, and of what reads differently; T376 of hazards, goals, design, reviews and their like.
+_GONE = {
+    "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
+    "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
+    "signal": "T372", "constraint": "T372", "report": "T373",
+}  # fmt: skip
+_OTHER = {
+    "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
+    "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
+    "signal": "T372", "constraint": "T372", "waiver": "T377",
+    "report": "T373",
+}  # fmt: skip
+_OF_FIELD = {
+    ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
+    ("rule", "satisfies"): "T227", ("assumption", "satisfies"): "T227",
+}  # fmt: skip
+
+
+def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec) -> Iterator[Finding]:
+    """What is gone, or less, or reads differently since the baseline was accepted; a note of what is new (T221 to T228, T265, T370 to T377)."""
+    if baseline is None:
+        return
+    places = _places(project, spec)
+    here = Place(str(project.baseline))
+    found = list(changes(baseline.content, now))
+    for code, group in _grouped(change for change in found if change.weaker):
+        at = [places.get(change.key, here) for change in group]
+        also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
+        name = group[0].name.partition(": ")[0] if group[0].kind == "test" else group[0].name
+        message = _said(group[0]) if len(group) == 1 else f"{_said(group[0])}; so do {len(group) - 1} others"
+        yield Finding(code, "error", message, at[0], _HELP, name, also)
+    yield from _others([change for change in found if not change.weaker], here)
+
+
+def _grouped(found: Iterable[Change]) -> Iterator[tuple[str, list[Change]]]:
+    """Changes by code, those together that one edit of a shared definition, or of what tests are given, makes."""
+    groups: dict[tuple[str, str], list[Change]] = defaultdict(list)
+    for change in found:
+        code = _code(change)
+        one = "" if code == "T370" and change.field == "meaning" else change.key
+        if code == "T374":
+            one = change.name.partition(": ")[0]
+        groups[code, one].append(change)
+    for (code, _), group in groups.items():
+        yield code, group
+
+
+def _code(change: Change) -> str:
+    if not change.field:
+        return (_GONE if change.before else _OTHER).get(change.kind, "T376")
+    return _OF_FIELD.get((change.kind, change.field)) or _OTHER.get(change.kind, "T376")
+
+
+def _said(change: Change) -> str:
+    kind = _CALLED.get(change.kind, change.kind)
+    name = f"the {kind.replace('-', ' ')}" + (f" `{change.name}`" if change.name else "")
+    if change.kind == "test":
+        rule, _, title = change.name.partition(": ")
+        name = f'the test "{title}" of `{rule}`'
+    if not change.field:
+        return f"{name} is gone since the baseline" if change.before else f"{name} is new since the baseline"
+    if change.field in ("meaning", "says", "text") and not change.before:
+        return f"{name} says something else than when the baseline was accepted"
+    if change.listed:
+        fewer, more = change.before, change.after
+        had = f"had {fewer} under `{change.field}` when the baseline was accepted"
+        has = f"has {more} under `{change.field}`, and had not when the baseline was accepted"
+        if fewer and more:
+            return f"{name} {had}, and now has {more}"
+        return f"{name} {had if fewer else has}"
+    what = {"sha256": "contents", "recording": "contents"}.get(change.field, f"`{change.field}`")
+    of = "" if change.field == "says" else f"the {what} of "
+    if not (change.before or change.after):
+        return f"{of}{name} changed since the baseline was accepted"
+    return f"{of}{name} was {change.before or 'nothing'} when the baseline was accepted, and is {change.after or 'nothing'}"
+
+
+def _others(found: list[Change], place: Place) -> Iterator[Finding]:
+    """One note of all that is new, or more than before."""
+    new = Counter(
+        _CALLED.get(change.kind, change.kind.replace("-", " "))
+        for change in found
+        if not change.field and change.after
+    )
+    said = [
+        f"{number} {kind}{'' if number == 1 or kind == 'evidence' else 's'}"
+        for kind, number in sorted(new.items())
+    ]
+    more = [str(change) for change in found if change.field or not change.after]
+    parts = [f"new since the baseline: {', '.join(said)}"] if said else []
+    parts += (
+        [
+            f"no less than before: {'; '.join(more[:3])}"
+            + (f"; and {len(more) - 3} more" if len(more) > 3 else "")
+        ]
+        if more
+        else []
+    )
+    if parts:
+        message = f"{'; '.join(parts)}; until that is accepted, its removal goes unnoticed"
+        yield Finding("T226", "note", message, place, "accept it with `trackmarshal trace --accept-baseline`")
+
+
+def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
+    """Where each entry stands now."""
+    found: dict[str, Place] = {}
+    found |= {f"requirement {r.id}": r.place for r in project.requirements}
+    found |= {f"interface {i.id}": i.id.place for i in project.interfaces}
+    found |= {f"stage {stage.id}": stage.id.place for stage in project.stages}
+    found |= {f"gate {d.stage}, {d.at_least}": d.stage.place for d in project.gate}
+    found |= {f"scenario {s.path}": s.path.place for s in project.scenarios}
+    found |= {f"evidence {e.path} at {e.stage}": e.path.place for e in project.evidence}
+    found |= {f"report {report.path} at {report.stage}": report.path.place for report in project.junit}
+    found |= {f"waiver {w.id}": w.id.place for w in project.waivers}
+    for item in spec.by_name.values():
+        found[f"{'rule' if item.kind == 'rule' else 'assumption'} {item.name}"] = item_place(item)
+    found |= {f"test {test.rule}: {test.title}": item_place(test) for test in spec.tests}
+    found |= {f"{part.kind} {part.name}": Place(part.file, part.line, part.column) for part in spec.parts}
+    found |= {f"fault {case.campaign} {case.id}": Place(case.campaign, case.line) for case in spec.faults}
+    found |= {f"{entry.kind.replace(' ', '-')} {entry.id}": entry.id.place for entry in project.entries}
+    if project.place:
+        found["project"] = project.place
+    return found

@@ -1,0 +1,142 @@
+"""What a project demands, and what shows it, as the baseline holds it: entries by kind and name, each a table of texts and lists."""
+
+from __future__ import annotations
+
+import hashlib
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import fields, is_dataclass
+from typing import TypeAlias
+
+from trackmarshal.trace.files import Hashes
+from trackmarshal.trace.findings import Place
+from trackmarshal.trace.model import Project
+from trackmarshal.trace.spec import Spec
+
+#: A field's value: a text, or texts in order, each once.
+Value: TypeAlias = str | list[str]
+Entry: TypeAlias = dict[str, Value]
+#: By kind and name (`requirement RR-1`), what it is.
+Content: TypeAlias = dict[str, Entry]
+
+
+def content(project: Project, spec: Spec, hashes: Hashes) -> Content:
+    """All of it as it is now, in an order of its own."""
+    found: Content = {}
+    for key, entry in (*_documents(project), *_v_model(project, hashes), *_specs(spec)):
+        found.setdefault(key, {name: value for name, value in entry.items() if value})
+    return dict(sorted(found.items()))
+
+
+def _documents(project: Project) -> Iterator[tuple[str, Entry]]:
+    for r in project.requirements:
+        yield f"requirement {r.id}", {
+            "statement": _hash(r.statement), "asil": str(r.asil), "status": r.status, "derived_from": _list(r.derived_from),
+            "refines": _list(r.refines), "verification": _list(r.verification), "metrics": _list(r.metrics),
+            "assumptions": _list(r.assumptions), **_linked(r.links),
+        }  # fmt: skip
+    for entry in project.entries:
+        said = {name: _hash(text) if " " in text else text for name, text in entry.attributes.items()}
+        versions = [f"{of} {fingerprint}" for of, fingerprint in entry.versions]
+        yield f"{entry.kind.replace(' ', '-')} {entry.id}", {
+            **said, **_linked(entry.links), "of versions": _list(versions),
+        }  # fmt: skip
+    if project.schema is not None:
+        yield "link-schema", {"says": _hash(repr(_said(project.schema)))}
+    for i in project.interfaces:
+        yield f"interface {i.id}", {"leads_to": _list(i.leads_to)}
+
+
+def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
+    yield (
+        "project",
+        {
+            "specs": _list(project.specs),
+            "default_spec": project.default_spec,
+            "campaigns": _list(project.campaigns),
+            "sources": _list(project.sources),
+            **{f"{side} tests a rule": str(number) for side, number in project.tests_per_rule},
+        },
+    )
+    for report in project.junit:
+        yield f"report {report.path} at {report.stage}", {"tool": report.tool, "names": str(report.names)}
+    for stage in project.stages:
+        once = "yes" if stage.if_any else ""
+        yield f"stage {stage.id}", {
+            "applies_to": _list(stage.applies_to), "counts": _list(stage.counts), "only if there is any": once,
+        }  # fmt: skip
+    for demand in project.gate:
+        yield f"gate {demand.stage}, {demand.at_least}", {"requirements": _list(demand.requirements)}
+    for s in project.scenarios:
+        yield f"scenario {s.path}", {
+            "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
+            "with": _list(s.specs), "recording": hashes.get(s.path) or "", "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
+        }  # fmt: skip
+    for e in project.evidence:
+        yield (
+            f"evidence {e.path} at {e.stage}",
+            {
+                "requirements": _list(e.requirements),
+                "sha256": hashes.get(e.path) or "",
+            },
+        )
+    for w in project.waivers:
+        yield f"waiver {w.id}", {
+            "stages": _list(w.stages), "requirements": _list(w.requirements), "codes": _list(w.codes), "subjects": _list(w.subjects),
+            "justification": _hash(w.justification), "owner": w.owner, "granted": w.granted.isoformat(),
+            "expires": w.expires.isoformat(),
+        }  # fmt: skip
+
+
+def _specs(spec: Spec) -> Iterator[tuple[str, Entry]]:
+    for name, item in spec.by_name.items():
+        yield f"{'rule' if item.kind == 'rule' else 'assumption'} {name}", {
+            "satisfies": _list(ref.id for ref in item.satisfies), "assuming": _list(ref.id for ref in item.assuming),
+            "severity": item.severity, "owner": item.owner, "evidence": item.evidence,
+            "meaning": item.inputs.get(f"rule {name}") or item.fingerprint, "reads": _list(set(item.inputs) - {f"rule {name}", "constraints"}),
+        }  # fmt: skip
+    for test in spec.tests:
+        yield (
+            f"test {test.rule}: {test.title}",
+            {
+                "expects": test.expects,
+                "boundary": "yes" if test.boundary else "",
+                "text": test.text or test.fingerprint,
+            },
+        )
+    for part in spec.parts:
+        yield f"{part.kind} {part.name}", {"says": part.fingerprint, "shown": part.shown}
+    for case in spec.faults:
+        yield (
+            f"fault {case.campaign} {case.id}",
+            {
+                "requirement": case.requirement,
+                "not put in": _hash(case.open) if case.open else "",
+            },
+        )
+
+
+def _linked(links: Iterable[tuple[str, str]]) -> dict[str, Value]:
+    """Targets by kind of link."""
+    found: dict[str, list[str]] = defaultdict(list)
+    for kind, target in links:
+        found[f"link {kind}"].append(target)
+    return {kind: _list(targets) for kind, targets in found.items()}
+
+
+def _said(value: object) -> object:
+    """What a record says, without where it stands."""
+    if isinstance(value, Place):
+        return None
+    if is_dataclass(value):
+        return [_said(getattr(value, field.name)) for field in fields(value)]
+    return [_said(one) for one in value] if isinstance(value, tuple) else str(value)
+
+
+def _list(texts: Iterable[str]) -> list[str]:
+    return sorted({str(text) for text in texts})
+
+
+def _hash(text: str) -> str:
+    """Of a text, however its lines are broken."""
+    return hashlib.sha256(" ".join(text.split()).encode()).hexdigest()

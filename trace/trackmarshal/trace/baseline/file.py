@@ -1,0 +1,144 @@
+"""The baseline's file: what was accepted, and by whom."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from dataclasses import asdict, dataclass
+from datetime import date
+from pathlib import Path
+from typing import Any
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import read_regular
+from trackmarshal.trace.baseline.changes import changes
+from trackmarshal.trace.baseline.content import Content
+from trackmarshal.trace.findings import Finding, Place, error
+from trackmarshal.trace.model import Project
+
+FORMAT = "trackmarshal-baseline"
+VERSION = 2
+MAX_BYTES = 64_000_000
+DEFAULT = "requirements/baseline.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Acceptance:
+    """Who accepted what, and why. after: the hash of the content that was there then."""
+
+    on: str
+    by: str
+    reason: str
+    weaker: tuple[str, ...]
+    after: str
+
+
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """What was accepted, and how it came to that, the last acceptance last."""
+
+    content: Content
+    acceptances: tuple[Acceptance, ...]
+
+
+def accept(
+    root: Path, project: Project, now: Content, by: str, reason: str, today: date
+) -> tuple[Path, list[str]]:
+    """Write the baseline of a project anew, whole or not at all; returns its path, and what became weaker by that.
+
+    Raises T378 where something became weaker and nobody says who accepts it, or why; T220 for a baseline that cannot be read.
+    """
+    found: list[Finding] = []
+    path = root / (project.baseline or DEFAULT)
+    before = load(root, project, found) if path.is_file() else None
+    for finding in found:
+        if finding.code == "T220":
+            raise TrackmarshalError(
+                "T220", finding.message, file=finding.place and finding.place.file, help=finding.help
+            )
+    weaker = (
+        [] if before is None else [str(change) for change in changes(before.content, now) if change.weaker]
+    )
+    if weaker and not (by.strip() and reason.strip()):
+        more = f", and {len(weaker) - 1} more" if len(weaker) > 1 else ""
+        raise TrackmarshalError(
+            "T378", f"less is demanded or shown than was accepted: {weaker[0]}{more}",
+            help='say who accepts that, and why: `--by "NAME" --reason "..."`',
+        )  # fmt: skip
+    done = () if before is None else before.acceptances
+    if before is not None and before.content == now and not found:
+        return path, []
+    made = Acceptance(today.isoformat(), by.strip(), reason.strip(), tuple(weaker), digest(now))
+    said = {
+        "format": FORMAT,
+        "version": VERSION,
+        "content": now,
+        "acceptances": [asdict(one) for one in (*done, made)],
+    }
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    draft.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    draft.replace(path)
+    return path, weaker
+
+
+def digest(content: Content) -> str:
+    """One hash of all that was accepted."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True, ensure_ascii=False).encode()).hexdigest()
+
+
+def load(root: Path, project: Project, found: list[Finding]) -> Baseline | None:
+    """The accepted baseline; None where the project has none, or one that cannot be used, which is a finding (T220, T379)."""
+    named = project.baseline
+    help_ = "accept one with `trackmarshal trace --accept-baseline`"
+    if named is None and project.place is None:
+        return None  # that there is no v-model was told
+    if named is None:
+        message = "the project names no baseline, so nothing is noticed that weakens"
+        found.append(error("T220", message, project.place, f"add `baseline: {DEFAULT}`, and {help_}"))
+        return None
+    try:
+        path = root / named
+        if path.stat().st_size > MAX_BYTES:
+            raise ValueError(f"larger than {MAX_BYTES // 1_000_000} MB")
+        made = _checked(json.loads(read_regular(path).decode("utf-8")))
+    except FileNotFoundError:
+        found.append(error("T220", "the project names a baseline, but there is none", named.place, help_))
+        return None
+    except (OSError, ValueError, RecursionError) as problem:
+        said = problem.strerror if isinstance(problem, OSError) else str(problem) or type(problem).__name__
+        message = f"the baseline cannot be read: {said}"
+        found.append(error("T220", message, Place(str(named)), "restore it from version control"))
+        return None
+    if made.acceptances[-1].after != digest(made.content):
+        message = "the baseline is not what was accepted last: it was changed by hand, or merged"
+        help_ = "restore it from version control, and accept what is there now"
+        found.append(error("T379", message, Place(str(named)), help_))
+    return made
+
+
+def _checked(data: Any) -> Baseline:
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise ValueError(f"its format is not `{FORMAT}`")
+    if data.get("version") != VERSION:
+        raise ValueError(f"its version is not {VERSION}: restore what it guards, and accept it anew")
+    content, acceptances = data.get("content"), data.get("acceptances")
+    if not (_is_content(content) and isinstance(acceptances, list) and acceptances):
+        raise ValueError("it is not what `--accept-baseline` writes")
+    try:
+        done = tuple(Acceptance(**{**one, "weaker": tuple(one["weaker"])}) for one in acceptances)
+    except (TypeError, KeyError) as error_:
+        raise ValueError("it is not what `--accept-baseline` writes") from error_
+    return Baseline(content, done)
+
+
+def _is_content(content: object) -> bool:
+    return isinstance(content, dict) and all(
+        isinstance(entry, dict)
+        and all(
+            isinstance(value, str)
+            or (isinstance(value, list) and all(isinstance(text, str) for text in value))
+            for value in entry.values()
+        )
+        for entry in content.values()
+    )

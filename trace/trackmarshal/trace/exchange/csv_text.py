@@ -1,0 +1,129 @@
+"""Requirements as CSV (RFC 4180): a row each, a column for every field and for every foreign attribute; lists with `; ` between.
+
+A cell that a spreadsheet would take for a formula begins with an apostrophe, which is taken off when it is read.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Iterator, Sequence
+
+from trackmarshal.trace.exchange.content import BETWEEN, FIELDS, Document, Draft, Item, Value, attributes
+from trackmarshal.trace.exchange.refused import Refused, decoded
+
+#: Columns that say of which document a row is; a document without requirements has a row without an id.
+OF_DOCUMENT = ("document", "document_title", "document_source")
+_FORMULAS = ("=", "+", "-", "@", "\t", "\r", "'")
+_LONGEST = 131_072  # of a cell, for Python's reader
+
+
+def write(documents: Sequence[Document], shown: str) -> bytes:
+    """The documents as CSV in UTF-8 with CRLF; raises T352 for a text that is too long for a cell."""
+    rows = [
+        (document, attributes(one, (*FIELDS, *OF_DOCUMENT)))
+        for document in documents
+        for one in document.requirements or [_NOTHING]
+    ]
+    more = dict.fromkeys(name for _, said in rows for name in said if name not in FIELDS)
+    head = (*OF_DOCUMENT, *FIELDS, *more)
+    stream = io.StringIO(newline="")
+    writer = csv.writer(stream, lineterminator="\r\n")
+    writer.writerow(map(_cell, head))
+    for document, said in rows:
+        of_document = (document.name, document.table.text("title"), document.table.text("source"))
+        cells = [*of_document, *(_joined(said.get(name, "")) for name in (*FIELDS, *more))]
+        if any(len(cell) >= _LONGEST for cell in cells):
+            raise Refused(
+                "T352",
+                f"a text of `{said.get('id')}` is longer than {_LONGEST} characters, which cells are not",
+                shown,
+                help="export it as ReqIF or needs.json",
+            )
+        writer.writerow(map(_cell, cells))
+    return stream.getvalue().encode("utf-8")
+
+
+def read(data: bytes, shown: str) -> list[Draft]:
+    """The documents of a CSV file with a header; raises T350 for what is no CSV, T358 for its columns."""
+    rows = _rows(decoded(data, shown), shown)
+    line, head = next(rows, (1, []))
+    names = [_text(cell).strip() for cell in head]
+    twice = [name for place, name in enumerate(names) if name in names[:place]]
+    if not names or twice or "" in names:
+        said = (
+            f"the column `{twice[0]}` is there twice"
+            if twice
+            else "a column has no name"
+            if names
+            else "there is no header"
+        )
+        raise Refused(
+            "T358",
+            said,
+            shown,
+            line,
+            "the first line names the columns, each once, such as `id,title,statement`",
+        )
+    drafts: dict[str, Draft] = {}
+    for line, cells in rows:
+        if len(cells) != len(names):
+            message = f"{len(cells)} cells where the header has {len(names)}"
+            raise Refused(
+                "T358",
+                message,
+                shown,
+                line,
+                "cells with commas, quotes or line breaks stand in double quotes",
+            )
+        said: dict[str, Value] = dict(zip(names, map(_text, cells)))
+        name, title, source = (str(said.pop(column, "")).strip() for column in OF_DOCUMENT)
+        draft = drafts.setdefault(name, Draft(name, title or name or "Requirements", source))
+        if title not in ("", draft.title) or source not in ("", draft.source):
+            raise Refused(
+                "T354",
+                f"the document `{name}` has two titles or two sources",
+                shown,
+                line,
+                "keep one of them",
+            )
+        if any(value for value in said.values()):
+            draft.items.append(Item(said, line))
+    return list(drafts.values())
+
+
+def _rows(text: str, shown: str) -> Iterator[tuple[int, list[str]]]:
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    while True:
+        line = reader.line_num + 1
+        try:
+            cells = next(reader, None)
+        except csv.Error as problem:
+            raise Refused(
+                "T350",
+                f"not CSV: {problem}",
+                shown,
+                line,
+                "is the file whole, and are its cells between commas?",
+            ) from None
+        if cells is None:
+            return
+        if cells:
+            yield line, cells
+
+
+def _joined(value: Value) -> str:
+    return value if isinstance(value, str) else BETWEEN.join(value)
+
+
+def _cell(text: str) -> str:
+    return "'" + text if text.startswith(_FORMULAS) else text
+
+
+def _text(cell: str) -> str:
+    return cell[1:] if cell.startswith("'") and cell[1:].startswith(_FORMULAS) else cell
+
+
+_NOTHING: dict[str, str] = {}
+
+__all__: Iterable[str] = ("OF_DOCUMENT", "read", "write")

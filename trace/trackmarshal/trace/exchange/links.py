@@ -1,0 +1,65 @@
+"""Ids and links of what crosses: each id once, and no link that leads nowhere."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+from trackmarshal.trace.exchange.content import Document
+from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
+from trackmarshal.trace.model import Project
+from trackmarshal.trace.values import Placed
+
+
+def check(
+    documents: Sequence[Document], project: Project | None = None, without: Collection[str] = ()
+) -> list[Finding]:
+    """T355 for ids that are there twice, in the documents or in the project, T356 for links to nothing.
+
+    `without` are the project's files that are about to be written anew. Interfaces are looked for where the project has a model.
+    """
+    found: list[Finding] = []
+    there = (
+        {str(one.id): one.place for one in project.requirements if one.place.file not in without}
+        if project
+        else {}
+    )
+    first: dict[str, Place] = dict(there)
+    for one in [one for document in documents for one in document.requirements]:
+        id_ = one.text("id")
+        if id_ in first:
+            also = ((first[id_], "first given here"),)
+            found.append(
+                Finding(
+                    "T355",
+                    "error",
+                    f"the id `{id_}` is there twice",
+                    id_.place,
+                    "give each requirement an id of its own",
+                    str(id_),
+                    also,
+                )
+            )
+        first.setdefault(str(id_), id_.place)
+    interfaces = (
+        {str(interface.id) for interface in project.interfaces} if project and project.modelled else None
+    )
+    for one in [one for document in documents for one in document.requirements]:
+        found += _lost(one.text("id"), "refines", one.texts("refines"), first)
+        if interfaces is not None:
+            found += _lost(one.text("id"), "derived_from", one.texts("derived_from"), interfaces)
+    return found
+
+
+def _lost(id_: Placed, name: str, targets: Sequence[Placed], known: Collection[str]) -> list[Finding]:
+    help_ = "take it over too, or strike the link there"
+    return [
+        error(
+            "T356",
+            f"`{name}` of `{id_}` leads to `{target}`, which is not there",
+            target.place,
+            did_you_mean(target, known) or help_,
+            str(id_),
+        )
+        for target in targets
+        if target not in known
+    ]

@@ -1,0 +1,173 @@
+"""Results of other test runners: read from the reports that v-model.yaml names, and what is wrong with them."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from trackmarshal import records
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import below, read_regular
+from trackmarshal.junit import reading
+from trackmarshal.records import ExternalTest
+from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
+from trackmarshal.trace.model import Project, TestReport
+from trackmarshal.trace.values import Placed
+
+
+class External(NamedTuple):
+    """A test of another runner, the stage that it is evidence at, and where it stands."""
+
+    test: ExternalTest
+    stage: Placed
+    place: Place
+
+
+def load(root: Path, project: Project, found: list[Finding]) -> tuple[External, ...]:
+    """The tests of all reports in their order; what is wrong with reading them goes to `found` (T290, T330 to T335, T340, T341)."""
+    return tuple(external for entry in project.junit for external in _of(root, entry, found))
+
+
+def verdict(test: ExternalTest) -> tuple[str, str]:
+    """Status and sentence of a test; only what passed covers. Raises ValueError for an outcome that is none."""
+    match test.outcome:
+        case "passed":
+            return "covered", "passed"
+        case "failed" | "error":
+            return "failed", f"{test.outcome}: {test.message}" if test.message else test.outcome
+        case "skipped":
+            return "missing", f"skipped: {test.message}" if test.message else "skipped"
+        case other:
+            raise ValueError(f"unknown outcome {other!r}")
+
+
+def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[External]:
+    try:
+        pattern = re.compile(entry.names) if entry.names else None
+    except re.error as problem:
+        message = f"`{entry.names}` is no regular expression: {problem}"
+        found.append(error("T340", message, entry.names.place, "such as `S_1_[AB]_[0-9]+`", entry.path))
+        return
+    tests: list[ExternalTest] = []
+    for shown in _files(root, entry, found):
+        try:
+            tests += _read(root / shown, shown, entry.tool)
+        except TrackmarshalError as problem:
+            place = Place(shown, problem.line or 0)
+            found.append(error(problem.code, problem.message, place, problem.help or "", entry.path))
+        except OSError as problem:
+            found.append(
+                error("T331", problem.strerror or str(problem), Place(shown), "make it readable", entry.path)
+            )
+    if pattern is not None:
+        tests = [_named(test, pattern) for test in tests]
+    if tests and not any(test.requirements for test in tests):
+        help_ = "let tests name what they verify: a property `verifies`, or `names` here"
+        message = f"none of the {len(tests)} tests in `{entry.path}` names a requirement"
+        found.append(warning("T341", message, entry.path.place, help_, entry.path))
+    here: dict[str, str] = {}
+    for test in tests:
+        if test.file not in here:
+            here[test.file] = _in_project(root, test.file)
+        file = here[test.file]
+        yield External(
+            test, entry.stage, Place(file, test.line) if file else Place(test.report, test.report_line)
+        )
+
+
+def _files(root: Path, entry: TestReport, found: list[Finding]) -> list[str]:
+    """The report, or all in the folder: some runners write a file for each suite."""
+    path = root / entry.path
+    if path.is_file():
+        return [str(entry.path)]
+    files, problems = below(path, (".xml",)) if path.is_dir() else ([], [])
+    for problem in problems:
+        message = problem.strerror or str(problem)
+        found.append(error("T330", message, entry.path.place, "make the folder readable", entry.path))
+    if not files and not problems:
+        help_ = "run the tests that write it, or strike the entry"
+        what = "holds no report" if path.is_dir() else "is not there"
+        message = f"the test report `{entry.path}` {what}, so its tests were not run"
+        found.append(error("T330", message, entry.path.place, help_, entry.path))
+    return [file.relative_to(root).as_posix() for file in files]
+
+
+def _read(path: Path, shown: str, tool: str) -> tuple[ExternalTest, ...]:
+    """A report in XML, or records of external tests."""
+    if path.suffix.lower() != ".json":
+        return reading.read(path, shown, tool)
+    file = records.load(path, shown)
+    digest = hashlib.sha256(read_regular(path)).hexdigest()
+    return tuple(
+        replace(
+            item,
+            tool=tool or item.tool,
+            created=item.created or file.created,
+            report=shown,
+            report_hash=digest,
+        )
+        for item in file.items
+        if isinstance(item, ExternalTest)
+    )
+
+
+def _named(test: ExternalTest, pattern: re.Pattern[str]) -> ExternalTest:
+    """With the requirements that its name holds: `_` stands there for `-`, which names of functions cannot hold."""
+    found = (
+        (match[1] if pattern.groups and match[1] is not None else match[0]).replace("_", "-")
+        for match in pattern.finditer(f"{test.suite}::{test.name}")
+    )
+    return replace(test, requirements=tuple(dict.fromkeys((*test.requirements, *filter(None, found)))))
+
+
+def _in_project(root: Path, file: str) -> str:
+    """The file of a test from the project's folder; empty where it is not one of the project."""
+    try:
+        path = (root / file).resolve()
+        inside = bool(file) and path.is_relative_to(root.resolve()) and path.is_file()
+        return path.relative_to(root.resolve()).as_posix() if inside else ""
+    except (OSError, ValueError):
+        return ""
+
+
+def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
+    """Tests of what is not demanded, that failed, or that were skipped (T336 to T339)."""
+    counting = {str(stage.id) for stage in project.stages if "external test" in stage.counts}
+    stages = {str(stage.id) for stage in project.stages}
+    for entry in project.junit:
+        if entry.stage in stages and entry.stage not in counting:
+            help_ = f"add `external test` to `counts` of {entry.stage}"
+            message = f"`{entry.path}` is evidence at {entry.stage}, where external tests do not count"
+            yield error("T339", message, entry.stage.place, help_, entry.path)
+    skipped: dict[str, list[External]] = {}
+    for external in tests:
+        test = external.test
+        for id_ in test.requirements:
+            requirement = project.by_id.get(id_)
+            if requirement is None or not requirement.demanded:
+                why = "which is no requirement" if requirement is None else "which is demanded no longer"
+                message = f"the test `{test.name}` of `{test.suite}` verifies `{id_}`, {why}"
+                help_ = did_you_mean(id_, project.by_id) if requirement is None else ""
+                yield error("T336", message, external.place, help_, test.name)
+        if not test.requirements:
+            continue
+        status, detail = verdict(test)
+        if status == "failed":
+            message = f"the test `{test.name}` of `{test.suite}`: {detail}"
+            yield error("T337", message, external.place, "", test.name)
+        elif status == "missing":
+            skipped.setdefault(test.report, []).append(external)
+    for report, those in skipped.items():
+        said = "1 test was" if len(those) == 1 else f"{len(those)} tests were"
+        message = f"{said} skipped in `{report}`, which counts as not covered"
+        yield warning(
+            "T338",
+            message,
+            those[0].place,
+            "run what they need, or take the requirement away",
+            those[0].test.name,
+        )
