@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.margins import MIXED
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo, short_name
 from trackmarshal.ir.straight import Fields, curvatures, straightened
 from trackmarshal.runtime import saving
 from trackmarshal.runtime.contract.tracks import places_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
-from trackmarshal.runtime.program import Judged, Program, Rated
+from trackmarshal.runtime.program import SAFE_CODES, Judged, Program, Rated
 from trackmarshal.runtime.stamps import stamp_after
-from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, About, CaseResult, RuleResult
+from trackmarshal.runtime.verdict import VERDICTS, About, CaseResult, RuleResult
 
 if TYPE_CHECKING:
     from trackmarshal.batches import Batch
@@ -260,13 +261,22 @@ class Evaluator:
             for f in frame.faults
             if not candidate or f.signal not in frame.candidates or f.signal == candidate
         ]
-        rules = {
-            rule.name: _brief(rule, rated, place)
-            if brief and VERDICTS[rated.verdicts[place]] not in UNSAFE
-            else rated.explain(place, series)
-            for place, rule in enumerate(self.rules)
-        }
+        if brief:
+            given = zip(self._in_brief, rated.verdicts, rated.margins)
+            rules = {
+                name: RuleResult(name, VERDICTS[code], float(margin), unit, advisory=advisory)
+                if code in SAFE_CODES
+                else rated.explain(place, series)
+                for place, ((name, unit, advisory), code, margin) in enumerate(given)
+            }
+        else:
+            rules = {rule.name: rated.explain(place, series) for place, rule in enumerate(self.rules)}
         return CaseResult(frame.id, rules, tuple(faults), frame.settings.broken)
+
+    @cached_property
+    def _in_brief(self) -> list[tuple[str, str, bool]]:
+        """Of each rule its name, the unit of its margin where nobody looks for what decided, and whether it is advisory."""
+        return [(rule.name, "1" if rule.unit == MIXED else rule.unit, rule.advisory) for rule in self.rules]
 
     @property
     def sweeps(self) -> bool:
@@ -302,7 +312,7 @@ class Evaluator:
     def _generated(self) -> Program:
         from trackmarshal.backends.c.over_run.program import CRemembering
         from trackmarshal.backends.c.program import CProgram
-        from trackmarshal.backends.c.rules import remembers
+        from trackmarshal.backends.over_run.program import remembers
 
         made = (CRemembering if any(map(remembers, self.rules)) else CProgram)(self.spec, self.rules)
         made.library_for()
@@ -333,13 +343,6 @@ class Evaluator:
 
     def _broken(self, settings: Settings) -> tuple[str, ...]:
         return broken_constraints(self.spec, settings)
-
-
-def _brief(rule: RuleInfo, rated: Rated, place: int) -> RuleResult:
-    """Verdict and margin of a rule alone."""
-    unit = rule.unit if rule.unit != "mixed" else "1"
-    said = VERDICTS[rated.verdicts[place]], float(rated.margins[place])
-    return RuleResult(rule.name, *said, unit, advisory=rule.advisory)
 
 
 class Run:

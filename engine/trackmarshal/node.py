@@ -32,6 +32,8 @@ class Node:
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         values = self.__dict__
         values.update(zip(self.fields, args))
+        if not kwargs and len(args) == len(self.fields):  # mostly: everything in order
+            return
         values.update(kwargs)
         given = len(args) + len(kwargs)
         if len(values) != len(self.fields) or len(values) != given or not self._known.issuperset(kwargs):

@@ -1,6 +1,6 @@
 """The small records that the engine writes and `trackmarshal.trace` reads: specs, tests and runs as facts.
 
-They travel as JSON in a results folder (by default `out/results/*.json`), one `ResultsFile` a file. Files are UTF-8,
+They travel as JSON: as results in the evidence store (`trackmarshal.store`), or one `ResultsFile` a file. Files are UTF-8,
 strict JSON; paths in them are relative to the project, with forward slashes; times are ISO 8601 with an offset.
 Fields are added over time and never renamed: readers ignore fields that they do not know and refuse files of a newer
 version. Nothing here imports more than the standard library.
@@ -34,6 +34,8 @@ CODES = {
 ITEM_KINDS = ("rule", "assume")
 VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
 OUTCOMES = ("passed", "failed", "error")
+#: What a test of another runner came to; only `passed` shows anything.
+EXTERNAL_OUTCOMES = (*OUTCOMES, "skipped")
 
 
 class Ref(NamedTuple):
@@ -56,7 +58,7 @@ class SpecItem:
     file: str
     line: int
     column: int
-    fingerprint: str  #: sha256 of the normalised text and of all it is made of
+    fingerprint: str  #: sha256 of what it means and of all that it reads
     severity: str = ""
     source: str = ""
     owner: str = ""  #: assumptions: who answers for it
@@ -65,6 +67,8 @@ class SpecItem:
         True  #: whether something is evaluated: always for rules, with a `monitor` for assumptions
     )
     compares: bool = True  #: whether it compares numbers, so that a test can sit exactly on its boundary
+    #: sha256 by kind and name (`rule x`, `param y`, `signal z`) of all that `fingerprint` is made of; empty where that is not known
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -72,7 +76,7 @@ class SpecItem:
             "satisfies": [list(ref) for ref in self.satisfies], "assuming": [list(ref) for ref in self.assuming],
             "file": self.file, "line": self.line, "column": self.column, "fingerprint": self.fingerprint,
             "severity": self.severity, "source": self.source, "owner": self.owner, "evidence": self.evidence,
-            "monitored": self.monitored, "compares": self.compares,
+            "monitored": self.monitored, "compares": self.compares, "inputs": dict(self.inputs),
         }  # fmt: skip
 
     @classmethod
@@ -82,6 +86,37 @@ class SpecItem:
             f.word("kind", ITEM_KINDS), f.text("name"), f.text("title", ""), f.refs("satisfies"), f.refs("assuming"),
             f.text("file"), f.count("line"), f.count("column"), f.text("fingerprint"), f.text("severity", ""),
             f.text("source", ""), f.text("owner", ""), f.text("evidence", ""), f.flag("monitored", True), f.flag("compares", True),
+            f.words("inputs"),
+        )  # fmt: skip
+
+
+PART_KINDS = ("param", "table", "place", "signal", "constraint")
+
+
+@dataclass(frozen=True, slots=True)
+class SpecPart:
+    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text."""
+
+    kind: str
+    name: str
+    fingerprint: str  #: sha256 of what it means
+    shown: str  #: as people read it, on one line
+    file: str
+    line: int
+    column: int
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "kind": self.kind, "name": self.name, "fingerprint": self.fingerprint, "shown": self.shown, "file": self.file,
+            "line": self.line, "column": self.column,
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: object) -> SpecPart:
+        f = _Fields(data, "spec part")
+        return cls(
+            f.word("kind", PART_KINDS), f.text("name"), f.text("fingerprint"), f.text("shown", ""), f.text("file"), f.count("line"),
+            f.count("column"),
         )  # fmt: skip
 
 
@@ -96,11 +131,14 @@ class SpecTest:
     file: str
     line: int
     column: int
+    fingerprint: str = ""  #: sha256 of what it gives and expects, worked out; empty where that is not known
+    text: str = ""  #: sha256 of what is written of that
 
     def to_json(self) -> dict[str, Any]:
         return {
             "rule": self.rule, "title": self.title, "expects": self.expects, "boundary": self.boundary,
-            "file": self.file, "line": self.line, "column": self.column,
+            "file": self.file, "line": self.line, "column": self.column, "fingerprint": self.fingerprint,
+            "text": self.text,
         }  # fmt: skip
 
     @classmethod
@@ -108,13 +146,14 @@ class SpecTest:
         f = _Fields(data, "spec test")
         return cls(
             f.text("rule"), f.text("title", ""), f.word("expects", VERDICTS), f.flag("boundary", False),
-            f.text("file"), f.count("line"), f.count("column"),
+            f.text("file"), f.count("line"), f.count("column"), f.text("fingerprint", ""),
+            f.text("text", ""),
         )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
 class TestResult:
-    """What a test came to, and of which text of its rule; empty `spec_fingerprint`: not known."""
+    """What a test came to, and of what."""
 
     __test__ = False  # for pytest: not a test class
 
@@ -125,12 +164,13 @@ class TestResult:
     message: str
     file: str
     line: int
-    spec_fingerprint: str = ""  #: of all rules, parameters, tables and places
+    #: sha256 by kind and name of all that it was made from: the rule's inputs, `test`, `engine`; empty where only `fingerprint` is known
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         return {
             "rule": self.rule, "title": self.title, "outcome": self.outcome, "fingerprint": self.fingerprint,
-            "message": self.message, "file": self.file, "line": self.line, "spec_fingerprint": self.spec_fingerprint,
+            "message": self.message, "file": self.file, "line": self.line, "inputs": dict(self.inputs),
         }  # fmt: skip
 
     @classmethod
@@ -138,7 +178,7 @@ class TestResult:
         f = _Fields(data, "test result")
         return cls(
             f.text("rule"), f.text("title", ""), f.word("outcome", OUTCOMES), f.text("fingerprint"), f.text("message", ""),
-            f.text("file"), f.count("line"), f.text("spec_fingerprint", ""),
+            f.text("file"), f.count("line"), f.words("inputs"),
         )  # fmt: skip
 
 
@@ -217,6 +257,8 @@ class RunSummary:
     made_from: Mapping[str, str] = field(default_factory=dict)
     #: rules of which no ground truth was declared, where the recording has any
     uncovered: tuple[str, ...] = ()
+    #: sha256 by kind and name of all that it was made from beside the recording: `rule x` with all that this one reads, `engine`
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -224,7 +266,7 @@ class RunSummary:
             "cycles": self.cycles, "rules": [facts.to_json() for facts in self.rules],
             "ground_truth": {kind: truth.to_json() for kind, truth in self.ground_truth.items()},
             "fired": self.fired, "created": self.created, "made_from": dict(self.made_from),
-            "uncovered": list(self.uncovered),
+            "uncovered": list(self.uncovered), "inputs": dict(self.inputs),
         }  # fmt: skip
 
     @classmethod
@@ -235,7 +277,7 @@ class RunSummary:
             tuple(RuleFacts.from_json(item) for item in f.array("rules")),
             {kind: TruthFacts.from_json(item) for kind, item in f.table("ground_truth").items()},
             f.flag("fired"), f.text("created"), f.words("made_from"),
-            f.texts("uncovered"),
+            f.texts("uncovered"), f.words("inputs"),
         )  # fmt: skip
 
 
@@ -301,15 +343,52 @@ class FaultResult:
         )  # fmt: skip
 
 
-Record = SpecItem | SpecTest | TestResult | RunSummary | FaultCase | FaultResult
+@dataclass(frozen=True, slots=True)
+class ExternalTest:
+    """What a test of another runner came to, and which requirements it says it verifies."""
+
+    suite: str
+    name: str
+    requirements: tuple[str, ...]
+    outcome: str  #: "passed", "failed", "error" or "skipped"
+    message: str = ""
+    file: str = ""  #: of the test, as its runner wrote it; empty when it did not
+    line: int = 0  #: from 1; 0: not known
+    duration: float | None = None  #: in s
+    tool: str = ""
+    created: str = ""  #: when it was run, as its runner wrote it
+    report: str = ""  #: the file that says so, from the project's folder
+    report_line: int = 0
+    report_hash: str = ""  #: sha256 of that file's bytes
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "suite": self.suite, "name": self.name, "requirements": list(self.requirements), "outcome": self.outcome,
+            "message": self.message, "file": self.file, "line": self.line, "duration": self.duration, "tool": self.tool,
+            "created": self.created, "report": self.report, "report_line": self.report_line, "report_hash": self.report_hash,
+        }  # fmt: skip
+
+    @classmethod
+    def from_json(cls, data: object) -> ExternalTest:
+        f = _Fields(data, "external test")
+        return cls(
+            f.text("suite"), f.text("name"), f.texts("requirements"), f.word("outcome", EXTERNAL_OUTCOMES), f.text("message", ""),
+            f.text("file", ""), f.count("line", 0), f.time("duration"), f.text("tool", ""), f.text("created", ""),
+            f.text("report", ""), f.count("report_line", 0), f.text("report_hash", ""),
+        )  # fmt: skip
+
+
+Record = SpecItem | SpecPart | SpecTest | TestResult | RunSummary | FaultCase | FaultResult | ExternalTest
 
 _READERS: dict[str, Callable[[object], Record]] = {
     "spec_items": SpecItem.from_json,
+    "spec_parts": SpecPart.from_json,
     "spec_tests": SpecTest.from_json,
     "test_results": TestResult.from_json,
     "runs": RunSummary.from_json,
     "fault_cases": FaultCase.from_json,
     "fault_results": FaultResult.from_json,
+    "external_tests": ExternalTest.from_json,
 }
 
 
@@ -317,7 +396,7 @@ _READERS: dict[str, Callable[[object], Record]] = {
 class ResultsFile:
     """The envelope of a results file: `items` are all of the one kind that `holds` names."""
 
-    holds: str  #: "spec_items", "spec_tests", "test_results", "runs", "fault_cases" or "fault_results"
+    holds: str  #: "spec_items", "spec_parts", "spec_tests", "test_results", "runs", "fault_cases", "fault_results" or "external_tests"
     items: tuple[Record, ...]
     tool_version: str
     created: str

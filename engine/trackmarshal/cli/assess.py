@@ -32,8 +32,9 @@ def run(args: argparse.Namespace) -> int:
 
     root = find_project(args)
     target = Path(args.out) if args.out else root / "out" / "assess"
-    made = assess(root, run=True, everything=True, quiet=args.quiet)
-    found = [*made.found, *unknown_requirements(made.compiled, root)]
+    made = assess(root, run=True, replays=True, quiet=args.quiet)
+    sources = made.sources
+    found = [*sources.found, *unknown_requirements(sources.compiled, root)]
     if found:
         print(render_text(found, colour=sys.stderr.isatty()), file=sys.stderr)
     matrix = made.matrix()
@@ -46,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
         for summary, outcome, evaluator in made.replays
     ]
     failed = [r for r in made.results if r.outcome != "passed"]
-    uncovered = [c.rule.name for c in coverage(made.compiled.spec, made.prepared) if not c.complete]
+    uncovered = [c.rule.name for c in coverage(sources.compiled.spec, sources.prepared) if not c.complete]
     faults = [result for result in made.fault_results if result.outcome != "passed"]
     gaps = trace.gate(matrix)
     page = write_report(
@@ -55,14 +56,14 @@ def run(args: argparse.Namespace) -> int:
         matrix_html="matrix.html",
         matrix_summary=summary,
         missing=summary["findings"],
-        checks={"modules": len(made.compiled.order), "rules": len(made.items), "errors": sum(d.level == "error" for d in found),
+        checks={"modules": len(sources.compiled.order), "rules": len(made.facts.items), "errors": sum(d.level == "error" for d in found),
                 "warnings": sum(d.level != "error" for d in found), "tests": len(made.results), "failed": len(failed),
                 "failures": [{"rule": r.rule, "title": r.title, "message": r.message, "place": f"{r.file}:{r.line}"} for r in failed],
                 "uncovered": uncovered,
                 "faults": (len(made.fault_results) - len(faults), len(made.fault_results)) if made.fault_results else None},
         meta={"project": made.project.name or root.name, "created": now(), "tool": f"trackmarshal {__version__}",
-              "python": platform.python_version(), "spec_fingerprint": made.compiled.spec.fingerprint, "command": "trackmarshal assess"},
-        faults=trace.fault_rows(made.fault_cases, made.fault_results),
+              "python": platform.python_version(), "spec_fingerprint": sources.compiled.spec.fingerprint, "command": "trackmarshal assess"},
+        faults=trace.fault_rows(made.facts.fault_cases, made.fault_results),
     )  # fmt: skip
     expected = {str(scenario.path): scenario.expect for scenario in made.project.scenarios}
     # Where rules are expected to fire, it is on what the ground truth knows nothing of: whether they did is the matrix's to say.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.trace import Project
 
-FAULTS = "faults.json"
-
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
@@ -29,6 +28,8 @@ class Prepared:
     recording: Recording | None
     evaluator: Evaluator | None
     source_hash: str
+    #: One hash of what the recording is evaluated with.
+    evaluated: str
 
     def fingerprint(self, number: int) -> str:
         """Of what the outcome of a fault depends on now; empty where it cannot be put in."""
@@ -38,8 +39,9 @@ class Prepared:
         fault = self.campaign.faults[number]
         if self.evaluator is None or fault.open:
             return ""
-        spec = self.evaluator.spec
-        return fingerprint(self.campaign, fault, self.source_hash, spec.fingerprint, Limits.of(spec))
+        return fingerprint(
+            self.campaign, fault, self.source_hash, self.evaluated, Limits.of(self.evaluator.spec)
+        )
 
 
 def prepare(root: Path, project: Project, broken: bool, shared: dict[object, Evaluator]) -> list[Prepared]:
@@ -47,7 +49,10 @@ def prepare(root: Path, project: Project, broken: bool, shared: dict[object, Eva
 
     `shared` are evaluators that are there already, as `evaluator_for` knows them.
     """
+    if not project.campaigns:
+        return []
     from trackmarshal.cli.replay import evaluator_for
+    from trackmarshal.meaning import key
     from trackmarshal.scenarios import load as load_recording
     from trackmarshal.scenarios.faults.declaration import load
 
@@ -57,13 +62,14 @@ def prepare(root: Path, project: Project, broken: bool, shared: dict[object, Eva
             continue
         campaign = load(root / shown, shown)
         path = (root / shown).parent / campaign.recording
-        recording, evaluator, digest = None, None, ""
+        recording, evaluator, digest, evaluated = None, None, "", ""
         if path.is_file() and not broken:
             recording = load_recording(path, str(Path(shown).parent / campaign.recording))
             spec = root / project.default_spec
             evaluator = evaluator_for(recording, spec, [], root, None, "numpy", path.parent, (), shared)
             digest = evidence.file_hash(path)
-        found.append(Prepared(shown, campaign, recording, evaluator, digest))
+            evaluated = key(evidence.run_inputs(evaluator, digest))
+        found.append(Prepared(shown, campaign, recording, evaluator, digest, evaluated))
     return found
 
 
@@ -76,23 +82,23 @@ def cases(prepared: list[Prepared]) -> list[FaultCase]:
     ]  # fmt: skip
 
 
-def run(prepared: list[Prepared], old: list[FaultResult], everything: bool, quiet: bool) -> list[FaultResult]:
-    """Outcomes of all faults that can be put in: the old ones where nothing that they depend on has changed, else new ones."""
+def run(prepared: list[Prepared], wanted: Collection[tuple[str, str]], quiet: bool) -> Iterator[FaultResult]:
+    """Outcomes of faults, by campaign and id; those that cannot be put in are left out."""
     from trackmarshal.scenarios.faults.campaign import Bench
 
-    known = {(result.campaign, result.id): result for result in old}
-    results = []
     for each in prepared:
-        bench: Bench | None = None
-        for number, fault in progress(list(enumerate(each.campaign.faults)), each.campaign.name, quiet):
-            print_ = each.fingerprint(number)
-            before = known.get((each.shown, fault.id))
-            if before is not None and before.fingerprint == print_ and not everything:
-                results.append(before)
-            elif print_ and each.recording is not None and each.evaluator is not None:
-                bench = bench or Bench(each.recording, each.evaluator)
-                results.append(_result(each.shown, bench.run(each.campaign, fault), print_))
-    return results
+        if each.recording is None or each.evaluator is None:
+            continue
+        todo = [
+            n
+            for n, fault in enumerate(each.campaign.faults)
+            if (each.shown, fault.id) in wanted and not fault.open
+        ]
+        bench = Bench(each.recording, each.evaluator) if todo else None
+        for number in progress(todo, each.campaign.name, quiet):
+            if bench is not None:
+                outcome = bench.run(each.campaign, each.campaign.faults[number])
+                yield _result(each.shown, outcome, each.fingerprint(number))
 
 
 def _result(shown: str, outcome: Outcome, fingerprint: str) -> FaultResult:

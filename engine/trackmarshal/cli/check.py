@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -24,16 +26,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)"
     )
     parser.add_argument("--format", choices=FORMATS, default="text")
+    configure_relative(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.semantics.compile import compile_paths
 
     project = optional_project(args)
+    where = shown_from(args, project, ("json", "sarif", "github"))
     paths = [Path(p) for p in args.paths] or [find_project(args) / "specs"]
     compiled = compile_paths(paths, project)
     found = examine(compiled, project)
-    print_findings(found, args.format)
+    print_findings(found, args.format, where)
     errors = sum(getattr(f, "level", "error") == "error" for f in found)
     if args.format == "text" and not args.quiet:
         rules = len(compiled.spec.rules)
@@ -163,8 +167,8 @@ def unknown_requirements(
     ]
 
 
-def print_findings(found: list[Any], format_: str) -> None:
-    """Print findings in a format; machine formats go to standard output even when there are none."""
+def print_findings(found: list[Any], format_: str, where: Callable[[str], str] | None = None) -> None:
+    """Print findings in a format, with paths as `where` has them; machine formats go to standard output even when there are none."""
     if format_ == "text":
         from trackmarshal.diagnostics.text import render
 
@@ -173,16 +177,16 @@ def print_findings(found: list[Any], format_: str) -> None:
     elif format_ == "json":
         from trackmarshal.diagnostics.json import render as render_json
 
-        print(render_json(found), end="")
+        print(render_json(found, where), end="")
     elif format_ == "sarif":
         from trackmarshal.cli.catalogue import catalogue
         from trackmarshal.diagnostics.sarif import render as render_sarif
 
-        print(render_sarif(found, catalogue()), end="")
+        print(render_sarif(found, catalogue(), where), end="")
     elif format_ == "github":
         from trackmarshal.diagnostics.github import render as render_github
 
         if found:
-            print(render_github(found), end="")
+            print(render_github(found, where), end="")
     else:
         raise AssertionError(f"unknown format {format_}")

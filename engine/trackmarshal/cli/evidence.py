@@ -17,6 +17,7 @@ from trackmarshal.records import (
     RuleFacts,
     RunSummary,
     SpecItem,
+    SpecPart,
     SpecTest,
     TestResult,
     TruthFacts,
@@ -26,14 +27,13 @@ from trackmarshal.records import (
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
-    from trackmarshal.ir.spec import RuleInfo, Spec
+    from trackmarshal.ir.spec import Spec
+    from trackmarshal.meaning import Meaning
     from trackmarshal.runtime.verdict import CaseResult
     from trackmarshal.scenarios.labels import Label
     from trackmarshal.scenarios.replay import Replay
     from trackmarshal.testing.cases import PreparedTest
     from trackmarshal.testing.run import Outcome
-
-TESTS, RUNS = "tests.json", "runs.json"
 
 
 def now() -> str:
@@ -41,18 +41,48 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
-def spec_items(rules: Iterable[RuleInfo]) -> list[SpecItem]:
+def spec_items(meaning: Meaning) -> list[SpecItem]:
     """Rules and assumptions as the matrix sees them."""
     from trackmarshal.testing.run import has_boundary
 
     return [
         SpecItem(
             rule.kind, rule.name, rule.title, _refs(rule.satisfies), _refs(rule.assuming), rule.span.file.path, rule.span.line,
-            rule.span.column, rule.fingerprint, rule.severity, rule.source, rule.owner, rule.evidence,
-            rule.formula is not None, has_boundary(rule),
+            rule.span.column, meaning.fingerprint(rule), rule.severity, rule.source, rule.owner, rule.evidence,
+            rule.formula is not None, has_boundary(rule), meaning.rule(rule),
         )
-        for rule in rules
+        for rule in meaning.spec.rules
     ]  # fmt: skip
+
+
+def spec_parts(spec: Spec, items: Iterable[SpecItem]) -> list[SpecPart]:
+    """What rules and assumptions read, and all constraints, as the matrix sees them."""
+    from trackmarshal.meaning import of
+    from trackmarshal.units import in_full
+
+    read = {name for item in items for name in item.inputs}
+    found: list[tuple[str, str, Any, str]] = []
+    for name, param in spec.params.items():
+        low, high = (("" if end is None else in_full(end, param.unit)) for end in (param.lower, param.upper))
+        within = f", from {low}" * bool(low) + f", up to {high}" * bool(high)
+        found.append(("param", name, param, in_full(param.value, param.unit) + within))
+    for name, table in spec.tables.items():
+        unit = f" {table.units[0]} to {table.units[1]}"
+        found.append(("table", name, table, f"{len(table.knots)} knots,{unit}"))
+    found += [
+        ("place", name, place, f"{place.kind} of {len(place.points)} points")
+        for name, place in spec.places.items()
+    ]
+    for name, signal in spec.signals.items():
+        found.append(("signal", name, signal, ", ".join(field.name for field in signal.fields_)))
+    used = [(kind, name, info, shown) for kind, name, info, shown in found if f"{kind} {name}" in read]
+    for constraint in spec.constraints:
+        text = " ".join(constraint.span.text.partition(" because ")[0].split()).removeprefix("constrain ")
+        used.append(("constraint", text, constraint, ""))
+    return [
+        SpecPart(kind, name, of(info), shown, info.span.file.path, info.span.line, info.span.column)
+        for kind, name, info, shown in used
+    ]
 
 
 def _refs(pairs: Iterable[tuple[str, Any]]) -> tuple[Ref, ...]:
@@ -61,21 +91,22 @@ def _refs(pairs: Iterable[tuple[str, Any]]) -> tuple[Ref, ...]:
 
 def spec_tests(tests: Iterable[PreparedTest]) -> list[SpecTest]:
     """Tests as the matrix sees them."""
-    return [
-        SpecTest(t.rule.name, t.title, t.verdict, t.boundary, t.span.file.path, t.span.line, t.span.column)
-        for t in tests
-    ]
+    from trackmarshal.meaning import fingerprint_of_test, sha256
 
-
-def test_results(outcomes: Iterable[Outcome], spec: Spec) -> list[TestResult]:
-    """Outcomes of tests, with the fingerprints of what was tested."""
     return [
-        TestResult(
-            o.test.rule.name, o.test.title, o.outcome, o.test.rule.fingerprint, o.message, o.test.span.file.path, o.test.span.line,
-            spec.fingerprint,
+        SpecTest(
+            t.rule.name, t.title, t.verdict, t.boundary, t.span.file.path, t.span.line, t.span.column, fingerprint_of_test(t), sha256(t.said)
         )
-        for o in outcomes
+        for t in tests
     ]  # fmt: skip
+
+
+def test_result(outcome: Outcome, inputs: Mapping[str, str], fingerprint: str) -> TestResult:
+    """The outcome of a test, with all that it was made from; `fingerprint` is that of its rule."""
+    test = outcome.test
+    return TestResult(
+        test.rule.name, test.title, outcome.outcome, fingerprint, outcome.message, test.span.file.path, test.span.line, inputs
+    )  # fmt: skip
 
 
 def file_hash(path: Path) -> str:
@@ -83,10 +114,28 @@ def file_hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+def run_inputs(evaluator: Evaluator, recording: str | None) -> dict[str, str]:
+    """What a replay rests on: the sha256 of the recording, each rule with all that it reads, the Supervisor's limits, the engine.
+
+    Of a run that is kept because it cannot be made again at any time, the rules alone (`recording` is None).
+    """
+    from dataclasses import astuple
+
+    from trackmarshal.meaning import Meaning, sha256, tool
+    from trackmarshal.runtime.cycle import Limits
+
+    others = {}
+    if recording is not None:
+        limits = sha256(*(repr(value) for value in astuple(Limits.of(evaluator.spec))))
+        others = {"recording": recording, "limits": limits, "engine": tool()}
+    return dict(Meaning(evaluator.spec).run(evaluator.rules, others))
+
+
 def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: str) -> RunSummary:
     """A replay as a record; `shown` is the scenario's path from the project."""
     from trackmarshal.scenarios.labels import judged_by, label
 
+    inputs = run_inputs(evaluator, source_hash)
     facts = []
     truth_of = outcome.recording.ground_truth
     for rule in evaluator.rules:
@@ -106,7 +155,7 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
                 if verdict == "violated" and first is None:
                     first = cycle.t
         by_candidate = {candidate: dict(number) for candidate, number in counts.items()}
-        facts.append(RuleFacts(rule.name, rule.fingerprint, by_candidate, first, due))
+        facts.append(RuleFacts(rule.name, inputs[f"rule {rule.name}"], by_candidate, first, due))
     truths = {}
     for judged in outcome.truths:
         said = [f"rated safe at {t:g} s, the ground truth is unsafe" for t in judged.missed]
@@ -122,6 +171,7 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
         outcome.fired,
         now(),
         uncovered=outcome.uncovered,
+        inputs=inputs,
     )
 
 

@@ -15,7 +15,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.cli.options import choose_rules
 from trackmarshal.cli.output import progress, say, table
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
@@ -32,34 +31,6 @@ CODES = {
         "of itself that it is that run. What is kept also has to be the run of a project.",
     ),
 }  # fmt: skip
-
-
-def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("what", choices=("log",), help="what is imported")
-    parser.add_argument(
-        "file",
-        nargs="?",
-        metavar="FILE",
-        help="CSV (also .gz) or MCAP; default: the one that the mapping names",
-    )
-    parser.add_argument(
-        "--map", required=True, metavar="MAP", help="the mapping: columns, units, conventions, track, vehicle"
-    )
-    parser.add_argument("--out", metavar="RECORDING", help="write the recording (.tmrec.jsonl, also .gz)")
-    parser.add_argument(
-        "--from", dest="begin", type=float, metavar="S", help="from here on, s; default: the mapping's"
-    )
-    parser.add_argument("--to", dest="end", type=float, metavar="S")
-    parser.add_argument("--no-report", action="store_true", help="only make the recording")
-    parser.add_argument(
-        "--limits",
-        action="store_true",
-        help="also search at which values of their parameters rules would have fired first",
-    )
-    parser.add_argument("--keep", metavar="FILE", help="keep the run as evidence for the traceability matrix")
-    parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
-    choose_rules(parser, "evaluate")
-    parser.add_argument("--format", choices=("text", "json"), default="text")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -133,11 +104,12 @@ def _summary(drive: Drive, judged: Judgement, root: Path) -> RunSummary:
     """The run as evidence: what every rule said, and all that it was made from, by paths from the project."""
     import numpy as np
 
-    from trackmarshal.cli.evidence import file_hash, now
+    from trackmarshal.cli.evidence import file_hash, now, run_inputs
     from trackmarshal.runtime.verdict import VERDICTS
     from trackmarshal.scenarios.recording import CANDIDATES
 
     unsafe = judged.unsafe
+    inputs = run_inputs(judged.evaluator, None)
     facts = []
     for number, rule in enumerate(judged.evaluator.rules):
         counts = {
@@ -146,12 +118,12 @@ def _summary(drive: Drive, judged: Judgement, root: Path) -> RunSummary:
         }  # fmt: skip
         violated = np.flatnonzero((judged.codes[:, :, number] == VERDICTS.index("violated")).any(axis=1))
         first = float(judged.times[violated[0]]) if len(violated) else None
-        facts.append(RuleFacts(rule.name, rule.fingerprint, counts, first))
+        facts.append(RuleFacts(rule.name, inputs[f"rule {rule.name}"], counts, first))
     source = Path(drive.mapping.source)
     made_from = {_from(root, path): digest for path, digest in drive.sources.items()}
     return RunSummary(
         _from(root, str(source)), file_hash(source), judged.evaluator.spec.fingerprint, len(judged.times), tuple(facts), {},
-        bool(unsafe.any()) or bool(judged.faults), now(), dict(sorted(made_from.items())),
+        bool(unsafe.any()) or bool(judged.faults), now(), dict(sorted(made_from.items())), inputs=inputs,
     )  # fmt: skip
 
 

@@ -19,17 +19,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from trackmarshal import trace
-    from trackmarshal.cli import evidence
-    from trackmarshal.cli.assessment import read_specs
+    from trackmarshal.cli.sources import Sources
     from trackmarshal.start.project import BASELINE, init
     from trackmarshal.start.writing import refuse_present
+    from trackmarshal.trace import requirements
 
     root = Path(args.folder or args.project or ".")
     refuse_present(root, [BASELINE])
     written = init(root)
-    _, compiled, tests, _ = read_specs(root.resolve())
-    items = evidence.spec_items(compiled.spec.rules)
-    written.append(Path(trace.accept_baseline(root.resolve(), items, evidence.spec_tests(tests), [])))
+    made = Sources(root.resolve(), requirements.load(root.resolve(), [])).facts()
+    path, _ = trace.accept_baseline(root.resolve(), made.items, made.tests, [], made.parts)
+    written.append(path)
     if not args.quiet:
         say(*(f"wrote {root / path.resolve().relative_to(root.resolve())}" for path in written))
         go = [] if root.resolve() == Path.cwd().resolve() else [f"cd {root}"]

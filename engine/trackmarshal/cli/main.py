@@ -24,10 +24,12 @@ VERBS = {
     "compile": "generated C99 with its header and a report",
     "serve": "run a Supervisor as a process of its own",
     "explain": "what an error code means; why a rule said what it said",
+    "diff": "what an edit of specs changes on recordings",
     "trace": "traceability matrix and coverage",
     "assess": "all of it: check, test, replay, evidence, matrix, report",
     "scenario": "generate a recording from its declaration",
-    "import": "a vehicle's log as a recording, with what the rules say of it",
+    "import": "a vehicle's log as a recording, with what the rules say of it; requirements from another tool",
+    "export": "requirements for another tool",
     "bench": "the benchmarks",
 }
 OK, FINDINGS, UNUSABLE, INTERNAL = 0, 1, 2, 3
@@ -153,7 +155,8 @@ def _module(verb: str) -> str:
     named = {
         "eval": "evaluate",
         "test": "run_tests",
-        "import": "import_log",
+        "import": "importing",
+        "export": "exporting",
         "check-planner": "check_planner",
     }
     return named.get(verb, verb)

@@ -70,7 +70,7 @@ def plain(text: str) -> str:
 
     Characters that move the cursor, change colours, break the line or turn the direction of writing become `\\x1b`, `\\n`, `\\u202e`.
     """
-    if text.isascii() and text.isprintable():
+    if text.isprintable():  # no character of those categories is
         return text
     return "".join(char.encode("unicode_escape").decode() if _acts(char) else char for char in text)
 

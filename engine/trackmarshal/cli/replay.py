@@ -72,6 +72,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.cli.collecting import seldom
+
+    with seldom():
+        return _all(args)
+
+
+def _all(args: argparse.Namespace) -> int:
     from trackmarshal.cli.preferring import Runs
     from trackmarshal.cli.record import is_record, replay_record
     from trackmarshal.evaluation import load

@@ -9,7 +9,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from trackmarshal.cli.output import dump, say, table
+from trackmarshal.cli import tests_shown
+from trackmarshal.cli.output import say, table
+from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project, optional_project
 
 
@@ -17,7 +19,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "paths", nargs="*", metavar="PATH", help="spec files or folders (default: the project's specs)"
     )
-    parser.add_argument("--format", choices=("text", "json"), default="text")
+    parser.add_argument("--format", choices=("text", "json", "github", "junit"), default="text")
+    configure_relative(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -27,8 +30,10 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.testing.cases import prepare
     from trackmarshal.testing.run import coverage, has_boundary, run_tests
 
+    project = optional_project(args)
+    where = shown_from(args, project, ("json", "github", "junit"))
     paths = [Path(p) for p in args.paths] or _folders(find_project(args))
-    compiled = compile_paths(paths, optional_project(args))
+    compiled = compile_paths(paths, project)
     compiled.raise_errors()
     tests, found = prepare(compiled)
     found = [*found, *unconstrained(compiled)]
@@ -39,12 +44,11 @@ def run(args: argparse.Namespace) -> int:
     bad = [o for o in outcomes if o.outcome != "passed"]
     partial = [c for c in covered if not c.complete]
     if args.format == "json":
-        print(dump({
-            "tests": [{"rule": o.test.rule.name, "title": o.test.title, "outcome": o.outcome, "message": o.message,
-                       "file": o.test.span.file.path, "line": o.test.span.line} for o in outcomes],
-            "coverage": [{"rule": c.rule.name, "tests": c.tests, "satisfied": c.satisfied, "violated": c.violated, "boundary": c.boundary}
-                         for c in covered],
-        }))  # fmt: skip
+        print(tests_shown.as_json(outcomes, covered, where))
+    elif args.format == "github":
+        print(tests_shown.as_github(outcomes, covered, found, where), end="")
+    elif args.format == "junit":
+        print(tests_shown.as_junit(outcomes, covered, found, where), end="")
     else:
         for outcome in bad:
             say(

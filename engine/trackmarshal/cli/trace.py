@@ -1,7 +1,10 @@
 """The traceability matrix: which requirement is covered at which stage of the V-model, by which rule, test and run.
 
-Tests are run, and scenarios and faults whose results are missing or stale, before the matrix is made; `--as-is` reads the results
-that are there. With --gate, the exit status is 1 when something that v-model.yaml demands is not covered.
+Tests, scenarios and faults that the evidence store has no result of, from the same inputs, are run before the matrix is made; `--as-is`
+reads what is there, and `--rerun` runs everything again and tells what comes out differently.
+With --gate, the exit status is 1 when something that v-model.yaml demands is not covered.
+
+With --from and --to, it says over which links one thing leads to another (`trace --from S-1-A-4 --to test`).
 """
 
 from __future__ import annotations
@@ -9,32 +12,66 @@ from __future__ import annotations
 import argparse
 import sys
 
+from trackmarshal.cli import asking
 from trackmarshal.cli.output import say
+from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
 
-FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github")
+FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github", "junit")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", choices=FORMATS, default="text")
-    parser.add_argument("--gate", action="store_true", help="exit 1 when a gap is neither covered nor waived")
-    parser.add_argument("--as-is", action="store_true", help="run nothing; read the results that are there")
+    configure_relative(parser)
+    asking.configure(parser)
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--gate", action="store_true", help="exit 1 when a gap is neither covered nor waived")
+    what.add_argument(
+        "--accept-baseline",
+        action="store_true",
+        help="write down what there is now as accepted, in the baseline",
+    )
     parser.add_argument(
-        "--accept-baseline", action="store_true", help="write the present tests of each rule to the baseline"
+        "--by", metavar="NAME", default="", help="with --accept-baseline: who accepts what became weaker"
+    )
+    parser.add_argument(
+        "--reason", metavar="TEXT", default="", help="with --accept-baseline: why that is accepted"
+    )
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--as-is", action="store_true", help="run nothing; read the evidence that is there")
+    how.add_argument(
+        "--rerun",
+        action="store_true",
+        help="run everything again, and compare it with the evidence that is there",
     )
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.trace.collector import no_collection
+
+    if args.as_is or asking.asks(args):  # nothing is run, so nothing but records is made
+        with no_collection():
+            return _run(args)
+    return _run(args)
+
+
+def _run(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.assessment import assess
 
     root = find_project(args)
-    found = assess(root, run=not args.as_is, quiet=args.quiet)
+    if asking.asks(args):
+        return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(), args)
+    where = shown_from(args, root)
+    found = assess(root, run=not args.as_is, again=args.rerun, quiet=args.quiet)
     if args.accept_baseline:
-        target = trace.accept_baseline(root, found.items, found.tests, found.fault_cases)
-        say(f"wrote {target}", file=sys.stderr)
+        said = found.facts
+        target, weaker = trace.accept_baseline(
+            root, said.items, said.tests, said.fault_cases, said.parts, by=args.by, reason=args.reason
+        )
+        say(f"wrote {target}", *(f"accepted by {args.by}: {change}" for change in weaker), file=sys.stderr)
     matrix = found.matrix()
-    made = trace.render(matrix, args.format)
+    made = trace.render(matrix, args.format, where=where)
     if args.format in ("text", "github"):
         say(*made.removesuffix("\n").split("\n"))
     else:

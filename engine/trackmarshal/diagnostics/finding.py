@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.node import Node
 from trackmarshal.source import NOWHERE, Span
 
+#: What a path is called instead, counted from another folder.
+Where = Callable[[str], str]
 #: What a finding may weigh.
 LEVELS = ("error", "warning", "note")
 
@@ -41,8 +43,8 @@ class Finding(Node):
     explanation: str = ""
 
 
-def findings(items: Iterable[Diagnostic | TrackmarshalError]) -> list[Finding]:
-    """Flatten what was reported, in the order given; raises TypeError for anything that is no report."""
+def findings(items: Iterable[Diagnostic | TrackmarshalError], where: Where | None = None) -> list[Finding]:
+    """Flatten what was reported, in the order given, with paths as `where` has them; raises TypeError for anything that is no report."""
     found: list[Finding] = []
     for item in items:
         if isinstance(item, Diagnostic):
@@ -58,7 +60,16 @@ def findings(items: Iterable[Diagnostic | TrackmarshalError]) -> list[Finding]:
             )
         else:
             raise TypeError(f"not a diagnostic: {type(item).__name__}")
-    return found
+    return found if where is None else [_moved(finding, where) for finding in found]
+
+
+def _moved(found: Finding, where: Where) -> Finding:
+    related = tuple(_elsewhere(place, where) for place in found.related)
+    return Finding(**{**vars(found), "place": _elsewhere(found.place, where), "related": related})
+
+
+def _elsewhere(place: Place, where: Where) -> Place:
+    return place if place.file is None else Place(**{**vars(place), "file": where(place.file)})
 
 
 def _of_diagnostic(item: Diagnostic) -> Finding:

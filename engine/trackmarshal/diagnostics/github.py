@@ -6,15 +6,15 @@ from collections.abc import Iterable
 
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.diagnostics.excerpt import printable
-from trackmarshal.diagnostics.finding import Finding, findings
+from trackmarshal.diagnostics.finding import Finding, Where, findings
 from trackmarshal.errors import TrackmarshalError
 
 _COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 
 
-def render(items: Iterable[Diagnostic | TrackmarshalError]) -> str:
+def render(items: Iterable[Diagnostic | TrackmarshalError], where: Where | None = None) -> str:
     """One line a finding."""
-    return "".join(_line(found) + "\n" for found in findings(items))
+    return "".join(_line(found) + "\n" for found in findings(items, where))
 
 
 def _line(found: Finding) -> str:

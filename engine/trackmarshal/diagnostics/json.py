@@ -7,16 +7,18 @@ from collections.abc import Iterable
 from typing import Any
 
 from trackmarshal.diagnostics.base import Diagnostic
-from trackmarshal.diagnostics.finding import Place, findings
+from trackmarshal.diagnostics.finding import Place, Where, findings
 from trackmarshal.errors import TrackmarshalError
 
 
-def render(items: Iterable[Diagnostic | TrackmarshalError]) -> str:
+def render(items: Iterable[Diagnostic | TrackmarshalError], where: Where | None = None) -> str:
     """All findings as one JSON array, in the order given."""
-    return json.dumps(records(items), ensure_ascii=False, allow_nan=False, indent=2) + "\n"
+    return json.dumps(records(items, where), ensure_ascii=False, allow_nan=False, indent=2) + "\n"
 
 
-def records(items: Iterable[Diagnostic | TrackmarshalError]) -> list[dict[str, Any]]:
+def records(
+    items: Iterable[Diagnostic | TrackmarshalError], where: Where | None = None
+) -> list[dict[str, Any]]:
     """All findings as plain data; lines and columns from 1, the end not included, null where not known."""
     return [
         {
@@ -27,7 +29,7 @@ def records(items: Iterable[Diagnostic | TrackmarshalError]) -> list[dict[str, A
             "related": [_place(other) for other in found.related],
             "help": found.help or None,
         }
-        for found in findings(items)
+        for found in findings(items, where)
     ]
 
 

@@ -10,21 +10,29 @@ from urllib.parse import quote
 
 import trackmarshal
 from trackmarshal.diagnostics.base import Diagnostic
-from trackmarshal.diagnostics.finding import Finding, Place, findings
+from trackmarshal.diagnostics.finding import Finding, Place, Where, findings
 from trackmarshal.errors import TrackmarshalError
 
 #: Code -> (title, explanation), for errors that do not carry them.
 Catalogue = Mapping[str, tuple[str, str]]
 
 
-def render(items: Iterable[Diagnostic | TrackmarshalError], catalogue: Catalogue | None = None) -> str:
+def render(
+    items: Iterable[Diagnostic | TrackmarshalError],
+    catalogue: Catalogue | None = None,
+    where: Where | None = None,
+) -> str:
     """One run with all findings, and the codes that occur as its rules."""
-    return json.dumps(log(items, catalogue or {}), ensure_ascii=False, allow_nan=False, indent=2) + "\n"
+    return (
+        json.dumps(log(items, catalogue or {}, where), ensure_ascii=False, allow_nan=False, indent=2) + "\n"
+    )
 
 
-def log(items: Iterable[Diagnostic | TrackmarshalError], catalogue: Catalogue) -> dict[str, Any]:
+def log(
+    items: Iterable[Diagnostic | TrackmarshalError], catalogue: Catalogue, where: Where | None = None
+) -> dict[str, Any]:
     """The SARIF log as plain data."""
-    found = findings(items)
+    found = findings(items, where)
     codes = sorted({finding.code for finding in found})
     index = {code: number for number, code in enumerate(codes)}
     first = {finding.code: finding for finding in reversed(found)}

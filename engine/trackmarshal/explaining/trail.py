@@ -138,7 +138,19 @@ class Trail:
         self.binders[node.names[0]] = chosen[1]
         return chosen[0], k, {**ids, node.axis.level: chosen[1]}
 
+    def _placeless(self, node: ir.Remembered, k: int, ids: Ids) -> bool:
+        """Say it where nothing is remembered of an element, as there was no place for it."""
+        axis = self.history.without(node, ids, k) if node.past else None
+        if axis is not None:
+            name = ids[axis.level]
+            self.said.append(
+                f"nothing is remembered of {axis.signal} {name}: `capacity {axis.capacity}` leaves no place for it"
+            )
+        return axis is not None
+
     def _over_run(self, node: ir.OverRun, k: int, ids: Ids) -> tuple[ir.Formula, int, Ids] | None:
+        if self._placeless(node, k, ids):
+            return None
         given = list(self.history.elements(node, k, ids))
         value = self.history.value(node, k, {axis.level: ids[axis.level] for axis in sets_of(node)})
         wanted = value.value.verdict
@@ -184,6 +196,8 @@ class Trail:
         return operand, chosen.place, {axis.level: ids[axis.level] for axis in sets_of(operand)}
 
     def _counted(self, node: ir.Counted, k: int, ids: Ids) -> None:
+        if self._placeless(node, k, ids):
+            return
         sure: list[int] = []
         doubtful = 0
         for one in self.history.elements(node, k, ids):

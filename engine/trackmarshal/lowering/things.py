@@ -30,7 +30,9 @@ class Things:
     def axis(self, range_: typed.Range) -> ir.Axis:
         """What a range's variables take their values from."""
         kind: Literal["samples", "elements"] = "samples" if range_.signal.sequence else "elements"
-        return self.make(ir.Axis, range_.signal.name, kind, len(range_.names), range_.depth)
+        signal = range_.signal
+        capacity = signal.capacity if signal.forget else None
+        return self.make(ir.Axis, signal.name, kind, len(range_.names), range_.depth, signal.forget, capacity)
 
     def element(self, record: typed.Record) -> ir.Axis:
         """The axis of the variable that a record is, whatever its name is here."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
@@ -9,7 +10,7 @@ from typing import Any, NoReturn
 
 from trackmarshal.backends.over_run.history import Past
 from trackmarshal.backends.over_run.keeping import Keeping
-from trackmarshal.backends.over_run.program import remembers
+from trackmarshal.backends.over_run.program import Remembering, remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.contract import FOLLOWED
@@ -59,7 +60,7 @@ def _is_line(points: list[Any]) -> bool:
 
 
 #: Cycles that are evaluated together.
-_CHUNK = 125
+_CHUNK = 250
 
 
 def supervised(
@@ -75,12 +76,13 @@ def supervised(
     clock = _Clock()
     supervisor = box.supervisor(Limits.open_loop(evaluator.spec), clock.read)
     given = list(cycles(recording, further_names(recording, evaluator)))
+    chunks = watch([given[i : i + _CHUNK] for i in range(0, len(given), _CHUNK)])
     if any(map(remembers, evaluator.rules)):
-        yield from _in_step(supervisor, clock, watch(given))
+        yield from _in_step(supervisor, clock, chunks)
         return
     ahead = _Ahead(supervisor)
-    for chunk in watch([given[i : i + _CHUNK] for i in range(0, len(given), _CHUNK)]):
-        found = ahead.prepare(chunk, evaluator)
+    for chunk in chunks:
+        found = ahead.judged(chunk, evaluator)
         for cycle, judged in zip(chunk, found):
             clock.now = cycle.t
             yield cycle.t, judged, supervisor.step(cycle)
@@ -106,7 +108,9 @@ def run_until(
     )
     kept = supervisor.program = Keeping(supervisor.program)
     steps = _in_step(
-        supervisor, clock, islice(cycles(recording, further_names(recording, evaluator)), place + 1)
+        supervisor,
+        clock,
+        ([cycle] for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1)),
     )
     for _ in islice(steps, place):
         pass
@@ -116,60 +120,68 @@ def run_until(
 
 
 def _in_step(
-    supervisor: Supervisor, clock: _Clock, given: Iterable[Cycle]
+    supervisor: Supervisor, clock: _Clock, chunks: Iterable[Sequence[Cycle]]
 ) -> Iterator[tuple[float, Judged, Decision]]:
-    """Cycle by cycle: what is remembered of one depends on what was decided in it."""
-    door, program = _Seen(supervisor.door), supervisor.program
+    """Cycle by cycle: what is remembered of one depends on what was decided in it. What does not is evaluated for a chunk at once."""
+    door, program = _Admitted(supervisor.door), supervisor.program
     supervisor.door = door  # type: ignore[assignment]
-    for cycle in given:
-        clock.now = cycle.t
-        opened = supervisor.open(cycle)
-        # Before the cycle is remembered as a gap: what remembers is never asked again about what it has left behind.
-        refused = program.judge(supervisor.memory, shown(door.admitted.frame)) if opened.faults else None
-        decision = supervisor.go_on(opened)
-        yield cycle.t, refused or decision.judged or _failed(decision), decision
+    for chunk in chunks:
+        frames = door.prepare(chunk)
+        if isinstance(program, Remembering):
+            program.ahead(frames)
+        for cycle, frame in zip(chunk, frames):
+            clock.now = cycle.t
+            opened = supervisor.open(cycle)
+            # Before the cycle is remembered as a gap: what remembers is never asked again about what it has left behind.
+            refused = program.judge(supervisor.memory, shown(frame)) if opened.faults else None
+            decision = supervisor.go_on(opened)
+            yield cycle.t, refused or decision.judged or _failed(decision), decision
 
 
 def _failed(decision: Decision) -> NoReturn:
     raise RuntimeError(f"the evaluator failed: {'; '.join(str(fault) for fault in decision.faults)}")
 
 
-class _Seen:
-    """A door, with the last cycle that it was shown."""
-
-    admitted: Admission
+class _Admitted:
+    """A door that has admitted cycles before they are shown to it."""
 
     def __init__(self, door: Door) -> None:
         self._door = door
+        self._waiting: deque[Admission] = deque()
 
-    def admit(self, about: int, cycle: Cycle, now: float) -> Admission:
-        self.admitted = self._door.admit(about, cycle, now)
-        return self.admitted
-
-
-class _Ahead:
-    """Door and program of a Supervisor whose cycles have been admitted, and judged together, before it asks."""
-
-    def __init__(self, supervisor: Supervisor) -> None:
-        self._door = supervisor.door
-        self.spec, self.rules = supervisor.program.spec, supervisor.program.rules
-        self.identity = supervisor.program.identity
-        self._admitted: list[Admission] = []
-        self._judged: list[Judged] = []
-        supervisor.door, supervisor.program = self, self  # type: ignore[assignment]
-
-    def prepare(self, chunk: Sequence[Cycle], evaluator: Evaluator) -> list[Judged]:
-        self._admitted = [self._door.admit(-1, cycle, cycle.t) for cycle in chunk]
-        self._judged = evaluator.judge_all([shown(admission.frame) for admission in self._admitted])
-        return list(self._judged)
+    def prepare(self, chunk: Sequence[Cycle]) -> list[Frame]:
+        """Admit cycles, each at its stamp: their frames, as they are shown where they are refused."""
+        admitted = self._door.admit_all(chunk)
+        self._waiting.extend(admitted)
+        return [shown(one.frame) if one.faults else one.frame for one in admitted]
 
     def admit(self, about: int, cycle: Cycle, now: float) -> Admission:
         if now != cycle.t:
             raise RuntimeError("this door knows what was said at the time of the stamp only")
-        return replace(self._admitted.pop(0), about=about)
+        return replace(self._waiting.popleft(), about=about)
+
+
+class _Ahead(_Admitted):
+    """Door and program of a Supervisor whose cycles have been admitted, and judged together, before it asks."""
+
+    def __init__(self, supervisor: Supervisor) -> None:
+        super().__init__(supervisor.door)
+        self.spec, self.rules = supervisor.program.spec, supervisor.program.rules
+        self.identity = supervisor.program.identity
+        self._judged: dict[int, Judged] = {}
+        supervisor.door, supervisor.program = self, self  # type: ignore[assignment]
+
+    def judged(self, chunk: Sequence[Cycle], evaluator: Evaluator) -> list[Judged]:
+        """Admit and judge cycles."""
+        found = evaluator.judge_all([shown(frame) for frame in self.prepare(chunk)])
+        self._judged = {id(judged.about): judged for judged in found}
+        return found
 
     def judge(self, memory: Memory, frame: Frame) -> Judged:
-        return next(judged for judged in self._judged if judged.about is frame)
+        judged = self._judged[id(frame)]
+        if judged.about is not frame:
+            raise RuntimeError("this program knows what was said of the frames of its door only")
+        return judged
 
     def start(self) -> Memory:
         return NOTHING

@@ -1,0 +1,91 @@
+"""What is known of a project from its evidence store, and what has to be found out anew: results are used again where all that they were
+made from is the same."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from trackmarshal.cli.evidence import now
+from trackmarshal.store import Entry, Store
+
+#: What says where something stands or when it was made, and not what came out.
+_APART = ("file", "line", "created")
+
+
+class Answers:
+    """The results of a project: those of its store, and those that are found out now, which go there."""
+
+    def __init__(self, root: Path, folder: Path, again: bool = False) -> None:
+        """again: nothing that is in the store is used, and what comes out differently is told. Raises T295."""
+        self._root = root
+        self._again = again
+        self._new: list[Entry] = []
+        self.store = Store(folder)
+        #: Entries of the store that came out differently, and in what.
+        self.unlike: list[tuple[Entry, str]] = []
+
+    def known(
+        self, kind: str, subject: str, inputs: Mapping[str, str], whatever: bool
+    ) -> dict[str, Any] | None:
+        """The result that was made from exactly these inputs, `whatever` it was made from if there is no other; None where there is none,
+        and where all is to be run again."""
+        entry = None if self._again else self.store.find(kind, subject, inputs)
+        if entry is None and whatever:
+            entry = self.store.latest(kind, subject)
+        return None if entry is None else dict(entry.result)
+
+    def learn(
+        self, kind: str, subject: str, inputs: Mapping[str, str], result: Mapping[str, Any], params: Mapping[str, float] | None = None
+    ) -> None:  # fmt: skip
+        """Take in what was found out; it is written by `write`."""
+        before = self.store.find(kind, subject, inputs)
+        if before is not None:
+            unlike = [
+                name for name in sorted({*before.result, *result})
+                if name not in _APART and before.result.get(name) != result.get(name)
+            ]  # fmt: skip
+            if not unlike:
+                return
+            self.unlike.append((before, unlike[0]))
+        made = now()
+        self._new.append(
+            Entry(kind, subject, dict(inputs), dict(result), "", "", "", made, dict(params or {}))
+        )
+
+    def write(self) -> None:
+        """Add what was found out to the store, with the tool, the commit and the machine that it was found with."""
+        if self._new:
+            from trackmarshal.meaning import tool
+
+            said = {"tool": tool(), "commit": commit(self._root), "platform": _platform()}
+            self.store.add(entry.by(**said) for entry in self._new)
+            self._new = []
+
+
+def commit(root: Path) -> str:
+    """The commit of a project's folder, `+` behind it where files that belong to it differ from it; empty where there is none."""
+    try:
+        head = _git(root, "rev-parse", "HEAD")
+        return head + ("+" if _git(root, "status", "--porcelain", "--untracked-files=no", ".") else "")
+    except (OSError, subprocess.SubprocessError):
+        return ""
+
+
+def _git(root: Path, *words: str) -> str:
+    said = ["git", "-C", str(root), *words]
+    return subprocess.run(said, capture_output=True, text=True, check=True, timeout=20).stdout.strip()
+
+
+def _platform() -> str:
+    """The machine, and the versions of what numbers come from."""
+    versions = [
+        f"{name} {module.__version__}"
+        for name in ("numpy", "shapely")
+        if (module := sys.modules.get(name)) is not None
+    ]
+    return ", ".join([platform.platform(), f"Python {platform.python_version()}", *versions])

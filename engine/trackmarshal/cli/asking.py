@@ -1,0 +1,75 @@
+"""Questions to the link graph, as `trace` takes them: paths from one thing to another, and numbers."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from trackmarshal.cli.output import say
+from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.trace import Matrix
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--from", dest="source", metavar="ID|KIND", help="which links lead from here, to --to; runs nothing"
+    )
+    parser.add_argument(
+        "--to", dest="target", metavar="ID|KIND", help="a kind such as `test`, or an id such as `S-1-A-*`"
+    )
+    parser.add_argument(
+        "--statistics", action="store_true", help="how many nodes and links there are; runs nothing"
+    )
+
+
+def asks(args: argparse.Namespace) -> bool:
+    """Whether a question is asked, in place of the matrix; raises T169 for half of one, and beside what a question does not do."""
+    if (args.source is None) != (args.target is None):
+        raise TrackmarshalError(
+            "T169",
+            "`--from` and `--to` belong together",
+            help="`trackmarshal trace --from requirement --to test`",
+        )
+    if args.source is None and not args.statistics:
+        return False
+    for option, given in (
+        ("--gate", args.gate), ("--accept-baseline", args.accept_baseline), ("--rerun", args.rerun)
+    ):  # fmt: skip
+        if given:
+            raise TrackmarshalError(
+                "T169",
+                f"`{option}` says nothing beside a question",
+                help="run `trackmarshal trace` once for each",
+            )
+    return True
+
+
+def answer(matrix: Matrix, args: argparse.Namespace) -> int:
+    """Print the answer; raises T169 for names of nothing, and for formats that are no table."""
+    from trackmarshal.trace.graph.paths import named, paths
+    from trackmarshal.trace.graph.statistics import numbers
+    from trackmarshal.trace.render import answers
+
+    if args.format not in answers.FORMATS:
+        raise TrackmarshalError(
+            "T169",
+            f"a question has no answer as {args.format}",
+            help="formats are " + ", ".join(answers.FORMATS),
+        )
+    graph, made = matrix.graph, ""
+    if args.source is not None:
+        made = answers.paths(
+            graph, paths(graph, named(graph, args.source), named(graph, args.target)), args.format
+        )
+    if args.statistics:
+        made += answers.numbers(numbers(matrix), args.format)
+    if args.format == "text":
+        say(*made.removesuffix("\n").split("\n"))
+    else:
+        print(made, end="")
+    return 2 if matrix.unusable else 0
+
+
+__all__ = ["answer", "asks", "configure"]

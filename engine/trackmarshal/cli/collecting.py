@@ -1,0 +1,22 @@
+"""Python's collection of garbage, for verbs that hold very many objects to their end."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+#: After how many more objects than were freed the youngest are looked at, and after how many such looks the older ones are.
+_SELDOM = (50_000, 20, 50)
+
+
+@contextmanager
+def seldom() -> Iterator[None]:
+    """Look for garbage seldom: a recording and its results are no garbage, and going through all of them again and again takes longer than
+    judging them. Most of what becomes garbage is freed without being looked for."""
+    before = gc.get_threshold()
+    gc.set_threshold(*_SELDOM)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)

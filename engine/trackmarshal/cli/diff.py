@@ -1,0 +1,141 @@
+"""What an edit of specs changes on recordings: which verdicts, margins and decisions, where, and by how much (docs/diff.md).
+
+trackmarshal diff main . --on specs/scenarios/*.tmrec.jsonl
+
+OLD and NEW are spec files, folders with specs, projects, or git revisions. The exit status is 0 where nothing differs, 1 where something does.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trackmarshal.cli.options import configure_with
+from trackmarshal.cli.output import progress, say
+from trackmarshal.cli.project import MARKER, optional_project
+from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.comparing import Judged
+    from trackmarshal.evaluation import Evaluator
+    from trackmarshal.scenarios.recording import Recording
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "old", metavar="OLD", help="a spec file or folder, a project, or a revision (`main`, `HEAD~1`)"
+    )
+    parser.add_argument("new", metavar="NEW", help="the same, such as `.` for the project as it is")
+    parser.add_argument(
+        "--on", nargs="+", required=True, metavar="RECORDING", help="recordings: .tmrec.jsonl or .saa"
+    )
+    parser.add_argument(
+        "--spec",
+        metavar="PATH",
+        help="in projects and revisions: the spec, from the project (default: the one that it replays with)",
+    )
+    parser.add_argument(
+        "--renamed",
+        action="append",
+        default=[],
+        metavar="OLD=NEW",
+        help="a rule that has another name now (repeatable)",
+    )
+    configure_with(parser)
+    parser.add_argument(
+        "--format", choices=("text", "json", "md"), default="text", help="md: a comment for a merge request"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    from trackmarshal.comparing import Pair, compared
+    from trackmarshal.comparing.render import markdown, text, to_json
+    from trackmarshal.scenarios import load
+
+    with tempfile.TemporaryDirectory(prefix="trackmarshal-diff-") as folder:
+        sides = [
+            _Side(name, args, Path(folder) / str(number)) for number, name in enumerate((args.old, args.new))
+        ]
+        pairs = []
+        for path in args.on:
+            recording = load(path)
+            old, new = (side.judge(recording, args.quiet) for side in sides)
+            pairs.append(Pair(old, new))
+    made = compared(pairs, _renamed(args.renamed, pairs))
+    if args.format == "json":
+        print(to_json(made))
+    else:
+        say(*(text(made) if args.format == "text" else markdown(made)))
+    return int(not made.equal)
+
+
+class _Side:
+    """One of the two: its spec, and the project that it belongs to."""
+
+    def __init__(self, name: str, args: argparse.Namespace, folder: Path) -> None:
+        from trackmarshal.cli.replay import default_spec
+        from trackmarshal.cli.revisions import read
+
+        self._home = optional_project(args)
+        self._settings = [Path(path) for path in args.settings]
+        self._known: dict[object, Evaluator] = {}
+        path = Path(name)
+        if (path / MARKER).is_file():
+            self._project: Path | None = path.resolve()
+        elif path.exists():
+            self._project, self._spec = self._home, path
+            return
+        else:
+            folder.mkdir()
+            self._project = read(name, self._home or Path.cwd(), folder).resolve()
+        if args.spec is None and not (self._project / MARKER).is_file():
+            raise TrackmarshalError(
+                "T362",
+                f"`{name}` has no {MARKER.as_posix()}, which says what its spec is",
+                help="name the spec with `--spec`, by its path from the project",
+            )
+        self._spec = self._project / args.spec if args.spec else default_spec(self._project)
+        if not self._spec.exists():
+            shown = args.spec or self._spec.relative_to(self._project).as_posix()
+            raise TrackmarshalError(
+                "T362",
+                f"`{name}` has no `{shown}`",
+                help="name a spec that both have with `--spec`, by its path from the project",
+            )
+
+    def judge(self, recording: Recording, quiet: bool) -> Judged:
+        """A recording under this side's rules, with this side's vehicle and track where the recording names them."""
+        from trackmarshal.cli.replay import evaluator_for, overruled
+        from trackmarshal.comparing import judge
+
+        folder = Path(recording.source).resolve().parent
+        if self._project is not None and self._home is not None and folder.is_relative_to(self._home):
+            folder = self._project / folder.relative_to(self._home)
+        configured = overruled(recording, self._spec, self._settings)
+        evaluator = evaluator_for(
+            configured, self._spec, self._settings, self._project, None, "numpy", folder, (), self._known
+        )
+
+        def watch(chunks: Sequence[object]) -> object:
+            return progress(chunks, recording.name, quiet)
+
+        return judge(evaluator, configured, watch)  # type: ignore[arg-type]
+
+
+def _renamed(given: Sequence[str], pairs: Sequence[object]) -> dict[str, str]:
+    from trackmarshal.comparing import Pair
+
+    renamed = dict(text.partition("=")[::2] for text in given)
+    for old, new in renamed.items():
+        for name, one in ((old, "old"), (new, "new")):
+            judged = [getattr(pair, one) for pair in pairs if isinstance(pair, Pair)]
+            if any(name not in [rule.name for rule in side.evaluator.rules] for side in judged):
+                raise TrackmarshalError(
+                    "T362",
+                    f"`--renamed {old}={new}`: the {one} spec has no rule `{name}`",
+                    help="OLD=NEW, the names as they stand in the specs",
+                )
+    return renamed

@@ -1,0 +1,116 @@
+"""Requirements of another tool as files of the project (docs/exchange.md)."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+from trackmarshal.cli.output import say
+from trackmarshal.cli.project import optional_project
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.trace import exchange
+from trackmarshal.trace.exchange import Document, Naming
+from trackmarshal.trace.findings import Finding
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the requirements; 2 where something keeps them from being taken over, and then nothing is written."""
+    from trackmarshal.trace import load
+
+    path = Path(args.file)
+    found: list[Finding] = []
+    naming = Naming(_pairs(args.fields, "--field"), _pairs(args.defaults, "--default"))
+    documents = exchange.read(
+        exchange.load(path, args.file), args.format or exchange.format_of(path), args.file, naming, found
+    )
+    root = optional_project(args)
+    targets = _targets(documents, path, root, args.out)
+    project = load(root)[0] if root is not None and (root / "requirements").is_dir() else None
+    written = {_from(root, target) for target in targets} if root is not None else set()
+    found += exchange.check(documents, project, written)
+    for finding in dict.fromkeys(found):
+        if finding.level == "error" or not args.quiet:
+            say(*str(finding).split("\n"), file=sys.stderr)
+    if any(finding.level == "error" for finding in found):
+        return 2
+    texts = {target: exchange.yaml(document) for target, document in zip(targets, documents)}
+    there = [target for target in texts if os.path.lexists(target)]
+    if there and not args.force:
+        raise TrackmarshalError(
+            "E412",
+            f"{there[0]} is there already",
+            file=str(there[0]),
+            help="nothing was written; choose another name with `--out`, or write over it with `--force`",
+        )
+    for target, text in texts.items():
+        _write(target, text)
+    if not args.quiet:
+        for target, document in zip(targets, documents):
+            say(f"{target}: {len(document.requirements)} requirements")
+    return 0
+
+
+def _targets(documents: list[Document], path: Path, root: Path | None, out: str | None) -> list[Path]:
+    """Where each list goes: one into a file, several into a folder, by their names."""
+    folder = (root or Path()) / "requirements"
+    to_file = out is not None and Path(out).suffix.lower() in (".yaml", ".yml")
+    if not documents:
+        raise exchange.Refused(
+            "T354", "there are no requirements in the file", str(path), help="what was exported?"
+        )
+    if len(documents) == 1 and (out is None or to_file):
+        return [folder / f"{_name(path.stem)}.yaml" if out is None else Path(out)]
+    if to_file:
+        raise exchange.Refused(
+            "T360",
+            f"the file holds {len(documents)} lists, and `{out}` is one file",
+            str(path),
+            help="let `--out` name a folder",
+        )
+    targets = [
+        (folder if out is None else Path(out)) / f"{_name(document.name)}.yaml" for document in documents
+    ]
+    twice = [target for place, target in enumerate(targets) if target in targets[:place]]
+    if twice:
+        raise exchange.Refused(
+            "T360",
+            f"two of the lists would be `{twice[0]}`",
+            str(path),
+            help="give them names of their own in the other tool",
+        )
+    return targets
+
+
+def _name(name: str) -> str:
+    """A list's name as a path without a way out of its folder."""
+    parts = [re.sub(r"[^\w.-]+", "-", part).strip(".-") for part in name.split("/")]
+    return "/".join(part for part in parts if part) or "requirements"
+
+
+def _from(root: Path, target: Path) -> str:
+    return Path(os.path.relpath(os.path.abspath(target), root)).as_posix()
+
+
+def _write(target: Path, text: str) -> None:
+    """The whole file, or what was there."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    draft = target.with_name(f".{target.name}.{os.getpid()}")
+    draft.write_text(text, encoding="utf-8", newline="\n")
+    draft.replace(target)
+
+
+def _pairs(given: Iterable[str], option: str) -> dict[str, str]:
+    pairs = dict(text.partition("=")[::2] for text in given)
+    for name, text in pairs.items():
+        if name not in exchange.FIELDS or not text:
+            raise exchange.Refused(
+                "T360",
+                f"`{option} {name}={text}` names no field and what it is",
+                "",
+                help="fields are " + ", ".join(exchange.FIELDS),
+            )
+    return pairs

@@ -1,0 +1,94 @@
+"""Specs of another revision: read out of git into a temporary folder, without touching the checkout."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tarfile
+from pathlib import Path
+from typing import IO
+
+from trackmarshal.errors import TrackmarshalError
+
+CODES = {
+    "T361": (
+        "a revision that cannot be read",
+        "What is compared is neither a file or folder here nor a revision that git has: the name is not known, git is not installed, this is no repository, or "
+        "its history is cut (a shallow clone, as continuous integration often makes one).",
+    ),
+    "T362": (
+        "nothing to compare",
+        "The revision has no specs where they are looked for, or what is said to be renamed is no rule there. What would be compared is not what was asked for.",
+    ),
+}
+#: What of a revision is read: specs, and what says where they are.
+_SUFFIXES = (".spec", ".yaml", ".yml")
+#: The largest file that is read, in bytes; specs are far smaller.
+_MOST = 16_000_000
+
+
+def read(name: str, project: Path, into: Path) -> Path:
+    """A revision's specs and requirements, below `into`; the folder that stands for the project. Raises T361."""
+    folder = _git(project, "rev-parse", "--show-prefix", name=name).strip()
+    try:
+        commit = _git(
+            project, "rev-parse", "--verify", "--quiet", "--end-of-options", f"{name}^{{commit}}", name=name
+        ).strip()
+    except TrackmarshalError:
+        shallow = _git(project, "rev-parse", "--is-shallow-repository", name=name).strip() == "true"
+        help_ = (
+            "the clone is shallow: `git fetch --unshallow`, or a deeper checkout in continuous integration"
+            if shallow
+            else "is it a path, or a revision as `git log` has them?"
+        )
+        raise TrackmarshalError(
+            "T361", f"`{name}` is neither a file or folder here nor a revision", help=help_
+        ) from None
+    command = ["git", "-C", str(project), "archive", "--format=tar", commit]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        cut = ""
+        try:
+            _unpack(process.stdout, into)
+        except tarfile.TarError as problem:  # mostly git stopped, and says below why
+            cut = str(problem)
+        said = process.stderr.read().decode("utf-8", "replace").strip() or cut
+    if process.returncode or cut:
+        raise TrackmarshalError(
+            "T361",
+            f"git cannot read `{name}`{': ' + said.splitlines()[-1] if said else ''}",
+            help="is the history complete?" + (f" `{folder}` has to be in it" if folder else ""),
+        )
+    return into
+
+
+def _unpack(stream: IO[bytes], into: Path) -> None:
+    with tarfile.open(fileobj=stream, mode="r|") as archive:
+        for member in archive:
+            if member.isfile() and member.name.endswith(_SUFFIXES) and member.size <= _MOST:
+                archive.extract(member, into, filter="data")
+
+
+def _git(project: Path, *arguments: str, name: str) -> str:
+    if shutil.which("git") is None:
+        raise TrackmarshalError(
+            "T361",
+            f"`{name}` is no file or folder here, and for a revision git is missing",
+            help="install git, or name a path",
+        )
+    done = subprocess.run(
+        ["git", "-C", str(project), *arguments],
+        capture_output=True,
+        check=False,
+        env={**os.environ, "LC_ALL": "C"},
+    )
+    if done.returncode:
+        said = done.stderr.decode("utf-8", "replace").strip()
+        raise TrackmarshalError(
+            "T361",
+            f"`{name}` is no file or folder here, and no revision: {said or 'git does not know it'}",
+            help="name a path, or a revision inside a repository",
+        )
+    return done.stdout.decode("utf-8", "replace")

@@ -1,0 +1,183 @@
+"""A project's specs, scenarios and faults, ready to be evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trackmarshal.cli import campaigns, evidence
+from trackmarshal.cli.facts import Facts
+from trackmarshal.records import FaultResult, RunSummary, SpecItem, SpecTest, TestResult
+
+if TYPE_CHECKING:
+    from trackmarshal.diagnostics.base import Diagnostic
+    from trackmarshal.evaluation import Evaluator
+    from trackmarshal.scenarios.recording import Recording
+    from trackmarshal.scenarios.replay import Replay
+    from trackmarshal.semantics.compile import Compiled
+    from trackmarshal.testing.cases import PreparedTest
+    from trackmarshal.trace import Finding, Project
+
+
+def read_specs(root: Path, project: Project) -> tuple[Compiled, list[PreparedTest], list[Diagnostic]]:
+    """The project's specs and tests, and what is wrong with the specs; raises for files that cannot be read.
+
+    A rule with an error is left out, so whatever it was to cover is a gap, beside the error itself.
+    """
+    from trackmarshal.cli.check import unconstrained
+    from trackmarshal.semantics.compile import compile_paths
+    from trackmarshal.testing.cases import prepare
+
+    compiled = compile_paths([root / str(path) for path in project.specs] or [root / "specs"], root)
+    if compiled.failures:
+        raise compiled.failures[0]
+    prepared, found = prepare(compiled)
+    return compiled, prepared, [*compiled.found, *found, *unconstrained(compiled)]
+
+
+class Sources:
+    """Everything that results are made from. Specs with errors are not replayed: what would run is not what the project demands."""
+
+    def __init__(self, root: Path, project: Project) -> None:
+        from trackmarshal.meaning import Meaning
+
+        self.root, self.project = root, project
+        self.compiled, self.prepared, self.found = read_specs(root, project)
+        self.broken = any(item.level == "error" for item in self.found)
+        self._meaning = Meaning(self.compiled.spec)
+        self._shared: dict[object, Evaluator] = {}
+
+    def facts(self) -> Facts:
+        """What the matrix is made of, without results."""
+        from trackmarshal.cli.check import unknown_requirements
+
+        items, tests = self._of_project()
+        # Where a rule stands in the matrix, the matrix itself says what is wrong with its links.
+        seen = {(item.file, ref.line, ref.column) for item in items for ref in item.satisfies}
+        loose = (
+            link
+            for link in unknown_requirements(self.compiled, self.root)
+            if (link.span.file.path, link.span.line, link.span.column) not in seen
+        )
+        wrong = [_finding(item) for item in (*self.found, *loose) if item.level == "error"]
+        inputs = {
+            shown: evidence.run_inputs(
+                evaluator, None if shown in self._kept else evidence.file_hash(self.root / shown)
+            )
+            for shown, (_, evaluator) in self._scenarios.items()
+        }
+        parts = evidence.spec_parts(self.compiled.spec, items)
+        return Facts(items, parts, tests, inputs, campaigns.cases(self._campaigns), wrong)
+
+    def test(self, wanted: Iterable[SpecTest], facts: Facts) -> Iterable[TestResult]:
+        """The results of these tests, each of them run."""
+        from trackmarshal.testing.run import run_tests
+
+        named = {(test.rule, test.title): test for test in wanted}
+        first: dict[tuple[str, str], PreparedTest] = {}
+        for test in self.prepared:
+            first.setdefault((test.rule.name, test.title), test)
+        chosen = [test for key, test in first.items() if key in named]
+        for outcome in run_tests(self.compiled.spec, chosen):
+            rule = outcome.test.rule
+            inputs = facts.of_test(named[rule.name, outcome.test.title])
+            yield evidence.test_result(outcome, inputs, self._meaning.fingerprint(rule))
+
+    def replay(
+        self, shown: str, facts: Facts, quiet: bool
+    ) -> tuple[RunSummary, Replay, Evaluator, dict[str, float]]:
+        """The run of a scenario, and the parameters in force in it, in SI."""
+        from trackmarshal.cli.replay import run_one
+
+        recording, evaluator = self._scenarios[shown]
+        outcome = run_one(recording, evaluator, quiet)
+        digest = facts.run_inputs[shown]["recording"]
+        changed = evaluator.reader.settings({"params": recording.params}).params
+        params = {name: float(changed.get(name, info.value)) for name, info in evaluator.spec.params.items()}
+        return evidence.run_summary(outcome, evaluator, shown, digest), outcome, evaluator, params
+
+    def put_in(self, wanted: Iterable[tuple[str, str]], quiet: bool) -> Iterable[FaultResult]:
+        """What comes of these faults, by campaign and id; those that cannot be put in are left out."""
+        return campaigns.run(self._campaigns, set(wanted), quiet)
+
+    @cached_property
+    def _campaigns(self) -> list[campaigns.Prepared]:
+        return campaigns.prepare(self.root, self.project, self.broken, self._shared)
+
+    @cached_property
+    def _kept(self) -> frozenset[str]:
+        return frozenset(kept_runs(self.project))
+
+    @cached_property
+    def _scenarios(self) -> dict[str, tuple[Recording, Evaluator]]:
+        """Every scenario's recording and the rules that it is replayed with; those that are not there are left to the matrix."""
+        from trackmarshal.cli.replay import evaluator_for
+        from trackmarshal.scenarios import load
+        from trackmarshal.scenarios.field.header import header
+        from trackmarshal.scenarios.field.mapping import read
+
+        result: dict[str, tuple[Recording, Any]] = {}
+        for scenario in () if self.broken else self.project.scenarios:
+            shown = str(scenario.path)
+            path = self.root / shown
+            if path.is_file():
+                # Of a log that need not be here, the mapping alone says what it is evaluated with.
+                recording = header(read(path, shown)) if scenario.kept else load(path, shown)
+                more = [self.root / str(spec) for spec in scenario.specs]
+                spec = self.root / self.project.default_spec
+                evaluator = evaluator_for(
+                    recording, spec, [], self.root, None, "numpy", path.parent, more, self._shared
+                )
+                result[shown] = (recording, evaluator)
+        return result
+
+    def _of_project(self) -> tuple[list[SpecItem], list[SpecTest]]:
+        """What the specs say, as the matrix sees it: all of the project's own, and of the shipped rules that it uses those that satisfy
+        one of its requirements, with what they assume. The others are evaluated all the same; nobody answers for them here."""
+        from trackmarshal.cli.check import demanded
+        from trackmarshal.semantics.modules import from_library
+
+        items, tests = evidence.spec_items(self._meaning), evidence.spec_tests(self.prepared)
+        modules = [
+            (module.file.path, from_library(module, self.root))
+            for module in self.compiled.library.modules.values()
+        ]
+        # What is called as a shipped file, and is the project's own, is not dropped for that.
+        shipped = {path for path, is_shipped in modules if is_shipped} - {
+            path for path, is_shipped in modules if not is_shipped
+        }
+        if not shipped:
+            return items, tests
+        known, _ = demanded(self.root)
+        linked = [
+            replace(item, satisfies=tuple(ref for ref in item.satisfies if ref.id in known))
+            if item.file in shipped
+            else item
+            for item in items
+        ]
+        assumed = {
+            ref.id for item in linked if item.satisfies or item.file not in shipped for ref in item.assuming
+        }
+        claimed = [
+            item for item in linked if item.file not in shipped or item.satisfies or item.name in assumed
+        ]
+        names = {item.name for item in claimed}
+        return claimed, [test for test in tests if test.rule in names]
+
+
+def kept_runs(project: Project) -> dict[str, str]:
+    """By scenario, the file that its run is kept in: of logs that need not be part of the project."""
+    return {str(scenario.path): str(scenario.kept) for scenario in project.scenarios if scenario.kept}
+
+
+def _finding(item: Diagnostic) -> Finding:
+    """A diagnostic of a spec as a finding of the matrix."""
+    from trackmarshal.trace import Finding, Place
+
+    span = item.span
+    return Finding(
+        item.code, item.level, item.message, Place(span.file.path, span.line, span.column), item.help
+    )
