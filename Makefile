@@ -15,12 +15,16 @@ LOOP := build/closed-loop
 assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/index.html
 	$(BIN)/trackmarshal assess --out out/assess
 
-test: $(STAMP)  ## everything that CI runs; what lints and what tests, at the same time
+test: $(STAMP)  ## everything that CI runs; what lints and what tests, at the same time; what came of tests is in out/tests
 	$(MAKE) -j2 lint tests
 
+# What tests build with make is not of this one. Asserts as they stand: rewriting those of all tests takes each process longer than to
+# find them; those that fail run again, and say what was compared.
 .PHONY: tests
 tests: $(STAMP)
-	MAKEFLAGS= $(BIN)/python -m pytest $(PARALLEL)  # what tests build with make is not of this one
+	mkdir -p out/tests
+	MAKEFLAGS= $(BIN)/python -m pytest $(PARALLEL) --assert=plain --junitxml=out/tests/pytest.xml --trackmarshal-results=out/tests/pytest.json \
+		|| { MAKEFLAGS= $(BIN)/python -m pytest --last-failed --last-failed-no-failures none; false; }
 
 acceptance: $(STAMP) $(LOOP)/.ready lint  ## every "Done when" point that can be a command; takes longer than CI
 	sh tests/embedded/tools.sh

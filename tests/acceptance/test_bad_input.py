@@ -546,6 +546,11 @@ def zipped(*members: tuple[str, bytes]) -> bytes:
     return buffer.getvalue()
 
 
+def bomb() -> bytes:
+    """Made where it is needed: packing it takes longer than all other tests here take to be found."""
+    return zipped(("a.scn", b"0" * 300_000_000), ("a.sas", b""))
+
+
 def own_recording() -> list[bytes]:
     return (ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl").read_bytes().splitlines(keepends=True)
 
@@ -562,7 +567,7 @@ def saa() -> bytes:
     [
         ("empty.saa", b"", "D122"), ("text.saa", b"hello", "D122"), ("zip.saa", zipped(), "D123"),
         ("other.saa", zipped(("readme.txt", b"hello")), "D123"), ("folder.saa", zipped(("../../evil.scn", b"x")), "D123"),
-        ("bomb.saa", zipped(("a.scn", b"0" * 300_000_000), ("a.sas", b"")), "D124"),
+        ("bomb.saa", bomb, "D124"),
         ("unknown.bin", b"\0\1\2", "D121"), ("empty.tmrec.jsonl", b"", "D126"), ("latin.tmrec.jsonl", b"\xe9\n", "D126"),
         ("other.tmrec.jsonl", b"{}\n", "D121"), ("deep.tmrec.jsonl", b"[" * 100_000, "D140"),
         ("head.tmrec.jsonl", own_recording()[0], "D130"), ("cut.tmrec.jsonl", b"".join(own_recording())[:50_000], "D140"),
@@ -570,8 +575,8 @@ def saa() -> bytes:
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )  # fmt: skip
-def test_recordings_that_are_none(name: str, content: bytes, code: str) -> None:
-    outcome = replayed(name, content)
+def test_recordings_that_are_none(name: str, content: bytes | Callable[[], bytes], code: str) -> None:
+    outcome = replayed(name, content() if callable(content) else content)
     assert outcome.status == 2
     refused(outcome, code, name)
 

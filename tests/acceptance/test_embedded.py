@@ -92,12 +92,14 @@ def different(source: Source, runs: dict[str, tuple[Ran, Ran]]) -> list[Differen
     return [d for here, there in runs.values() for d in embedded.differences(here, there, names(source))]
 
 
+@pytest.mark.verifies("S-1-B-1")
 def test_a_full_load_is_decided_the_same(source: Source, full: tuple[Ran, Ran]) -> None:
     here, there = full
     assert sum(line.startswith("driving ") for line in here.lines) == len(there.instructions) == 24
     assert {d.rule for d in embedded.differences(here, there, names(source))} <= inexact(source).keys()
 
 
+@pytest.mark.verifies("S-1-B-1")
 @pytest.mark.parametrize("name", [name_of(path) for path in SCENARIOS])
 def test_decisions_verdicts_and_exact_margins_are_the_same(
     name: str, source: Source, runs: dict[str, tuple[Ran, Ran]]

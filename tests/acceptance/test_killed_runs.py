@@ -15,6 +15,8 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.record import read
 from trackmarshal.supervision import box_of, nearest, rerun
 
+pytestmark = pytest.mark.verifies("S-1-B-1")
+
 #: Runs that `make test` kills; `make acceptance` kills 200.
 KILLS = int(os.environ.get("TRACKMARSHAL_KILLS", "5"))
 

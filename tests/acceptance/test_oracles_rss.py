@@ -11,6 +11,8 @@ from support import rss
 from support.command import BACKENDS, evaluate, number
 from support.shared import SUPERVISOR, oracle
 
+pytestmark = pytest.mark.verifies("S-1-A-2")
+
 #: How many cases of each kind the library accepted.
 ACCEPTED = {"longitudinal_same_direction": 395, "longitudinal_opposite_direction": 198, "lateral": 404}
 #: The library calls a gap longer than the safe distance only if it is so by more than this, in m.

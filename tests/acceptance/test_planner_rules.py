@@ -15,6 +15,8 @@ from support.dense import car, compare, recording
 from support.dense.facts import Facts, facts
 from support.shared import shared
 
+pytestmark = pytest.mark.verifies("S-1-A-2", "S-1-A-4", "S-1-A-5")
+
 ALLOWANCE = 0.01
 #: The rules about taking up the emergency trajectory: docs/takeup.md, tests/acceptance/test_planner_takeup.py.
 TAKE_UP: Collection[str] = ("take_up",)

@@ -13,6 +13,8 @@ from support.command import close, evaluate, number
 from support.length import at_length
 from support.shared import SUPERVISOR, shared
 
+pytestmark = pytest.mark.verifies("S-1-A-4")
+
 LINES = ("ltpl_berlin.csv", "ltpl_modena.csv")
 POINTS = 50
 MASS = 1000.0

@@ -27,10 +27,12 @@ GROUPS = (
     ("E3", "Dimensions and values"),
     ("W", "Warnings"),
     ("E4", "Tests, projects and commands"),
+    ("E5", "Elements that come and go"),
     ("D1", "Recordings and data files"),
     ("D2", "Cases: the input contract"),
     ("T1", "Requirements"),
     ("T2", "Links, coverage and evidence"),
+    ("T3", "The link graph, the baseline, other test runners and tools"),
 )
 HEAD = """# Errors
 

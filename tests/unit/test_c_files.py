@@ -222,7 +222,7 @@ def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
     with pytest.raises(TrackmarshalError) as caught:
         CProgram(spec(), [r for r in spec().rules if r.name == "friction"]).library_for()
     assert caught.value.code == "E471"
-    assert not list((tmp_path / "c").glob("*.so"))
+    assert not list((tmp_path / "c").rglob("*.so"))
 
 
 def one_rule() -> CProgram:
@@ -267,7 +267,7 @@ def test_two_processes_build_at_once(tmp_path: Path) -> None:
     env = {**os.environ, "TRACKMARSHAL_CACHE": str(tmp_path)}
     running = [subprocess.Popen([sys.executable, "-c", code], env=env) for _ in range(2)]
     assert [process.wait() for process in running] == [0, 0]
-    made = list((tmp_path / "c").iterdir())
+    made = list((tmp_path / "c").glob("*/*"))
     assert [path.suffix for path in made] == [".so"]
 
 

@@ -21,7 +21,7 @@ from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.step import Said, Stepper
 from trackmarshal.evaluation import load
 
-pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-4")]
 
 _FUNCTION = re.compile(
     r"^(?:static (?:inline )?)?(?P<type>void|bool|size_t|int|double|tm_status|tm_configured)\s+(?P<name>tm_[a-z0-9_A-Z]+)\([^;{]*?\)\s*\{\n",

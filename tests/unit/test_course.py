@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from support.project import run_command
+from trackmarshal.backends.c.build import compiler
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.runtime.cycle import Cycle, Limits
@@ -27,16 +28,17 @@ rule calm "Within a second of having been fast, it is slow"
   along     driven as c
   require   historically[0 s, 1 s] c.v <= 20 m/s or eventually[0 s, 1 s] c.v <= 5 m/s
 """
-PYTHON = ("reference", "numpy")
+BACKENDS = ("reference", "numpy", "c")
 
 
 class Rig:
-    def __init__(self, backend: str, rules: str = SPEC) -> None:
+    def __init__(self, backend: str, rules: str = SPEC, rate: int = 50) -> None:
         self.now, self.number, self.at = 0.0, -1, 0.0
-        self.supervisor: Any = supervisor(loads(rules), None, backend, Limits(), lambda: self.now)
+        limits = Limits(rate=rate, longest_gap=10.0)
+        self.supervisor: Any = supervisor(loads(rules), None, backend, limits, lambda: self.now)
 
-    def step(self, v: float, planned: float = 30.0) -> Any:
-        self.now, self.number = round(self.now + 0.1, 9), self.number + 1
+    def step(self, v: float, planned: float = 30.0, after: float = 0.1) -> Any:
+        self.now, self.number = round(self.now + after, 9), self.number + 1
         ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": v}
         return self.supervisor.step(
             Cycle(self.number, self.now, _plan(v, planned), _plan(v, 0.0), {"ego": ego})
@@ -58,7 +60,7 @@ def _verdicts(decision: Any) -> dict[str, list[str]]:
     }
 
 
-@pytest.mark.parametrize("backend", PYTHON)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_lived_and_planned_count_together_for_each_candidate(backend: str) -> None:
     rig = Rig(backend)
     assert _verdicts(rig.step(20.0)) == {"driving": ["satisfied"], "emergency": ["satisfied"]}
@@ -68,7 +70,7 @@ def test_lived_and_planned_count_together_for_each_candidate(backend: str) -> No
     assert _verdicts(rig.step(20.0)) == {"driving": ["satisfied"], "emergency": ["satisfied"]}
 
 
-@pytest.mark.parametrize("backend", PYTHON)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_a_gap_is_an_undefined_sample(backend: str) -> None:
     rig = Rig(backend)
     rig.step(20.0)
@@ -79,7 +81,7 @@ def test_a_gap_is_an_undefined_sample(backend: str) -> None:
     assert found == [["undefined"]] * 10 + [["satisfied"]] * 2
 
 
-@pytest.mark.parametrize("backend", PYTHON)
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_of_no_cycle_there_is_no_gap_and_no_past(backend: str) -> None:
     rig = Rig(backend)
     rig.missed()
@@ -92,8 +94,9 @@ def _said(run: Any, evaluator: Evaluator, t: float, v: float) -> tuple[str, floa
     return result.verdict, result.margin
 
 
-def test_saved_and_restored() -> None:
-    evaluator = Evaluator(loads(SPEC), backend="numpy")
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_saved_and_restored(backend: str) -> None:
+    evaluator = Evaluator(loads(SPEC), backend=backend)
     run = evaluator.over_run()
     _said(run, evaluator, 0.0, 21.0)
     run.missed()
@@ -103,29 +106,69 @@ def test_saved_and_restored() -> None:
     later = evaluator.over_run(saved)
     for t in (0.4, 1.3, 1.5):
         assert repr(_said(later, evaluator, t, 20.0)) == repr(_said(run, evaluator, t, 20.0))
-    assert any('"driven"' in line for line in saved)
-    other = Evaluator(loads(SPEC.replace("for 2 s", "for 3 s")), backend="numpy")
+    assert any('"driven"' in line for line in saved) == (backend == "numpy")
+    other = Evaluator(loads(SPEC.replace("for 2 s", "for 3 s")), backend=backend)
     with pytest.raises(TrackmarshalError, match="D164"):
         other.over_run(saved)
 
 
-def test_generated_c_refuses_it_and_auto_takes_numpy() -> None:
-    with pytest.raises(TrackmarshalError, match="E470"):
-        Evaluator(loads(SPEC), backend="c").over_run()
-    assert Evaluator(loads(SPEC), backend="auto").program.identity["backend"] == "numpy"
+#: As SPEC; of more windows than one.
+SHORT = (
+    SPEC
+    + """
+rule short "What lies half a second back is still known"
+  along     driven as c
+  require   historically[0 s, 0.5 s] c.v <= 20 m/s
+"""
+)
 
 
-def test_cases_by_themselves_have_no_margins_along_a_course() -> None:
-    evaluator = Evaluator(loads(SPEC), backend="numpy")
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_more_cycles_than_there_is_room_for() -> None:
+    """Room for 8 cycles: of what was before them nothing is known, and only rules that ask for it are undefined."""
+    rig = Rig("c", SHORT, rate=2)
+    found = [_both(rig.step(20.0)) for _ in range(15)]
+    assert found[:9] == [("satisfied", "satisfied")] * 9
+    assert found[9:] == [("undefined", "satisfied")] * 6
+    slow = [_both(rig.step(20.0, after=0.2)) for _ in range(4)]
+    assert slow == [("undefined", "satisfied")] * 2 + [("satisfied", "satisfied")] * 2
+
+
+def _both(decision: Any) -> tuple[str, str]:
+    """What `calm` and `short` say of the driving trajectory, whose speed is too much afterwards."""
+    rated = decision.judged.rated["driving"]
+    return rated.explain(0, False).verdict, rated.explain(1, False).verdict
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_rules_by_themselves_say_that_there_is_no_room() -> None:
+    with pytest.raises(TrackmarshalError, match="more than 256 MiB") as caught:
+        Evaluator(loads(SPEC.replace("for 2 s", "for 360000 s")), backend="c").over_run()
+    assert caught.value.code == "E473"
+    evaluator = Evaluator(loads(SPEC.replace("for 2 s", "for 0.01 s")), backend="c")
+    run = evaluator.over_run()
+    for number in range(14):
+        _said(run, evaluator, number / 1e5, 20.0)
+    with pytest.raises(TrackmarshalError, match="cycles a second") as caught:
+        _said(run, evaluator, 14 / 1e5, 20.0)
+    assert caught.value.code == "E473"
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_cases_by_themselves_have_no_margins_along_a_course(backend: str) -> None:
+    evaluator = Evaluator(loads(SPEC), backend=backend)
     plan = {name: np.array([column, column]) for name, column in _plan(20.0, 30.0).items()}
     ego = {"x": np.zeros(2), "y": np.zeros(2), "heading": np.zeros(2), "v": np.array([20.0, 21.0])}
     batch = evaluator.batch({"ego": ego, "plan": plan})
     assert [batch.case(number).rules["calm"].verdict for number in range(2)] == ["satisfied", "violated"]
     with pytest.raises(TrackmarshalError, match="E406"):
         batch.samples("calm")
+    beside = SPEC + 'rule slow "x"\n  along plan as p\n  require p.v <= 25 m/s\n'
+    both = Evaluator(loads(beside), backend=backend).batch({"ego": ego, "plan": plan})
+    assert both.samples("slow").tolist() == [[5.0, -5.0, -5.0]] * 2
 
 
-@pytest.mark.parametrize("backend", PYTHON)
+@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(
     ("change", "verdict"),
     [
@@ -216,7 +259,7 @@ def test_explain_names_samples_from_now(tmp_path: Path, monkeypatch: pytest.Monk
     assert "driven[-3].v = 22" in out
 
 
-@pytest.mark.parametrize("backend", [*PYTHON, "c"])
+@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(("place", "margin"), [("", 4.0), (" at first", 4.0), (" at last", -2.0)])
 def test_where_a_rule_is_judged(backend: str, place: str, margin: float) -> None:
     text = (
@@ -234,3 +277,21 @@ def test_where_a_rule_is_judged(backend: str, place: str, margin: float) -> None
     witness = found[0].rules["f"].witness
     assert witness is not None
     assert witness.binders == {"p": 2 if margin < 0 else 0}
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_names_that_generated_c_has_itself() -> None:
+    fields = "begin: m, end: m, missing: bool, now: m, count: m, first: m"
+    text = (
+        f"module m\nsignal ego : state {{ {fields} }}\nsignal plan : trajectory {{ t: s increasing, {fields} }}\n"
+        + "".join(f"course {name} = ego for 1 s then plan\n" for name in ("x", "x_at", "lived", "double"))
+        + "".join(
+            f'rule r_{name} ""\n  along {name} as c\n  require once c.begin + c.end + c.now + c.count + c.first > c.t * 1 m/s or c.missing\n'
+            for name in ("x", "x_at", "lived", "double")
+        )
+    )
+    evaluator = Evaluator(loads(text), backend="c")
+    values = {"begin": 1.0, "end": 1.0, "now": 1.0, "count": 1.0, "first": 1.0, "missing": False}
+    plan = {"t": [0.0, 1.0], **{name: [value] * 2 for name, value in values.items()}}
+    result = evaluator.over_run().step(evaluator.read({"t": 0.0, "signals": {"ego": values, "plan": plan}}))
+    assert {rule.verdict for rule in result.rules.values()} == {"satisfied"}

@@ -125,7 +125,7 @@ def pipe(path: Path) -> None:
 
 def listening(path: Path) -> None:
     with contextlib.closing(socket.socket(socket.AF_UNIX)) as made:
-        made.bind(str(path))
+        made.bind(os.path.relpath(path))  # whole paths may be too long for it
 
 
 def device(path: Path) -> None:

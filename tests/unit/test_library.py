@@ -71,6 +71,8 @@ def test_what_a_project_does_not_demand_is_not_asked_of_it(tmp_path: Path) -> No
     uses(tmp_path / "specs", "supervisor.assumptions", "supervisor.collision")
     project = ("--project", str(tmp_path))
     assert run_command("check", *project)[0] == 0
+    accept = ("--accept-baseline", "--by", "Ann Author", "--reason", "other signals")
+    assert run_command("trace", *accept, *project)[0] == 0
     assert run_command("trace", "--gate", *project)[0] == 0
     requirement = (tmp_path / "requirements" / "requirements.yaml").read_text("utf-8")
     claimed = requirement.replace("R-1", "S-1-A-3").replace(

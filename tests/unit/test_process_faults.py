@@ -97,6 +97,7 @@ def unanswered(rig: Rig, number: int) -> None:
 # A process dies -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.verifies("S-1-B-3")
 @BOTH
 def test_the_planner_dies(rig: Rig) -> None:
     """Nobody sends cycles: the Supervisor says that one is missing, and the stored emergency trajectory is driven."""
@@ -125,6 +126,7 @@ def test_the_planner_dies(rig: Rig) -> None:
     assert rig.step(11)["safe"] == 1
 
 
+@pytest.mark.verifies("S-1-B-4")
 @BOTH
 def test_the_supervisor_dies(rig: Rig) -> None:
     """No sign of life for 0.05 s: the emergency trajectory that was stored last is driven to its end."""
@@ -162,6 +164,7 @@ def test_the_supervisor_starts_anew(rig: Rig) -> None:
     assert (rig.at(rig.now).action, rig.at(rig.now).number) == (DRIVE, said["number"])
 
 
+@pytest.mark.verifies("S-1-B-3")
 @BOTH
 def test_the_planner_starts_anew(rig: Rig) -> None:
     """It counts from 0 again: the first cycle is out of order and not safe, the second is."""
@@ -203,6 +206,7 @@ def test_a_planner_that_was_replaced_is_not_heard() -> None:
         rig.close()
 
 
+@pytest.mark.verifies("S-1-B-3")
 def test_a_planner_that_dies_while_it_writes(rig: Rig) -> None:
     """Half a message in a slot: nobody takes it, and the next one is whole."""
     region = channel(rig)._channel._cycles
@@ -494,6 +498,7 @@ def test_an_executing_layer_that_starts_hears_nothing_of_before(rig: Rig) -> Non
 SLOW = Limits(shortest_gap=0.0, oldest=1.0, longest_gap=60.0, budget=5.0)
 
 
+@pytest.mark.verifies("S-1-B-4")
 def test_a_supervisor_that_hangs() -> None:
     """It is stopped and goes on later: the fallback is driven meanwhile, and the cycle that waited for it is stale."""
     with Served(built(SLOW), simulated=False) as served:

@@ -88,6 +88,7 @@ def test_cycles_and_decisions_come_back(tmp_path: Path) -> None:
             assert json.loads(kept.value("violations"))[0]["rule"] == "friction"
 
 
+@pytest.mark.verifies("S-1-B-1")
 def test_broken_cycles_of_every_kind_run_again_the_same(tmp_path: Path) -> None:
     rng = random.Random(5)
     steps = plain(400)

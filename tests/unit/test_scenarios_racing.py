@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import pytest
 
+from support.length import at_length
 from support.shared import REPOSITORY
 from trackmarshal import scenarios
 from trackmarshal.cli.replay import evaluator_for
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.scenarios.generate import generate
+from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import replay
 
 FOLDER = REPOSITORY / "specs" / "scenarios" / "racing"
 NAMES = ("second_move", "yellow_flag", "squeezed")
 RULES = ["one_move", "no_overtaking_under_yellow", "gives_back", "leaves_room"]
+
+
+@cache
+def kept(name: str) -> Recording:
+    """What is stored of a duel; nobody here changes it."""
+    return scenarios.load(FOLDER / f"{name}.tmrec.jsonl.gz")
 
 
 @pytest.fixture(scope="module")
@@ -28,14 +37,14 @@ def known() -> dict[object, Evaluator]:
 @pytest.mark.parametrize(
     ("name", "params", "missed", "alarms"),
     [
-        ("second_move", {}, "", ""),
+        at_length("second_move", {}, "", ""),  # every day with all rules: tests/acceptance/test_scenarios.py
         # Nobody is near enough to be defended against; whoever was, is so from the first move on that is called one.
         ("second_move", {"reach": 10.0}, "rule one_move for red", ""),
         ("second_move", {"sideways": 5.0}, "rule one_move for red", ""),
-        ("yellow_flag", {}, "", ""),
+        at_length("yellow_flag", {}, "", ""),
         ("yellow_flag", {"give_back": 4.0}, "", "rule gives_back for green"),
         ("yellow_flag", {"give_back": 6.0}, "rule gives_back for green", ""),
-        ("squeezed", {}, "", ""),
+        at_length("squeezed", {}, "", ""),
         (
             "squeezed",
             {"room": 1.0},
@@ -49,7 +58,7 @@ def known() -> dict[object, Evaluator]:
 def test_the_ground_truth_notices_other_rules(
     name: str, params: dict[str, float], missed: str, alarms: str, known: dict[object, Evaluator]
 ) -> None:
-    recording = scenarios.load(FOLDER / f"{name}.tmrec.jsonl.gz")
+    recording = kept(name)
     recording = replace(recording, params={**recording.params, **params})
     spec, more = REPOSITORY / "specs" / "supervisor", [REPOSITORY / "specs" / "rulebooks"]
     evaluator = evaluator_for(recording, spec, [], REPOSITORY, RULES, "numpy", FOLDER, more, known)
@@ -62,13 +71,13 @@ def test_the_ground_truth_notices_other_rules(
 @pytest.mark.parametrize("name", NAMES)
 def test_the_duels_are_what_their_declarations_generate(name: str) -> None:
     made = generate(os.fspath(FOLDER / f"{name}.yaml"))
-    kept = scenarios.load(FOLDER / f"{name}.tmrec.jsonl.gz")
-    assert made.ground_truth == kept.ground_truth
-    assert made.always == kept.always
-    assert [c.t for c in made.cycles] == [c.t for c in kept.cycles]
-    assert _same([c.ego for c in made.cycles], [c.ego for c in kept.cycles])
-    assert _same([c.candidates for c in made.cycles], [c.candidates for c in kept.cycles])
-    assert _same([(c.objects, c.more) for c in made.cycles], [(c.objects, c.more) for c in kept.cycles])
+    stored = kept(name)
+    assert made.ground_truth == stored.ground_truth
+    assert made.always == stored.always
+    assert [c.t for c in made.cycles] == [c.t for c in stored.cycles]
+    assert _same([c.ego for c in made.cycles], [c.ego for c in stored.cycles])
+    assert _same([c.candidates for c in made.cycles], [c.candidates for c in stored.cycles])
+    assert _same([(c.objects, c.more) for c in made.cycles], [(c.objects, c.more) for c in stored.cycles])
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -61,6 +61,7 @@ print([name for name in sys.modules if name.startswith(("trackmarshal", "numpy")
 """
 
 
+@pytest.mark.verifies("S-1-B-3")
 def test_it_serves_a_planner_that_has_nothing_of_trackmarshal(tmp_path: Path) -> None:
     messages, memory = tmp_path / "messages.json", tmp_path / "memory"
     for path, text in link().items():
@@ -155,6 +156,7 @@ def test_what_makes_another_layout() -> None:
     assert described(Limits())["layout"] == f"{built().layout.fingerprint:016x}"
 
 
+@pytest.mark.verifies("S-1-B-2")
 def test_nothing_is_allocated() -> None:
     """The process asks the C library for no memory."""
     listed = subprocess.run(["nm", "-u", built().path], capture_output=True, text=True, check=True).stdout

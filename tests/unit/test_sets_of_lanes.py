@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,9 @@ import numpy as np
 import pytest
 
 import trackmarshal as tm
+from support.emitted import emit
 from support.project import run_command
+from support.sanitized import FLAGS as SANITIZED
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
@@ -44,7 +48,11 @@ PLAN = {
     "t": [0.0, 1.0], "x": [20.0, 41.0], "y": [2.0, 2.0], "heading": [0.0, 0.0], "kappa": [0.0, 0.0], "v": [21.0, 21.0],
 }  # fmt: skip
 SIGNALS: dict[str, Any] = {"ego": EGO, "plan": PLAN, "cars": [], "lanes": LANES, "emergency": False}
-BACKENDS = ["reference", "numpy"]
+BACKENDS = [
+    "reference",
+    "numpy",
+    pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler")),
+]
 
 
 def made(rule: str) -> tm.Spec:
@@ -209,14 +217,42 @@ def test_a_car_that_is_nowhere(backend: str) -> None:
     assert "ego.x" in str(found)
 
 
-@pytest.mark.skipif(compiler() is None, reason="no C compiler")
-def test_generated_c_has_none() -> None:
-    spec = made("exists l in lanes\n  require footprint(ego, 2 m, 2 m) meets l")
-    with pytest.raises(TrackmarshalError, match="generated C has no lanes") as raised:
-        Evaluator(spec, backend="c").case({"signals": SIGNALS})
-    assert raised.value.code == "E470"
-    found = Evaluator(spec, backend="auto").case({"signals": SIGNALS})
-    assert found.rules["made"].verdict == "satisfied"
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_rules_alone_in_c(tmp_path: Path) -> None:
+    """Emitted, without a warning; a lane that nobody has set is one of which nothing is known."""
+    spec = tmp_path / "m.spec"
+    spec.write_text(
+        "module m\nsignal ego : state { x: m, y: m, heading: rad }\nsignal lanes : set of lane { left: polyline, right: polyline }\n"
+        'rule a "" exists l in lanes require footprint(ego, 4 m, 2 m) inside l\n'
+        'rule b "" for all l in lanes require distance_to(ego, l.left) >= 1 m and station(ego, l) >= 0 m\n'
+        'rule c "" for all l in lanes require footprint(ego, 4 m, 2 m) meets l\n',
+        encoding="utf-8",
+    )
+    made = emit(tmp_path / "out", recordings=[], spec=spec)
+    flags = [
+        "-std=c99",
+        "-O0",
+        "-ffp-contract=off",
+        "-pedantic",
+        "-Wall",
+        "-Wextra",
+        "-Wconversion",
+        "-Werror",
+    ]
+    subprocess.run(
+        ["cc", *flags, *SANITIZED, "supervisor.c", "main.c", "-o", "check", "-lm"], cwd=made, check=True
+    )
+    said = subprocess.run([made / "check"], capture_output=True, text=True, check=True).stdout
+    assert [line.split()[:2] for line in said.splitlines()] == [[name, "satisfied"] for name in "abc"]
+    main = (
+        (made / "main.c")
+        .read_text(encoding="utf-8")
+        .replace("tm_set_lanes(&context, 0u,", "tm_set_lanes(&context, 1u,")
+    )
+    (made / "main.c").write_text(main, encoding="utf-8")
+    subprocess.run(["cc", *flags, "supervisor.c", "main.c", "-o", "check", "-lm"], cwd=made, check=True)
+    said = subprocess.run([made / "check"], capture_output=True, text=True, check=True).stdout
+    assert [line.split()[:2] for line in said.splitlines()] == [[name, "undefined"] for name in "abc"]
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -236,11 +272,11 @@ def test_histories_go_by_the_ids_of_lanes(backend: str) -> None:
     assert verdicts == ["violated", "satisfied", "violated", "violated", "satisfied"]
 
 
-def supervised(tmp_path: Path, cycles: list[dict[str, Any]]) -> list[tm.Decision]:
+def supervised(tmp_path: Path, cycles: list[dict[str, Any]], backend: str) -> list[tm.Decision]:
     spec = made("for all l in lanes where footprint(ego, 4 m, 2 m) meets l\n  require ego.v <= l.limit")
     now = [0.0]
     box = supervisor(
-        spec, backend="numpy", limits={"budget": 1e9}, clock=lambda: now[0], record=tmp_path / "run.arrows"
+        spec, backend=backend, limits={"budget": 1e9}, clock=lambda: now[0], record=tmp_path / "run.arrows"
     )
     shared = {name: value for name, value in SIGNALS.items() if name not in ("plan", "emergency")}
     stop = {**PLAN, "v": [21.0, 0.0]}
@@ -252,11 +288,12 @@ def supervised(tmp_path: Path, cycles: list[dict[str, Any]]) -> list[tm.Decision
     return decisions
 
 
-def test_a_supervisor_and_its_record(tmp_path: Path) -> None:
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_supervisor_and_its_record(backend: str, tmp_path: Path) -> None:
     cycles: list[dict[str, Any]] = [
         {"lanes": LANES[1:]}, {"lanes": LANES}, {"lanes": [CROSSING]}, {"lanes": LANES[2:]},
     ]  # fmt: skip
-    decisions = supervised(tmp_path, cycles)
+    decisions = supervised(tmp_path, cycles, backend)
     assert [[name_of(fault) for fault in decision.faults] for decision in decisions] == [
         [],
         [],
@@ -268,7 +305,8 @@ def test_a_supervisor_and_its_record(tmp_path: Path) -> None:
     assert [cycle.more["lanes"] for cycle in recording.cycles][:2] == [LANES[1:], LANES]
 
 
-def test_a_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_recording(backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("made.spec").write_text(
         f"{TEXT.replace('module made.lanes', 'module made')}"
@@ -281,7 +319,15 @@ def test_a_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made_ = [{"t": float(k), **cycle, "signals": {**each, "cars": []}} for k, each in enumerate(changes)]
     Path("run.tmrec.jsonl").write_text("".join(json.dumps(line) + "\n" for line in [head, *made_]))
     status, out, err = run_command(
-        "replay", "run.tmrec.jsonl", "--spec", "made.spec", "--format", "jsonl", "--exit-zero"
+        "replay",
+        "run.tmrec.jsonl",
+        "--spec",
+        "made.spec",
+        "--format",
+        "jsonl",
+        "--exit-zero",
+        "--backend",
+        backend,
     )
     assert status == 0, err
     verdicts = [
@@ -291,3 +337,16 @@ def test_a_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ]
     assert verdicts == ["violated", "inactive", "undefined"]
     assert "D217" in out
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_more_lanes_than_c_has_memory_for() -> None:
+    spec = made("exists l in lanes\n  require footprint(ego, 2 m, 2 m) meets l")
+    many = {**SIGNALS, "lanes": LANES * 100}
+    for backend in ("c", "auto"):
+        assert Evaluator(spec, backend=backend).case({"signals": many}).rules["made"].verdict == "satisfied"
+    long = {"left": [[k / 10.0, 4.0] for k in range(5000)], "right": [[0.0, 0.0], [500.0, 0.0]]}
+    many["lanes"] = [long] * 100
+    with pytest.raises(TrackmarshalError, match="more than 256 MiB") as caught:
+        Evaluator(spec, backend="c").case({"signals": many})
+    assert caught.value.code == "E473"

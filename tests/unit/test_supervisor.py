@@ -276,6 +276,7 @@ def test_an_old_cycle_is_stale() -> None:
     assert names(decision) == ["stale"]
 
 
+@pytest.mark.verifies("S-1-B-2", "S-1-B-4")
 def test_a_late_verdict_is_unsafe() -> None:
     run = Run()
     run.step()
@@ -292,6 +293,7 @@ def test_a_late_verdict_is_unsafe() -> None:
     assert run.supervisor.step(cycle(1)).state == "drive"
 
 
+@pytest.mark.verifies("S-1-B-4")
 @pytest.mark.parametrize(
     "ticks", [[math.nan], [RuntimeError("stopped")], [-1.0], [math.inf], [None], [0.1, 0.05], [0.1, math.nan]]
 )
@@ -327,6 +329,7 @@ def _odd(verdicts: Any, margins: Any = None) -> Callable[[Frame], Any]:
 RULES = len(Oracle().rules)
 
 
+@pytest.mark.verifies("S-1-B-4")
 @pytest.mark.parametrize(
     ("act", "fault"),
     [
@@ -390,6 +393,7 @@ def test_inactive_is_safe() -> None:
     assert run.step().state == "drive"
 
 
+@pytest.mark.verifies("S-1-B-4")
 def test_a_failure_of_its_own_is_unsafe(monkeypatch: pytest.MonkeyPatch) -> None:
     run = Run()
     run.step()

@@ -26,10 +26,10 @@ BACKENDS = (*PYTHON, "c")
 class Rig:
     """One Supervisor, its clock, and cycles every tenth of a second in which the car drives on straight."""
 
-    def __init__(self, rules: str, backend: str, **limits: Any) -> None:
+    def __init__(self, rules: str, backend: str, spec: str = SIGNALS, **limits: Any) -> None:
         self.now, self.number = 0.0, -1
         self.supervisor: Any = supervisor(
-            loads(SIGNALS + rules), None, backend, Limits(**limits), lambda: self.now
+            loads(spec + rules), None, backend, Limits(**limits), lambda: self.now
         )
         assert isinstance(self.supervisor, CSupervisor if backend == "c" else Supervisor)
 
@@ -217,3 +217,23 @@ def test_a_memory_that_is_too_large_is_refused() -> None:
     with pytest.raises(TrackmarshalError) as caught:
         Rig('rule f "" require not once[0 s, 100 h] flag\n', "c", rate=1000)
     assert caught.value.code == "E473"
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_who_is_absent_for_a_while_keeps_its_history(backend: str) -> None:
+    """Of objects that are absent for up to 0.3 s; after more, it is another one. More than the capacity are a fault."""
+    signals = SIGNALS.replace("object { x: m }", "object { x: m } capacity 2 forget 0.35 s")
+    rules = 'rule far "" for all o in objects require not once o.x > 5 m\n'
+    rig = Rig(rules, backend, spec=signals)
+
+    def step(**there: float) -> Any:
+        return rig.step(objects={"id": list(there), "x": list(there.values())})
+
+    assert not step(a=9.0).safe
+    assert step().safe  # nobody is there
+    assert [one[2] for one in names(step(a=0.0))] == ["violated"] * 2  # it was there 0.2 s ago
+    assert [step().safe for _ in range(3)] == [True] * 3
+    assert step(a=0.0).safe  # after 0.4 s, it is a new one
+    assert step(b=0.0, c=0.0).violations  # b has a place, c has none
+    decision = step(a=0.0, b=0.0, c=0.0)
+    assert [(fault.signal, fault.index) for fault in decision.faults] == [("objects", 2)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -10,8 +11,10 @@ import pytest
 
 from golden.trace.cases import PROJECT, TODAY, Small
 from trackmarshal import trace
+from trackmarshal.errors import TrackmarshalError
 
 ITEMS, TESTS, RESULTS, RUNS = Small().parts()
+BASELINE = "requirements/baseline.json"
 MODEL = "requirements/system-model.yaml"
 CRITERIA = "requirements/criteria.yaml"
 
@@ -45,9 +48,9 @@ def test_a_needed_test_taken_away_without_a_baseline(index: int, tmp_path: Path)
     gone = TESTS[index]
     found = fails(small.root, tests=[t for t in TESTS if t is not gone])
     if gone.title == "inside":  # the boundary test expects `satisfied` too: only a baseline notices this one
-        assert found == []
+        assert found == ["T220"]
     else:
-        assert found == ["T212"]
+        assert sorted(found) == ["T212", "T220"]
 
 
 def test_links_taken_away() -> None:
@@ -104,14 +107,47 @@ def test_a_consistent_removal_on_both_sides_is_noticed_by_the_baseline(tmp_path:
     assert set(fails(small.root)) == {"T224"}
 
 
-def test_accepting_a_baseline(tmp_path: Path) -> None:
+def test_what_became_weaker_is_accepted_by_somebody_for_a_reason(tmp_path: Path) -> None:
     small = Small.copy(tmp_path)
     tests = [t for t in TESTS if (t.rule, t.title) != ("gap", "inside")]
     assert fails(small.root, tests=tests) == ["T221"]
-    path = trace.accept_baseline(small.root, ITEMS, tests)
-    assert path == small.root / "requirements/baseline.json"
+    before = (small.root / BASELINE).read_bytes()
+    for said in ({}, {"by": "Ann Author"}, {"reason": "because"}, {"by": " ", "reason": "because"}):
+        with pytest.raises(TrackmarshalError) as caught:
+            trace.accept_baseline(small.root, ITEMS, tests, **said)  # type: ignore[arg-type]
+        assert caught.value.code == "T378"
+        assert (small.root / BASELINE).read_bytes() == before
+    path, weaker = trace.accept_baseline(
+        small.root, ITEMS, tests, by="Ann Author", reason="the same twice", today=TODAY
+    )
+    assert path == small.root / BASELINE
+    assert weaker == ["test gap: inside is gone"]
     assert fails(small.root, tests=tests) == []
     assert [p.name for p in path.parent.glob(".*")] == []
+    done = json.loads(path.read_text("utf-8"))["acceptances"]
+    assert len(done) == 2
+    assert (done[1]["by"], done[1]["reason"], done[1]["weaker"]) == ("Ann Author", "the same twice", weaker)
+
+
+def test_what_is_new_is_accepted_without_a_word(tmp_path: Path) -> None:
+    small = Small.copy(tmp_path)
+    more = [*TESTS, replace(TESTS[0], title="another")]
+    assert trace.accept_baseline(small.root, ITEMS, more)[1] == []
+    assert fails(small.root, tests=TESTS) == ["T221"]
+
+
+@pytest.mark.parametrize(("old", "new"), [
+    ('"inside"', '"inside."'), ('"reads"', '"read"'), ('"asil": "D"', '"asil": "QM"'), ('"expects": "violated"', '"expects": "satisfied"'),
+], ids=["a title", "a field", "an asil", "an expectation"])  # fmt: skip
+def test_a_baseline_that_was_edited_is_named(old: str, new: str, tmp_path: Path) -> None:
+    """Whatever was changed in it, and also where it then agrees with the project."""
+    small = Small.copy(tmp_path)
+    path = small.root / BASELINE
+    text = path.read_text("utf-8")
+    if old not in text:
+        pytest.skip(f"nothing says {old}")
+    path.write_text(text.replace(old, new, 1), "utf-8")
+    assert "T379" in fails(small.root)
 
 
 def test_accepting_the_same_again_changes_nothing(tmp_path: Path) -> None:
@@ -122,8 +158,6 @@ def test_accepting_the_same_again_changes_nothing(tmp_path: Path) -> None:
 
 
 def test_no_baseline_is_accepted_from_unreadable_requirements(tmp_path: Path) -> None:
-    from trackmarshal.errors import TrackmarshalError
-
     small = Small.copy(tmp_path)
     (small.root / "requirements/more.yaml").write_text("a: [", encoding="utf-8")
     with pytest.raises(TrackmarshalError, match="T105"):

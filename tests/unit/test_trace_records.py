@@ -12,6 +12,7 @@ from golden.trace.cases import PROJECT, Small
 from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import (
+    ExternalTest,
     FaultCase,
     FaultResult,
     Record,
@@ -38,7 +39,7 @@ RESULT = TestResult(
     "margin 2 N, expected 0 N",
     "specs/a.spec",
     40,
-    "cd" * 32,
+    {"rule friction": "cd" * 32},
 )
 RUN = RunSummary(
     "specs/scenarios/cut_in.tmrec.jsonl", "01" * 32, "cd" * 32, 122,
@@ -54,12 +55,17 @@ FOUND = FaultResult(
     "previous_emergency", 1.9, "apart", 2.1, "found too late",
 )  # fmt: skip
 
+EXTERNAL = ExternalTest(
+    "tests.test_door", "opens", ("S-1-B-1",), "skipped", "no compiler", "tests/test_door.py", 7, 0.5, "pytest 9",
+    "2026-06-01T12:00:00+00:00", "out/results.xml", 3, "ab" * 32,
+)  # fmt: skip
+
 
 @pytest.mark.parametrize(
     ("holds", "record"),
     [
         *(("spec_items", ITEM), ("spec_tests", TEST), ("test_results", RESULT), ("runs", RUN)),
-        *(("fault_cases", CASE), ("fault_results", FOUND)),
+        *(("fault_cases", CASE), ("fault_results", FOUND), ("external_tests", EXTERNAL)),
     ],
 )
 def test_round_trip(holds: str, record: Record, tmp_path: Path) -> None:

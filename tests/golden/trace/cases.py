@@ -23,7 +23,7 @@ from datetime import date
 from pathlib import Path
 
 from trackmarshal import records, trace
-from trackmarshal.records import FaultCase, RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records import FaultCase, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
 
 HERE = Path(__file__).parent
 PROJECT = HERE / "project"
@@ -53,19 +53,38 @@ class Small:
 
     def matrix(self) -> trace.Matrix:
         """The matrix, from the records in `records/`, read as a results folder is."""
+        held = self._held()
+        items = [item for item in held if isinstance(item, SpecItem)]
+        tests = [item for item in held if isinstance(item, SpecTest)]
+        cases = [item for item in held if isinstance(item, FaultCase)]
+        parts = [item for item in held if isinstance(item, SpecPart)]
+        results = trace.load_results(self.root, "records")
+        inputs = {
+            run.scenario: {f"rule {item.name}": item.fingerprint for item in items} for run in results.runs
+        }
+        return trace.build(
+            self.root, items, tests, results.test_results, results.runs, self.today,
+            run_inputs=inputs, findings=results.findings,
+            fault_cases=cases, fault_results=results.fault_results, parts=parts,
+        )  # fmt: skip
+
+    def _held(self) -> list[records.Record]:
         held: list[records.Record] = []
         for pattern in ("spec_*.json", "fault_cases.json"):
             for path in sorted((self.root / "records").glob(pattern)):
                 held += records.load(path).items
-        items = [item for item in held if isinstance(item, SpecItem)]
-        tests = [item for item in held if isinstance(item, SpecTest)]
-        cases = [item for item in held if isinstance(item, FaultCase)]
-        results = trace.load_results(self.root, "records")
-        fingerprints = {run.scenario: "s1" for run in results.runs}
-        return trace.build(
-            self.root, items, tests, results.test_results, results.runs, self.today,
-            spec_fingerprint="s1", run_fingerprints=fingerprints, findings=results.findings,
-            fault_cases=cases, fault_results=results.fault_results,
+        return held
+
+    def accept(self) -> None:
+        """Accept what there is now."""
+        held = self._held()
+        trace.accept_baseline(
+            self.root,
+            [item for item in held if isinstance(item, SpecItem)],
+            [item for item in held if isinstance(item, SpecTest)],
+            [item for item in held if isinstance(item, FaultCase)],
+            [item for item in held if isinstance(item, SpecPart)],
+            by="Ann Author", reason="a case", today=TODAY,
         )  # fmt: skip
 
     def parts(self) -> tuple[list[SpecItem], list[SpecTest], list[TestResult], list[RunSummary]]:
@@ -109,6 +128,8 @@ def apply(small: Small, lines: list[str]) -> None:
                 path.write_text(" " * int(words[2]), encoding="utf-8")
             case "link":
                 path.symlink_to(words[2])
+            case "accept":
+                small.accept()
             case "remove":
                 path.unlink()
             case "today":

@@ -19,6 +19,7 @@ SUFFIX = {
     "html": "html",
     "sarif": "sarif",
     "github": "github",
+    "junit": "xml",
 }
 BROKEN = """\
 edit records/test_results.json

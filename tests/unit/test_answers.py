@@ -1,0 +1,176 @@
+"""What is known is not run again, and what was written by hand does not stay."""
+
+from __future__ import annotations
+
+import json
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+
+from support.project import run_command
+from trackmarshal.cli import sources
+from trackmarshal.store import FILE
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A new project in a folder of its own, which is the current one, with a cache of its own."""
+    root = tmp_path / "car"
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    assert run_command("init", str(root))[0] == 0
+    monkeypatch.chdir(root)
+    return root
+
+
+@pytest.fixture
+def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What is run, as it is run: tests by rule and title, scenarios, faults."""
+    ran: list[str] = []
+    whole = sources.Sources
+
+    class Listening(whole):  # type: ignore[misc, valid-type]
+        def __init__(self, *args):  # type: ignore[no-untyped-def]
+            ran.append("compiled")
+            super().__init__(*args)
+
+        def test(self, wanted, facts):  # type: ignore[no-untyped-def]
+            for result in super().test(wanted, facts):
+                ran.append(f"{result.rule}: {result.title}")
+                yield result
+
+        def replay(self, shown, *args):  # type: ignore[no-untyped-def]
+            ran.append(shown)
+            return super().replay(shown, *args)
+
+    monkeypatch.setattr("trackmarshal.cli.assessment.Sources", Listening)
+    return ran
+
+
+def gate(*more: str) -> tuple[int, str]:
+    status, out, err = run_command("trace", "--gate", *more)
+    return status, out + err
+
+
+def entries(root: Path) -> list[dict[str, object]]:
+    return [json.loads(line) for line in (root / "out/results" / FILE).read_bytes().splitlines()]
+
+
+def test_an_unchanged_project_answers_from_the_store(project: Path, made: list[str]) -> None:
+    first = gate()
+    assert first[0] == 0
+    assert len(made) > 3
+    assert made[0] == "compiled"
+    held = (project / "out/results" / FILE).read_bytes()
+    made.clear()
+    assert gate() == first
+    assert made == []
+    assert (project / "out/results" / FILE).read_bytes() == held
+
+
+def test_what_changed_is_run_again_and_what_comes_back_is_known(project: Path, made: list[str]) -> None:
+    gate()
+    path = project / "specs/speed.spec"
+    text = path.read_text("utf-8")
+    titles = {name for name in made if name.startswith("speed_limit: ")}
+    path.write_text(text.replace("p.v <= v_max", "p.v < v_max"), "utf-8")
+    made.clear()
+    gate()
+    assert titles < set(made)
+    assert any("scenarios" in name for name in made)
+    path.write_text(text, "utf-8")
+    made.clear()
+    assert gate()[0] == 0
+    assert made == ["compiled"]
+    path.write_text("-- a comment\n" + text, "utf-8")
+    made.clear()
+    assert gate()[0] == 0
+    assert made == ["compiled"]
+
+
+def test_an_entry_says_from_what_by_what_and_where_it_was_made(project: Path) -> None:
+    gate()
+    for one in entries(project):
+        assert str(one["tool"]).startswith("trackmarshal ")
+        assert "Python" in str(one["platform"])
+        assert str(one["made"])[4] == "-"
+        assert isinstance(one["inputs"], dict)
+        assert all(len(value) in (64, 39, 34) or " " in value for value in one["inputs"].values())
+    (run,) = [one for one in entries(project) if one["kind"] == "run"][:1]
+    assert isinstance(run["params"], dict)
+    assert run["params"]
+
+
+def test_a_result_that_was_edited_is_named_and_run_again(project: Path, made: list[str]) -> None:
+    gate()
+    path = project / "out/results" / FILE
+    path.write_bytes(path.read_bytes().replace(b'"outcome": "passed"', b'"outcome": "failed"', 1))
+    made.clear()
+    status, said = gate()
+    assert status == 1
+    assert said.count("error[T293]") == 1
+    assert len(made) == 2  # compiled, and the one test
+    assert gate()[0] == 1, "it is named until somebody removes it"
+
+
+def _forged(path: Path) -> None:
+    """Make a failed test pass in the store, with its hash made again."""
+    lines = path.read_bytes().splitlines()
+    at = next(number for number, line in enumerate(lines) if b'"outcome": "failed"' in line)
+    said = json.loads(lines[at].replace(b'"outcome": "failed"', b'"outcome": "passed"'))
+    said.pop("id")
+    said["result"]["message"] = ""
+    rest = json.dumps(said, ensure_ascii=False, sort_keys=True)[1:].encode()
+    lines[at] = b'{"id": "' + sha256(rest).hexdigest().encode() + b'", ' + rest
+    path.write_bytes(b"\n".join(lines) + b"\n")
+
+
+def test_a_forged_result_is_found_by_running_everything_again(project: Path) -> None:
+    path = project / "specs/speed.spec"
+    path.write_text(path.read_text("utf-8").replace("expect violated", "expect satisfied", 1), "utf-8")
+    assert gate()[0] == 1
+    _forged(project / "out/results" / FILE)
+    forged = gate()
+    assert "T293" not in forged[1]
+    assert "T215" not in forged[1]
+    status, said = gate("--rerun")
+    assert status == 1
+    assert said.count("error[T294]") == 1
+    assert said.count("error[T215]") == 1
+    assert "T215" in gate()[1], "what came out now is what counts"
+
+
+def test_the_facts_that_are_kept_are_those_of_the_files_as_they_are(project: Path, made: list[str]) -> None:
+    """A file more, a file less, another text: each is seen without anything being told of it."""
+    gate()
+    spec = project / "specs/more"
+    spec.mkdir()
+    steps = [
+        lambda: (spec / "extra.spec").write_text("module extra\nuse speed\n", "utf-8"),
+        (spec / "extra.spec").unlink,
+        lambda: (project / "specs/speed.spec").write_text(
+            (project / "specs/speed.spec").read_text("utf-8") + "\n-- x\n", "utf-8"
+        ),
+        lambda: (project / "requirements/requirements.yaml").write_text(
+            (project / "requirements/requirements.yaml").read_text("utf-8") + "# x\n", "utf-8"
+        ),
+    ]
+    for number, step in enumerate(steps):
+        made.clear()
+        step()
+        gate()
+        assert made[:1] == ["compiled"], number
+        made.clear()
+        gate()
+        assert made == [], number
+
+
+def test_facts_that_were_changed_in_the_cache_are_not_used(
+    project: Path, made: list[str], tmp_path: Path
+) -> None:
+    first = gate()
+    (path,) = (tmp_path / "cache").glob("facts-*.json")
+    path.write_bytes(path.read_bytes().replace(b'"satisfies"', b'"satisfied"', 1))
+    made.clear()
+    assert gate() == first
+    assert made == ["compiled"]

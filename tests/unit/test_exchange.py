@@ -1,0 +1,344 @@
+"""Requirements to other tools and back: what files hold, what other tools write, what is refused, and how it is said."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import re
+import shutil
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+import reqif
+import xmlschema
+
+from trackmarshal.cli.main import main
+from trackmarshal.trace import exchange
+from trackmarshal.trace.exchange import Naming, Refused
+from trackmarshal.trace.findings import Finding
+
+ROOT = Path(__file__).parents[2]
+GOLDEN = ROOT / "tests" / "golden" / "exchange" / "messages.txt"
+NOW = datetime(2026, 1, 2, tzinfo=UTC)
+
+
+def project(folder: Path) -> Path:
+    """The shipped requirements as a project of their own."""
+    shutil.copytree(ROOT / "requirements", folder / "requirements")
+    return folder
+
+
+def shipped() -> list[exchange.Document]:
+    found: list[Finding] = []
+    documents = exchange.of_project(ROOT, found)
+    assert found == []
+    assert documents
+    return documents
+
+
+def read(
+    text: str | bytes, format: str, naming: Naming | None = None
+) -> tuple[list[exchange.Document], list[str]]:
+    found: list[Finding] = []
+    data = text.encode() if isinstance(text, str) else text
+    return exchange.read(data, format, f"file{exchange.FORMATS[format]}", naming or Naming(), found), [
+        str(one) for one in found
+    ]
+
+
+def test_what_is_written_is_reqif(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against the schema of ReqIF, which comes with the package."""
+    folder = Path(reqif.__file__).parent
+    monkeypatch.chdir(folder)  # the schema includes files by paths from there
+    schema = xmlschema.XMLSchema(str(folder / "reqif_schema" / "reqif.xsd"))
+    file = tmp_path / "out.reqif"
+    file.write_bytes(exchange.export(shipped(), "reqif", "A & <B>", NOW))
+    assert [error.reason for error in schema.iter_errors(str(file))] == []
+
+
+def test_needs_are_what_sphinx_needs_reads() -> None:
+    data = json.loads(exchange.export(shipped(), "needs", "P", NOW))
+    version = data["versions"][data["current_version"]]
+    need = version["needs"]["RR-1"]
+    assert version["needs_amount"] == len(version["needs"])
+    assert need["id"] == "RR-1"
+    assert need["type"] == "req"
+    assert need["title"] == "Overall maximum speed"
+    assert need["content"].startswith("The vehicle shall never")
+    assert need["status"] == "approved"
+    assert need["refines"] == ["S-1-A-6"]
+    assert need["docname"] == "race-rules"
+
+
+@pytest.mark.parametrize("format", exchange.FORMATS)
+def test_a_project_goes_out_and_comes_back(
+    format: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Through the commands: other files, but every field of every requirement."""
+    root = project(tmp_path)
+    monkeypatch.chdir(root)
+    file = f"all{exchange.FORMATS[format]}"
+    assert main(["export", "requirements", "--out", file]) == 0
+    assert main(["import", "requirements", file, "--out", "requirements"]) == 2  # there already
+    assert "E412" in capsys.readouterr().err
+    assert main(["import", "requirements", file, "--out", "requirements", "--force"]) == 0
+    assert exchange.of_project(root, []) == shipped()
+    assert (
+        "document: requirements\ntitle: Rules of conduct in a race\n"
+        in (root / "requirements" / "race-rules.yaml").read_text()
+    )
+    assert not list((root / "requirements").glob(".*"))
+
+
+def test_the_same_requirements_are_the_same_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsysbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1767312000")
+    monkeypatch.chdir(project(tmp_path))
+    printed = []
+    for _ in range(2):
+        assert main(["export", "requirements", "--format", "csv"]) == 0
+        printed.append(capsysbinary.readouterr().out)
+    assert printed[0] == printed[1]
+    assert printed[0].startswith(b"document,document_title,document_source,id,title,")
+    assert b"\r\n" in printed[0]
+
+
+FOREIGN_CSV = """Key,Name,Text,Owner,Priority
+AB-1,Braking,"The vehicle shall brake, always.",=Ada,3
+"""
+NAMING = Naming(
+    {"id": "Key", "title": "Name", "statement": "Text"},
+    {
+        "rationale": "Taken over.",
+        "status": "draft",
+        "asil": "QM",
+        "verification": "review; test",
+        "source": "door",
+    },
+)
+
+
+def test_a_table_of_somebody_else() -> None:
+    documents, found = read(FOREIGN_CSV, "csv", NAMING)
+    assert found == []
+    one = documents[0].requirements[0]
+    assert one["id"] == "AB-1"
+    assert one["verification"] == ["review", "test"]
+    assert one["foreign"] == {"Owner": "=Ada", "Priority": "3"}
+    rows = list(csv.reader(io.StringIO(exchange.export(documents, "csv", "P", NOW).decode(), newline="")))
+    assert rows[1][rows[0].index("Owner")] == "'=Ada"
+
+
+def test_needs_of_somebody_else() -> None:
+    need = {
+        "id": "AB-1", "title": "Braking", "content": "It shall brake.", "status": "open", "type": "spec", "links": ["AB-2"], "links_back": ["X"],
+        "tags": [], "weight": 3, "safe": False, "lineno": 7, "docname": "brakes", "sections": ["Brakes", "All"],
+    }  # fmt: skip
+    data = {"current_version": "", "project": "P", "versions": {"0.1": {"needs": {"AB-1": need}}}}
+    naming = Naming({"status": "state"}, {**NAMING.defaults, "status": "draft"})
+    documents, found = read(json.dumps(data), "needs", naming)
+    assert [one.split(":")[1:][0:2] for one in found if "lineno" in one]
+    assert len(found) == 2
+    one = documents[0].requirements[0]
+    assert documents[0].table["title"] == "Brakes"
+    assert one["foreign"] == {
+        "status": "open",
+        "type": "spec",
+        "links": 'json:["AB-2"]',
+        "weight": "json:3",
+        "safe": "json:false",
+    }
+    back = json.loads(exchange.export(documents, "needs", "P", NOW))["versions"]["1.0"]["needs"]["AB-1"]
+    assert (back["type"], back["links"], back["weight"], back["safe"]) == ("spec", ["AB-2"], 3, False)
+
+
+REQIF = """<?xml version="1.0" encoding="UTF-8"?>
+<REQ-IF xmlns="http://www.omg.org/spec/ReqIF/20110401/reqif.xsd" xmlns:xhtml="http://www.w3.org/1999/xhtml">
+  <THE-HEADER><REQ-IF-HEADER IDENTIFIER="h"><TITLE>Door</TITLE></REQ-IF-HEADER></THE-HEADER>
+  <CORE-CONTENT><REQ-IF-CONTENT>
+    <DATATYPES>
+      <DATATYPE-DEFINITION-XHTML IDENTIFIER="dx" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="X"/>
+      <DATATYPE-DEFINITION-STRING IDENTIFIER="ds" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="S" MAX-LENGTH="99"/>
+      <DATATYPE-DEFINITION-ENUMERATION IDENTIFIER="de" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="E"><SPECIFIED-VALUES>
+        <ENUM-VALUE IDENTIFIER="e1" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="approved"><PROPERTIES><EMBEDDED-VALUE KEY="1" OTHER-CONTENT=""/></PROPERTIES></ENUM-VALUE>
+      </SPECIFIED-VALUES></DATATYPE-DEFINITION-ENUMERATION>
+    </DATATYPES>
+    <SPEC-TYPES>
+      <SPEC-OBJECT-TYPE IDENTIFIER="t" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="T"><SPEC-ATTRIBUTES>
+        <ATTRIBUTE-DEFINITION-STRING IDENTIFIER="ai" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="ReqIF.ForeignID"><TYPE><DATATYPE-DEFINITION-STRING-REF>ds</DATATYPE-DEFINITION-STRING-REF></TYPE></ATTRIBUTE-DEFINITION-STRING>
+        <ATTRIBUTE-DEFINITION-XHTML IDENTIFIER="ax" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="ReqIF.Text"><TYPE><DATATYPE-DEFINITION-XHTML-REF>dx</DATATYPE-DEFINITION-XHTML-REF></TYPE></ATTRIBUTE-DEFINITION-XHTML>
+        <ATTRIBUTE-DEFINITION-ENUMERATION IDENTIFIER="ae" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="status" MULTI-VALUED="false"><TYPE><DATATYPE-DEFINITION-ENUMERATION-REF>de</DATATYPE-DEFINITION-ENUMERATION-REF></TYPE></ATTRIBUTE-DEFINITION-ENUMERATION>
+      </SPEC-ATTRIBUTES></SPEC-OBJECT-TYPE>
+      <SPEC-RELATION-TYPE IDENTIFIER="r" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="Refines"/>
+      <SPEC-RELATION-TYPE IDENTIFIER="v" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="verifies"/>
+      <SPECIFICATION-TYPE IDENTIFIER="st" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="ST"/>
+    </SPEC-TYPES>
+    <SPEC-OBJECTS>
+      <SPEC-OBJECT IDENTIFIER="o1" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="One"><TYPE><SPEC-OBJECT-TYPE-REF>t</SPEC-OBJECT-TYPE-REF></TYPE><VALUES>
+        <ATTRIBUTE-VALUE-STRING THE-VALUE="AB-1"><DEFINITION><ATTRIBUTE-DEFINITION-STRING-REF>ai</ATTRIBUTE-DEFINITION-STRING-REF></DEFINITION></ATTRIBUTE-VALUE-STRING>
+        <ATTRIBUTE-VALUE-XHTML><DEFINITION><ATTRIBUTE-DEFINITION-XHTML-REF>ax</ATTRIBUTE-DEFINITION-XHTML-REF></DEFINITION><THE-VALUE><xhtml:div>It shall <xhtml:b>open</xhtml:b>.<xhtml:br/>Always, if v &lt; 1.</xhtml:div></THE-VALUE></ATTRIBUTE-VALUE-XHTML>
+        <ATTRIBUTE-VALUE-ENUMERATION><DEFINITION><ATTRIBUTE-DEFINITION-ENUMERATION-REF>ae</ATTRIBUTE-DEFINITION-ENUMERATION-REF></DEFINITION><VALUES><ENUM-VALUE-REF>e1</ENUM-VALUE-REF></VALUES></ATTRIBUTE-VALUE-ENUMERATION>
+      </VALUES></SPEC-OBJECT>
+      <SPEC-OBJECT IDENTIFIER="AB-2" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="Two" DESC="It shall close."><TYPE><SPEC-OBJECT-TYPE-REF>t</SPEC-OBJECT-TYPE-REF></TYPE><VALUES>
+        <ATTRIBUTE-VALUE-ENUMERATION><DEFINITION><ATTRIBUTE-DEFINITION-ENUMERATION-REF>ae</ATTRIBUTE-DEFINITION-ENUMERATION-REF></DEFINITION><VALUES><ENUM-VALUE-REF>e1</ENUM-VALUE-REF></VALUES></ATTRIBUTE-VALUE-ENUMERATION>
+      </VALUES></SPEC-OBJECT>
+    </SPEC-OBJECTS>
+    <SPEC-RELATIONS>
+      <SPEC-RELATION IDENTIFIER="x1" LAST-CHANGE="2026-01-02T00:00:00Z"><TYPE><SPEC-RELATION-TYPE-REF>r</SPEC-RELATION-TYPE-REF></TYPE><SOURCE><SPEC-OBJECT-REF>AB-2</SPEC-OBJECT-REF></SOURCE><TARGET><SPEC-OBJECT-REF>o1</SPEC-OBJECT-REF></TARGET></SPEC-RELATION>
+      <SPEC-RELATION IDENTIFIER="x2" LAST-CHANGE="2026-01-02T00:00:00Z"><TYPE><SPEC-RELATION-TYPE-REF>v</SPEC-RELATION-TYPE-REF></TYPE><SOURCE><SPEC-OBJECT-REF>o1</SPEC-OBJECT-REF></SOURCE><TARGET><SPEC-OBJECT-REF>AB-2</SPEC-OBJECT-REF></TARGET></SPEC-RELATION>
+    </SPEC-RELATIONS>
+    <SPECIFICATIONS>
+      <SPECIFICATION IDENTIFIER="s" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="All doors"><TYPE><SPECIFICATION-TYPE-REF>st</SPECIFICATION-TYPE-REF></TYPE><CHILDREN>
+        <SPEC-HIERARCHY IDENTIFIER="h1" LAST-CHANGE="2026-01-02T00:00:00Z"><OBJECT><SPEC-OBJECT-REF>AB-2</SPEC-OBJECT-REF></OBJECT><CHILDREN>
+          <SPEC-HIERARCHY IDENTIFIER="h2" LAST-CHANGE="2026-01-02T00:00:00Z"><OBJECT><SPEC-OBJECT-REF>o1</SPEC-OBJECT-REF></OBJECT></SPEC-HIERARCHY>
+        </CHILDREN></SPEC-HIERARCHY>
+      </CHILDREN></SPECIFICATION>
+    </SPECIFICATIONS>
+  </REQ-IF-CONTENT></CORE-CONTENT>
+</REQ-IF>
+"""
+DOOR = Naming({}, {key: text for key, text in NAMING.defaults.items() if key != "status"})
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_reqif_of_somebody_else(encoding: str) -> None:
+    documents, found = read(REQIF.encode(encoding), "reqif", DOOR)
+    assert [(one["id"], one["title"]) for one in documents[0].requirements] == [
+        ("AB-2", "Two"),
+        ("AB-1", "One"),
+    ]
+    two, one = documents[0].requirements
+    assert two["refines"] == ["AB-1"]
+    assert two["statement"] == "It shall close."
+    assert one["statement"] == "It shall open.\nAlways, if v < 1."
+    assert one["status"] == "approved"
+    assert one["foreign"] == {"link verifies": "AB-2"}
+    assert [re.sub(r"^file.reqif:[0-9]+: ", "", text) for text in found] == [
+        "warning[T357]: `b` in formatted text is not taken over",
+        "warning[T357]: what stands below what in a specification is not taken over",
+    ]
+    assert exchange.check(documents) == []
+
+
+def _messages() -> list[tuple[str, bytes]]:
+    """Files that cannot be used, by the format that they should be of."""
+    needs = '{"versions": {"1": {"needs": {\n"A-1": {"id": "A-1"}}}}}'
+    return [
+        ("csv", b""), ("csv", b"id,title\n\xff,x\n"), ("csv", b"id,id\n"), ("csv", b"id,,b\n"), ("csv", b"id,title\nA-1\n"), ("csv", b'id,title\nA-1,"x\n'),
+        ("csv", b"document,document_title,id\na,x,A-1\na,y,A-2\n"), ("csv", b"id,title\nA 1,x\n"), ("csv", b"id," + b"x" * 201 + b"\nA-1,y\n"),
+        ("needs", b"[1]"), ("needs", b"{}"), ("needs", b'{"versions": {"1": {}'), ("needs", b'{"versions": {"1": {}}}'), ("needs", b'{"versions": {"1": {}, "2": {}}}'),
+        ("needs", needs.replace('"id": "A-1"', '"id": "A-2"').encode()), ("needs", needs.replace('{"id": "A-1"}', "3").encode()),
+        ("needs", needs.replace('{"id": "A-1"}', '{"a": 1, "a": 2}').encode()), ("needs", b'{"versions": NaN}'), ("needs", b"[" * 100_000), ("needs", needs.encode()),
+        ("reqif", b""), ("reqif", REQIF.encode()[:900]), ("reqif", b"<a/>"), ("reqif", b"<a>\n" * 300), ("reqif", b'<?xml version="1.0" encoding="latin-1"?><a/>'),
+        ("reqif", b'<?xml version="1.0"?>\n<!DOCTYPE a [<!ENTITY b "c">]>\n<REQ-IF>&b;</REQ-IF>'), ("reqif", b"<REQ-IF>\xff</REQ-IF>"),
+        ("reqif", REQIF.replace('<SPEC-OBJECT-REF>o1</SPEC-OBJECT-REF></TARGET>', "<SPEC-OBJECT-REF>o3</SPEC-OBJECT-REF></TARGET>").encode()),
+        ("reqif", REQIF.replace("<SPEC-OBJECT-REF>o1</SPEC-OBJECT-REF></OBJECT>", "<SPEC-OBJECT-REF>o3</SPEC-OBJECT-REF></OBJECT>").encode()),
+        ("reqif", REQIF.replace('IDENTIFIER="o1"', 'IDENTIFIER="AB-2"').encode()), ("reqif", REQIF.replace('IDENTIFIER="ai"', 'IDENTIFIER="ak"').encode()),
+        ("reqif", REQIF.replace(">e1<", ">e2<", 1).encode()), ("reqif", REQIF.encode()),
+    ]  # fmt: skip
+
+
+def test_messages() -> None:
+    """Word for word."""
+    said = []
+    for format, data in _messages():
+        try:
+            said += [
+                f"# {format}: {data[:60]!r}",
+                *read(data, format, NAMING if format == "needs" else DOOR)[1],
+            ]
+        except Refused as refused:
+            said.append(str(refused))
+    actual = "\n".join(said) + "\n"
+    if os.environ.get("TRACKMARSHAL_UPDATE_GOLDEN") == "1":
+        GOLDEN.parent.mkdir(exist_ok=True)
+        GOLDEN.write_text(actual, encoding="utf-8")
+    assert actual == GOLDEN.read_text(encoding="utf-8")
+    for code in ("T350", "T353", "T354", "T355", "T356", "T357", "T358"):
+        assert f"[{code}]" in actual
+
+
+def test_links_that_lead_nowhere_and_ids_that_are_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    root = project(tmp_path)
+    monkeypatch.chdir(root)
+    text = "id,title,statement,rationale,refines,derived_from,status,asil,verification,source\n{},A,It shall.,B,{},{},draft,QM,test,C\n"
+    for id_, parent, interface, said in [
+        ("ZZ-1", "S-1-A-6", "AV-RO", ""), ("ZZ-2", "S-1-A-66", "", "`refines` of `ZZ-2` leads to `S-1-A-66`, which is not there"),
+        ("RR-1", "S-1-A-6", "", "the id `RR-1` is there twice"), ("ZZ-3", "", "AV-XX", "`derived_from` of `ZZ-3` leads to `AV-XX`"),
+    ]:  # fmt: skip
+        Path("in.csv").write_text(text.format(id_, parent, interface))
+        assert main(["import", "requirements", "in.csv", "--out", f"requirements/{id_}.yaml"]) == (
+            2 if said else 0
+        )
+        assert said in capsys.readouterr().err
+        assert Path(f"requirements/{id_}.yaml").exists() == (not said)
+
+
+def test_what_is_too_large_is_not_read(tmp_path: Path) -> None:
+    file = tmp_path / "big.csv"
+    with file.open("wb") as stream:
+        stream.truncate(exchange.content.MAX_BYTES + 1)
+    with pytest.raises(Refused) as refused:
+        exchange.load(file, "big.csv")
+    assert refused.value.code == "T351"
+
+
+def test_a_cell_has_an_end() -> None:
+    documents, _ = read(FOREIGN_CSV, "csv", NAMING)
+    documents[0].requirements[0]["foreign"]["Owner"] = "x" * 131_071
+    assert exchange.export(documents, "csv", "P", NOW)
+    documents[0].requirements[0]["foreign"]["Owner"] = "x" * 131_072
+    with pytest.raises(Refused) as refused:
+        exchange.export(documents, "csv", "P", NOW)
+    assert refused.value.code == "T352"
+
+
+def test_half_a_character_is_not_written() -> None:
+    documents, _ = read(FOREIGN_CSV, "csv", NAMING)
+    documents[0].requirements[0]["foreign"]["Owner"] = "\ud800"
+    with pytest.raises(Refused) as refused:
+        exchange.yaml(documents[0])
+    assert refused.value.code == "T352"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["import", "requirements", "in.txt"], "error[T360]"),
+        (["export", "requirements"], "error[T360]"),
+        (["import", "requirements", "in.csv", "--field", "nonsense=A"], "error[T360]"),
+        (["import", "requirements", "in.csv", "--map", "m.yaml"], "no such option: map"),
+        (["import", "requirements", "in.csv", "--format", "json"], "no format `json`"),
+        (["import", "log", "in.csv"], "required: --map"),
+        (["import", "log", "in.csv", "--map", "m.yaml", "--force"], "no such option: force"),
+        (["import", "requirements"], "required: FILE"),
+        (["import", "requirements", "all.needs.json", "--out", "one.yaml"], "error[T360]"),
+    ],
+)  # fmt: skip
+def test_arguments_that_say_too_little(
+    arguments: list[str],
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(project(tmp_path))
+    Path("in.csv").write_text(FOREIGN_CSV)
+    Path("in.txt").write_text(FOREIGN_CSV)
+    Path("all.needs.json").write_bytes(exchange.export(shipped(), "needs", "P", NOW))
+    assert main(arguments) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "reqif.parser", None)
+    with pytest.raises(Refused) as refused:
+        exchange.export(shipped(), "reqif", "P", NOW)
+    assert refused.value.code == "T359"
+    assert "trackmarshal[exchange]" in str(refused.value)

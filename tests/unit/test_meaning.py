@@ -1,0 +1,135 @@
+"""What results rest on: one changed comparison makes stale what rests on it and nothing else, and layout nothing at all."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from support.length import shared_out
+from support.shared import REPOSITORY
+from trackmarshal.cli.sources import read_specs
+from trackmarshal.ir.spec import Spec
+from trackmarshal.meaning import Meaning, fingerprint_of_test, key
+from trackmarshal.trace import requirements
+
+Prints = dict[tuple[str, ...], str]
+
+
+def prints(root: Path) -> tuple[Prints, Spec]:
+    """What every rule and every test of a project rests on, as one hash each."""
+    compiled, prepared, found = read_specs(root, requirements.load(root, []))
+    assert [item for item in found if item.level == "error"] == []
+    meaning = Meaning(compiled.spec)
+    rules = {("rule", rule.name): meaning.fingerprint(rule) for rule in compiled.spec.rules}
+    tests = {
+        ("test", t.rule.name, t.title): key({**meaning.rule(t.rule), "test": fingerprint_of_test(t)})
+        for t in prepared
+    }
+    return {**rules, **tests}, compiled.spec
+
+
+@cache
+def shipped() -> tuple[Prints, Spec]:
+    return prints(REPOSITORY)
+
+
+def copy(tmp_path: Path) -> Path:
+    for name in ("specs", "requirements"):
+        shutil.copytree(REPOSITORY / name, tmp_path / name)
+    return tmp_path
+
+
+def changed(before: Prints, after: Prints) -> set[tuple[str, ...]]:
+    return {name for name in before.keys() | after.keys() if before.get(name) != after.get(name)}
+
+
+def replaced(path: Path, old: str, new: str) -> None:
+    text = path.read_text("utf-8")
+    assert text.count(old) == 1, (path, old, text.count(old))
+    path.write_text(text.replace(old, new), "utf-8")
+
+
+RULES = [rule.name for rule in shipped()[1].rules if rule.formula is not None]
+
+
+@pytest.mark.parametrize("name", shared_out(RULES, 8))
+def test_a_changed_rule_makes_stale_its_own_tests(name: str, tmp_path: Path) -> None:
+    before, spec = shipped()
+    rule = spec.rule(name)
+    assert rule is not None
+    path = copy(tmp_path) / rule.span.file.path
+    clause = "monitor" if rule.kind == "assume" else "require"
+    head, found, rest = rule.text.partition(f"\n  {clause} ")
+    assert found, rule.text
+    compared = re.search(r" (<=|>=|<|>) ", rest)
+    if compared:
+        other = {"<=": "<", ">=": ">", "<": "<=", ">": ">="}[compared[1]]
+        rest = rest[: compared.start()] + f" {other} " + rest[compared.end() :]
+    else:  # one that asks where something is
+        rest = re.sub(r"((?:\w|[.])+\([^()]*(?:\([^()]*\)[^()]*)*\)[^\n]*)", r"not (\1)", rest, count=1)
+    replaced(path, rule.text, head + found + rest)
+    after, _ = prints(tmp_path)
+    assert changed(before, after) == {
+        ("rule", name), *(test for test in before if test[:2] == ("test", name))
+    }  # fmt: skip
+
+
+def test_what_means_the_same_makes_nothing_stale(tmp_path: Path) -> None:
+    path = copy(tmp_path) / "specs/supervisor/trajectory.spec"
+    rule = shipped()[1].rule("friction")
+    assert rule is not None
+    replaced(path, f'"{rule.title}"', '"another title"')
+    text = path.read_text("utf-8").replace("\n\n", "\n\n\n").replace("  require ", "  require\n    ")
+    path.write_text("-- a comment\n" + text, "utf-8")
+    assert changed(shipped()[0], prints(tmp_path)[0]) == set()
+
+
+def test_a_parameter_is_noticed_where_it_is_read(tmp_path: Path) -> None:
+    root = copy(tmp_path)
+    spec = shipped()[1]
+    path = root / spec.params["vehicles.devbot.mu"].span.file.path
+    text = path.read_text("utf-8")
+    line = next(line for line in text.splitlines() if line.startswith("param mu "))
+    path.write_text(text.replace(line, re.sub(r"= *[0-9.]+", "= 1.3", line, count=1)), "utf-8")
+    stale = changed(shipped()[0], prints(root)[0])
+    assert ("rule", "friction") in stale
+    assert ("rule", "turn_radius") not in stale
+    named = {one[1] for one in stale}
+    assert named == {
+        rule.name for rule in spec.rules if "param vehicles.devbot.mu" in Meaning(spec).rule(rule)
+    }
+
+
+def test_the_contract_of_a_signal_is_noticed(tmp_path: Path) -> None:
+    root = copy(tmp_path)
+    spec = shipped()[1]
+    field = spec.field("plan", "grip")
+    assert field is not None
+    path = root / field.span.file.path
+    text = path.read_text("utf-8").splitlines(keepends=True)
+    line = text[field.span.line - 1]
+    text[field.span.line - 1] = line.replace("[0, 1]", "[0, 0.9]").replace("default 1", "default 0.9")
+    assert text[field.span.line - 1] != line
+    path.write_text("".join(text), "utf-8")
+    stale = {name[1] for name in changed(shipped()[0], prints(root)[0])}
+    assert stale == {rule.name for rule in spec.rules if any(of == "plan" for of, _ in rule.reads)}
+
+
+def test_the_text_of_a_test_is_noticed_and_its_layout_is_not(tmp_path: Path) -> None:
+    root = copy(tmp_path)
+    path = root / "specs/supervisor/conduct.spec"
+    text = path.read_text("utf-8")
+    first = re.search(r'test speed_limit "([^"]*)"\n(.*?)\n\n', text, re.S)
+    assert first is not None
+    body = first[0]
+    assert "expect satisfied" in body
+    path.write_text(text.replace(body, body.replace("expect satisfied", "expect   violated")), "utf-8")
+    assert changed(shipped()[0], prints(root)[0]) == {("test", "speed_limit", first[1])}
+    path.write_text(
+        text.replace(body, body.replace("\n", "\n\n", 1).replace("  given ", "    given ")), "utf-8"
+    )
+    assert changed(shipped()[0], prints(root)[0]) == set()

@@ -1,0 +1,162 @@
+"""`@pytest.mark.verifies`: what a run of pytest with the plugin writes, and what it refuses to collect."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from golden.trace.cases import PROJECT
+from trackmarshal.junit import reading
+from trackmarshal.records import ExternalTest, load
+
+TESTS = """
+import pytest
+
+pytestmark = pytest.mark.verifies("S-1-A-1")
+
+
+@pytest.mark.verifies("S-1-B-1", "RR-2")
+class TestDoor:
+    def test_opens(self):
+        pass
+
+    @pytest.mark.verifies("RR-1")
+    @pytest.mark.parametrize("side", [1, 2])
+    def test_shuts(self, side):
+        assert side == 1, "the other side"
+
+    @pytest.mark.skip(reason="no lock")
+    def test_locks(self):
+        pass
+
+    @pytest.mark.xfail(reason="known")
+    def test_rusts(self):
+        assert False
+
+
+@pytest.fixture
+def broken():
+    raise OSError("no hinge")
+
+
+@pytest.fixture
+def falls():
+    yield
+    raise OSError("it falls off")
+
+
+def test_broken(broken):
+    pass
+
+
+def test_falls(falls):
+    pass
+"""
+OUTCOMES = {
+    "test_broken": "error",
+    "test_falls": "error",
+    "TestDoor::test_opens": "passed",
+    "TestDoor::test_shuts[1]": "passed",
+    "TestDoor::test_shuts[2]": "failed",
+    "TestDoor::test_locks": "skipped",
+    "TestDoor::test_rusts": "skipped",
+}
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A project with tests in it, and nothing else that pytest would read."""
+    shutil.copytree(PROJECT, tmp_path / "project")
+    folder = tmp_path / "project" / "tests"
+    folder.mkdir()
+    (tmp_path / "project" / "pytest.ini").write_text("[pytest]\n", "utf-8")
+    return tmp_path / "project"
+
+
+def run(project: Path, tests: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    (project / "tests" / "test_door.py").write_text(tests, "utf-8")
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "trackmarshal.pytest_plugin",
+        "-p",
+        "no:cacheprovider",
+        *arguments,
+    ]
+    return subprocess.run(command, cwd=project, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["alone", "xdist"])
+def test_what_is_written(project: Path, more: list[str]) -> None:
+    done = run(
+        project, TESTS, "--strict-markers", "--junitxml=out/a.xml", "--trackmarshal-results=out/a.json", *more
+    )
+    assert done.returncode == 1, done.stdout + done.stderr
+    tests = {
+        test.name: test for test in load(project / "out" / "a.json").items if isinstance(test, ExternalTest)
+    }
+    assert {name: test.outcome for name, test in tests.items()} == OUTCOMES
+    assert tests["TestDoor::test_shuts[2]"].requirements == ("RR-1", "S-1-B-1", "RR-2", "S-1-A-1")
+    assert tests["test_broken"].requirements == ("S-1-A-1",)
+    opens = tests["TestDoor::test_opens"]
+    assert (opens.suite, opens.file, opens.line) == ("tests/test_door.py", "tests/test_door.py", 9)
+    assert "the other side" in tests["TestDoor::test_shuts[2]"].message
+    assert tests["TestDoor::test_locks"].message == "Skipped: no lock"
+    # pytest's own report says the same of every test; one whose teardown fails it lists once, as an error.
+    written = {test.name: test for test in reading.read(project / "out" / "a.xml", "a.xml")}
+    assert {name: test.outcome for name, test in written.items()} == {
+        name.removeprefix("TestDoor::"): outcome for name, outcome in OUTCOMES.items()
+    }
+    for name, test in tests.items():
+        assert set(written[name.removeprefix("TestDoor::")].requirements) == set(test.requirements)
+
+
+@pytest.mark.parametrize(
+    ("mark", "said"),
+    [
+        (
+            '"S-1-B-2"',
+            "tests/test_door.py:2: error[T336]: no requirement `S-1-B-2` is demanded; did you mean `S-1-B-1`",
+        ),
+        ('"RR-9"', "no requirement `RR-9` is demanded"),  # obsolete
+        ("", "`verifies` takes ids of requirements"),
+        ("7", "`verifies` takes ids of requirements"),
+        ('id="S-1-B-1"', "`verifies` takes ids of requirements"),
+    ],
+)
+def test_what_is_not_collected(project: Path, mark: str, said: str) -> None:
+    done = run(
+        project,
+        f"import pytest\n@pytest.mark.verifies({mark})\ndef test_it(): pass\n",
+        "--trackmarshal-results=out/a.json",
+    )
+    assert done.returncode == 2
+    assert "ERROR collecting tests/test_door.py" in done.stdout
+    assert said in done.stdout
+    assert load(project / "out" / "a.json").items == ()
+
+
+def test_the_workers_of_xdist_refuse_it_too(project: Path) -> None:
+    done = run(project, 'import pytest\n@pytest.mark.verifies("S-1-B-2")\ndef test_it(): pass\n', "-n", "1")
+    assert done.returncode != 0
+    assert "no requirement `S-1-B-2` is demanded" in done.stdout
+
+
+def test_without_a_project_nothing_is_verified(project: Path) -> None:
+    tests = 'import pytest\n@pytest.mark.verifies("S-1-B-1")\ndef test_it(): pass\n'
+    elsewhere = project.parent / "elsewhere"
+    (elsewhere / "tests").mkdir(parents=True)
+    (elsewhere / "pytest.ini").write_text("[pytest]\n", "utf-8")
+    done = run(elsewhere, tests)
+    assert done.returncode == 2
+    assert "name one with --trackmarshal-project" in done.stdout
+    assert run(elsewhere, tests, f"--trackmarshal-project={project}").returncode == 0
+    assert run(elsewhere, tests, "--trackmarshal-project=.").returncode != 0
+    assert run(elsewhere, "def test_it(): pass\n").returncode == 0

@@ -1,0 +1,189 @@
+"""Tests of other runners, and markers in source code, as cells of the matrix."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+import pytest
+
+from golden.trace.cases import Small
+from trackmarshal import trace
+from trackmarshal.trace.cells import Cell
+
+STAGE = '  - {id: S-3-B, title: verification, shows: its tests, applies_to: ["*"], counts: [test, run]}\n'
+COUNTING = STAGE.replace("[test, run]", "[test, run, external test]")
+PASSED = '<testcase classname="tests.test_a" name="{}"><properties><property name="verifies" value="{}"/></properties></testcase>'
+
+
+def project(folder: Path, entry: str, stage: str = COUNTING) -> Small:
+    small = Small.copy(folder)
+    small.replace("requirements/v-model.yaml", "stages:\n", f"  {entry}\nstages:\n")
+    small.replace("requirements/v-model.yaml", STAGE, stage)
+    return small
+
+
+def report(small: Small, *tests: str, path: str = "out/results.xml") -> Small:
+    (small.root / path).parent.mkdir(parents=True, exist_ok=True)
+    (small.root / path).write_text(f"<testsuite name='unit'>{''.join(tests)}</testsuite>", "utf-8")
+    return small
+
+
+def cell(small: Small, requirement: str, stage: str = "S-3-B") -> Cell:
+    row = next(row for row in small.matrix().rows if row.requirement.id == requirement)
+    return row.cells[stage]
+
+
+def test_what_passed_covers_the_requirement_that_it_names(tmp_path: Path) -> None:
+    small = report(
+        project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]"), PASSED.format("door", "S-1-B-1")
+    )
+    found = cell(small, "S-1-B-1")
+    assert found.status == "covered"
+    assert [(item.kind, item.name, item.title, str(item.place)) for item in found.items] == [
+        ("external test", "door", "tests.test_a", "out/results.xml:1")
+    ]
+
+
+def test_another_stage_knows_nothing_of_it(tmp_path: Path) -> None:
+    small = report(
+        project(tmp_path, "junit: [{path: out/results.xml, stage: S-2-A}]"), PASSED.format("door", "S-1-B-1")
+    )
+    assert cell(small, "S-1-B-1").status == "waived"
+
+
+def test_each_of_several_counts(tmp_path: Path) -> None:
+    small = project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]")
+    bad = PASSED.format("late", "S-1-B-1").replace("</testcase>", "<failure/></testcase>")
+    assert cell(report(small, PASSED.format("door", "S-1-B-1"), bad), "S-1-B-1").status == "failed"
+    skipped = bad.replace("failure", "skipped")
+    one = cell(report(small, PASSED.format("door", "S-1-B-1"), skipped), "S-1-B-1")
+    assert [item.status for item in one.items if item.kind == "external test"] == ["covered", "missing"]
+    assert one.status == "waived"  # partial, for which somebody answers
+
+
+def test_what_fails_below_shows_above(tmp_path: Path) -> None:
+    small = project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]")
+    bad = PASSED.format("grip", "RR-2").replace("</testcase>", "<error/></testcase>")
+    assert cell(report(small, bad), "S-1-A-5").status == "failed"
+
+
+def test_ids_in_names_of_tests(tmp_path: Path) -> None:
+    entry = "junit: [{path: out, stage: S-3-B, names: '(?:^|_)(S_1_[AB]_[0-9]+)(?![0-9])'}]"
+    small = report(
+        project(tmp_path, entry), '<testcase name="test_S_1_B_1_and_S_1_A_2"/>', path="out/deep/a.xml"
+    )
+    assert [item.name for item in cell(small, "S-1-B-1").items] == ["test_S_1_B_1_and_S_1_A_2"]
+    assert "external test" in [item.kind for item in cell(small, "S-1-A-2").items]
+    assert [finding for finding in small.matrix().findings if finding.code.startswith(("T33", "T34"))] == []
+
+
+def test_the_place_of_a_test_is_its_own_where_the_project_has_the_file(tmp_path: Path) -> None:
+    small = project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]")
+    tests = [
+        PASSED.format(name, "S-1-B-1").replace("<testcase", f'<testcase file="{file}" line="7"')
+        for name, file in (
+            ("a", "docs/seen.md"),
+            ("b", small.root / "docs" / "seen.md"),
+            ("c", "/etc/hostname"),
+            ("d", "../x.py"),
+        )
+    ]
+    places = [str(item.place) for item in cell(report(small, *tests), "S-1-B-1").items]
+    assert places == ["docs/seen.md:7", "docs/seen.md:7", "out/results.xml:1", "out/results.xml:1"]
+
+
+def test_records_of_the_plugin(tmp_path: Path) -> None:
+    small = project(tmp_path, "junit: [{path: out/pytest.json, stage: S-3-B}]")
+    item = {"suite": "tests/test_a.py", "name": "test_door", "requirements": ["S-1-B-1"], "outcome": "passed"}
+    file = {
+        "format": "trackmarshal-results", "version": 1, "tool_version": "0", "created": "2026-06-01T12:00:00+00:00",
+        "holds": "external_tests", "items": [item],
+    }  # fmt: skip
+    (small.root / "out").mkdir()
+    (small.root / "out" / "pytest.json").write_text(json.dumps(file), "utf-8")
+    assert cell(small, "S-1-B-1").status == "covered"
+    links = small.matrix().graph.links
+    assert "confirms" in {link.kind for link in links if link.target == ("requirement", "S-1-B-1")}
+    (small.root / "out" / "pytest.json").write_text("{}", "utf-8")
+    assert [f.code for f in small.matrix().findings if f.code == "T290"] == ["T290"]
+
+
+def test_hashes_and_times_are_kept(tmp_path: Path) -> None:
+    from trackmarshal.trace import external
+
+    small = report(
+        project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B, tool: ctest}]"),
+        PASSED.format("door", "S-1-B-1"),
+    )
+    (found,) = external.load(small.root, trace.load(small.root)[0], [])
+    assert found.test.report_hash == hashlib.sha256((small.root / "out/results.xml").read_bytes()).hexdigest()
+    assert found.test.tool == "ctest"
+
+
+CODED = STAGE.replace("[test, run]", "[code]")
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "place"),
+    [
+        ("a.py", "x = 1  # implements S-1-B-1\n", "engine/a.py:1:21"),
+        ("a.py", "#: implements: S-1-B-1: the door\n", None),
+        ("a.py", "# implements S-1-A-2, S-1-B-1: the door\n", "engine/a.py:1:14"),
+        ("a.py", 'x = "# implements S-1-B-1"\n', None),
+        ("a.py", '"""\n# implements S-1-B-1\n"""\n', None),
+        ("a.py", "# it implements S-1-B-1\n", None),
+        ("a.py", "# implements the door\n", None),
+        ("a.c", "int door(void); // implements S-1-B-1\n", "engine/a.c:1:31"),
+        ("a.c", "/* A door.\n * implements S-1-B-1\n */\n", "engine/a.c:2:15"),
+        ("a.c", '/* implements S-1-B-1 */ char *s = "/* implements S-1-A-2 */";\n', "engine/a.c:1:15"),
+        ("a.c", 'char *s = "// implements S-1-B-1";\n', None),
+        ("a.rs", "fn door<'a>(x: &'a str) {} // implements S-1-B-1\n", "engine/a.rs:1:42"),
+        ("a.yaml", "door: 1\n# implements S-1-B-1\n", "engine/a.yaml:2:14"),
+        ("a.txt", "# implements S-1-B-1\n", None),
+    ],
+)
+def test_markers_in_source_code(tmp_path: Path, file: str, text: str, place: str | None) -> None:
+    small = project(tmp_path, "sources: [engine]", CODED)
+    (small.root / "engine").mkdir()
+    (small.root / "engine" / file).write_text(text, "utf-8")
+    found = cell(small, "S-1-B-1")
+    assert [str(item.place) for item in found.items if item.kind == "code"] == ([place] if place else [])
+    assert found.status == ("covered" if place else "waived")
+    assert [f.code for f in small.matrix().findings if f.code.startswith(("T33", "T34"))] == []
+
+
+def test_the_matrix_with_all_of_it_fits_its_schema(tmp_path: Path) -> None:
+    from jsonschema import Draft202012Validator
+
+    entry = "junit: [{path: out/results.xml, stage: S-3-B}]\n  sources: [engine]"
+    small = project(tmp_path, entry, COUNTING.replace("external test", "external test, code"))
+    report(small, PASSED.format("door", "S-1-B-1"))
+    (small.root / "engine").mkdir()
+    (small.root / "engine" / "a.py").write_text("# implements S-1-B-1\n", "utf-8")
+    matrix = small.matrix()
+    made = json.loads(trace.render(matrix, "json"))
+    folder = Path(trace.__file__).parent / "render"
+    Draft202012Validator(json.loads((folder / "matrix.schema.json").read_text("utf-8"))).validate(made)
+    kinds = {link["kind"] for link in made["links"] if link["target"] == "S-1-B-1"}
+    assert kinds >= {"confirms", "implements"}
+    assert (made["counts"]["external_tests"], made["counts"]["code_links"]) == (1, 1)
+    assert "1 external test, 1 code link" in trace.render(matrix, "text")
+
+
+def test_the_graph_leads_to_both(tmp_path: Path) -> None:
+    from trackmarshal.trace.graph.paths import named, paths
+
+    small = project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]\n  sources: [engine]")
+    report(small, PASSED.format("door", "S-1-B-1"))
+    (small.root / "engine").mkdir()
+    (small.root / "engine" / "a.py").write_text("# implements S-1-B-1\n", "utf-8")
+    graph = small.matrix().graph
+    for kind, wanted in (
+        ("external test", "tests.test_a: door"),
+        ("external-test", "tests.test_a: door"),
+        ("code", "engine/a.py"),
+    ):
+        (found,) = paths(graph, named(graph, "S-1-B-1"), named(graph, kind))
+        assert wanted in str(found)
