@@ -33,9 +33,7 @@ def test_as_defined(cycles: list[Any], lower: int, length: int) -> None:
         tuple(np.array([TRUTH[of.get(at)][best] for at in range(len(own))]) for best in (0, 1))
         for of in (held, goal)
     ]
-    inside = [
-        [j for j in range(windows.start[at], windows.stop[at])] if windows.stop[at] else [] for at in places
-    ]
+    inside = [list(range(windows.start[at], windows.stop[at])) if windows.stop[at] else [] for at in places]
 
     found = Firsts(windows, own)
     assert found.place(sides[0][0]).tolist() == [
