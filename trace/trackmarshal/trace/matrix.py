@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from datetime import date
 
 from trackmarshal.trace import baseline as baselines
-from trackmarshal.trace import consistency, cycles, faults, files, gates, links, outside, runs, tests
+from trackmarshal.trace import consistency, cycles, faults, files, gates, links, outside, runs, tests, waivers
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
@@ -80,9 +80,9 @@ def assemble(
 ) -> Matrix:
     """The matrix; `found` is what reading the inputs brought to light, `around` what is known from outside of specs."""
     around = around or Outside()
-    waivers = gates.Waivers(project, today)
+    excuses = gates.Waivers(project, today)
     graph = build(project, spec, hashes, around)
-    cells = _cells(Ground(project, spec, hashes, graph, around), waivers)
+    cells = _cells(Ground(project, spec, hashes, graph, around), excuses)
     loose = [
         *consistency.check(project),
         *checks.check(graph),
@@ -96,9 +96,10 @@ def assemble(
         *faults.check(project, spec, hashes),
         *files.check(project, spec, hashes),
         *outside.check(project, around),
+        *waivers.check(project),
     ]
-    judged = [waivers.finding(finding) for finding in loose]
-    findings = in_order([*found, *judged, *gates.check(project, cells), *waivers.check()])
+    judged = [excuses.finding(finding) for finding in loose]
+    findings = in_order([*found, *judged, *gates.check(project, cells), *excuses.check()])
     rows = tuple(
         Row(requirement, depth, cells[requirement.id]) for requirement, depth in _in_order(project, graph)
     )
@@ -148,7 +149,7 @@ def _in_order(project: Project, graph: Graph) -> list[tuple[Requirement, int]]:
     return [(project.by_id[name], depth) for name, depth in order.items()]
 
 
-def _cells(ground: Ground, waivers: gates.Waivers) -> dict[str, dict[str, Cell]]:
+def _cells(ground: Ground, excuses: gates.Waivers) -> dict[str, dict[str, Cell]]:
     """The cells of every demanded requirement, those below first: what is open there shows above."""
     project = ground.project
     demanded = [str(r.id) for r in project.by_id.values() if r.demanded]
@@ -164,5 +165,5 @@ def _cells(ground: Ground, waivers: gates.Waivers) -> dict[str, dict[str, Cell]]
                 below = {child: cells[child][stage.id] for child in children if stage.id in cells[child]}
                 made = cell(ground, requirement, stage, below)
                 if made is not None:
-                    cells[name][str(stage.id)] = waivers.cell(made, requirement, stage)
+                    cells[name][str(stage.id)] = excuses.cell(made, requirement, stage)
     return cells

@@ -34,8 +34,8 @@ def record(matrix: Matrix) -> dict[str, Any]:
         "waivers": [
             {
                 "id": w.id, "stages": list(w.stages), "requirements": list(w.requirements), "codes": list(w.codes),
-                "subjects": list(w.subjects), "justification": w.justification, "owner": w.owner,
-                "granted": w.granted.isoformat(), "expires": w.expires.isoformat(), "span": str(w.id.place),
+                "subjects": list(w.subjects), "justification": w.justification, "residual_risk": w.residual_risk,
+                "owner": w.owner, "approver": w.approver, "granted": w.granted.isoformat(), "expires": w.expires.isoformat(), "span": str(w.id.place),
             }
             for w in matrix.waivers
         ],

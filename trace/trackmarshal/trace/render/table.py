@@ -84,8 +84,10 @@ def render_markdown(matrix: Matrix) -> str:
             if waiver.stages
             else ", ".join(waiver.codes)
         )
-        said = f"{escaped(what)}, {escaped(waiver.owner)}, {waiver.granted} until {waiver.expires}"
-        lines.append(f"- **{waiver.id}** ({said}): {escaped(waiver.justification)}")
+        who = f"{escaped(waiver.owner)}, approved by {escaped(waiver.approver)}"
+        said = f"{escaped(what)}, {who}, {waiver.granted} until {waiver.expires}"
+        risk = f" Residual risk: {escaped(waiver.residual_risk)}" if waiver.residual_risk else ""
+        lines.append(f"- **{waiver.id}** ({said}): {escaped(waiver.justification)}{risk}")
     return "\n".join(lines) + "\n"
 
 

@@ -43,8 +43,10 @@ def _lines(matrix: Matrix, paint: _Paint) -> Iterator[str]:
         yield ""
         yield "waivers:"
     for waiver in matrix.waivers:
-        until = f"{printable(waiver.owner)}, {waiver.granted} until {waiver.expires}"
+        until = f"{printable(waiver.owner)}, approved by {printable(waiver.approver)}, {waiver.granted} until {waiver.expires}"
         yield f"  {waiver.id} ({until}): {printable(waiver.justification)}"
+        if waiver.residual_risk:
+            yield f"    residual risk: {printable(waiver.residual_risk)}"
     if matrix.findings:
         yield ""
         yield "findings:"
