@@ -18,6 +18,7 @@ from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, matches
 from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec
+from trackmarshal.trace.verdict import verdict
 
 #: Findings that mean that a document could not be used as it is: reading, YAML, which document it is.
 UNUSABLE = frozenset(f"T1{number:02}" for number in range(1, 14))
@@ -48,8 +49,30 @@ class Matrix:
 
     @property
     def passes(self) -> bool:
-        """The one verdict that every report prints: no finding is an error."""
+        """Whether no finding is an error, so that the gate is open."""
         return not any(finding.level == "error" for finding in self.findings)
+
+    @property
+    def verdict(self) -> str:
+        """The one verdict that every report prints: a word of `trackmarshal.trace.verdict`."""
+        errors = sum(finding.level == "error" for finding in self.findings)
+        return verdict(errors, self.reservations)
+
+    @property
+    def reservations(self) -> tuple[str, ...]:
+        """What keeps a matrix without errors from a pass as such, each as a few words."""
+        statuses = [cell.status for row in self.rows for cell in row.cells.values()]
+        waived = statuses.count("waived")
+        rest = len(statuses) - waived - statuses.count("covered")
+        warnings = sum(finding.level == "warning" for finding in self.findings)
+        excused = sum(finding.excused for finding in self.findings)
+        said = (
+            (waived, "{} cell is waived", "{} cells are waived"),
+            (rest, "{} cell is not covered", "{} cells are not covered"),
+            (excused, "{} finding is waived", "{} findings are waived"),
+            (warnings, "{} warning should be looked at", "{} warnings should be looked at"),
+        )
+        return tuple((one if n == 1 else more).format(n) for n, one, more in said if n)
 
     @property
     def unusable(self) -> bool:

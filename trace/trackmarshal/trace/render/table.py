@@ -7,7 +7,7 @@ import io
 
 from trackmarshal.trace.cells import Item
 from trackmarshal.trace.matrix import Matrix
-from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally, verdict
+from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally
 
 
 def render_csv(matrix: Matrix) -> str:
@@ -54,7 +54,7 @@ def render_markdown(matrix: Matrix) -> str:
     lines = [
         f"# Traceability of {escaped(matrix.project)}",
         "",
-        f"**{verdict(matrix).upper()}** on {matrix.today.isoformat()}: {tally(matrix)}. From {inputs(matrix)}.",
+        f"**{matrix.verdict.upper()}** on {matrix.today.isoformat()}: {tally(matrix)}. From {inputs(matrix)}.",
         "",
         "| requirement | " + " | ".join(stages) + " |",
         "|---" * (len(stages) + 1) + "|",
