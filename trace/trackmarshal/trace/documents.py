@@ -187,9 +187,11 @@ V_MODEL = Record("v-model", "What each stage of the development must show, and w
         optional("codes", Many(Text(r"T2[0-9]{2}", "a code such as `T212`"), 1), "Or waive findings: with these codes ..."),
         optional("subjects", PATTERNS, "... about these rules or assumptions."),
         Field("justification", TEXT, "Why the gap is bearable."),
+        Field("residual_risk", TEXT, "What may still happen while the gap is open, and what keeps it bearable."),
         Field("owner", TEXT, "Who answers for it."),
+        Field("approver", TEXT, "Who accepted the residual risk: another one than the owner."),
         Field("granted", Date(), "Since when."),
-        Field("expires", Date(), "The last day on which it holds."),
+        Field("expires", Date(), "The last day on which it holds: a year after `granted` at the latest."),
     ))), "Gaps that are known and accepted for a while."),
 ))  # fmt: skip
 

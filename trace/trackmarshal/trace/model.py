@@ -227,7 +227,9 @@ class Waiver:
     codes: tuple[Placed, ...]
     subjects: tuple[Placed, ...]
     justification: str
+    residual_risk: str
     owner: str
+    approver: Placed
     granted: date
     expires: date
 

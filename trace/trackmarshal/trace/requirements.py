@@ -229,7 +229,7 @@ def _evidence(t: Table) -> model.Evidence:
 def _waiver(t: Table) -> model.Waiver:
     return model.Waiver(
         t.text("id"), t.texts("stages"), t.texts("requirements"), t.texts("codes"), t.texts("subjects"), t.text("justification"),
-        t.text("owner"), t.get("granted", date.min), t.get("expires", date.min),  # without its dates, a waiver never holds
+        t.text("residual_risk"), t.text("owner"), t.text("approver"), t.get("granted", date.min), t.get("expires", date.min),  # without its dates, a waiver never holds
     )  # fmt: skip
 
 

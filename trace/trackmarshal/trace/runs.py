@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from trackmarshal.records import RunSummary, SpecItem, TruthFacts
 from trackmarshal.trace.files import Hashes
-from trackmarshal.trace.findings import Finding, error, warning
+from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Scenario
 from trackmarshal.trace.spec import Spec
 
@@ -165,6 +165,13 @@ def _quiet(scenario: Scenario, run: RunSummary) -> str:
     return ", ".join(quiet) if quiet else "" if run.fired else "the Supervisor"
 
 
+def _outside(path: str, place: Place, run: RunSummary) -> Iterator[Finding]:
+    """T243 for each kind of rules that the ground truth of the recording contradicts."""
+    for kind, truth in sorted(run.ground_truth.items()):
+        if not truth.inside:
+            yield error("T243", f"the run of `{path}` is {_contradiction(kind, truth)}", place, "", path)
+
+
 def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
     """What is wrong with scenarios and their runs (T240 to T247)."""
     declared = {str(scenario.path) for scenario in project.scenarios}
@@ -207,11 +214,7 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 path,
             )
         elif scenario.expect == "ground_truth":
-            for kind, truth in sorted(run.ground_truth.items()):
-                if not truth.inside:
-                    yield error(
-                        "T243", f"the run of `{path}` is {_contradiction(kind, truth)}", place, "", path
-                    )
+            yield from _outside(path, place, run)
             if not run.ground_truth:
                 message = (
                     f"the run of `{path}` is to lie within the ground truth, but the recording carries none"
@@ -220,6 +223,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
         elif scenario.expect == "no_fire":
             if run.fired:
                 yield error("T244", f"in `{path}` nothing may fire, but it {_fired(run)}", place, "", path)
+            else:
+                yield from _outside(path, place, run)
         elif scenario.expect == "fire":
             quiet = _quiet(scenario, run)
             if quiet:

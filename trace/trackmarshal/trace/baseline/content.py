@@ -83,7 +83,8 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
     for w in project.waivers:
         yield f"waiver {w.id}", {
             "stages": _list(w.stages), "requirements": _list(w.requirements), "codes": _list(w.codes), "subjects": _list(w.subjects),
-            "justification": _hash(w.justification), "owner": w.owner, "granted": w.granted.isoformat(),
+            "justification": _hash(w.justification), "residual_risk": _hash(w.residual_risk) if w.residual_risk else "",
+            "owner": w.owner, "approver": str(w.approver), "granted": w.granted.isoformat(),
             "expires": w.expires.isoformat(),
         }  # fmt: skip
 
