@@ -91,7 +91,9 @@ class _Breaking:
                     made = self._after(made, part)
                 return made
             case at.Fence():
-                return self._fenced((at.Sign(piece.opening),), (piece.inside,), at.CLOSING[piece.opening], indent)
+                return self._fenced(
+                    (at.Sign(piece.opening),), (piece.inside,), at.CLOSING[piece.opening], indent
+                )
             case at.Call():
                 if not piece.arguments:
                     return [Line(indent, (piece,))]
@@ -139,7 +141,9 @@ class _Breaking:
                 made += self._before((one.sign,), self.lines(one.operand, indent + 1))
         return made
 
-    def _fenced(self, before: Sequence[Layout], inside: Sequence[Layout], closing: at.Closing, indent: int) -> list[Line]:
+    def _fenced(
+        self, before: Sequence[Layout], inside: Sequence[Layout], closing: at.Closing, indent: int
+    ) -> list[Line]:
         made = [Line(indent, tuple(before))]
         for number, part in enumerate(inside):
             below = self.lines(part, indent + 1)

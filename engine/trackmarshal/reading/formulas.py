@@ -6,18 +6,17 @@ they bind gets a prime where another one has its name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from typing import TypeVar, assert_never
+from collections.abc import Sequence
+from typing import assert_never
 
 from trackmarshal import typed
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.reading import layout as at
-from trackmarshal.reading.layout import Layout
-from trackmarshal.reading.names import Kind, Names, layout
+from trackmarshal.reading.layout import Layout, listed
+from trackmarshal.reading.names import Kind, layout
+from trackmarshal.reading.things import Things
 from trackmarshal.syntax import ast
 
-Thing = TypeVar("Thing")
 #: How tightly pieces hold together: what is looser than its place asks for stands in parentheses.
 OPEN, IMPLIED, EITHER, BOTH, DENIED, COMPARED, SUM, PRODUCT, SIGNED, RAISED, WHOLE = range(11)
 _COMPARING: dict[typed.Comparing, str] = {"<": "<", "<=": "≤", ">": ">", ">=": "≥", "==": "=", "!=": "≠"}
@@ -36,17 +35,11 @@ CODES = {
 }
 
 
-class Formulas:
+class Formulas(Things):
     """Writes the numbers and formulas of one rule; expand: definitions are written out."""
 
     def __init__(self, expand: bool = False) -> None:
-        self.names = Names()
-        self._expand = expand
-        #: For each definition that is written out around a place: nothing but that names in it are what was given. Outside, names are `let`s.
-        self._inside = 0
-        #: What variables are called, by range and offset; and what is called so where we are.
-        self._variables: dict[tuple[typed.Range, int], str] = {}
-        self._bound: list[str] = []
+        super().__init__(expand)
         self._parts = 0
 
     # What holds how tightly ----------------------------------------------------------------------------------
@@ -71,7 +64,7 @@ class Formulas:
             case typed.Parameter():
                 return self._parameter(node), WHOLE
             case typed.Field():
-                return self._field(node.record, node.name), WHOLE
+                return self.field(node.record, node.name), WHOLE
             case typed.Negative():
                 return at.Prefix(at.Sign("−"), self.number(node.operand, RAISED)), SIGNED
             case typed.Arithmetic():
@@ -86,7 +79,7 @@ class Formulas:
                 branches = [(one.members, one.rest, self.number(one.value)) for one in node.branches]
                 return self._case(node.subject, branches), OPEN
             case typed.TableValue():
-                head = self._named("table", node.symbol)
+                head = self.named("table", node.symbol)
                 return at.Call(head, tuple(self.number(one) for one in node.arguments)), WHOLE
             case typed.OnLine():
                 point = self.record(node.point)
@@ -102,15 +95,15 @@ class Formulas:
                     return at.Call(at.Word("time_in"), (asked,)), WHOLE
                 return at.Index(layout(node.name), asked), WHOLE
             case typed.CalledNumber():
-                if self._expand:
-                    with self._entered():
+                if self.expand:
+                    with self.entered():
                         return self._number(node.body)
                 return self._called(node, "function")
             case typed.NamedNumber():
-                if self._inside and node.value is not None:
-                    with self._left():
-                        return self._number(node.value)
-                return self._local(node.name), WHOLE
+                if not self.inside or node.value is None:
+                    return self.local(node.name), WHOLE
+                with self.left():
+                    return self._number(node.value)
             case _:
                 assert_never(node)
 
@@ -120,9 +113,9 @@ class Formulas:
             case typed.Boolean():
                 return at.Word("true" if node.value else "false"), WHOLE
             case typed.Event():
-                return self._named("event", node.symbol), WHOLE
+                return self.named("event", node.symbol), WHOLE
             case typed.BooleanField():
-                return self._field(node.record, node.name), WHOLE
+                return self.field(node.record, node.name), WHOLE
             case typed.Comparison():
                 return self._compared((node.left, node.right), (node.op,))
             case typed.Chained():
@@ -131,7 +124,7 @@ class Formulas:
                 ends = at.Row((self.number(node.lower), at.Sign(","), self.number(node.upper)))
                 return self._chain(self.number(node.value, SUM), "∈", at.Fence("[", ends))
             case typed.InZone():
-                zone = at.Row((at.Word("zone "), self._named("place", node.zone.symbol)))
+                zone = at.Row((at.Word("zone "), self.named("place", node.zone.symbol)))
                 return self._chain(self.record(node.point), "∈", zone)
             case typed.InStretch():
                 return self._chain(self._place(node.place), "∈", self._stretch(node))
@@ -156,7 +149,9 @@ class Formulas:
             case typed.Quantified():
                 return self._quantified(node), OPEN
             case typed.Temporal():
-                return at.Prefix(self._timed(node.op, node.window), self.formula(node.operand, DENIED)), DENIED
+                return at.Prefix(
+                    self._timed(node.op, node.window), self.formula(node.operand, DENIED)
+                ), DENIED
             case typed.Until():
                 left, right = self.formula(node.left, DENIED), self.formula(node.right, DENIED)
                 return at.Chain(left, (at.Joined(self._timed(node.op, node.window), right),), True), IMPLIED
@@ -168,15 +163,15 @@ class Formulas:
             case typed.CountComparison():
                 return self._count_compared(node)
             case typed.CalledFormula():
-                if self._expand:
-                    with self._entered():
+                if self.expand:
+                    with self.entered():
                         return self._formula(node.body)
                 return self._called(node, "predicate")
             case typed.NamedFormula():
-                if self._inside:
-                    with self._left():
-                        return self._formula(node.value)
-                return self._local(node.name), WHOLE
+                if not self.inside or node.value is None:
+                    return self.local(node.name), WHOLE
+                with self.left():
+                    return self._formula(node.value)
             case _:
                 assert_never(node)
 
@@ -189,64 +184,15 @@ class Formulas:
                 file=str(span.file.path), line=span.line, help="leave out --expand: definitions are then called by their names",
             )  # fmt: skip
 
-    # Names --------------------------------------------------------------------------------------------------
-
-    @contextmanager
-    def _entered(self) -> Iterator[None]:
-        """In a definition that is written out: its names are what was given."""
-        self._inside += 1
-        yield
-        self._inside -= 1
-
-    @contextmanager
-    def _left(self) -> Iterator[None]:
-        """Back where something was given to a definition."""
-        self._inside -= 1
-        yield
-        self._inside += 1
-
-    def _named(self, kind: Kind, symbol: typed.Symbol) -> Layout:
-        return self.names.of(kind, symbol.qualified, symbol.name)
-
-    def _parameter(self, node: typed.Parameter) -> Layout:
-        record = node.symbol.item
-        if isinstance(record, ast.ParamRecord):
-            last = node.symbol.qualified.rpartition(".")[2]
-            return self.names.of("parameter", node.symbol.qualified, f"{record.name}.{last}")
-        return self._named("parameter", node.symbol)
-
-    def _local(self, name: str) -> Layout:
-        return self.names.of("local", name, name)
-
-    def _field(self, record: typed.Record, name: str) -> Layout:
-        of = layout(name)
-        if isinstance(of, at.Index):  # one index, not an index of an index
-            return at.Index(of.base, at.Row((of.index, at.Sign(","), self.record(record))))
-        return at.Index(of, self.record(record))
-
-    def called(self, symbol: typed.Symbol, kind: Kind) -> Layout:
-        """The name of a definition, a table, a machine or a parameter."""
-        return self._named(kind, symbol)
-
-    def _called(self, node: typed.CalledNumber | typed.CalledFormula, kind: Kind) -> tuple[Layout, int]:
-        head = self._named(kind, node.symbol)
-        if node.infix:
-            left, right = [self.value(one) for one in node.arguments]
-            name = head if isinstance(head, at.Name) else at.Name(node.symbol.name)
-            return at.Chain(left, (at.Joined(at.Word(name.text), right),)), COMPARED
-        item = node.symbol.item
-        assert isinstance(item, ast.Define)
-        if not item.parameters:
-            return head, WHOLE
-        return at.Call(head, tuple(map(self.value, node.arguments))), WHOLE
-
     # Numbers ------------------------------------------------------------------------------------------------
 
     def _arithmetic(self, node: typed.Arithmetic) -> tuple[Layout, int]:
         match node.op:
             case "+" | "-":
                 right = self._right(node.right, PRODUCT)
-                return _continued(self.number(node.left, SUM), "+" if node.op == "+" else "−", right, ("+", "−")), SUM
+                return _continued(
+                    self.number(node.left, SUM), "+" if node.op == "+" else "−", right, ("+", "−")
+                ), SUM
             case "*":
                 right = self._right(node.right, RAISED)
                 return _continued(self.number(node.left, PRODUCT), "·", right, ("·",)), PRODUCT
@@ -290,7 +236,9 @@ class Formulas:
             other = other.otherwise
         return at.Branches((*branches, at.Branch(self.number(other), None)))
 
-    def _case(self, subject: typed.AnyMember, branches: Sequence[tuple[tuple[str, ...], bool, Layout]]) -> Layout:
+    def _case(
+        self, subject: typed.AnyMember, branches: Sequence[tuple[tuple[str, ...], bool, Layout]]
+    ) -> Layout:
         """A row for each branch; the one for all the others says which these are."""
         asked = self.member(subject)
         rows = []
@@ -299,7 +247,7 @@ class Formulas:
             if len(named) == 1:
                 condition: Layout = at.Chain(asked, (at.Joined(at.Sign("="), named[0]),))
             else:
-                among = at.Fence("{", _listed(named))
+                among = at.Fence("{", listed(named))
                 condition = at.Chain(asked, (at.Joined(at.Sign("∈"), among),))
             rows.append(at.Branch(value, condition))
         return at.Branches(tuple(rows))
@@ -308,7 +256,9 @@ class Formulas:
         with self.binding(node.range):
             below = self._ranged(node.range, node.where)
             body = None if node.body is None else self.number(node.body, PRODUCT)
-        head: at.Sign | at.Word = at.Sign("∑") if node.op == "sum" else at.Word("#" if node.op == "count" else node.op)
+        head: at.Sign | at.Word = (
+            at.Sign("∑") if node.op == "sum" else at.Word("#" if node.op == "count" else node.op)
+        )
         fold = at.Fold(head, below, body)
         if node.otherwise is None:
             return fold, SUM if body is not None else WHOLE
@@ -317,7 +267,9 @@ class Formulas:
 
     # Formulas -----------------------------------------------------------------------------------------------
 
-    def _compared(self, operands: Sequence[typed.Number], ops: Sequence[typed.Comparing]) -> tuple[Layout, int]:
+    def _compared(
+        self, operands: Sequence[typed.Number], ops: Sequence[typed.Comparing]
+    ) -> tuple[Layout, int]:
         first, *others = [self.number(one, SUM) for one in operands]
         rest = tuple(at.Joined(at.Sign(_COMPARING[op]), other) for op, other in zip(ops, others))
         return at.Chain(first, rest), COMPARED
@@ -334,36 +286,6 @@ class Formulas:
         right = self.formula(node.right, level + 1)
         return _continued(self.formula(node.left, level), sign, right, (sign,), True), level
 
-    @contextmanager
-    def binding(self, range_: typed.Range) -> Iterator[None]:
-        """The variables of a range have names, while something below it is written."""
-        before = len(self._bound)
-        for offset, name in enumerate(range_.names):
-            while name in self._bound:
-                name += "′"
-            self._variables[(range_, offset)] = name
-            self._bound.append(name)
-        yield
-        del self._bound[before:]
-
-    def keep(self, range_: typed.Range) -> None:
-        """The variables of a clause, which are bound in all clauses below it."""
-        for offset, name in enumerate(range_.names):
-            self._variables[(range_, offset)] = name
-            self._bound.append(name)
-
-    def let(self, name: str) -> Layout:
-        """The name that a `let` gives."""
-        self._bound.append(name)
-        return self._local(name)
-
-    @contextmanager
-    def apart(self) -> Iterator[None]:
-        """Where the rule's own variables are not known: in a definition by itself."""
-        bound, self._bound = self._bound, []
-        yield
-        self._bound = bound
-
     def _ranged(self, range_: typed.Range, where: typed.Formula | None) -> Layout:
         ranged = self.ranged(range_)
         if where is None:
@@ -372,7 +294,7 @@ class Formulas:
 
     def ranged(self, range_: typed.Range) -> Layout:
         """`p ∈ plan`, `consecutive p, q ∈ plan`."""
-        names = _listed([at.Name(self._variables[(range_, offset)]) for offset in range(len(range_.names))])
+        names = listed([at.Name(self.variable(range_, offset)) for offset in range(len(range_.names))])
         first: Layout = at.Row((at.Word("consecutive "), names)) if len(range_.names) > 1 else names
         return at.Chain(first, (at.Joined(at.Sign("∈"), self.signal(range_.domain)),))
 
@@ -407,7 +329,26 @@ class Formulas:
         left, right = (limit, counted) if node.turned else (counted, limit)
         return at.Chain(left, (at.Joined(at.Sign(_COMPARING[node.op]), right),)), COMPARED
 
-    # Other things -------------------------------------------------------------------------------------------
+    # Calls --------------------------------------------------------------------------------------------------
+
+    def _parameter(self, node: typed.Parameter) -> Layout:
+        record = node.symbol.item
+        if isinstance(record, ast.ParamRecord):
+            last = node.symbol.qualified.rpartition(".")[2]
+            return self.names.of("parameter", node.symbol.qualified, f"{record.name}.{last}")
+        return self.named("parameter", node.symbol)
+
+    def _called(self, node: typed.CalledNumber | typed.CalledFormula, kind: Kind) -> tuple[Layout, int]:
+        head = self.named(kind, node.symbol)
+        if node.infix:
+            left, right = [self.value(one) for one in node.arguments]
+            name = head if isinstance(head, at.Name) else at.Name(node.symbol.name)
+            return at.Chain(left, (at.Joined(at.Word(name.text), right),)), COMPARED
+        item = node.symbol.item
+        assert isinstance(item, ast.Define)
+        if not item.parameters:
+            return head, WHOLE
+        return at.Call(head, tuple(map(self.value, node.arguments))), WHOLE
 
     def value(self, node: typed.Value) -> Layout:
         """Anything that is given to a definition."""
@@ -433,130 +374,14 @@ class Formulas:
             case _:
                 assert_never(node)
 
-    def signal(self, node: typed.WholeSignal) -> Layout:
-        match node:
-            case typed.Signal():
-                return at.Name(node.signal.name)
-            case typed.NamedSignal():
-                return self._given(node.name, node.value, self.signal)
-            case _:
-                assert_never(node)
-
-    def record(self, node: typed.Record) -> Layout:
-        match node:
-            case typed.State():
-                return at.Name(node.signal.name)
-            case typed.ParameterRecord():
-                return at.Name(node.symbol.name)
-            case typed.Sample():
-                of, which = self.signal(node.of), "first" if node.index == 0 else "last"
-                return at.Name(f"{of.text}.{which}") if isinstance(of, at.Name) else at.Index(of, at.Word(which))
-            case typed.Variable():
-                return at.Name(self._variables.get((node.range, node.offset), node.name))
-            case typed.NamedRecord():
-                return self._given(node.name, node.value, self.record)
-            case _:
-                assert_never(node)
-
-    def member(self, node: typed.AnyMember) -> Layout:
-        match node:
-            case typed.Member():
-                return self.names.of("member", node.name, node.name)
-            case typed.MemberField():
-                return self._field(node.record, node.name)
-            case typed.NamedMember():
-                return self._given(node.name, node.value, self.member)
-            case _:
-                assert_never(node)
-
-    def line(self, node: typed.Line) -> Layout:
-        match node:
-            case typed.PlacedLine():
-                return self._named("place", node.symbol)
-            case typed.SignalLine():
-                return at.Name(node.signal.name)
-            case typed.Border():
-                return at.Index(at.Name(node.field), self.signal(node.of))
-            case typed.LaneSide():
-                return at.Index(at.Name(node.field), self.record(node.of))
-            case typed.Path():
-                return self.signal(node.of)
-            case typed.Centre():
-                return self.area(node.of)
-            case typed.CalledLine():
-                return at.Call(at.Word(node.function), (self.line(node.line),))
-            case typed.NamedLine():
-                return self._given(node.name, node.value, self.line)
-            case _:
-                assert_never(node)
-
-    def area(self, node: typed.Area) -> Layout:
-        match node:
-            case typed.Zone():
-                return self._named("place", node.symbol)
-            case typed.Corridor():
-                return self.signal(node.of)
-            case typed.Lane():
-                return self.record(node.of)
-            case typed.NamedArea():
-                return self._given(node.name, node.value, self.area)
-            case _:
-                assert_never(node)
-
-    def region(self, node: typed.Region) -> Layout:
-        match node:
-            case typed.Footprint():
-                return at.Call(at.Word("footprint"), (self.record(node.body),))
-            case typed.FootprintAt():
-                return at.Call(at.Word("footprint"), (self.record(node.pose), *self._box(node)))
-            case typed.SweptSample():
-                return at.Call(at.Word(node.function), (self.record(node.sample), *self._box(node)))
-            case typed.Swept():
-                ends = self.record(node.start), self.record(node.end)
-                return at.Call(at.Word("swept"), (*ends, *self._box(node)))
-            case typed.NamedRegion():
-                return self._given(node.name, node.value, self.region)
-            case _:
-                assert_never(node)
-
-    def _box(self, node: typed.FootprintAt | typed.SweptSample | typed.Swept) -> tuple[Layout, Layout]:
-        return self.number(node.length), self.number(node.width)
-
-    def machine(self, node: typed.Machine) -> Layout:
-        """A state machine, of which element it is."""
-        head = self._named("machine", node.symbol)
-        if node.element is None:
-            return head
-        element = node.element
-        if isinstance(element, typed.NamedRecord) and element.value is not None:
-            element = element.value  # what is asked about; the name is the machine's own
-        return at.Call(head, (self.record(element),))
-
     def _place(self, node: typed.Record | typed.Number) -> Layout:
         return self.record(node) if isinstance(node, typed.RecordNode) else self.number(node, SUM)
 
     def _stretch(self, node: typed.InStretch) -> Layout:
         if node.symbol is not None:
-            return at.Row((at.Word("stretch "), self._named("place", node.symbol)))
+            return at.Row((at.Word("stretch "), self.named("place", node.symbol)))
         ends = self.number(node.start), self.number(node.end)
         return at.Call(at.Word("stretch"), (self.line(node.line), *ends))
-
-    def _given(self, name: str, value: Thing | None, write: Callable[[Thing], Layout]) -> Layout:
-        """What a name stands for, in a definition that is written out; else the name."""
-        if not self._inside or value is None:
-            return self._local(name)
-        with self._left():
-            return write(value)
-
-
-def _listed(pieces: Sequence[Layout]) -> Layout:
-    """`a, b, c`."""
-    if len(pieces) == 1:
-        return pieces[0]
-    parts: list[Layout] = [pieces[0]]
-    for piece in pieces[1:]:
-        parts += [at.Sign(","), piece]
-    return at.Row(tuple(parts))
 
 
 def _continued(left: Layout, sign: str, right: Layout, signs: Sequence[str], logic: bool = False) -> at.Chain:

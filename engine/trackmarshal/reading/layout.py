@@ -6,6 +6,7 @@ one case a node. It knows no rules, and nothing of what is printed.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, TypeAlias
 
 from trackmarshal.node import Node
@@ -150,3 +151,13 @@ class Line(Node):
 
     indent: int
     parts: tuple[Layout, ...]
+
+
+def listed(pieces: Sequence[Layout]) -> Layout:
+    """`a, b, c`."""
+    if len(pieces) == 1:
+        return pieces[0]
+    parts: list[Layout] = [pieces[0]]
+    for piece in pieces[1:]:
+        parts += [Sign(","), piece]
+    return Row(tuple(parts))

@@ -74,13 +74,19 @@ def element(piece: Layout) -> str:
             return f"<mrow>{_head(piece.head)}{_APPLY}{_fenced('(', given, ')')}</mrow>"
         case at.Prefix():
             space = "" if isinstance(piece.sign, at.Sign) else _SPACE
-            sign = f'<mo form="prefix">{escape(piece.sign.text)}</mo>' if isinstance(piece.sign, at.Sign) else element(piece.sign)
+            sign = (
+                f'<mo form="prefix">{escape(piece.sign.text)}</mo>'
+                if isinstance(piece.sign, at.Sign)
+                else element(piece.sign)
+            )
             return f"<mrow>{sign}{space}{element(piece.operand)}</mrow>"
         case at.Chain():
             rest = "".join(f"{_between(one.sign)}{element(one.operand)}" for one in piece.rest)
             return f"<mrow>{element(piece.first)}{rest}</mrow>"
         case at.Binder():
-            where = "" if piece.where is None else f"{_SPACE}<mtext>where</mtext>{_SPACE}{element(piece.where)}"
+            where = (
+                "" if piece.where is None else f"{_SPACE}<mtext>where</mtext>{_SPACE}{element(piece.where)}"
+            )
             return f"<mrow>{element(piece.head)}{where}<mo>:</mo>{element(piece.body)}</mrow>"
         case at.Fold():
             if piece.body is None:
@@ -96,7 +102,7 @@ def _digits(piece: at.Digits) -> str:
     number = f"<mn>{escape(piece.text)}</mn>"
     if not piece.unit:
         return number
-    return f'<mrow>{number}{_THIN}{unit(piece.unit)}</mrow>'
+    return f"<mrow>{number}{_THIN}{unit(piece.unit)}</mrow>"
 
 
 def unit(text: str) -> str:
@@ -126,7 +132,11 @@ def _between(sign: at.Sign | at.Word | at.Index) -> str:
 def _branches(piece: at.Branches) -> str:
     rows = ""
     for one in piece.branches:
-        when = "<mtext>otherwise</mtext>" if one.condition is None else f"<mrow><mtext>if&#xa0;</mtext>{element(one.condition)}</mrow>"
+        when = (
+            "<mtext>otherwise</mtext>"
+            if one.condition is None
+            else f"<mrow><mtext>if&#xa0;</mtext>{element(one.condition)}</mrow>"
+        )
         rows += (
             f'<mtr><mtd style="text-align: left">{element(one.value)}</mtd>'
             f'<mtd style="text-align: left; padding-left: 1em">{when}</mtd></mtr>'

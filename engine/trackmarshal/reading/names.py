@@ -42,7 +42,8 @@ class Names:
             return known
         others = [at.Name(f"{name}′")] if kind == "local" else [at.Name(name), at.Name(qualified)]
         made = next(
-            (one for one in (layout(name), *others) if one not in self._taken), at.Name(f"{qualified} ({kind})")
+            (one for one in (layout(name), *others) if one not in self._taken),
+            at.Name(f"{qualified} ({kind})"),
         )
         self._taken.add(made)
         self._shown[(kind, qualified)] = made

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from typing import Literal, assert_never
 
 from trackmarshal import typed
-from trackmarshal.ir.spec import Enumeration, FieldType, ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
+from trackmarshal.ir.spec import FieldType, ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
 from trackmarshal.node import Node
 from trackmarshal.reading.formulas import Formulas
-from trackmarshal.reading.layout import Call, Chain, Joined, Layout, Row, Sign, Word
+from trackmarshal.reading.layout import Call, Chain, Joined, Layout, Sign
 from trackmarshal.reading.names import Names
 from trackmarshal.syntax import ast
 
@@ -138,10 +138,14 @@ def _definitions(reached: list[typed.Typed], writing: Formulas) -> Iterator[Defi
         item = node.symbol.item
         assert isinstance(item, ast.Define)
         number = isinstance(node, typed.CalledNumber)
-        head = writing.called(node.symbol, "function" if number else "predicate")
+        head = writing.named("function" if number else "predicate", node.symbol)
         with writing.apart():
             given = tuple(writing.names.of("local", one.name, one.name) for one in item.parameters)
-            body = writing.number(node.body) if isinstance(node, typed.CalledNumber) else writing.formula(node.body)
+            body = (
+                writing.number(node.body)
+                if isinstance(node, typed.CalledNumber)
+                else writing.formula(node.body)
+            )
         yield Definition(node.symbol, Call(head, given) if given else head, "=" if number else "⇔", body)
 
 
@@ -161,7 +165,7 @@ def _machines(reached: list[typed.Typed], writing: Formulas) -> Iterator[Machine
                 )
                 for one in node.transitions
             )  # fmt: skip
-        head: Layout = writing.called(node.symbol, "machine")
+        head: Layout = writing.named("machine", node.symbol)
         if node.element is not None:
             assert isinstance(node.element, typed.NamedRecord)
             head = Call(head, (writing.names.of("local", node.element.name, node.element.name),))
@@ -184,7 +188,10 @@ def _tables(reached: list[typed.Typed], spec: Spec, names: Names) -> Iterator[tu
     for node in reached:
         if isinstance(node, typed.TableValue) and node.symbol.qualified not in seen:
             seen.add(node.symbol.qualified)
-            yield names.of("table", node.symbol.qualified, node.symbol.name), spec.tables[node.symbol.qualified]
+            yield (
+                names.of("table", node.symbol.qualified, node.symbol.name),
+                spec.tables[node.symbol.qualified],
+            )
 
 
 def _places(reached: list[typed.Typed], spec: Spec) -> Iterator[PlaceInfo]:

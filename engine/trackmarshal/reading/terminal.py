@@ -30,8 +30,16 @@ def text(piece: Layout) -> str:
             return "".join(map(text, piece.parts))
         case at.Index():
             index = text(piece.index)
-            small = index if index.replace("_", "").replace(".", "").replace("′", "").isalnum() else f"{{{index}}}"
-            return f"{text(piece.base)}_{small}" if not isinstance(piece.index, at.Fence) else f"{text(piece.base)}{index}"
+            small = (
+                index
+                if index.replace("_", "").replace(".", "").replace("′", "").isalnum()
+                else f"{{{index}}}"
+            )
+            return (
+                f"{text(piece.base)}_{small}"
+                if not isinstance(piece.index, at.Fence)
+                else f"{text(piece.base)}{index}"
+            )
         case at.Power():
             exponent = text(piece.exponent)
             if exponent.lstrip("-").isdigit():
@@ -50,7 +58,11 @@ def text(piece: Layout) -> str:
             space = "" if isinstance(piece.sign, at.Sign) else " "
             sign = piece.sign.text if isinstance(piece.sign, at.Sign) else text(piece.sign)
             operand = text(piece.operand)
-            return f"{sign}{space}({operand})" if isinstance(piece.operand, at.Fraction) else f"{sign}{space}{operand}"
+            return (
+                f"{sign}{space}({operand})"
+                if isinstance(piece.operand, at.Fraction)
+                else f"{sign}{space}{operand}"
+            )
         case at.Chain():
             return text(piece.first) + "".join(_joined(one) for one in piece.rest)
         case at.Binder():
@@ -58,7 +70,9 @@ def text(piece: Layout) -> str:
             return f"{text(piece.head)}{where}: {text(piece.body)}"
         case at.Fold():
             head = piece.head.text
-            below = f"{head} {{{text(piece.range)}}}" if piece.body is None else f"{head}_{{{text(piece.range)}}}"
+            below = (
+                f"{head} {{{text(piece.range)}}}" if piece.body is None else f"{head}_{{{text(piece.range)}}}"
+            )
             return below if piece.body is None else f"{below} {text(piece.body)}"
         case at.Branches():
             return " ".join(_branches(piece))
@@ -102,9 +116,20 @@ def _joined(one: at.Joined) -> str:
 def _enclosed(piece: Layout, shown: str) -> str:
     """A part of a fraction or an exponent: in parentheses where it has parts."""
     match piece:
-        case at.Digits() | at.Name() | at.Word() | at.Index() | at.Power() | at.Root() | at.Fence() | at.Call():
+        case (
+            at.Digits() | at.Name() | at.Word() | at.Index() | at.Power() | at.Root() | at.Fence() | at.Call()
+        ):
             return shown
-        case at.Sign() | at.Row() | at.Fraction() | at.Prefix() | at.Chain() | at.Binder() | at.Fold() | at.Branches():
+        case (
+            at.Sign()
+            | at.Row()
+            | at.Fraction()
+            | at.Prefix()
+            | at.Chain()
+            | at.Binder()
+            | at.Fold()
+            | at.Branches()
+        ):
             return f"({shown})"
         case _:
             assert_never(piece)

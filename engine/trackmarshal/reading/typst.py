@@ -12,7 +12,16 @@ from trackmarshal.reading.units import factors
 #: Letters on a line of a page of paper.
 WIDTH = 78
 #: Signs that mean something to Typst, and those that stretch.
-_SIGNS = {",": "comma", ":": "colon", "/": "slash", "#": '"#"', "(": "paren.l", ")": "paren.r", "[": "bracket.l", "]": "bracket.r"}
+_SIGNS = {
+    ",": "comma",
+    ":": "colon",
+    "/": "slash",
+    "#": '"#"',
+    "(": "paren.l",
+    ")": "paren.r",
+    "[": "bracket.l",
+    "]": "bracket.r",
+}
 _FENCES = {
     "(": ("paren.l", "paren.r"), "[": ("bracket.l", "bracket.r"), "{": ("brace.l", "brace.r"), "|": ("bar.v", "bar.v"),
     "⌊": ("floor.l", "floor.r"), "⌈": ("ceil.l", "ceil.r"),
@@ -34,7 +43,9 @@ def _moved(indent: int) -> str:
 
 def beside(parts: tuple[Layout, ...]) -> str:
     """Pieces beside each other."""
-    return " ".join(f"med {content(part)} med" if isinstance(part, at.Word) else content(part) for part in parts)
+    return " ".join(
+        f"med {content(part)} med" if isinstance(part, at.Word) else content(part) for part in parts
+    )
 
 
 def string(text: str) -> str:
@@ -48,7 +59,9 @@ def content(piece: Layout) -> str:
         case at.Digits():
             return string(piece.text) + (f" thin {unit(piece.unit)}" if piece.unit else "")
         case at.Name():
-            return f"italic({string(piece.text)})" if len(piece.text) == 1 else f"upright({string(piece.text)})"
+            return (
+                f"italic({string(piece.text)})" if len(piece.text) == 1 else f"upright({string(piece.text)})"
+            )
         case at.Word():
             return f"upright({string(piece.text)})"
         case at.Sign():
@@ -73,7 +86,9 @@ def content(piece: Layout) -> str:
             space = " " if isinstance(piece.sign, at.Sign) else " thin "
             return f"{content(piece.sign)}{space}{content(piece.operand)}"
         case at.Chain():
-            return content(piece.first) + "".join(f" {_between(one.sign)} {content(one.operand)}" for one in piece.rest)
+            return content(piece.first) + "".join(
+                f" {_between(one.sign)} {content(one.operand)}" for one in piece.rest
+            )
         case at.Binder():
             where = "" if piece.where is None else f' med upright("where") med {content(piece.where)}'
             return f"{content(piece.head)}{where} colon med {content(piece.body)}"
@@ -108,7 +123,9 @@ def _between(sign: at.Sign | at.Word | at.Index) -> str:
 
 
 def _branch(one: at.Branch) -> str:
-    condition = 'upright("otherwise")' if one.condition is None else f'upright("if ") {content(one.condition)}'
+    condition = (
+        'upright("otherwise")' if one.condition is None else f'upright("if ") {content(one.condition)}'
+    )
     return f"{content(one.value)} quad & {condition}"
 
 
