@@ -143,21 +143,19 @@ class Formulas(Things):
                 branches = [(one.members, one.rest, self.formula(one.value)) for one in node.branches]
                 return self._case(node.subject, branches), OPEN
             case typed.Not():
-                return at.Prefix(at.Sign("¬"), self.formula(node.operand, DENIED)), DENIED
+                return at.Prefix(at.Sign("¬"), self._operand(node.operand)), DENIED
             case typed.Connective():
                 return self._connective(node)
             case typed.Quantified():
                 return self._quantified(node), OPEN
             case typed.Temporal():
-                return at.Prefix(
-                    self._timed(node.op, node.window), self.formula(node.operand, DENIED)
-                ), DENIED
+                return at.Prefix(self._timed(node.op, node.window), self._operand(node.operand)), DENIED
             case typed.Until():
-                left, right = self.formula(node.left, DENIED), self.formula(node.right, DENIED)
+                left, right = self._operand(node.left), self._operand(node.right)
                 return at.Chain(left, (at.Joined(self._timed(node.op, node.window), right),), True), IMPLIED
             case typed.Step():
                 word = at.Word(f"weak {node.op}" if node.weak else node.op)
-                return at.Prefix(word, self.formula(node.operand, DENIED)), DENIED
+                return at.Prefix(word, self._operand(node.operand)), DENIED
             case typed.Edge():
                 return at.Call(at.Word(node.op), (self.formula(node.operand),)), WHOLE
             case typed.CountComparison():
@@ -174,6 +172,11 @@ class Formulas(Things):
                     return self._formula(node.value)
             case _:
                 assert_never(node)
+
+    def _operand(self, node: typed.Formula) -> Layout:
+        """What stands after a sign alone: comparisons too are in parentheses, as not everybody knows which one comes first."""
+        made, level = self._formula(node)
+        return at.Fence("(", made) if level < DENIED or level == COMPARED else made
 
     def _count(self, node: typed.Typed) -> None:
         self._parts += 1
