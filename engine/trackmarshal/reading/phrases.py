@@ -41,7 +41,7 @@ class Phrases:
     def record(self, node: typed.Record) -> str:
         match node:
             case typed.State():
-                return called(node.signal.name)
+                return plain(node.signal.name)
             case typed.ParameterRecord():
                 return called(node.symbol.name)
             case typed.Sample():

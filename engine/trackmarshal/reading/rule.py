@@ -53,9 +53,10 @@ class MachineShown(Node):
 
 
 class Setting(Node):
-    """A parameter in force; overridden: where another value was declared than the one that the spec has for it (None: the spec's own)."""
+    """A parameter in force, and as the spec declares it; unit: the one that its value is written in. overridden: a configuration replaced it."""
 
     shown: Layout
+    unit: str
     info: ParamInfo
     declared: ParamInfo
     overridden: bool
@@ -180,7 +181,8 @@ def _settings(reached: list[typed.Typed], spec: Spec, declared: Spec, names: Nam
             seen.add(name)
             info, own = spec.params[name], declared.params[name]
             shown = names.of("parameter", name, info.short)
-            yield Setting(shown, info, own, info.span != own.span)
+            unit = node.written or info.unit
+            yield Setting(shown, unit, info, own, info.span != own.span)
 
 
 def _tables(reached: list[typed.Typed], spec: Spec, names: Names) -> Iterator[tuple[Layout, TableInfo]]:
