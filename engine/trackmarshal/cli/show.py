@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.cli.options import configure_with
 from trackmarshal.cli.output import dump, plain, say
-from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.cli.project import find_project, optional_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
@@ -59,10 +59,10 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.evaluation import load
 
     project = optional_project(args)
-    path = Path(args.spec) if args.spec is not None else find_project(args) / "specs"
+    paths = [Path(args.spec)] if args.spec is not None else spec_folders(find_project(args))
     settings = [Path(one) for one in args.settings]
-    spec = load([path], settings, project)
-    declared = load([path], [], project) if settings else spec
+    spec = load(paths, settings, project)
+    declared = load(paths, [], project) if settings else spec
     rule = _rule(args.rule, spec)
     forms = args.forms or ([] if args.solve else _all(rule, args.format))
     sheet = _sheet(rule, spec, declared, forms, args)

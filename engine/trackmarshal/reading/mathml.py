@@ -66,12 +66,15 @@ def element(piece: Layout) -> str:
         case at.Root():
             return f"<msqrt>{element(piece.inside)}</msqrt>"
         case at.Fence():
-            return _fenced(piece.opening, element(piece.inside), at.CLOSING[piece.opening])
+            return _fenced(
+                piece.opening, element(piece.inside), at.CLOSING[piece.opening], _tall(piece.inside)
+            )
         case at.Call():
             if not piece.arguments:
                 return element(piece.head)
             given = "<mo>,</mo>".join(map(element, piece.arguments))
-            return f"<mrow>{_head(piece.head)}{_APPLY}{_fenced('(', given, ')')}</mrow>"
+            tall = any(map(_tall, piece.arguments))
+            return f"<mrow>{_head(piece.head)}{_APPLY}{_fenced('(', given, ')', tall)}</mrow>"
         case at.Prefix():
             space = "" if isinstance(piece.sign, at.Sign) else _SPACE
             sign = (
@@ -90,7 +93,7 @@ def element(piece: Layout) -> str:
             return f"<mrow>{element(piece.head)}{where}<mo>:</mo>{element(piece.body)}</mrow>"
         case at.Fold():
             if piece.body is None:
-                return f"<mrow>{element(piece.head)}{_fenced('{', element(piece.range), '}')}</mrow>"
+                return f"<mrow>{element(piece.head)}{_fenced('{', element(piece.range), '}', _tall(piece.range))}</mrow>"
             return f"<mrow><munder>{element(piece.head)}{element(piece.range)}</munder>{_SPACE}{element(piece.body)}</mrow>"
         case at.Branches():
             return _branches(piece)
@@ -121,8 +124,15 @@ def _head(piece: Layout) -> str:
     return f"<mi>{escape(piece.text)}</mi>" if isinstance(piece, at.Word) else element(piece)
 
 
-def _fenced(opening: str, inside: str, closing: str) -> str:
-    return f'<mrow><mo form="prefix">{opening}</mo>{inside}<mo form="postfix">{closing}</mo></mrow>'
+def _fenced(opening: str, inside: str, closing: str, tall: bool) -> str:
+    """Parentheses grow with what is tall: with indices alone, fonts without mathematics would make them twice as high as the line."""
+    grows = "" if tall else ' stretchy="false"'
+    return f'<mrow><mo form="prefix"{grows}>{opening}</mo>{inside}<mo form="postfix"{grows}>{closing}</mo></mrow>'
+
+
+def _tall(piece: Layout) -> bool:
+    """Whether something in a piece takes more than a line."""
+    return any(isinstance(part, at.Fraction | at.Branches | at.Fold) for part in (piece, *piece.walk()))
 
 
 def _between(sign: at.Sign | at.Word | at.Index) -> str:

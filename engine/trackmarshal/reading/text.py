@@ -23,7 +23,7 @@ def lines(sheet: Sheet, single: bool = False) -> Iterator[str]:
     if not single:
         yield f"{rule.name}: {rule.title}"
         for label, said in about(rule, words):
-            yield from _wrapped(f"{label}: {said}", 1)
+            yield from _wrapped(f"{label}: {said}", 1, 1)
     for label, made in _forms(sheet):
         if not single:
             yield ""
@@ -52,10 +52,10 @@ def _limit(said: str, formulas: Sequence[Layout]) -> Iterator[str]:
         yield from block(one, WIDTH, 1)
 
 
-def _wrapped(said: str, indent: int) -> list[str]:
+def _wrapped(said: str, indent: int, hanging: int = 0) -> list[str]:
     moved = " " * STEP * indent
     return textwrap.wrap(
-        said, WIDTH, initial_indent=moved, subsequent_indent=moved + " " * STEP, break_on_hyphens=False, break_long_words=False
+        said, WIDTH, initial_indent=moved, subsequent_indent=moved + " " * STEP * hanging, break_on_hyphens=False, break_long_words=False
     )  # fmt: skip
 
 
@@ -100,7 +100,7 @@ def _told(told: Told) -> Iterator[str]:
     for paragraph in told.demand:
         yield from _wrapped(paragraph, 0)
     for paragraph in told.definitions:
-        yield from _wrapped(paragraph, 1)
+        yield from _wrapped(paragraph, 1, 1)
 
 
 def _settings(settings: Sequence[Setting], words: Words) -> Iterator[str]:
