@@ -293,7 +293,7 @@ class Formulas(Things):
         ranged = self.ranged(range_)
         if where is None:
             return ranged
-        return at.Row((ranged, at.Sign(":"), self.formula(where)))
+        return at.Row((ranged, at.Sign(":"), self.formula(where, IMPLIED)))
 
     def ranged(self, range_: typed.Range) -> Layout:
         """`p ∈ plan`, `consecutive p, q ∈ plan`."""
@@ -311,7 +311,7 @@ class Formulas(Things):
     def _quantified(self, node: typed.Quantified) -> Layout:
         with self.binding(node.range):
             head = self.quantifier(node.quantifier, node.range, node.by)
-            where = None if node.where is None else self.formula(node.where)
+            where = None if node.where is None else self.formula(node.where, IMPLIED)
             return at.Binder(head, where, self.formula(node.body))
 
     def window(self, window: typed.Window) -> Layout:

@@ -11,7 +11,7 @@ from trackmarshal.reading.layout import Layout
 from trackmarshal.reading.units import factors
 
 #: Letters on a line, where a page is as wide as paper.
-WIDTH = 84
+WIDTH = 96
 #: What a function's name and its arguments are joined by, unseen.
 _APPLY = "<mo>&#x2061;</mo>"
 _THIN = '<mspace width="0.18em"></mspace>'
