@@ -158,6 +158,7 @@ PROJECT = Record("project", "Settings of the project.", (
         optional("names", TEXT, "A regular expression that finds ids in `suite::name` of a test, `_` standing for `-`; its first group, if it has one."),
     )), 1), "Reports of other test runners, whose tests name requirements."),
     optional("sources", Many(PROJECT_PATH, 1), "Folders of source code with comments such as `implements S-1-B-4`."),
+    optional("case_templates", PROJECT_PATH, "A folder with templates of the safety case in place of those that come with the program."),
 ))  # fmt: skip
 
 V_MODEL = Record("v-model", "What each stage of the development must show, and what the gate demands.", (
