@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from trackmarshal.trace.model import Interface, Subsystem
 from trackmarshal.trace.report.svg.element import CHARACTER, svg, tag, text, title
 
-_BOX, _GAP, _PAD = 96.0, 6.0, 8.0
+_BOX, _GAP, _PAD = 104.0, 6.0, 8.0
 _FAMILY = "Arial, Helvetica, 'Liberation Sans', 'DejaVu Sans', sans-serif"
 _LINES, _SIZE = 3, 11.0
 

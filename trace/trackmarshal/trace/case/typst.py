@@ -88,7 +88,7 @@ def pdf(text: str, day: str) -> bytes:
 
 def string(text: str) -> str:
     """A string of Typst, which is shown as it is; characters that no font shows are replaced."""
-    shown = "".join(char if char.isprintable() or char == "\n" else "\ufffd" for char in text)
+    shown = "".join(char if char.isprintable() or char in "\n\u200b" else "\ufffd" for char in text)
     return '"' + shown.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
 
 

@@ -200,6 +200,7 @@ ENGLISH: Mapping[str, str] = {
     "review.outdated": "{review} by {by} on {made}: of another version than this",
     "system.figure": "The system model: parts on the diagonal, interfaces where row and column meet, dashed where a reason stands in place of an analysis",
     "system.parts": "Parts",
+    "system.interfaces": "Interfaces",
     "system.apart": "Pairs without an interface: {pairs}.",
     "system.unanalysed": "Not analysed, and no reason is given.",
     "architecture.no_elements": "No elements of the design are declared, so nothing is allocated to one.",

@@ -55,10 +55,10 @@ def open_points(writing: Writing) -> Section:
         if stage.id in row.cells and row.cells[stage.id].status not in ("covered", "waived")
     ]  # fmt: skip
     gaps.sort(key=lambda gap: STATUSES.index(gap[2].status))
-    blocks.append(writing.named("open.cells", [_cells(writing, gaps) if gaps else writing.missing("open.no_cells")]))
+    blocks.append(writing.named("open.cells", [_cells(writing, gaps) if gaps else writing.paragraph("open.no_cells")]))
     stale = list(_stale(writing))
-    blocks.append(writing.named("open.stale", [_listed(writing, stale) if stale else writing.missing("open.no_stale")]))
-    waivers = [_waivers(writing, matrix.waivers)] if matrix.waivers else [writing.missing("open.no_waivers")]
+    blocks.append(writing.named("open.stale", [_listed(writing, stale) if stale else writing.paragraph("open.no_stale")]))
+    waivers = [_waivers(writing, matrix.waivers)] if matrix.waivers else [writing.paragraph("open.no_waivers")]
     blocks.append(writing.named("open.waivers", waivers))
     lacking = [kind for kind in EXPECTED if not writing.of_kind(kind)]
     if lacking:

@@ -38,7 +38,7 @@ def system(writing: Writing) -> Section | None:
         for one in project.subsystems
     ), [("subsystem", str(one.id)) for one in project.subsystems])  # fmt: skip
     blocks: list[Block] = [Figure(svg, writing.words["system.figure"], width), writing.named("system.parts", [parts])]
-    blocks += [_interface(writing, one) for one in project.interfaces]
+    blocks.append(writing.named("system.interfaces", [_interface(writing, one) for one in project.interfaces]))
     if project.infeasible:
         apart = joined([(Given(str(pair)),) for pair in project.infeasible])
         blocks.append(writing.paragraph("system.apart", pairs=apart))
