@@ -10,12 +10,12 @@ from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.graph.graph import Graph, Key, Node, holds
 from trackmarshal.trace.graph.kinds import LINKS, WAYS
 from trackmarshal.trace.graph.schema import fits
-from trackmarshal.trace.gsn.case import BESIDE, OPEN, Case, Element, Link
+from trackmarshal.trace.gsn.case import BESIDE, COUNTER, OPEN, Case, Element, Link
 from trackmarshal.trace.gsn.document import ALL, ITSELF, WALKS, Step, Template
 from trackmarshal.trace.gsn.statuses import below_first
 from trackmarshal.trace.gsn.subjects import Subjects
 
-#: More elements of one template than this in one context are one element, which lists them.
+#: More elements of one template than this beside one element are one, which lists them.
 JOINED = 3
 _HOLE = re.compile(r"\{([A-Za-z_]+)\}")
 
@@ -123,7 +123,7 @@ class Filling:
             return
         to = self._templates[step.template]
         found = [node for node in self._over(step, subject, to) if self._wanted(node, step)]
-        if to.element in BESIDE and len(found) > JOINED:
+        if (to.element in BESIDE or kind == "challenges") and len(found) > JOINED:
             self._link(kind, at, self._joined(to, found, at), step.place)
             return
         for node in found:
@@ -165,9 +165,9 @@ class Filling:
         self._made[key] = id_
         leaf, evidence = self._subjects.leaves.get(subject.key, ("", ()))
         self.elements[id_] = Element(
-            id_, template.element.replace("_", " "), _filled(template.text, subject), subject.place, template.name.place, subject.key,
+            id_, template.element, _filled(template.text, subject), subject.place, template.name.place, subject.key,
             undeveloped=template.undeveloped == "always", evidence=evidence if template.element == "solution" else (),
-            leaf=leaf, state=OPEN if template.element.startswith("counter") else "",
+            leaf=leaf, state=OPEN if template.element in COUNTER else "",
         )  # fmt: skip
         if template.module:
             self.beginnings.add(id_)
@@ -192,8 +192,9 @@ class Filling:
         id_ = self._id(f"{_filled(template.id, found[0])}-and-{len(found) - 1}-more", template, found[0])
         texts = [f"({number}) {_filled(template.text, node)}" for number, node in enumerate(found, 1)]
         self.elements[id_] = Element(
-            id_, template.element, " ".join(texts), self.elements[at].place, template.name.place
-        )
+            id_, template.element, " ".join(texts), self.elements[at].place, template.name.place,
+            state=OPEN if template.element in COUNTER else "",
+        )  # fmt: skip
         return id_
 
 

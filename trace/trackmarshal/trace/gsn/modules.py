@@ -20,13 +20,16 @@ ONE_ROW = 4
 def in_modules(case: Case, groups: str, beginnings: Iterable[str]) -> Case:
     """The argument with its modules, always the same for the same argument.
 
-    groups: as `grouping.grouped` takes it. beginnings: goals at which modules begin, where all below an element does not fit into one picture.
+    groups: as `grouping.grouped` takes it. beginnings: goals at which modules begin, where all below an element does not fit into one
+    picture; those that stand for groups do so too.
     """
     tops = case.tops
     if not tops:  # nothing, or nothing but circles
         return _assigned(case, [])
     top = next((e for e in tops if e.kind == "goal"), tops[0])
-    cutting = _Cutting(grouped(case, groups), frozenset(beginnings))
+    whole = grouped(case, groups)
+    added = whole.elements.keys() - case.elements.keys()
+    cutting = _Cutting(whole, frozenset(beginnings) | added)
     cuts = cutting.cuts(top.id)
     return _assigned(cutting.case(), [top.id, *cuts])
 
