@@ -12,6 +12,7 @@ _SOURCES = (
     "trackmarshal.start.codes", "trackmarshal.lanes.codes",
     "trackmarshal.trajectories.codes", "trackmarshal.integration.planner",
     "trackmarshal.backends.reference.temporal", "trackmarshal.backends.c.codes", "trackmarshal.trace.codes", "trackmarshal.trace.graph.paths", "trackmarshal.trace.report.codes", "trackmarshal.trace.exchange.codes",
+    "trackmarshal.trace.gsn.codes",
 )  # fmt: skip
 
 

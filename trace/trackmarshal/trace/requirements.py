@@ -89,7 +89,9 @@ def _project(files: Bytes, found: list[Finding]) -> model.Project:
     beside = tuple(entry for kind in entries.LISTS for entry in entries.entries(tables[kind], kind))
     schema = entries.schema(tables["link-schema"][0]) if tables["link-schema"] else None
     argument = gsn.argument(tables["argument"][0]) if tables["argument"] else None
-    project = replace(project, requirements=requirements, entries=beside, schema=schema, argument=argument, by_id={})
+    project = replace(
+        project, requirements=requirements, entries=beside, schema=schema, argument=argument, by_id={}
+    )
     for requirement in requirements:
         project.by_id.setdefault(str(requirement.id), requirement)
     return _with_model(project, tables["system-model"][0]) if tables["system-model"] else project

@@ -15,6 +15,7 @@ def with_challenges(case: Case, argument: Argument) -> Case:
     """The argument with the defeaters and the confidence points of the document; what is wrong with them is among the findings (T412, T416, T418, T423)."""
     elements, links = dict(case.elements), list(case.links)
     found: list[Finding] = list(case.findings)
+    raised: list[tuple[str, Defeater]] = []
     for defeater in argument.defeaters:
         prefix = "CSn" if defeater.evidence else "CG"
         id_ = safe(f"{prefix}-{defeater.id}")
@@ -23,7 +24,10 @@ def with_challenges(case: Case, argument: Argument) -> Case:
             continue
         elements[id_] = _counter(id_, defeater)
         found += _of_answer(defeater)
-        targets = named(case, defeater.challenges)
+        raised.append((id_, defeater))
+    with_them = replace(case, elements=elements)
+    for id_, defeater in raised:
+        targets = named(with_them, defeater.challenges)
         links += [Link("challenges", id_, target, defeater.challenges.place) for target in targets[:1]]
         if not targets:
             help_ = did_you_mean(defeater.challenges, _names(case)) or "name an element of the argument, or what one is about"  # fmt: skip

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
 from trackmarshal.trace import cycles
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
@@ -26,26 +27,42 @@ SUPPORTS = {
     "strategy": frozenset({"goal", "solution"}),
     "counter goal": frozenset({"counter goal", "counter solution"}),
 }
+#: So many names are listed in a finding.
+LISTED = 4
 _HOLE = re.compile(r"\{[A-Za-z_][A-Za-z0-9_ -]*\}")
 
 
-def check(case: Case) -> Iterator[Finding]:
-    """All rules, over all modules (T401 to T419, T422). Raises ValueError for a kind of elements or of links that there is not."""
+def check(case: Case, whole: bool = True) -> Iterator[Finding]:
+    """All rules, over all modules (T401 to T419, T422). `whole`: nothing was left out for faults of templates, so that what is missing is so. Raises ValueError for a kind of elements or of links that there is not."""
     for element in case.elements.values():
         if element.kind not in KINDS:
             raise ValueError(f"unknown kind of elements {element.kind!r}")
     for rule in _RULES:
         yield from rule(case)
+    if whole:
+        yield from _verdict(case)
 
 
 def of_requirements(case: Case, matrix: Matrix) -> Iterator[Finding]:
     """Requirements that are demanded, and that no element is about (T421)."""
     about = {e.about for e in case.elements.values()}
-    for row in matrix.rows:
-        id_ = str(row.requirement.id)
-        if ("requirement", id_) not in about:
-            help_ = "let a step of the argument lead to it, or link it to what is argued for"
-            yield error("T421", f"the argument says nothing about `{id_}`", row.requirement.place, help_, id_)
+    missed = [row.requirement for row in matrix.rows if ("requirement", str(row.requirement.id)) not in about]
+    if missed:
+        named = ", ".join(f"`{r.id}`" for r in missed[:LISTED])
+        more = f" and {len(missed) - LISTED} more" if len(missed) > LISTED else ""
+        help_ = "let a step of the argument lead there, or link it to what is argued for"
+        yield error("T421", f"the argument says nothing about {named}{more}", missed[0].place, help_, missed[0].id)  # fmt: skip
+
+
+def folded(found: Iterable[Finding]) -> list[Finding]:
+    """Findings of one code at one place as one: a template makes many elements, and each of them has its fault."""
+    by_cause: dict[tuple[str, Place | None], list[Finding]] = {}
+    for finding in found:
+        by_cause.setdefault((finding.code, finding.place), []).append(finding)
+    return [
+        first if not more else replace(first, message=f"{first.message} (and {len(more)} more like it)")
+        for first, *more in by_cause.values()
+    ]
 
 
 def _tops(case: Case) -> Iterator[Finding]:
@@ -71,7 +88,10 @@ def _reached(case: Case) -> Iterator[Finding]:
                 seen.add(other)
                 todo.append(other)
     for element in case.elements.values():
-        if element.id not in seen and element not in goals[1:] and goals:
+        lost = element.id not in seen and element not in goals[1:]
+        if (
+            goals and lost and element.kind not in COUNTER
+        ):  # of a defeater it is said that it challenges nothing
             yield _at("T402", f"{_called(element)} is not reached from the top goal", element, "link it, or strike it")  # fmt: skip
 
 
@@ -212,11 +232,13 @@ def _verdict(case: Case) -> Iterator[Finding]:
         path = way_down(case, goals[0].id)
         end = case.elements[path[-1]]
         message = f"the top goal is not supported: {_path(path)}: {end.text}"
-        yield _at("T419", message, end, "support it, or have the gap waived")
+        yield _at(
+            "T419", message, end, "mend what is named there; a gap that is bearable for a while can be waived"
+        )
 
 
 _RULES: tuple[Callable[[Case], Iterator[Finding]], ...] = (
-    _tops, _reached, _circles, _links, _leaves, _away, _defeaters, _filled, _points, _verdict,
+    _tops, _reached, _circles, _links, _leaves, _away, _defeaters, _filled, _points,
 )  # fmt: skip
 
 
@@ -244,4 +266,4 @@ def _at(code: str, message: str, element: Element, help_: str = "") -> Finding:
     return Finding(code, "error", message, place, help_, element.id, also)
 
 
-__all__ = ["SUPPORTS", "check", "of_requirements"]
+__all__ = ["SUPPORTS", "check", "folded", "of_requirements"]

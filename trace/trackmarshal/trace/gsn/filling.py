@@ -49,7 +49,7 @@ class Filling:
         """Everything below the top goal; raises nothing: what cannot be filled in is a finding (T400, T415, T416, T420)."""
         template = self._templates.get(top)
         if template is None or template.about != "project":
-            why = "there is none" if template is None else f"it is about a {template.about}"
+            why = "there is none" if template is None else f"it is about {_a(template.about)}"
             message = f"the top goal's template is to be `{top}`, about the project, and {why}"
             self.findings.append(error("T400", message, place, did_you_mean(top, self._templates)))
             return
@@ -109,8 +109,13 @@ class Filling:
             return False
         starts, ends = _reach(step.over, at.about, to.about)
         if (starts and at.about not in starts) or (ends and to.about not in ends):
-            has = f"a {at.about} has no `{step.over}`" if starts and at.about not in starts else f"`{step.over}` leads to {' or '.join(ends)}, and the template `{to.name}` is about a {to.about}"  # fmt: skip
-            self.findings.append(error("T420", f"the template `{at.name}`: {has}", step.over.place))
+            if starts and at.about not in starts:
+                has = f"{_a(at.about)} has no `{step.over}`"
+                help_ = "it has " + ", ".join(way for way in (ITSELF, ALL, *WALKS, *WAYS) if at.about in (_reach(way, at.about, to.about)[0] or (at.about,)))  # fmt: skip
+            else:
+                has = f"`{step.over}` leads to {' or '.join(ends)}, and the template `{to.name}` is about {_a(to.about)}"  # fmt: skip
+                help_ = "name a template that is about that, or go another way"
+            self.findings.append(error("T420", f"the template `{at.name}`: {has}", step.over.place, help_))
             return False
         return True
 
@@ -119,7 +124,7 @@ class Filling:
             return
         if step.cites:
             cited, module = _filled(step.cites, subject), _filled(step.module, subject)
-            self._link(kind, at, safe(cited), step.place, safe(module))
+            self._link(kind, at, safe(cited), step.place, safe(module) if module else "")
             return
         to = self._templates[step.template]
         found = [node for node in self._over(step, subject, to) if self._wanted(node, step)]
@@ -196,6 +201,10 @@ class Filling:
             state=OPEN if template.element in COUNTER else "",
         )  # fmt: skip
         return id_
+
+
+def _a(kind: str) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def _reach(over: str, at: str, to: str) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -23,9 +23,9 @@ def in_modules(case: Case, groups: str, beginnings: Iterable[str]) -> Case:
     groups: as `grouping.grouped` takes it. beginnings: goals at which modules begin, where all below an element does not fit into one
     picture; those that stand for groups do so too.
     """
-    tops = case.tops
-    if not tops:  # nothing, or nothing but circles
-        return _assigned(case, [])
+    tops = case.tops or list(case.elements.values())  # all of it in circles: the first that was made
+    if not tops:
+        return case
     top = next((e for e in tops if e.kind == "goal"), tops[0])
     whole = grouped(case, groups)
     added = whole.elements.keys() - case.elements.keys()
@@ -54,13 +54,15 @@ class _Cutting:
         above: dict[str, set[str]] = {}
         for id_, links in self._supports.items():
             for link in links:
+                if link.cited:
+                    continue  # it is to be public where it is: being cited does not make it so
                 above.setdefault(link.target, set()).add(id_)
         shared = {id_ for id_, over in above.items() if len(over) > 1}
         self._cut = {id_ for id_ in shared if self._elements[id_].kind == "goal" and id_ != top}
         for id_ in below_first(self._case):
             self._measure(id_)
             if not self._fits(id_):
-                self._cut |= {e for e in self._local(id_) if e in self._beginnings and self._elements[e].kind == "goal"}  # fmt: skip
+                self._cut |= self._next_beginnings(id_)
                 self._again(id_)
             while not self._fits(id_) and self._one_more(id_):
                 self._again(id_)
@@ -68,16 +70,16 @@ class _Cutting:
 
     def case(self) -> Case:
         """The argument, with the goals that had to be put between."""
-        links = [link for link in self._case.links if link.kind != "supported_by"]
-        return replace(
-            self._case, elements=self._elements, links=(*links, *(link for own in self._supports.values() for link in own))
-        )  # fmt: skip
+        elements = self._case.elements  # links to nothing stay as they are, for the checks
+        links = [k for k in self._case.links if k.kind != "supported_by" or k.source not in elements or k.target not in elements]  # fmt: skip
+        own = [link for links in self._supports.values() for link in links]
+        return replace(self._case, elements=self._elements, links=(*links, *own))
 
     def _fits(self, id_: str) -> bool:
         return self._size[id_] <= LIMIT and self._width[id_] <= WIDTH
 
     def _below(self, id_: str) -> list[str]:
-        return [link.target for link in self._supports[id_]]
+        return [link.target for link in self._supports[id_] if not link.cited]
 
     def _measure(self, id_: str) -> None:
         """How many elements there are in the picture from here down, and how many side by side."""
@@ -85,8 +87,10 @@ class _Cutting:
         against = [link.source for link in self._case.into.get(id_, ()) if link.kind == "challenges"]
         one = [1 if b in self._cut or b not in self._size else self._size[b] for b in self._below(id_)]
         wide = [1.0 if b in self._cut or b not in self._size else self._width[b] for b in self._below(id_)]
+        cited = [1.0 for link in self._supports[id_] if link.cited]
         here = 1 + len(beside) + len(against)
-        self._size[id_] = here + sum(one)
+        self._size[id_] = here + sum(one) + len(cited)
+        wide += cited
         row = sum(wide) if len(wide) <= ONE_ROW else max(sum(wide[::2]), sum(wide[1::2])) + 0.5
         self._width[id_] = max(float(here), row)
 
@@ -100,6 +104,22 @@ class _Cutting:
                 found[at] = None
                 todo += [b for b in self._below(at) if b not in self._cut]
         return list(found)
+
+    def _next_beginnings(self, id_: str) -> set[str]:
+        """The nearest goals below an element at which a module may begin, each on its way down."""
+        found: set[str] = set()
+        seen: set[str] = set()
+        todo = self._below(id_)
+        while todo:
+            at = todo.pop(0)
+            if at in seen or at in self._cut or at == id_:
+                continue
+            seen.add(at)
+            if at in self._beginnings and self._elements[at].kind == "goal":
+                found.add(at)
+            else:
+                todo += self._below(at)
+        return found
 
     def _again(self, id_: str) -> None:
         for below in reversed(self._local(id_)):
@@ -165,7 +185,7 @@ def _assigned(case: Case, roots: Sequence[str]) -> Case:
             if at in home or at not in case.elements:
                 continue
             home[at] = root
-            todo += [link.target for link in case.out.get(at, ()) if link.kind != "challenges" and link.target not in begins]  # fmt: skip
+            todo += [link.target for link in case.out.get(at, ()) if link.kind != "challenges" and link.target not in begins and not link.cited]  # fmt: skip
             todo += [link.source for link in case.into.get(at, ()) if link.kind == "challenges"]
     modules = [Module(root, root, case.elements[root].text) for root in roots]
     beside = [id_ for id_ in case.elements if id_ not in home]
