@@ -11,7 +11,6 @@ from xml.etree import ElementTree
 import pytest
 
 from golden.gsn.cases import argued, argument
-from support.project import command
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.trace.gsn.case import KINDS, Case, Element, Evidence, Link, Module
 from trackmarshal.trace.gsn.modules import LIMIT
@@ -162,17 +161,6 @@ def test_an_unknown_kind_is_not_drawn() -> None:
     elements = {i: replace(e, kind="claim") if i == "Open" else e for i, e in case.elements.items()}
     with pytest.raises(ValueError, match="unknown kind of elements 'claim'"):
         drawn(replace(case, elements=elements))
-
-
-def test_without_the_engine_everything_else_comes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    root = argued(tmp_path).root
-    monkeypatch.setattr(layout, "PROGRAM", "no-such-engine")
-    status, _, err = command(root, "gsn", "--format", "svg", "--module", "G-Top")
-    assert status == 2
-    assert "error[T424]" in err
-    assert "pip install 'trackmarshal[gsn]'" in err
-    for format in ("text", "json"):
-        assert command(root, "gsn", "--format", format)[0] == 0
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,9 @@ def _counter(id_: str, defeater: Defeater) -> Element:
         said += f" Answered: {defeater.answer}"
     kind = "counter solution" if defeater.evidence else "counter goal"
     place = defeater.id.place
-    return Element(id_, kind, said, place, place, undeveloped=not defeater.evidence, state=defeater.state)
+    return Element(
+        id_, kind, said, place, place, undeveloped=not defeater.evidence, state=str(defeater.state)
+    )
 
 
 def _of_answer(defeater: Defeater) -> Iterator[Finding]:

@@ -170,7 +170,7 @@ class Filling:
         self._made[key] = id_
         leaf, evidence = self._subjects.leaves.get(subject.key, ("", ()))
         self.elements[id_] = Element(
-            id_, template.element, _filled(template.text, subject), subject.place, template.name.place, subject.key,
+            id_, str(template.element), _filled(template.text, subject), subject.place, template.name.place, subject.key,
             undeveloped=template.undeveloped == "always", evidence=evidence if template.element == "solution" else (),
             leaf=leaf, state=OPEN if template.element in COUNTER else "",
         )  # fmt: skip
@@ -197,7 +197,7 @@ class Filling:
         id_ = self._id(f"{_filled(template.id, found[0])}-and-{len(found) - 1}-more", template, found[0])
         texts = [f"({number}) {_filled(template.text, node)}" for number, node in enumerate(found, 1)]
         self.elements[id_] = Element(
-            id_, template.element, " ".join(texts), self.elements[at].place, template.name.place,
+            id_, str(template.element), " ".join(texts), self.elements[at].place, template.name.place,
             state=OPEN if template.element in COUNTER else "",
         )  # fmt: skip
         return id_
@@ -224,7 +224,7 @@ def _reach(over: str, at: str, to: str) -> tuple[tuple[str, ...], tuple[str, ...
 def _filled(text: str, subject: Node) -> str:
     """The text with what the subject says; names that it does not have, or says nothing under, stay in their braces."""
     said = {**subject.attributes, "id": subject.id, "title": subject.title}
-    return _HOLE.sub(lambda match: said.get(match[1]) or match[0], text)
+    return _HOLE.sub(lambda match: said.get(match[1]) or match[0], str(text))
 
 
 def safe(id_: str) -> str:

@@ -11,8 +11,9 @@ from trackmarshal.trace.gsn.statuses import below_first
 
 #: The most elements in a picture, away ones counted.
 LIMIT = 25
-#: The widest that a picture may be, in elements side by side, where it can be cut: that is what is readable on A4.
-WIDTH = 7.0
+#: The widest and deepest that a picture may be, in elements side by side and one under another, where it can be cut: one of these, so that it
+#: can be read on A4, lying or standing.
+PAGES = ((7.0, 6), (4.5, 10))
 #: With more elements than this below one, they stand in two rows.
 ONE_ROW = 4
 
@@ -48,6 +49,7 @@ class _Cutting:
         self._cut: set[str] = set()
         self._size: dict[str, int] = {}
         self._width: dict[str, float] = {}
+        self._depth: dict[str, int] = {}
 
     def cuts(self, top: str) -> list[str]:
         """The goals at which modules begin, beside the top goal, in the order of the argument from the top."""
@@ -76,23 +78,23 @@ class _Cutting:
         return replace(self._case, elements=self._elements, links=(*links, *own))
 
     def _fits(self, id_: str) -> bool:
-        return self._size[id_] <= LIMIT and self._width[id_] <= WIDTH
+        wide, deep = self._width[id_], self._depth[id_]
+        return self._size[id_] <= LIMIT and any(wide <= w and deep <= d for w, d in PAGES)
 
     def _below(self, id_: str) -> list[str]:
         return [link.target for link in self._supports[id_] if not link.cited]
 
     def _measure(self, id_: str) -> None:
-        """How many elements there are in the picture from here down, and how many side by side."""
+        """How many elements there are in the picture from here down, how many side by side, and how many one under another."""
         beside = self._case.targets(id_, "in_context_of")
         against = [link.source for link in self._case.into.get(id_, ()) if link.kind == "challenges"]
-        one = [1 if b in self._cut or b not in self._size else self._size[b] for b in self._below(id_)]
-        wide = [1.0 if b in self._cut or b not in self._size else self._width[b] for b in self._below(id_)]
-        cited = [1.0 for link in self._supports[id_] if link.cited]
+        below = [(1, 1.0, 1) if b in self._cut or b not in self._size else (self._size[b], self._width[b], self._depth[b]) for b in self._below(id_)]  # fmt: skip
+        below += [(1, 1.0, 1) for link in self._supports[id_] if link.cited]
         here = 1 + len(beside) + len(against)
-        self._size[id_] = here + sum(one) + len(cited)
-        wide += cited
-        row = sum(wide) if len(wide) <= ONE_ROW else max(sum(wide[::2]), sum(wide[1::2])) + 0.5
-        self._width[id_] = max(float(here), row)
+        rows = [below] if len(below) <= ONE_ROW else [below[::2], below[1::2]]
+        self._size[id_] = here + sum(size for size, _, _ in below)
+        self._width[id_] = max(float(here), *(sum(wide for _, wide, _ in row) + 0.5 * (len(rows) - 1) for row in rows))  # fmt: skip
+        self._depth[id_] = 1 + sum(max((deep for _, _, deep in row), default=0) for row in rows)
 
     def _local(self, id_: str) -> list[str]:
         """What is below an element in the same picture, from the top down."""
@@ -143,7 +145,7 @@ class _Cutting:
             self._cut.add(max(large, key=lambda goal: self._size[goal]))
             return True
         if self._size[id_] <= LIMIT:
-            return False  # wide, and nothing to be done about it
+            return False  # wide or deep, and nothing to be done about it
         strategies = [link for link in self._supports[id_] if self._elements[link.target].kind == "strategy"]
         if not strategies:
             return False
@@ -159,7 +161,7 @@ class _Cutting:
         own = self._supports[id_]
         own[own.index(link)] = link._replace(target=goal.id)
         self._cut.add(goal.id)
-        self._size[goal.id], self._width[goal.id] = 1 + self._size[at.id], self._width[at.id]
+        self._measure(goal.id)
 
 
 def _from(top: str, supports: dict[str, list[Link]]) -> Iterator[str]:
@@ -199,4 +201,4 @@ def _assigned(case: Case, roots: Sequence[str]) -> Case:
     return replace(case, elements=elements, modules=tuple(modules))
 
 
-__all__ = ["LIMIT", "WIDTH", "in_modules"]
+__all__ = ["LIMIT", "ONE_ROW", "in_modules"]
