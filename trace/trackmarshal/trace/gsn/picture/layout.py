@@ -71,7 +71,7 @@ def _failed(why: str) -> TrackmarshalError:
 def _graph(content: Content, boxes: Mapping[str, Box]) -> str:
     """A picture in the DOT language, with numbers for names, so that no text of a project is in it."""
     number = {id_: f"n{index}" for index, id_ in enumerate(content.shown)}
-    lines = ['digraph { graph [nodesep=0.22, ranksep=0.4, ordering=out, splines=polyline]; node [label="", fixedsize=true, shape=box]; edge [arrowsize=0.9];']  # fmt: skip
+    lines = ['digraph { graph [nodesep=0.22, ranksep=0.48, ordering=out, splines=polyline]; node [label="", fixedsize=true, shape=box]; edge [arrowsize=0.9];']  # fmt: skip
     for id_, shown in content.shown.items():
         size = boxes[id_]
         high = size.height + (DIAMOND if shown.element.undeveloped else 0)
@@ -80,21 +80,32 @@ def _graph(content: Content, boxes: Mapping[str, Box]) -> str:
             f"{number[id_]} [width={size.width / INCH:.4f}, height={high / INCH:.4f}, shape={form}];"
         )
     lines += _supports(content, number)
-    beside: set[str] = set()
-    sides: dict[str, int] = {}
+    lines += _beside(content, number)
+    return "\n".join([*lines, "}"])
+
+
+def _beside(content: Content, number: Mapping[str, str]) -> Iterator[str]:
+    """What stands beside an element, by turns to its right and to its left, in a cluster with it, so that nothing comes between."""
+    held: dict[str, list[str]] = {}
+    seen: set[str] = set()
     for link in content.links:
         if link.kind == "supported_by":
             continue
         holder, other = (link.source, link.target) if link.kind == "in_context_of" else (link.target, link.source)  # fmt: skip
-        if other in beside:  # it stands beside another element already
-            lines.append(f"{number[link.source]} -> {number[link.target]} [constraint=false];")
+        if other in seen or other in held:  # it stands elsewhere already
+            yield f"{number[link.source]} -> {number[link.target]} [constraint=false];"
             continue
-        beside.add(other)
-        sides[holder] = sides.get(holder, 0) + 1
-        left = sides[holder] % 2 == 0
-        ends = (number[other], number[holder]) if left else (number[holder], number[other])
-        lines.append(f"{{rank=same; {ends[0]} -> {ends[1]};}}")
-    return "\n".join([*lines, "}"])
+        seen.add(other)
+        own = held.setdefault(holder, [])
+        left = len(own) % 2 == 1
+        ends = (other, holder) if left else (holder, other)
+        back = ", dir=back" if ends[0] == link.target else ""  # the head's room is where the link ends
+        own.append(f"{number[ends[0]]} -> {number[ends[1]]} [minlen=1{back}];")
+    for holder, own in held.items():
+        if holder in seen:  # a defeater of what stands beside something: clusters do not overlap
+            yield from own
+        else:
+            yield f"subgraph cluster_{number[holder]} {{peripheries=0; margin=0; {{rank=same; {' '.join(own)}}}}}"
 
 
 def _supports(content: Content, number: Mapping[str, str]) -> Iterator[str]:

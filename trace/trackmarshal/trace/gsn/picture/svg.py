@@ -27,6 +27,8 @@ MARGIN, HEAD, FOOT = 14.0, 44.0, 26.0
 #: A4 with a margin of 10 mm, the longer side first; a point is so many mm.
 LONG, SHORT, MM = 277.0, 190.0, 25.4 / 72
 _TOO_SMALL = 420.0
+#: What strikes out a defeated element: dark enough to be seen in grey, light enough to read over.
+STRUCK = "#e08a92"
 #: So much evidence is listed where a pointer rests on a solution; all of it is in the export as JSON.
 LISTED = 12
 
@@ -123,6 +125,8 @@ def _element(case: Case, one: Shown, size: Box, at: tuple[float, float], files: 
         tag("title", escape(_text("\n".join([_said(one), *_evidence(element)])))),
         *outline(one, size, at, fill, stroke),
     ]
+    if defeated(case, element.id):  # under the words, which stay readable
+        parts.append(cross(size, at, STRUCK))
     x, y = at
     rows = len(size.name) + len(size.lines) + bool(size.status)
     split = one.away and element.kind in ("goal", "context")
@@ -138,8 +142,6 @@ def _element(case: Case, one: Shown, size: Box, at: tuple[float, float], files: 
     for number, (line, how) in enumerate(texts):
         low = gap if number >= len(texts) - len(size.module) else 0.0
         parts.append(_words(x, baseline + number * LINE + low, line, text_anchor="middle", **{"fill": INK, **how}))  # fmt: skip
-    if defeated(case, element.id):
-        parts.append(cross(size, at, STATUS[UNSUPPORTED][1]))
     drawn = tag("g", *parts, role="img", aria_label=_text(_said(one)))
     address = files.get(element.module) if one.away else None
     return tag("a", drawn, href=address) if address else drawn
