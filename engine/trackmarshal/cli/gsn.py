@@ -55,7 +55,8 @@ def run(args: argparse.Namespace) -> int:
         say(*str(finding).split("\n"), file=sys.stderr)
     wrong = [finding for finding in case.findings if finding.level == "error"]
     if args.gate and not args.quiet:
-        print(f"gate: {len(wrong)} errors" if wrong else "gate: passed", file=sys.stderr)
+        said = f"{len(wrong)} error{'s' if len(wrong) > 1 else ''}" if wrong else "passed"
+        print(f"gate: {said}", file=sys.stderr)
     if matrix.unusable:
         return 2
     return 1 if args.gate and wrong else 0

@@ -19,7 +19,7 @@ from trackmarshal.trace.model import Project
 
 
 def build(matrix: Matrix, project: Project, root: Path) -> Case:
-    """The argument, and in its findings all that is wrong with it (T400 to T423).
+    """The argument, and in its findings all that is wrong with it (T153, T400 to T423).
 
     matrix: of the project that has its documents in `project` and its files below `root`. Equal inputs make equal arguments.
     """
@@ -32,7 +32,10 @@ def build(matrix: Matrix, project: Project, root: Path) -> Case:
         filling.fill(top, top.place)
         case = Case(matrix.project, filling.elements, tuple(filling.links), findings=tuple(filling.findings))
         if own is not None:
-            case = with_challenges(case, own)
+            persons = {
+                said for node in matrix.graph.by_kind.get("person", ()) for said in (node.id, node.title)
+            }
+            case = with_challenges(case, own, persons)
         whole = not filling.findings  # a template that is not right leaves out what it was to make
         found: list[Finding] = [*case.findings, *(checks.of_requirements(case, matrix) if whole else ())]
         case = with_statuses(in_modules(case, groups, filling.beginnings))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from trackmarshal.trace.findings import Finding, did_you_mean, error
@@ -11,8 +11,11 @@ from trackmarshal.trace.gsn.document import Argument, Defeater
 from trackmarshal.trace.gsn.filling import safe
 
 
-def with_challenges(case: Case, argument: Argument) -> Case:
-    """The argument with the defeaters and the confidence points of the document; what is wrong with them is among the findings (T412, T416, T418, T423)."""
+def with_challenges(case: Case, argument: Argument, persons: Collection[str] = ()) -> Case:
+    """The argument with the defeaters and the confidence points of the document; what is wrong with them is among the findings (T153, T412, T416, T423).
+
+    persons: ids and names of those that the project declares; where there are any, each owner is one of them.
+    """
     elements, links = dict(case.elements), list(case.links)
     found: list[Finding] = list(case.findings)
     raised: list[tuple[str, Defeater]] = []
@@ -24,6 +27,10 @@ def with_challenges(case: Case, argument: Argument) -> Case:
             continue
         elements[id_] = _counter(id_, defeater)
         found += _of_answer(defeater)
+        if persons and defeater.owner and defeater.owner not in persons:
+            message = f"the defeater `{defeater.id}` belongs to `{defeater.owner}`, who is none of the persons of the project"
+            help_ = did_you_mean(defeater.owner, persons) or "name a person by id or by name"
+            found.append(error("T153", message, defeater.id.place, help_, defeater.id))
         raised.append((id_, defeater))
     with_them = replace(case, elements=elements)
     for id_, defeater in raised:
