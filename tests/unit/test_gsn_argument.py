@@ -22,6 +22,7 @@ from trackmarshal.trace.gsn.case import (
     Link,
     worst,
 )
+from trackmarshal.trace.gsn.checks import check
 from trackmarshal.trace.gsn.grouping import SIDE_BY_SIDE
 from trackmarshal.trace.gsn.modules import LIMIT, in_modules
 from trackmarshal.trace.gsn.picture.content import content
@@ -174,7 +175,7 @@ def leaves(case: Case, top: str) -> dict[str, str]:
     return found
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(cases())
 def test_modules_fit_into_pictures_and_change_nothing(case: Case) -> None:
     whole = with_statuses(case)
@@ -195,3 +196,27 @@ def test_modules_fit_into_pictures_and_change_nothing(case: Case) -> None:
         assert all(one.element.public for one in shown.values() if one.away and one.element.kind == "goal")
     again = with_statuses(in_modules(case, "", {f"E{n}" for n in range(0, 120, 7)}))
     assert (made.elements, made.links, made.modules) == (again.elements, again.links, again.modules)
+
+
+def chain(number: int) -> Case:
+    """Goals each supported by the next."""
+    elements = {f"E{n}": Element(f"E{n}", "goal", "A text.", None, None) for n in range(number)}
+    elements["E-end"] = Element("E-end", "solution", "A text.", None, None, leaf=UNSUPPORTED, evidence=FOUND)
+    names = list(elements)
+    return Case("deep", elements, tuple(Link("supported_by", a, b, None) for a, b in zip(names, names[1:])))
+
+
+def star(number: int) -> Case:
+    """One goal, with everything below it."""
+    elements = {f"E{n}": Element(f"E{n}", "solution", "A text.", None, None, leaf=SUPPORTED, evidence=FOUND) for n in range(number)}  # fmt: skip
+    elements["E0"] = Element("E0", "goal", "A text.", None, None)
+    return Case("wide", elements, tuple(Link("supported_by", "E0", f"E{n}", None) for n in range(1, number)))
+
+
+@pytest.mark.parametrize(("case", "status"), [(chain(10_000), UNSUPPORTED), (star(10_000), SUPPORTED)])
+def test_ten_thousand_elements_below_and_beside_each_other(case: Case, status: str) -> None:
+    made = with_statuses(in_modules(case, "", ()))
+    assert made.elements["E0"].status == status
+    assert max(len(content(made, module).shown) for module in made.modules) <= LIMIT
+    assert len(leaves(made, "E0")) == len(leaves(with_statuses(case), "E0"))
+    assert all(f.code == "T419" for f in check(made))

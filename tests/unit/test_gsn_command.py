@@ -196,7 +196,7 @@ def test_a_document_that_cannot_be_read(robot: Path, entry: str, code: str, tmp_
     root = tmp_path / "project"
     shutil.copytree(robot, root)
     (root / "requirements" / "argument.yaml").write_text(f"document: argument\ntitle: x\n{entry}\n", "utf-8")
-    _, _, err = command(root, "trace", "--as-is", "--format", "text")
-    out = command(root, "trace", "--as-is")[1]
-    assert "requirements/argument.yaml:3" in out + err
-    assert f"[{code}]" in out + err
+    status, _, err = command(root, "gsn", "--gate")
+    assert status == 1
+    assert "requirements/argument.yaml:3" in err
+    assert f"error[{code}]" in err

@@ -12,7 +12,7 @@ import pytest
 
 from golden.gsn.cases import argued, argument
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.trace.gsn.case import KINDS, Case, Element, Evidence, Link, Module
+from trackmarshal.trace.gsn.case import KINDS, Case, Element, Evidence, Link, Module, Point
 from trackmarshal.trace.gsn.modules import LIMIT
 from trackmarshal.trace.gsn.picture import layout
 from trackmarshal.trace.gsn.picture.boxes import FONT, ROUND, box
@@ -65,6 +65,16 @@ def test_every_kind_is_drawn_and_said() -> None:
         assert word in words, "no status is told by its colour alone"
     assert [a.get("href") for a in tree.iter(f"{SVG}a")] == ["Other.svg"]
     assert "Challenges: E-solution." in (said.text or "")
+
+
+def test_confidence_points_are_drawn_where_they_are() -> None:
+    points = (Point("ACP-1", "E-goal", "", "Read by two.", None), Point("ACP-2", "E-goal", "E-strategy", "So it is <b>done</b>.", None),
+              Point("ACP-3", "Elsewhere", "", "Not here.", None))  # fmt: skip
+    tree = ElementTree.fromstring(drawn(replace(one_of_each(), points=points)))
+    labels = [g.get("aria-label") for g in tree.iter(f"{SVG}g")]
+    assert "Confidence point ACP-1: Read by two." in labels
+    assert "Confidence point ACP-2: So it is <b>done</b>." in labels
+    assert not any("ACP-3" in (label or "") for label in labels)
 
 
 def test_markup_is_text(tmp_path: Path) -> None:

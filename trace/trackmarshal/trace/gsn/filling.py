@@ -32,6 +32,7 @@ class Filling:
         #: Elements at which a module may begin.
         self.beginnings: set[str] = set()
         self._made: dict[tuple[str, Key], str] = {}
+        self._many: dict[tuple[str, tuple[Key, ...]], str] = {}
         self._todo: list[tuple[Template, Node, str]] = []
         self._templates: dict[str, Template] = {}
         for template in templates:
@@ -187,20 +188,29 @@ class Filling:
         if wanted == id_ and not _HOLE.search(wanted):
             message = f"`{id_}` is the id of two elements of the argument: one of the template `{template.name}` about the {subject.kind} `{subject.id}`, and another one"
             self.findings.append(error("T416", message, template.id.place, "let ids of templates differ"))
+        return self._free(id_)
+
+    def _joined(self, template: Template, found: list[Node], at: str) -> str:
+        """One element for many that stand beside one; for the same ones elsewhere, the same."""
+        key = (str(template.name), tuple(node.key for node in found))
+        if key not in self._many:
+            id_ = self._free(safe(f"{_filled(template.id, found[0])}-and-{len(found) - 1}-more"))
+            texts = [f"({number}) {_filled(template.text, node)}" for number, node in enumerate(found, 1)]
+            self.elements[id_] = Element(
+                id_, str(template.element), " ".join(texts), self.elements[at].place, template.name.place,
+                state=OPEN if template.element in COUNTER else "",
+            )  # fmt: skip
+            self._many[key] = id_
+        return self._many[key]
+
+    def _free(self, id_: str) -> str:
+        """The id, with a number where another element has it."""
+        if id_ not in self.elements:
+            return id_
         number = 2
         while f"{id_}-{number}" in self.elements:
             number += 1
         return f"{id_}-{number}"
-
-    def _joined(self, template: Template, found: list[Node], at: str) -> str:
-        """One element for many that stand in one context."""
-        id_ = self._id(f"{_filled(template.id, found[0])}-and-{len(found) - 1}-more", template, found[0])
-        texts = [f"({number}) {_filled(template.text, node)}" for number, node in enumerate(found, 1)]
-        self.elements[id_] = Element(
-            id_, str(template.element), " ".join(texts), self.elements[at].place, template.name.place,
-            state=OPEN if template.element in COUNTER else "",
-        )  # fmt: skip
-        return id_
 
 
 def _a(kind: str) -> str:

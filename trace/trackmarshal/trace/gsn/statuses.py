@@ -86,13 +86,15 @@ def below_first(case: Case) -> list[str]:
 
 def way_down(case: Case, top: str) -> list[str]:
     """From an element to the first leaf that keeps it from being supported as far as it could be, by ids."""
-    path = [top]
+    path, seen = [top], {top}
     while True:
         here = case.elements[path[-1]]
-        worse = [t for t in case.targets(here.id, "supported_by") if t in case.elements and case.elements[t].status == here.status and t not in path]  # fmt: skip
-        if not worse or here.status == SUPPORTED:
+        worse = (t for t in case.targets(here.id, "supported_by") if t in case.elements and t not in seen)
+        following = next((t for t in worse if case.elements[t].status == here.status), None)
+        if following is None or here.status == SUPPORTED:
             return path
-        path.append(worse[0])
+        path.append(following)
+        seen.add(following)
 
 
 __all__ = ["below_first", "defeated", "way_down", "with_statuses"]

@@ -57,7 +57,13 @@ def _picture(
     body = [
         tag("rect", x=0.0, y=0.0, width=wide, height=high, fill="#ffffff"),
         *_head(case, shown, wide),
-        tag("g", *lines, *elements, transform=f"translate({short(dx)} {short(dy)})"),
+        tag(
+            "g",
+            *lines,
+            *elements,
+            *_points(case, shown, boxes, placed),
+            transform=f"translate({short(dx)} {short(dy)})",
+        ),
         *_foot(wide, high),
     ]
     scale = min(1.0, max(min(LONG / (wide * MM), SHORT / (high * MM)), min(SHORT / (wide * MM), LONG / (high * MM))))  # fmt: skip
@@ -116,6 +122,26 @@ def _foot(wide: float, high: float) -> list[str]:
 
 def _link(kind: str, curve: Sequence[tuple[float, float]] | None) -> list[str]:
     return link(kind, curve) if curve else []
+
+
+def _points(case: Case, shown: Content, boxes: Mapping[str, Box], placed: Placed) -> list[str]:
+    """Confidence points: a black square with its id, at an element's upper left corner or on a link."""
+    found = []
+    for point in case.points:
+        curve = placed.curves.get((point.at, point.to))
+        if point.to and curve:
+            x, y = curve[len(curve) // 2]
+        elif not point.to and point.at in shown.shown:
+            (x, y), size = placed.centres[point.at], boxes[point.at]
+            x, y = x - size.width / 2, y - size.height / 2
+        else:
+            continue  # it is in another picture
+        said = _text(f"Confidence point {point.id}: {point.text}")
+        square = tag("rect", x=x - 4, y=y - 4, width=8.0, height=8.0, fill=INK)
+        halo = {"stroke": "#ffffff", "stroke_width": 2.5, "paint_order": "stroke"}  # over lines and outlines
+        name = _words(x + 7, y - 2, point.id, font_size=9.0, fill=INK, **halo)
+        found.append(tag("g", tag("title", escape(said)), square, name, role="img", aria_label=said))
+    return found
 
 
 def _element(case: Case, one: Shown, size: Box, at: tuple[float, float], files: Mapping[str, str]) -> str:
