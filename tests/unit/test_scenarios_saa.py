@@ -31,7 +31,7 @@ def test_conventions_are_converted() -> None:
     recording = read(scn())
     cycle = recording.cycles[0]
     assert recording.name == "scene"
-    assert cycle.ego == {"x": 0.0, "y": 0.0, "heading": 0.0, "kappa": 0.0, "v": 10.0, "a": 0.5}
+    assert cycle.ego == {"x": 0.0, "y": 0.0, "heading": 0.0, "kappa": 0.0, "v": 10.0, "a": 0.5, "age": 0.0}
     assert cycle.candidates["driving"]["s"] == [0.0, 2.0, 4.0, 6.0]
     assert cycle.candidates["driving"]["t"] == pytest.approx([0.0, 0.2, 0.4, 0.6])
     (other,) = cycle.objects
