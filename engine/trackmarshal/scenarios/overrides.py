@@ -53,12 +53,24 @@ def overrides(recording: Recording, spec: Spec) -> Iterator[Override]:
     for name, value in known_params(recording, spec).items():
         for info in _named(spec.params, name):
             if to_si(value, info.unit) != info.value:
-                yield Override("param", info.name, _shown(value, info), in_full(info.value, info.unit), recording.because.get(name, ""))
+                yield Override(
+                    "param",
+                    info.name,
+                    _shown(value, info),
+                    in_full(info.value, info.unit),
+                    recording.because.get(name, ""),
+                )
     for name, rows in recording.tables.items():
         for table in _named(spec.tables, name):
             knots = tuple(tuple(to_si(x, unit) for x, unit in zip(row, table.units)) for row in rows)
             if knots != tuple(zip(table.knots, table.values)):
-                yield Override("table", table.name, f"{len(rows)} knots", f"{len(table.knots)} knots", recording.because.get(name, ""))
+                yield Override(
+                    "table",
+                    table.name,
+                    f"{len(rows)} knots",
+                    f"{len(table.knots)} knots",
+                    recording.because.get(name, ""),
+                )
 
 
 def _named(infos: Any, name: str) -> Iterator[Any]:

@@ -76,10 +76,14 @@ def allowances(tables: saa_tables.Tables) -> tuple[dict[str, float], dict[str, s
     if "grip" in tables:
         least = min(grip for _, grip in tables["grip"])
         params["mu"] = ALLOWED * least / _GRAVITY
-        because["mu"] = f"TrajectorySupervisor, for which it was made, allows {share} of the archive's grip, {least:g} m/s^2"
+        because["mu"] = (
+            f"TrajectorySupervisor, for which it was made, allows {share} of the archive's grip, {least:g} m/s^2"
+        )
     if "ax_max" in tables:
         params["drive_factor"] = ALLOWED
-        because["drive_factor"] = f"TrajectorySupervisor, for which it was made, allows {share} of the archive's ax_max_machines"
+        because["drive_factor"] = (
+            f"TrajectorySupervisor, for which it was made, allows {share} of the archive's ax_max_machines"
+        )
     return params, because
 
 

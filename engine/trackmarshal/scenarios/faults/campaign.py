@@ -20,8 +20,8 @@ from trackmarshal.runtime.verdict import About
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.fields import check_track
-from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.overrides import known_params
+from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import cycles
 from trackmarshal.supervision import rulebox

@@ -75,6 +75,7 @@ class Declaration:
     step: float
     age: float
     params: dict[str, float]
+    because: dict[str, str]
     tables: dict[str, list[list[float]]]
     use: tuple[str, ...]
     notes: tuple[str, ...]
@@ -89,7 +90,18 @@ def load(path: Path, shown: str) -> Declaration:
     fields = item.fields(
         ("format", "version", "name", "track", "duration", "step", "vehicle", "ego", "plan", "emergency"),
         (
-            *("notes", "others", "object_age", "params", "tables", "use", "specs", "signals", "truth"),
+            *(
+                "notes",
+                "others",
+                "object_age",
+                "params",
+                "tables",
+                "because",
+                "use",
+                "specs",
+                "signals",
+                "truth",
+            ),
             *("widenings", "obstacles", "limits", "mistakes", "pose_error", "takeup"),
         ),
     )
@@ -137,12 +149,22 @@ def load(path: Path, shown: str) -> Declaration:
         step=step,
         age=fields["object_age"].number(0.0, 10.0) if "object_age" in fields else 0.0,
         params={name: value.number() for name, value in params.items()},
+        because=_because(fields, {*params, *tables}),
         tables={name: value.rows() for name, value in tables.items()},
         use=(*([vehicle.spec] if vehicle.spec else []), *(value.text() for value in _list(fields, "use"))),
         notes=tuple(value.text() for value in _list(fields, "notes")),
         specs=_specs(fields, path.parent, further, truth),
         further=further,
         truth=truth,
+    )
+
+
+def _because(fields: dict[str, Item], overridden: set[str]) -> dict[str, str]:
+    """Why parameters and tables are overridden, by name."""
+    return (
+        {name: item.text() for name, item in fields["because"].fields((), sorted(overridden)).items()}
+        if "because" in fields
+        else {}
     )
 
 

@@ -66,6 +66,7 @@ def run(declared: Declaration, shown: str) -> Recording:
         candidates = {name: _columns(plan.columns) for name, plan in plans.items()}
         cycles.append(Cycle(t, _rounded(_ego(state, aside)), objects, candidates))
     speed = {} if declared.speed is None else {"v_max": declared.speed}
+    because = dict.fromkeys(speed, "the event's limit")
     return Recording(
         name=declared.name,
         source=shown,
@@ -83,6 +84,7 @@ def run(declared: Declaration, shown: str) -> Recording:
         },
         use=declared.use,
         notes=declared.notes,
+        because={**because, **declared.because},
     )
 
 

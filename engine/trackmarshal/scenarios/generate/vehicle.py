@@ -23,11 +23,7 @@ def vehicle(item: Item, folder: Path) -> Vehicle:
         return _of_fields(item.fields(_NEEDED, ("params", "tables")))
     name = item.text()
     # What comes from elsewhere does not choose any file to be opened and quoted in a message.
-    if (
-        Path(name).is_absolute()
-        or Path(name).suffix not in (".yaml", ".yml", ".spec")
-        or "\0" in name
-    ):
+    if Path(name).is_absolute() or Path(name).suffix not in (".yaml", ".yml", ".spec") or "\0" in name:
         raise item.wrong(f"`{name}` is no path of a vehicle", "a .yaml or .spec file, relative to this one")
     if Path(name).suffix == ".spec":
         return _of_spec(item, name, folder)
