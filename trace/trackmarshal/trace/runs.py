@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from trackmarshal.records import RunSummary, SpecItem, TruthFacts
 from trackmarshal.trace.files import Hashes
-from trackmarshal.trace.findings import Finding, error, warning
+from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Scenario
 from trackmarshal.trace.spec import Spec
 
@@ -165,8 +165,20 @@ def _quiet(scenario: Scenario, run: RunSummary) -> str:
     return ", ".join(quiet) if quiet else "" if run.fired else "the Supervisor"
 
 
+def _by_default(run: RunSummary, spec: Spec, path: str, place: Place | None) -> Iterator[Finding]:
+    """Assumptions that hold in a run because an input that their monitor reads is the spec's default (T249)."""
+    for name, rules in sorted(run.defaults.items()):
+        resting = [
+            rule for rule in rules.split(", ") if rule in spec.by_name and spec.by_name[rule].kind == "assume"
+        ]
+        if resting:
+            message = f"`{path}` does not have `{name}`, so {' and '.join(resting)} is judged on the default of the spec"
+            help_ = f'record it, or give it in the recording with a reason: `"given": {{"{name}": ..}}`, `"because": {{"{name}": ".."}}`'
+            yield error("T249", message, place, help_, path)
+
+
 def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
-    """What is wrong with scenarios and their runs (T240 to T247)."""
+    """What is wrong with scenarios and their runs (T240 to T249)."""
     declared = {str(scenario.path) for scenario in project.scenarios}
     for scenario in project.scenarios:
         place, path = scenario.path.place, str(scenario.path)
@@ -226,6 +238,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 yield error("T245", f"in `{path}`, {quiet} did not fire", place, "", path)
         else:
             raise ValueError(f"unknown expectation {scenario.expect!r}")
+        if not stale:
+            yield from _by_default(run, spec, path, place)
         for name in scenario.by:
             if name not in spec.by_name:
                 yield error(
