@@ -18,6 +18,7 @@ FOLDER = REPOSITORY / "specs" / "scenarios"
 #: Rules beside the shipped Supervisor's that a recording is about.
 BESIDE = {
     "late_brakes.tmrec.jsonl.gz": [REPOSITORY / "specs" / "fallback"],
+    "slippery.tmrec.jsonl.gz": [REPOSITORY / "specs" / "watch"],
     **{
         path.name: [REPOSITORY / "specs" / "rulebooks"]
         for path in (FOLDER / "racing").glob("*.tmrec.jsonl.gz")

@@ -24,7 +24,7 @@ from trackmarshal.scenarios.recording import Cycle, Recording
 
 SPECS = Path(__file__).parents[2] / "specs"
 FOLDER = SPECS / "scenarios"
-NAMES = ("wrong_way", "debris", "pit_entry", "overreach", "after_spin", "bad_reception", "late_brakes")
+NAMES = ("wrong_way", "debris", "pit_entry", "overreach", "after_spin", "bad_reception", "late_brakes", "slippery")
 LENGTH, WIDTH = 4.7, 2.8
 #: Deceleration by drag over the square of the speed, 1/m: 0.854 kg/m at 1160 kg.
 DRAG = 0.854 / 1160.0
@@ -52,6 +52,11 @@ STORIES: dict[str, dict[str, list[tuple[float, bool | None]]]] = {
     "bad_reception": {
         "dynamic": [(0.0, True), (3.1, None), (3.2, False), (4.5, True)],
         "static": [(0.0, True), (6.1, None), (6.7, False), (8.1, None), (8.3, True)],
+    },
+    "slippery": {
+        "dynamic": [(0.0, True)],
+        "static": [(0.0, True)],
+        "rule A-GRIP-ATTAINED": [(0.0, True), (4.1, None), (4.4, False)],
     },
     "late_brakes": {
         "dynamic": [(0.0, True)],
