@@ -24,7 +24,16 @@ from trackmarshal.scenarios.recording import Cycle, Recording
 
 SPECS = Path(__file__).parents[2] / "specs"
 FOLDER = SPECS / "scenarios"
-NAMES = ("wrong_way", "debris", "pit_entry", "overreach", "after_spin", "bad_reception", "late_brakes", "slippery")
+NAMES = (
+    "wrong_way",
+    "debris",
+    "pit_entry",
+    "overreach",
+    "after_spin",
+    "bad_reception",
+    "late_brakes",
+    "slippery",
+)
 LENGTH, WIDTH = 4.7, 2.8
 #: Deceleration by drag over the square of the speed, 1/m: 0.854 kg/m at 1160 kg.
 DRAG = 0.854 / 1160.0

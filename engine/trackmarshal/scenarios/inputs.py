@@ -30,17 +30,22 @@ def filled(recording: Recording) -> Recording:
         signal, _, field = name.partition(".")
         of[signal][field] = value
     cycles = tuple(_filled(cycle, of) for cycle in recording.cycles)
-    obstacles = [{**of["obstacles"], **obstacle} for obstacle in recording.obstacles]
+    obstacles = [_with(obstacle, of["obstacles"]) for obstacle in recording.obstacles]
     return replace(recording, cycles=cycles, obstacles=obstacles)
 
 
 def _filled(cycle: Cycle, of: Mapping[str, Mapping[str, float]]) -> Cycle:
     candidates = {
-        name: {**{field: [value] * len(plan["t"]) for field, value in of["plan"].items()}, **plan}
+        name: _with(plan, {field: [value] * len(plan["t"]) for field, value in of["plan"].items()})
         for name, plan in cycle.candidates.items()
     }
-    objects = [{**of["objects"], **each} for each in cycle.objects]
-    return replace(cycle, ego={**of["ego"], **cycle.ego}, objects=objects, candidates=candidates)
+    objects = [_with(each, of["objects"]) for each in cycle.objects]
+    return replace(cycle, ego=_with(cycle.ego, of["ego"]), objects=objects, candidates=candidates)
+
+
+def _with(record: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """A record with what it does not have itself."""
+    return {**record, **{name: value for name, value in given.items() if name not in record}}
 
 
 def defaulted(recording: Recording, spec: Spec, rules: Iterable[RuleInfo]) -> dict[str, tuple[str, ...]]:

@@ -15,8 +15,8 @@ from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field import candidates, smoother
 from trackmarshal.scenarios.field import log as logs
 from trackmarshal.scenarios.field.candidates import Braking
-from trackmarshal.scenarios.field.log import Log
 from trackmarshal.scenarios.field.header import given
+from trackmarshal.scenarios.field.log import Log
 from trackmarshal.scenarios.field.mapping import Mapping
 from trackmarshal.scenarios.field.noise import Noise, estimate
 from trackmarshal.scenarios.field.smoother import Motion
