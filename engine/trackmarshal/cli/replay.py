@@ -181,6 +181,7 @@ def evaluator_for(
     """
     from trackmarshal.evaluation import Evaluator, load
     from trackmarshal.scenarios.fields import check_fields, declared_names
+    from trackmarshal.scenarios.overrides import known_params
     from trackmarshal.scenarios.replay import known_tables
 
     used = configuration(recording, project, folder)
@@ -201,7 +202,9 @@ def evaluator_for(
     check_fields(recording, evaluator.spec, lambda: project_specs(within))
     tables, _ = known_tables(recording, evaluator.spec)
     try:
-        configured = evaluator.reader.settings({"params": recording.params, "tables": tables})
+        configured = evaluator.reader.settings(
+            {"params": known_params(recording, evaluator.spec), "tables": tables}
+        )
     except TrackmarshalError as error:
         error.file = error.file or recording.source
         raise
@@ -285,15 +288,17 @@ def _claim(recording: Recording, written: set[str]) -> None:
 def run_one(recording: Recording, evaluator: Evaluator, quiet: bool, brief: bool = False) -> Replay:
     """Replay with a progress bar. brief: for a `summary` alone."""
     from trackmarshal.scenarios.fields import unnamed_track
+    from trackmarshal.scenarios.overrides import unknown_params
     from trackmarshal.scenarios.replay import replay
 
     unnamed = unnamed_track(recording, evaluator)
     if unnamed and not quiet:
         say(f"note: {recording.name}: {unnamed}", file=sys.stderr)
     outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet), brief)
-    for name in outcome.ignored:
-        if not quiet:
-            say(f"note: {recording.name}: its table `{name}` is unknown to the spec", file=sys.stderr)
+    unknown = [("table", name) for name in outcome.ignored]
+    unknown += [("parameter", name) for name in unknown_params(recording, evaluator.spec)]
+    for kind, name in () if quiet else unknown:
+        say(f"note: {recording.name}: its {kind} `{name}` is unknown to the spec", file=sys.stderr)
     return outcome
 
 
@@ -319,6 +324,8 @@ def json_lines(outcome: Replay) -> list[str]:
 
 def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
     """Lines: which rules fired when, what was driven, and how that compares with the ground truth."""
+    from trackmarshal.scenarios.inputs import defaulted
+    from trackmarshal.scenarios.overrides import overrides
     from trackmarshal.scenarios.recording import CANDIDATES
     from trackmarshal.scenarios.replay import ACTIONS, intervals
 
@@ -356,6 +363,16 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
     lines = [
         f"{outcome.recording.name}: {len(times)} cycles, "
         + ", ".join(f"{n} {kind}" for kind, n in count.items() if n)
+    ]
+    recording, spec = outcome.recording, evaluator.spec
+    lines += [f"override: {one}" for one in overrides(recording, spec)]
+    lines += [
+        f"given in all cycles: {name} = {value:g}: {recording.because.get(name, '')}"
+        for name, value in recording.given.items()
+    ]
+    lines += [
+        f"not in the recording: {name}, so the spec's default is judged by {', '.join(rules)}"
+        for name, rules in defaulted(recording, spec, evaluator.rules).items()
     ]
     if rows:
         lines += table(

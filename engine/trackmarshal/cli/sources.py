@@ -93,11 +93,12 @@ class Sources:
     ) -> tuple[RunSummary, Replay, Evaluator, dict[str, float]]:
         """The run of a scenario, and the parameters in force in it, in SI."""
         from trackmarshal.cli.replay import run_one
+        from trackmarshal.scenarios.overrides import known_params
 
         recording, evaluator = self._scenarios[shown]
         outcome = run_one(recording, evaluator, quiet)
         digest = facts.run_inputs[shown]["recording"]
-        changed = evaluator.reader.settings({"params": recording.params}).params
+        changed = evaluator.reader.settings({"params": known_params(recording, evaluator.spec)}).params
         params = {name: float(changed.get(name, info.value)) for name, info in evaluator.spec.params.items()}
         return evidence.run_summary(outcome, evaluator, shown, digest), outcome, evaluator, params
 

@@ -112,6 +112,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T246": ("no ground truth", "The run is to be compared with the ground truth of its recording, which carries none."),
     "T247": ("a run that nobody declared", "The run covers nothing, because v-model.yaml does not say what it is evidence for."),
     "T248": ("a log is not here", "A run is kept in the project whose log, or borders, need not be part of it, and are not here. The run counts by the hashes that it keeps, but nobody can make it again here."),
+    "T249": ("an assumption rests on a default", "The monitor of an assumption reads an input that the recording does not have, so it judges the default that the spec declares, which nobody measured. A case by hand may leave such an input out; a run that counts as evidence says what it is, in every cycle or, with a reason, for all of them (docs/scenarios.md)."),
     "T250": ("evidence is not there", "A document that counts as evidence does not exist."),
     "T251": ("evidence has changed", "The document differs from the version that was reviewed, by its hash."),
     "T252": ("an assumption's evidence is not there", "The record that backs the assumption does not exist. Paths in specs are relative to the project."),

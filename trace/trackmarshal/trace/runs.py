@@ -172,8 +172,20 @@ def _outside(path: str, place: Place, run: RunSummary) -> Iterator[Finding]:
             yield error("T243", f"the run of `{path}` is {_contradiction(kind, truth)}", place, "", path)
 
 
+def _by_default(run: RunSummary, spec: Spec, path: str, place: Place | None) -> Iterator[Finding]:
+    """Assumptions that hold in a run because an input that their monitor reads is the spec's default (T249)."""
+    for name, rules in sorted(run.defaults.items()):
+        resting = [
+            rule for rule in rules.split(", ") if rule in spec.by_name and spec.by_name[rule].kind == "assume"
+        ]
+        if resting:
+            message = f"`{path}` does not have `{name}`, so {' and '.join(resting)} is judged on the default of the spec"
+            help_ = f'record it, or give it in the recording with a reason: `"given": {{"{name}": ..}}`, `"because": {{"{name}": ".."}}`'
+            yield error("T249", message, place, help_, path)
+
+
 def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
-    """What is wrong with scenarios and their runs (T240 to T247)."""
+    """What is wrong with scenarios and their runs (T240 to T249)."""
     declared = {str(scenario.path) for scenario in project.scenarios}
     for scenario in project.scenarios:
         place, path = scenario.path.place, str(scenario.path)
@@ -231,6 +243,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 yield error("T245", f"in `{path}`, {quiet} did not fire", place, "", path)
         else:
             raise ValueError(f"unknown expectation {scenario.expect!r}")
+        if not stale:
+            yield from _by_default(run, spec, path, place)
         for name in scenario.by:
             if name not in spec.by_name:
                 yield error(

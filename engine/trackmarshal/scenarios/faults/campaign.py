@@ -20,6 +20,7 @@ from trackmarshal.runtime.verdict import About
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.fields import check_track
+from trackmarshal.scenarios.overrides import known_params
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import cycles
@@ -61,7 +62,7 @@ class Bench:
     def __init__(self, recording: Recording, evaluator: Evaluator, limits: Limits | None = None) -> None:
         check_track(recording, evaluator)
         tables, _ = known_tables(recording, evaluator.spec)
-        self._box = rulebox(evaluator, recording.params, tables)
+        self._box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
         self._limits = Limits.of(evaluator.spec) if limits is None else limits
         self._cycles = list(cycles(recording))
 
