@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.records import SpecItem
-from trackmarshal.trace import external, faults
+from trackmarshal.trace import design, external, faults
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph.graph import Graph, Key, Link
@@ -18,14 +18,16 @@ from trackmarshal.trace.spec import Spec, item_place
 #: From worst to best; `waived` stands where a gap is answered for.
 STATUSES = ("failed", "stale", "missing", "partial", "waived", "covered")
 #: Kinds of items that come up from the requirements below.
-FROM_BELOW = frozenset({"rule", "monitor", "assumption", "test", "run", "fault", "external test", "code"})
+FROM_BELOW = frozenset(
+    {"rule", "monitor", "assumption", "test", "run", "fault", "external test", "code", "design", "analysis"}
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
     """One thing that counts in a cell, or ought to."""
 
-    kind: str  #: interface, requirement, adoption, document, rule, monitor, assumption, test, run, fault, external test, code or waiver
+    kind: str  #: interface, requirement, adoption, document, rule, monitor, assumption, test, run, fault, external test, code, design element, analysis or waiver
     name: str
     title: str
     status: str
@@ -315,6 +317,14 @@ def _code(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     )
 
 
+def _design(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    return _together([Item("design element", *said) for said in design.elements(ground, requirement.id)])
+
+
+def _analysis(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    return _together([Item("analysis", *said) for said in design.analyses(ground, requirement.id)])
+
+
 def _over_runs(seen: Sequence[Showing], rules: set[str], evaluated: set[str]) -> str:
     """Runs add to each other: every rule has to be evaluated in one of them, and one of them has to be conclusive."""
     for status in ("failed", "stale"):
@@ -338,4 +348,6 @@ _KINDS: dict[str, Callable[[Ground, Requirement, Stage], Proof]] = {
     "fault": _fault,
     "external test": _external_test,
     "code": _code,
+    "design": _design,
+    "analysis": _analysis,
 }

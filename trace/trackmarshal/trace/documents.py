@@ -119,6 +119,8 @@ COUNTS = Word({
     "fault": "faults of campaigns that name it, each found as expected",
     "external test": "tests of other runners that name it, with their results",
     "code": "source code that says it implements it",
+    "design": "design elements that it is allocated to, each with a section about it in the element's document",
+    "analysis": "analyses of independence that it names, with nothing left open",
 })  # fmt: skip
 DEGREE = Word({"covered": "nothing less than covered", "partial": "covered or partial"})
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
+from trackmarshal.trace import sections
 from trackmarshal.trace.baseline.changes import Change, changes
 from trackmarshal.trace.baseline.content import Content
 from trackmarshal.trace.baseline.file import Baseline
@@ -21,13 +22,13 @@ _CALLED = {
 _GONE = {
     "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "report": "T373",
+    "signal": "T372", "constraint": "T372", "report": "T373", "section": "T373",
 }  # fmt: skip
 _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
     "signal": "T372", "constraint": "T372", "waiver": "T377",
-    "report": "T373",
+    "report": "T373", "section": "T373",
 }  # fmt: skip
 _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
@@ -131,6 +132,7 @@ def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
     found |= {f"evidence {e.path} at {e.stage}": e.path.place for e in project.evidence}
     found |= {f"report {report.path} at {report.stage}": report.path.place for report in project.junit}
     found |= {f"waiver {w.id}": w.id.place for w in project.waivers}
+    found |= {f"section {sections.key(path, r)}": at.place for at, _, path, r in sections.allocated(project)}
     for item in spec.by_name.values():
         found[f"{'rule' if item.kind == 'rule' else 'assumption'} {item.name}"] = item_place(item)
     found |= {f"test {test.rule}: {test.title}": item_place(test) for test in spec.tests}
