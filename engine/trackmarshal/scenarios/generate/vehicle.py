@@ -31,7 +31,10 @@ def vehicle(item: Item, folder: Path) -> Vehicle:
         return _of_spec(item, name, LIBRARY / f"{name.replace('.', '/')}.spec")
     # What comes from elsewhere does not choose any file to be opened and quoted in a message.
     if Path(name).is_absolute() or Path(name).suffix not in (".yaml", ".yml", ".spec") or "\0" in name:
-        raise item.wrong(f"`{name}` is no path of a vehicle", "a .yaml or .spec file, relative to this one, or a shipped module, `vehicles.devbot`")
+        raise item.wrong(
+            f"`{name}` is no path of a vehicle",
+            "a .yaml or .spec file, relative to this one, or a shipped module, `vehicles.devbot`",
+        )
     if Path(name).suffix == ".spec":
         return _of_spec(item, name, folder / name)
     shown = str(Path(item.shown).parent / name)
