@@ -261,7 +261,7 @@ def of_a_spec(tmp_path: Path, *changes: tuple[str, str]) -> Path:
 def test_a_vehicle_of_a_spec_overrides_nothing_and_is_named(tmp_path: Path) -> None:
     recording = generate(of_a_spec(tmp_path))
     assert (recording.params, recording.tables) == ({}, {})
-    assert recording.use[0] == "car.spec"
+    assert recording.notes[0] == "the vehicle is that of car.spec, whose values stand"
     assert recording.cycles == made(FREE_LAP).cycles
 
 

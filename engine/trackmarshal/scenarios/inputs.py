@@ -52,8 +52,8 @@ def defaulted(recording: Recording, spec: Spec, rules: Iterable[RuleInfo]) -> di
     """Fields with a default that some cycle lacks, `plan.grip`, each with the names of the rules that read it: there, the default is what they judge."""
     readers: dict[str, list[str]] = {}
     for rule in rules:
-        for signal, field in rule.reads:
-            readers.setdefault(f"{signal}.{field}", []).append(rule.name)
+        for signal, read in rule.reads:
+            readers.setdefault(f"{signal}.{read}", []).append(rule.name)
     found: dict[str, tuple[str, ...]] = {}
     for signal in SIGNALS:
         declared = spec.signals.get(signal)

@@ -11,7 +11,9 @@ from trackmarshal.scenarios.recording import Recording
 def header(mapping: Mapping) -> Recording:
     """The recording without its cycles and borders."""
     track = {"left": [], "right": [], "closed": mapping.closed}
-    return Recording(mapping.name, mapping.source, (), track, use=(mapping.vehicle, *mapping.use), **given(mapping))
+    return Recording(
+        mapping.name, mapping.source, (), track, use=(mapping.vehicle, *mapping.use), **given(mapping)
+    )
 
 
 def given(mapping: Mapping) -> dict[str, Any]:

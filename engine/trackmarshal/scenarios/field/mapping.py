@@ -229,7 +229,9 @@ def _given(item: Item) -> dict[str, tuple[float, str]]:
     for name, entry in item.any_fields().items():
         signal, _, one = name.partition(".")
         if signal not in SIGNALS or not one.isidentifier() or one in NEEDED_INPUTS[signal]:
-            raise entry.wrong(f"`{name}` is not given here", "a field that a log does not have: `plan.grip`, `ego.age`")
+            raise entry.wrong(
+                f"`{name}` is not given here", "a field that a log does not have: `plan.grip`, `ego.age`"
+            )
         fields = entry.fields(("value", "because"))
         found[name] = fields["value"].number(), fields["because"].text()
     return found

@@ -151,8 +151,11 @@ def load(path: Path, shown: str) -> Declaration:
         params={name: value.number() for name, value in params.items()},
         because=_because(fields, {*params, *tables}),
         tables={name: value.rows() for name, value in tables.items()},
-        use=(*([vehicle.spec] if vehicle.spec else []), *(value.text() for value in _list(fields, "use"))),
-        notes=tuple(value.text() for value in _list(fields, "notes")),
+        use=tuple(value.text() for value in _list(fields, "use")),
+        notes=(
+            *([f"the vehicle is that of {vehicle.spec}, whose values stand"] if vehicle.spec else []),
+            *(value.text() for value in _list(fields, "notes")),
+        ),
         specs=_specs(fields, path.parent, further, truth),
         further=further,
         truth=truth,
