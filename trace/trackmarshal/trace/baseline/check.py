@@ -18,6 +18,7 @@ _HELP = 'restore it, or accept it by name: `trackmarshal trace --accept-baseline
 _CALLED = {
     "param": "parameter", "place": "place", "evidence": "evidence", "gate": "gate", "project": "project's settings",
 }  # fmt: skip
+_PLURAL = {"evidence": "evidence", "analysis": "analyses"}
 #: The codes of what is gone, and of what reads differently; T376 of hazards, goals, design, reviews and their like.
 _GONE = {
     "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
@@ -103,7 +104,7 @@ def _others(found: list[Change], place: Place) -> Iterator[Finding]:
         if not change.field and change.after
     )
     said = [
-        f"{number} {kind}{'' if number == 1 or kind == 'evidence' else 's'}"
+        f"{number} {kind if number == 1 else _PLURAL.get(kind, f'{kind}s')}"
         for kind, number in sorted(new.items())
     ]
     more = [str(change) for change in found if change.field or not change.after]
