@@ -12,7 +12,7 @@ from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph.graph import Graph, Key, Link
 from trackmarshal.trace.model import Project, Requirement, Stage, matches
 from trackmarshal.trace.outside import Outside
-from trackmarshal.trace.runs import Showing, showing
+from trackmarshal.trace.runs import Showing, as_a_whole, showing
 from trackmarshal.trace.spec import Spec, item_place
 
 #: From worst to best; `waived` stands where a gap is answered for.
@@ -263,7 +263,7 @@ def _test(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
 def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     rules = ground.evaluated(requirement.id)
     if not rules:
-        return None, []
+        return _whole_run(ground, requirement, stage)
     items: list[Item] = []
     seen: list[Showing] = []
     for scenario in ground.project.scenarios:
@@ -289,6 +289,20 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
                 )
             )
     return _over_runs(seen, {rule.name for rule in rules}, evaluated), items
+
+
+def _whole_run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    """Runs for a requirement that no rule evaluates: of scenarios that name it, each as a whole. They add to each other."""
+    items = []
+    for scenario in ground.project.scenarios:
+        named = [pattern for pattern in scenario.requirements if pattern != "*"]
+        if scenario.stage == stage.id and matches(requirement.id, named):
+            shows = as_a_whole(scenario, ground.spec, ground.hashes)
+            place = Place(scenario.path)
+            items.append(Item("run", scenario.path, scenario.title, shows.status, shows.detail, place))
+    found = {item.status for item in items}
+    status = next((s for s in ("failed", "stale", "covered") if s in found), combined(found))
+    return status, items
 
 
 def _fault(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:

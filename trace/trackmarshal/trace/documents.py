@@ -147,7 +147,7 @@ PROJECT = Record("project", "Settings of the project.", (
         Field("origin", Word({"field": "recorded on a vehicle", "simulated": "from a simulation", "synthetic": "written by hand or generated"}),
               "Where the recording comes from; only `field` can fully cover a no-fire stage."),
         optional("by", Many(NAME, 1), "For `fire`: the rules that must be violated."),
-        optional("requirements", PATTERNS, "The requirements that it is evidence for; all if not given."),
+        optional("requirements", PATTERNS, "The requirements that it is evidence for; all if not given. One that no rule evaluates has to be named, beside `*`."),
         optional("title", TEXT, "What happens in it."),
         optional("with", Many(PROJECT_PATH, 1), "Specs beside `default_spec` whose rules it is replayed with, such as variants of rules."),
         optional("kept", PROJECT_PATH, "For a log that is not part of the project: its run, kept in this file by `import log --keep`; `assess` does not replay it."),

@@ -24,14 +24,9 @@ class Showing:
 
 def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: Hashes) -> Showing:
     """What the run of a scenario shows about these rules."""
-    run = spec.runs.get(scenario.path)
-    if hashes.get(scenario.path) is None:
-        return Showing("missing", "the recording is not there")
-    if run is None:
-        return Showing("missing", "not run")
-    stale = spec.run_staleness(run, hashes.get(scenario.path)) or _changed(scenario, run, hashes)
-    if stale:
-        return Showing("stale", stale)
+    run = _held(scenario, spec, hashes)
+    if isinstance(run, Showing):
+        return run
     names = {rule.name for rule in rules}
     said = spec.facts(run)
     facts = [said[name] for name in sorted(names) if name in said]
@@ -62,6 +57,52 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
             return Showing("covered", "fired as expected", evaluated, fired)
         case _:
             raise ValueError(f"unknown expectation {scenario.expect!r}")
+
+
+def as_a_whole(scenario: Scenario, spec: Spec, hashes: Hashes) -> Showing:
+    """What the run of a scenario shows about what no rule evaluates, such as that nothing fires where it must not: all of its rules together."""
+    run = _held(scenario, spec, hashes)
+    if isinstance(run, Showing):
+        return run
+    match scenario.expect:
+        case "ground_truth":
+            outside = [(kind, t) for kind, t in sorted(run.ground_truth.items()) if not t.inside]
+            if outside:
+                return Showing("failed", "; ".join(_contradiction(kind, truth) for kind, truth in outside))
+            if not run.ground_truth:
+                return Showing("missing", "the recording carries no ground truth")
+            return Showing(
+                "covered",
+                f"{run.cycles} cycles, inside the ground truth ({', '.join(sorted(run.ground_truth))})",
+            )
+        case "no_fire":
+            if run.fired:
+                return Showing("failed", _fired(run))
+            if scenario.origin != "field":
+                return Showing(
+                    "partial", f"nothing fired, but the recording is {scenario.origin}, not from the field"
+                )
+            return Showing("covered", f"nothing fired in {run.cycles} cycles{_kept(scenario, run, hashes)}")
+        case "fire":
+            quiet = _quiet(scenario, run)
+            return (
+                Showing("failed", f"{quiet} did not fire")
+                if quiet
+                else Showing("covered", "fired as expected")
+            )
+        case _:
+            raise ValueError(f"unknown expectation {scenario.expect!r}")
+
+
+def _held(scenario: Scenario, spec: Spec, hashes: Hashes) -> RunSummary | Showing:
+    """The run of a scenario, if it is there and up to date; else what keeps it from showing anything."""
+    run = spec.runs.get(scenario.path)
+    if hashes.get(scenario.path) is None:
+        return Showing("missing", "the recording is not there")
+    if run is None:
+        return Showing("missing", "not run")
+    stale = spec.run_staleness(run, hashes.get(scenario.path)) or _changed(scenario, run, hashes)
+    return Showing("stale", stale) if stale else run
 
 
 def _absent(scenario: Scenario, run: RunSummary, hashes: Hashes) -> list[str]:
