@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
+from support.project import run_command
 from support.report_runs import SPEC, cycle, evaluator, other, overtaking, record, recording
 from support.shared import REPOSITORY, SUPERVISOR, shared
 from trackmarshal.cli.replay import evaluator_for, run_one, summary
@@ -126,3 +127,58 @@ def test_archives_show_the_allowance_and_nothing_by_default() -> None:
     assert all("allows 115 %" in found[name].because for name in ("mu", "drive_factor"))
     assert found["drive_factor"].own == "1"
     assert inputs.defaulted(run, used.spec, used.rules) == {}
+
+
+def planned(folder: Path, **head: Any) -> str:
+    """A file of a recording that lacks the age of objects."""
+    path = folder / "x.tmrec.jsonl"
+    recording_io.write(of_a_file(**head), path)
+    (folder / "small.spec").write_text(SPEC)
+    return str(path)
+
+
+def replayed(folder: Path, *arguments: str) -> tuple[int, str, str]:
+    return run_command("replay", planned(folder), "--spec", str(folder / "small.spec"), *arguments)
+
+
+def test_whoever_replays_gives_what_is_missing_with_a_reason(tmp_path: Path) -> None:
+    default, given = "not in the recording: objects.age", f"given in all cycles: objects.age = 0.15: {WHY}"
+    _, out, err = replayed(tmp_path)
+    assert default in out
+    assert default not in err
+    _, out, err = replayed(tmp_path, "--format", "jsonl")
+    assert default in err
+    assert all(json.loads(line) for line in out.splitlines())
+    status, out, _ = replayed(tmp_path, "--given", "objects.age=0.15", "--because", WHY)
+    assert given in out
+    assert default not in out
+    assert status == 1  # older than A-FRESH allows
+    assert "A-FRESH" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "part"),
+    [
+        (("--given", "objects.age=0"), "without a reason"),
+        (("--given", "objects.age=0", "--because", " "), "without a reason"),
+        (("--because", WHY), "a reason for nothing"),
+        (("--given", "objects.age=old", "--because", WHY), "no finite number"),
+        (("--given", "objects.age=inf", "--because", WHY), "no finite number"),
+        (("--given", "age=1", "--because", WHY), "no field of"),
+        (("--given", "ego.v=1", "--because", WHY), "part of every cycle"),
+    ],
+)
+def test_what_cannot_be_given_is_refused(arguments: tuple[str, ...], part: str, tmp_path: Path) -> None:
+    status, out, err = replayed(tmp_path, *arguments)
+    assert (status, out) == (2, "")
+    assert "error[E437]" in err
+    assert part in err
+
+
+def test_what_is_recorded_is_not_given(tmp_path: Path) -> None:
+    path = planned(tmp_path, given={"objects.age": 0.05}, because={"objects.age": WHY})
+    status, _, err = run_command(
+        "replay", path, "--spec", str(tmp_path / "small.spec"), "--given", "objects.age=0", "--because", WHY
+    )
+    assert status == 2
+    assert "`objects.age` is in the recording" in err

@@ -21,6 +21,23 @@ NEEDED = {
 }
 
 
+def not_to_be_given(name: str) -> str:
+    """Why an input cannot be given for all cycles, in words; empty where it can."""
+    signal, _, field = name.partition(".")
+    if signal not in SIGNALS or not field.isidentifier():
+        return f"{name!r:.40} is no field of {', '.join(SIGNALS)}, such as `plan.grip`"
+    return f"`{name}` is part of every cycle" if field in NEEDED[signal] else ""
+
+
+def recorded(recording: Recording) -> frozenset[str]:
+    """The fields, `plan.grip`, that every record of a signal has, of those signals that there are any records of."""
+    found: set[str] = set()
+    for signal in SIGNALS:
+        fields = [set(each) for each in _records(recording, signal)]
+        found |= {f"{signal}.{field}" for field in (set.intersection(*fields) if fields else ())}
+    return frozenset(found)
+
+
 def filled(recording: Recording) -> Recording:
     """The recording with what is given (`Recording.given`) in every cycle, candidate and object that does not have it."""
     if not recording.given:

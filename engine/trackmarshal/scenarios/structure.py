@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 from trackmarshal.scenarios.fields import ELSEWHERE, OWN, suggestion
-from trackmarshal.scenarios.inputs import NEEDED, SIGNALS
+from trackmarshal.scenarios.inputs import not_to_be_given
 from trackmarshal.scenarios.json_text import BadJson, kind, number
 from trackmarshal.scenarios.labels import label
 from trackmarshal.scenarios.recording import CANDIDATES, COLUMNS, TRUTHS, Columns, Cycle, Track
@@ -66,12 +66,8 @@ def header(value: dict[str, Any]) -> dict[str, Any]:
 
 def _given(value: Any) -> dict[str, float]:
     given = _mapping(value, "given")
-    for name in given:
-        signal, _, field = name.partition(".")
-        if signal not in SIGNALS or not field.isidentifier():
-            raise Wrong(f"given: {name!r:.40} is no field of {', '.join(SIGNALS)}, such as `plan.grip`")
-        if field in NEEDED[signal]:
-            raise Wrong(f"given: `{name}` is part of every cycle")
+    for problem in filter(None, map(not_to_be_given, given)):
+        raise Wrong(f"given: {problem}")
     return {name: _finite(item, f"given.{name}") for name, item in given.items()}
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.generate import document
 from trackmarshal.scenarios.generate.document import Item
-from trackmarshal.scenarios.inputs import NEEDED as NEEDED_INPUTS
-from trackmarshal.scenarios.inputs import SIGNALS
+from trackmarshal.scenarios.inputs import not_to_be_given
 from trackmarshal.units import LENGTH as METRES
 from trackmarshal.units import NUMBER, SPEED, TIME, Dimension, over, parse_unit
 
@@ -227,12 +226,12 @@ def _gap(item: Item) -> Gap:
 def _given(item: Item) -> dict[str, tuple[float, str]]:
     found = {}
     for name, entry in item.any_fields().items():
-        signal, _, one = name.partition(".")
-        if signal not in SIGNALS or not one.isidentifier() or one in NEEDED_INPUTS[signal]:
-            raise entry.wrong(
-                f"`{name}` is not given here", "a field that a log does not have: `plan.grip`, `ego.age`"
-            )
+        problem = not_to_be_given(name)
+        if problem:
+            raise entry.wrong(problem, "a field that a log does not have: `plan.grip`, `ego.age`")
         fields = entry.fields(("value", "because"))
+        if not fields["because"].text().strip():
+            raise fields["because"].wrong("the reason is empty", "say where the number is from")
         found[name] = fields["value"].number(), fields["because"].text()
     return found
 
