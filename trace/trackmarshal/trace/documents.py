@@ -30,6 +30,10 @@ SUBSYSTEM_ID = Text(SUBSYSTEM, "a subsystem such as `AV`")
 STAGE_ID = Text(ID, "a stage such as `S-2-B`")
 PATTERNS = Many(Text(PATTERN, "an id, or a pattern such as `S-1-A-*`"), 1)
 PROJECT_PATH = Text(PATH, "a path inside the project, relative to its folder, with forward slashes")
+QUANTITY = Text(
+    r"[0-9]+(\.[0-9]+)?(e-?[0-9]+)?( [A-Za-z%1][A-Za-z0-9%*/^²³·-]*)?",
+    "a number with its unit, such as `1 cm`",
+)
 NAME = Text(r"[A-Za-z_\u0370-\u03ff][A-Za-z0-9_\u0370-\u03ff-]*", "the name of a rule or an assumption")
 
 ISSUE = Record("issue", "One answer to the guiding question for an interface.", (
@@ -129,8 +133,9 @@ PROJECT = Record("project", "Settings of the project.", (
     optional("tests_per_rule", Record("tests_per_rule", "How many tests every rule needs at least.", (
         optional("satisfied", Count(), "Expecting `satisfied`; 1 if not given."),
         optional("violated", Count(), "Expecting `violated`; 1 if not given."),
-        optional("boundary", Count(), "Exactly on the boundary, for rules that compare numbers; 1 if not given."),
+        optional("boundary", Count(), "On the boundary, for rules that compare numbers: about 0, and failing where limits move; 1 if not given."),
     )), "How many tests every rule needs at least."),
+    optional("boundary_distance", Many(QUANTITY, 1), "By how much limits are moved to see that boundary tests fail, one a dimension; 0.01 SI units where none is given."),
     optional("scenarios", Many(Record("scenario", "A scenario and what it is evidence for.", (
         Field("path", PROJECT_PATH, "The recording."),
         Field("stage", STAGE_ID, "The stage that it is evidence at."),

@@ -180,6 +180,7 @@ def _settings(t: Table) -> model.Project:
         tests_per_rule=tuple(
             (verdict, tests.get(verdict, 1)) for verdict in ("satisfied", "violated", "boundary")
         ),
+        boundary_distance=settings.texts("boundary_distance"),
         stages=tuple(_stage(s) for s in t.tables("stages") if s.text("id")),
         scenarios=tuple(
             _scenario(s) for s in settings.tables("scenarios") if s.text("path") and s.text("stage")

@@ -56,6 +56,7 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "default_spec": project.default_spec,
             "campaigns": _list(project.campaigns),
             "sources": _list(project.sources),
+            "boundary_distance": _list(project.boundary_distance),
             **{f"{side} tests a rule": str(number) for side, number in project.tests_per_rule},
         },
     )
