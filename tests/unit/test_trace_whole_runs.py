@@ -69,6 +69,16 @@ def test_without_a_ground_truth_nothing_is_shown(tmp_path: Path) -> None:
     assert (status, said) == ("missing", [f"{CUT_IN}: the recording carries no ground truth"])
 
 
+def test_where_rules_are_asked_for_other_rules_stand_in_for_nothing(tmp_path: Path) -> None:
+    small = named(tmp_path, "S-4-B", FIELD)
+    small.replace(
+        "requirements/v-model.yaml",
+        "shows: its rules, applies_to: [S-1-A-*, RR-*]",
+        "shows: its rules, applies_to: [S-1-A-*, RR-*, S-1-B-1]",
+    )
+    assert cell(small, "S-4-B") == ("missing", [])
+
+
 @pytest.mark.parametrize("requirements", ['["*"]', "[S-1-A-*]"])
 def test_only_a_scenario_that_names_it_counts(tmp_path: Path, requirements: str) -> None:
     assert cell(named(tmp_path, "S-4-B", FIELD, requirements), "S-4-B") == ("missing", [])

@@ -292,7 +292,13 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
 
 
 def _whole_run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
-    """Runs for a requirement that no rule evaluates: of scenarios that name it, each as a whole. They add to each other."""
+    """Runs for a requirement that no rule evaluates: of scenarios that name it, each as a whole. They add to each other.
+
+    One that some stage asks rules of lacks them: runs of other rules stand in for nothing.
+    """
+    stages = ground.project.stages
+    if any("rule" in asks.counts and matches(requirement.id, asks.applies_to) for asks in stages):
+        return None, []
     items = []
     for scenario in ground.project.scenarios:
         named = [pattern for pattern in scenario.requirements if pattern != "*"]
