@@ -11,7 +11,7 @@ _SOURCES = (
     "trackmarshal.cli.explain", "trackmarshal.cli.revisions", "trackmarshal.cli.bench", "trackmarshal.testing.builders", "trackmarshal.testing.boundary", "trackmarshal.runtime.codes", "trackmarshal.rulebooks.candidates", "trackmarshal.scenarios.codes",
     "trackmarshal.start.codes", "trackmarshal.lanes.codes",
     "trackmarshal.trajectories.codes", "trackmarshal.integration.planner",
-    "trackmarshal.backends.reference.temporal", "trackmarshal.backends.c.codes", "trackmarshal.trace.codes", "trackmarshal.trace.graph.paths", "trackmarshal.trace.report.codes", "trackmarshal.trace.exchange.codes",
+    "trackmarshal.backends.reference.temporal", "trackmarshal.backends.c.codes", "trackmarshal.trace.codes", "trackmarshal.trace.graph.paths", "trackmarshal.trace.impact.codes", "trackmarshal.trace.report.codes", "trackmarshal.trace.exchange.codes",
 )  # fmt: skip
 
 

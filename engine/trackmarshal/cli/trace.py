@@ -4,7 +4,8 @@ Tests, scenarios and faults that the evidence store has no result of, from the s
 reads what is there, and `--rerun` runs everything again and tells what comes out differently.
 With --gate, the exit status is 1 when something that v-model.yaml demands is not covered.
 
-With --from and --to, it says over which links one thing leads to another (`trace --from S-1-A-4 --to test`).
+With --from and --to, it says over which links one thing leads to another (`trace --from S-1-A-4 --to test`); with --impact REV, what an edit
+means for the evidence.
 """
 
 from __future__ import annotations
@@ -12,18 +13,19 @@ from __future__ import annotations
 import argparse
 import sys
 
-from trackmarshal.cli import asking
+from trackmarshal.cli import asking, impact
 from trackmarshal.cli.output import say
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
 
-FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github", "junit")
+FORMATS = ("text", "json", "csv", "md", "markdown", "html", "sarif", "github", "junit")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", choices=FORMATS, default="text")
     configure_relative(parser)
     asking.configure(parser)
+    impact.configure(parser)
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--gate", action="store_true", help="exit 1 when a gap is neither covered nor waived")
     what.add_argument(
@@ -60,7 +62,11 @@ def _run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.assessment import assess
 
     root = find_project(args)
+    if args.format == "markdown":
+        args.format = "md"
     if asking.asks(args):
+        if args.impact is not None:
+            return impact.answer(root, args)
         return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(), args)
     where = shown_from(args, root)
     found = assess(root, run=not args.as_is, again=args.rerun, quiet=args.quiet)

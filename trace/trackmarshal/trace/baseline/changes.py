@@ -30,6 +30,11 @@ _SILENT = {
     ("assumption", "reads"),
 }
 
+#: Fields that hold all that an entry says.
+SAYING = ("meaning", "says", "text")
+#: What other fields are called.
+_FIELDS = {"sha256": "contents", "recording": "contents", "of versions": "reviewed versions"}
+
 #: Hashes of files. One that is not there is told where it is missed.
 _FILES = ("recording", "kept run", "sha256")
 
@@ -51,15 +56,27 @@ class Change:
         """The entry that it is about."""
         return f"{self.kind} {self.name}".rstrip()
 
+    @property
+    def what(self) -> str:
+        """The field, as people call it; empty where it is all that the entry says."""
+        return "" if self.field in SAYING else _FIELDS.get(self.field, self.field)
+
     def __str__(self) -> str:
         if not self.field:
             return f"{self.key} is {'gone' if self.before else 'new'}"
+        if not self.what:
+            was = f"{self.before or 'nothing'}, and is {self.after or 'nothing'}"
+            return (
+                f"{self.key}: it was {was}"
+                if self.before or self.after
+                else f"{self.key}: it says something else"
+            )
         if not (self.before or self.after):
-            return f"{self.key}: its {self.field} changed"
+            return f"{self.key}: its {self.what} changed"
         if self.listed:
             parts = [f"{self.before} left" * bool(self.before), f"{self.after} came" * bool(self.after)]
-            return f"{self.key}: in its {self.field} {' and '.join(part for part in parts if part)}"
-        return f"{self.key}: its {self.field} changed from {self.before or 'nothing'} to {self.after or 'nothing'}"
+            return f"{self.key}: in its {self.what} {' and '.join(part for part in parts if part)}"
+        return f"{self.key}: its {self.what} changed from {self.before or 'nothing'} to {self.after or 'nothing'}"
 
 
 def changes(before: Content, now: Content) -> Iterator[Change]:

@@ -78,7 +78,7 @@ def _said(change: Change) -> str:
         name = f'the test "{title}" of `{rule}`'
     if not change.field:
         return f"{name} is gone since the baseline" if change.before else f"{name} is new since the baseline"
-    if change.field in ("meaning", "says", "text") and not change.before:
+    if not change.what and not change.before:
         return f"{name} says something else than when the baseline was accepted"
     if change.listed:
         fewer, more = change.before, change.after
@@ -87,8 +87,8 @@ def _said(change: Change) -> str:
         if fewer and more:
             return f"{name} {had}, and now has {more}"
         return f"{name} {had if fewer else has}"
-    what = {"sha256": "contents", "recording": "contents"}.get(change.field, f"`{change.field}`")
-    of = "" if change.field == "says" else f"the {what} of "
+    what = change.what if change.what != change.field else f"`{change.field}`"
+    of = f"the {what} of " if change.what else ""
     if not (change.before or change.after):
         return f"{of}{name} changed since the baseline was accepted"
     return f"{of}{name} was {change.before or 'nothing'} when the baseline was accepted, and is {change.after or 'nothing'}"
