@@ -87,8 +87,8 @@ def _said(change: Change) -> str:
         if fewer and more:
             return f"{name} {had}, and now has {more}"
         return f"{name} {had if fewer else has}"
-    what = change.what if change.what != change.field else f"`{change.field}`"
-    of = f"the {what} of " if change.what else ""
+    what = change.what if change.what not in ("", change.field) else f"`{change.field}`"
+    of = "" if change.field == "says" else f"the {what} of "
     if not (change.before or change.after):
         return f"{of}{name} changed since the baseline was accepted"
     return f"{of}{name} was {change.before or 'nothing'} when the baseline was accepted, and is {change.after or 'nothing'}"

@@ -43,8 +43,8 @@ def changed(before: Version, now: Version) -> list[Changed]:
     for key, each in sorted(said.items(), key=lambda item: rank(item[0])):
         # A document that counts at two stages, and now at one, has changed.
         how = each[0][0] if len({one for one, _, _ in each}) == 1 else "changed"
-        what = () if how != "changed" else tuple(dict.fromkeys(text for _, text, _ in each))
-        found.append(Changed(key, how, what, any(weaker for _, _, weaker in each)))
+        texts = dict.fromkeys(text for _, text, _ in each) if how == "changed" else {}
+        found.append(Changed(key, how, tuple(texts), any(weaker for _, _, weaker in each)))
     return found
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from itertools import groupby
 from typing import Any, NamedTuple
 
+from trackmarshal.trace.graph.graph import Key
 from trackmarshal.trace.graph.said import called
 from trackmarshal.trace.impact import Changed, Impact, Task
 from trackmarshal.trace.impact.again import DOING
