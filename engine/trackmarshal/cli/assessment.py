@@ -41,14 +41,14 @@ class Assessment:
         """The project's specs, compiled."""
         return self._making.sources
 
-    def matrix(self) -> Matrix:
-        """The traceability matrix of all this; errors of specs are findings of it."""
+    def matrix(self, today: date | None = None) -> Matrix:
+        """The traceability matrix of all this on a day, that of the clock if none is given; errors of specs are findings of it."""
         from trackmarshal import trace
         from trackmarshal.meaning.tool import tool
 
         said = self.facts
         return trace.build(
-            self.root, said.items, said.tests, self.results, self.runs, date.today(), engine=tool(), run_inputs=said.run_inputs,
+            self.root, said.items, said.tests, self.results, self.runs, today or date.today(), engine=tool(), run_inputs=said.run_inputs,
             findings=[*said.findings, *self.store_found], fault_cases=said.fault_cases, fault_results=self.fault_results,
             parts=said.parts,
         )  # fmt: skip

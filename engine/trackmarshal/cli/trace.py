@@ -14,6 +14,7 @@ import argparse
 import sys
 
 from trackmarshal.cli import asking, impact
+from trackmarshal.cli.days import day
 from trackmarshal.cli.output import say
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
@@ -38,6 +39,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--reason", metavar="TEXT", default="", help="with --accept-baseline: why that is accepted"
+    )
+    parser.add_argument(
+        "--day",
+        metavar="DAY",
+        help="the day that waivers are held against, YYYY-MM-DD, or `commit`: that of the commit (default: today)",
     )
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--as-is", action="store_true", help="run nothing; read the evidence that is there")
@@ -69,14 +75,16 @@ def _run(args: argparse.Namespace) -> int:
             return impact.answer(root, args)
         return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(), args)
     where = shown_from(args, root)
+    today = day(args.day, root)
     found = assess(root, run=not args.as_is, again=args.rerun, quiet=args.quiet)
     if args.accept_baseline:
         said = found.facts
         target, weaker = trace.accept_baseline(
-            root, said.items, said.tests, said.fault_cases, said.parts, by=args.by, reason=args.reason
-        )
+            root, said.items, said.tests, said.fault_cases, said.parts, by=args.by, reason=args.reason,
+            today=today,
+        )  # fmt: skip
         say(f"wrote {target}", *(f"accepted by {args.by}: {change}" for change in weaker), file=sys.stderr)
-    matrix = found.matrix()
+    matrix = found.matrix(today)
     made = trace.render(matrix, args.format, where=where)
     if args.format in ("text", "github"):
         say(*made.removesuffix("\n").split("\n"))
