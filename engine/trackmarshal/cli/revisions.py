@@ -52,6 +52,11 @@ def commit_of(name: str, project: Path) -> str:
         ) from None
 
 
+def last_change(path: str, project: Path) -> str:
+    """The commit that changed a file of the project last, as far as the history goes; empty where none did. Raises T361."""
+    return _git(project, "log", "-1", "--format=%H", "--", path, name="HEAD").strip()
+
+
 def read(name: str, project: Path, into: Path, *, called: str = "") -> Path:
     """A revision's specs and requirements, below `into`; the folder that stands for the project. `called`: what messages call it. Raises T361."""
     commit = commit_of(name, project)

@@ -81,7 +81,7 @@ def _run(args: argparse.Namespace) -> int:
         said = found.facts
         target, weaker = trace.accept_baseline(
             root, said.items, said.tests, said.fault_cases, said.parts, by=args.by, reason=args.reason,
-            today=today,
+            today=today, tell=found.weakening(),
         )  # fmt: skip
         say(f"wrote {target}", *(f"accepted by {args.by}: {change}" for change in weaker), file=sys.stderr)
     matrix = found.matrix(today)

@@ -86,6 +86,11 @@ def render_markdown(matrix: Matrix) -> str:
         )
         said = f"{escaped(what)}, {escaped(waiver.owner)}, {waiver.granted} until {waiver.expires}"
         lines.append(f"- **{waiver.id}** ({said}): {escaped(waiver.justification)}")
+    if matrix.accepted:
+        lines += ["", "## Accepted by name", ""]
+    for accepted in matrix.accepted:
+        lines.append(f"- {accepted.on}, **{escaped(accepted.by)}**: {escaped(accepted.reason)}")
+        lines += [f"  - {escaped(change, code=True)}" for change in accepted.weaker]
     return "\n".join(lines) + "\n"
 
 
