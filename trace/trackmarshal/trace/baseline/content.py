@@ -61,7 +61,9 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         },
     )
     for report in project.junit:
-        yield f"report {report.path} at {report.stage}", {"tool": report.tool, "names": str(report.names)}
+        yield f"report {report.path} at {report.stage}", {
+            "tool": report.tool, "names": str(report.names), "may be missing": "yes" if report.if_there else "",
+        }  # fmt: skip
     for stage in project.stages:
         once = "yes" if stage.if_any else ""
         yield f"stage {stage.id}", {
