@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from trackmarshal.runtime.verdict import CaseResult
     from trackmarshal.scenarios.labels import Label
     from trackmarshal.scenarios.replay import Replay
+    from trackmarshal.testing.boundary import Distances
     from trackmarshal.testing.cases import PreparedTest
     from trackmarshal.testing.run import Outcome
 
@@ -89,15 +90,18 @@ def _refs(pairs: Iterable[tuple[str, Any]]) -> tuple[Ref, ...]:
     return tuple(Ref(name, span.line, span.column) for name, span in pairs)
 
 
-def spec_tests(tests: Iterable[PreparedTest]) -> list[SpecTest]:
+def spec_tests(spec: Spec, tests: Iterable[PreparedTest], distances: Distances) -> list[SpecTest]:
     """Tests as the matrix sees them."""
     from trackmarshal.meaning import fingerprint_of_test, sha256
+    from trackmarshal.testing.boundary import near
 
     return [
         SpecTest(
-            t.rule.name, t.title, t.verdict, t.boundary, t.span.file.path, t.span.line, t.span.column, fingerprint_of_test(t), sha256(t.said)
+            t.rule.name, t.title, t.verdict, stands.narrow, t.span.file.path, t.span.line, t.span.column, fingerprint_of_test(t), sha256(t.said),
+            stands.distance, stands.within,
         )
         for t in tests
+        for stands in [near(t, spec, distances)]
     ]  # fmt: skip
 
 
@@ -105,7 +109,8 @@ def test_result(outcome: Outcome, inputs: Mapping[str, str], fingerprint: str) -
     """The outcome of a test, with all that it was made from; `fingerprint` is that of its rule."""
     test = outcome.test
     return TestResult(
-        test.rule.name, test.title, outcome.outcome, fingerprint, outcome.message, test.span.file.path, test.span.line, inputs
+        test.rule.name, test.title, outcome.outcome, fingerprint, outcome.message, test.span.file.path, test.span.line, inputs,
+        outcome.unmoved,
     )  # fmt: skip
 
 
@@ -133,7 +138,9 @@ def run_inputs(evaluator: Evaluator, recording: str | None) -> dict[str, str]:
 
 def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: str) -> RunSummary:
     """A replay as a record; `shown` is the scenario's path from the project."""
+    from trackmarshal.scenarios.inputs import defaulted
     from trackmarshal.scenarios.labels import judged_by, label
+    from trackmarshal.scenarios.overrides import overrides
 
     inputs = run_inputs(evaluator, source_hash)
     facts = []
@@ -172,6 +179,11 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
         now(),
         uncovered=outcome.uncovered,
         inputs=inputs,
+        overrides=tuple(map(str, overrides(outcome.recording, evaluator.spec))),
+        defaults={
+            name: ", ".join(rules)
+            for name, rules in defaulted(outcome.recording, evaluator.spec, evaluator.rules).items()
+        },
     )
 
 

@@ -35,6 +35,7 @@ class Finding:
     help: str = ""
     subject: str = ""
     also: tuple[tuple[Place, str], ...] = ()  #: further places, each with what is there
+    excused: bool = False  #: an error that a waiver made a note
 
     def __str__(self) -> str:
         where = f"{self.place}: " if self.place else ""

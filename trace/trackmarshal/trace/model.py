@@ -210,6 +210,7 @@ class TestReport:
     stage: Placed
     tool: str
     names: Placed  #: a regular expression that finds ids in names of tests; empty: names are names
+    if_there: bool = False  #: it may be missing, and its tests were not run then
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,7 +232,9 @@ class Waiver:
     codes: tuple[Placed, ...]
     subjects: tuple[Placed, ...]
     justification: str
+    residual_risk: str
     owner: str
+    approver: Placed
     granted: date
     expires: date
 
@@ -246,6 +249,9 @@ class Project:
     results: str = "out/results"
     baseline: Placed | None = None
     tests_per_rule: tuple[tuple[str, int], ...] = (("satisfied", 1), ("violated", 1), ("boundary", 1))
+    boundary_distance: tuple[
+        Placed, ...
+    ] = ()  #: how far limits are moved to see that boundary tests fail, one a dimension
     subsystems: tuple[Subsystem, ...] = ()
     interfaces: tuple[Interface, ...] = ()
     infeasible: tuple[Placed, ...] = ()

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from typing import TypeAlias
 
+from trackmarshal.trace import sections
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.model import Project
@@ -64,11 +65,14 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "default_spec": project.default_spec,
             "campaigns": _list(project.campaigns),
             "sources": _list(project.sources),
+            "boundary_distance": _list(project.boundary_distance),
             **{f"{side} tests a rule": str(number) for side, number in project.tests_per_rule},
         },
     )
     for report in project.junit:
-        yield f"report {report.path} at {report.stage}", {"tool": report.tool, "names": str(report.names)}
+        yield f"report {report.path} at {report.stage}", {
+            "tool": report.tool, "names": str(report.names), "may be missing": "yes" if report.if_there else "",
+        }  # fmt: skip
     for stage in project.stages:
         once = "yes" if stage.if_any else ""
         yield f"stage {stage.id}", {
@@ -89,10 +93,15 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
                 "sha256": hashes.get(e.path) or "",
             },
         )
+    for _, element, path, requirement in sections.allocated(project):
+        yield f"section {sections.key(path, requirement)}", {
+            "of": str(element.id), "contents": hashes.get(sections.key(path, requirement)) or "",
+        }  # fmt: skip
     for w in project.waivers:
         yield f"waiver {w.id}", {
             "stages": _list(w.stages), "requirements": _list(w.requirements), "codes": _list(w.codes), "subjects": _list(w.subjects),
-            "justification": _hash(w.justification), "owner": w.owner, "granted": w.granted.isoformat(),
+            "justification": _hash(w.justification), "residual_risk": _hash(w.residual_risk) if w.residual_risk else "",
+            "owner": w.owner, "approver": str(w.approver), "granted": w.granted.isoformat(),
             "expires": w.expires.isoformat(),
         }  # fmt: skip
 

@@ -138,7 +138,7 @@ LINKS = {
     "confirms": LinkKind("confirmed_by", ("external test",), ("requirement",)),
     "implements": LinkKind("implemented_by", ("code",), ("requirement",)),
     "evidence": LinkKind("evidenced_by", ("document",), ("requirement",)),
-    "backed_by": LinkKind("backs", ("assumption", "analysis", "review"), ("document",), True),
+    "backed_by": LinkKind("backs", ("assumption", "analysis", "review", "design element"), ("document",), True),
     "at": LinkKind("stage_of", ("scenario", "document"), ("stage",)),
     "excuses": LinkKind("excused_by", ("waiver",), ("requirement",)),
     "allocated_to": LinkKind("allocates", ("requirement",), ("design element",), True, _GIVEN),
@@ -153,6 +153,11 @@ LINKS = {
     "owned_by": LinkKind("owns", ("requirement", "hazard", "safety goal", "design element", "assumption", "waiver"), ("person",), True, {
         **_GIVEN,
         "orphaned": Said("T153", "{it} belongs to `{target}`, who is none of the persons of the project",
+                         "name a person by id or by name; they are declared under `persons`"),
+    }),
+    "approved_by": LinkKind("approves", ("waiver",), ("person",), True, {
+        **_GIVEN,
+        "orphaned": Said("T153", "{it} is approved by `{target}`, who is none of the persons of the project",
                          "name a person by id or by name; they are declared under `persons`"),
     }),
 }  # fmt: skip

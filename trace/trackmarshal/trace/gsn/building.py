@@ -28,7 +28,7 @@ def build(matrix: Matrix, project: Project, root: Path) -> Case:
         templates = own.templates if own is not None and own.templates else shipped.templates
         top = own.top if own is not None and own.top else shipped.top
         groups = (own.groups if own is not None else "") or shipped.groups
-        filling = Filling(matrix.graph, Subjects(matrix, root), templates)
+        filling = Filling(matrix.graph, Subjects(matrix, project, root), templates)
         filling.fill(top, top.place)
         case = Case(matrix.project, filling.elements, tuple(filling.links), findings=tuple(filling.findings))
         if own is not None:

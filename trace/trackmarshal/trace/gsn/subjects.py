@@ -7,28 +7,32 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from trackmarshal.trace import files
+from trackmarshal.trace import files, sections
 from trackmarshal.trace.cells import Cell, Item
 from trackmarshal.trace.gates import falls_short
 from trackmarshal.trace.graph.building import fingerprint
 from trackmarshal.trace.graph.graph import Graph, Key, Node
 from trackmarshal.trace.gsn.case import RESERVED, SUPPORTED, UNSUPPORTED, Evidence, worst
 from trackmarshal.trace.matrix import Matrix, Row
-from trackmarshal.trace.model import Stage
+from trackmarshal.trace.model import Project, Stage
 
 #: So many names stand in a text; of the others it says how many there are.
 NAMED = 3
+_MANY = {"analysis": "analyses", "code": "code"}
 #: What is evidence of one cell only stands under it in the link graph by these kinds, whose node's id is the item's name.
-_BY_NAME = frozenset({"interface", "requirement", "document", "rule", "assumption"})
+_BY_NAME = frozenset(
+    {"interface", "requirement", "document", "rule", "assumption", "design element", "analysis"}
+)
 
 
 class Subjects:
     """All things that the argument may be about, and how far cells are supported."""
 
-    def __init__(self, matrix: Matrix, root: Path) -> None:
+    def __init__(self, matrix: Matrix, project: Project, root: Path) -> None:
         self._matrix = matrix
         self._graph: Graph = matrix.graph
         self._root = root
+        self._sections = sections.hashes(root, project)
         self._stages = {str(stage.id): stage for stage in matrix.stages}
         self._rows = {str(row.requirement.id): row for row in matrix.rows}
         self._digests: dict[Key, str] = {}
@@ -132,12 +136,23 @@ class Subjects:
             node = self._graph.nodes.get(key)
             self._digests[key] = "" if node is None else node.attributes.get("sha256") or fingerprint(node)
         own = self._digests[key]
+        if (
+            item.kind in ("design element", "analysis") and own
+        ):  # with what is written down of it about this requirement
+            paths = [str(link.target[1]) for link in self._graph.out_of(key) if link.kind == "backed_by"]
+            return _sha(own, *(self._written(path, str(row.requirement.id)) for path in paths))
         if item.kind == "interface" and own:  # with what was found there and led here
             here = ("requirement", str(row.requirement.id))
             led = {link.source for link in self._graph.into(here) if link.kind == "leads_to"}
             found = [link.source for link in self._graph.into(key) if link.kind == "found_at" and link.source in led]  # fmt: skip
             return _sha(own, *(fingerprint(self._graph.nodes[issue]) for issue in found))
         return own
+
+    def _written(self, path: str, requirement: str) -> str:
+        """The sha256 of a document's section about a requirement, or else of the document."""
+        document = self._graph.nodes.get(("document", path))
+        there = "" if document is None else document.attributes.get("fingerprint", "")
+        return self._sections.get(sections.key(path, requirement)) or there
 
     def _key(self, item: Item) -> Key:
         """The node whose text, record or file an item is."""
@@ -185,7 +200,7 @@ def summary(items: Sequence[Item]) -> str:
     parts = []
     for kind, number in Counter(item.kind for item in items).items():
         odd = Counter(item.status for item in items if item.kind == kind and item.status != "covered")
-        noun = kind if number == 1 else f"{kind}s" if kind != "code" else kind
+        noun = kind if number == 1 else _MANY.get(kind, f"{kind}s")
         said = ", ".join(f"{count} {status}" for status, count in sorted(odd.items()))
         parts.append(f"{number} {noun}" + (f" ({said})" if said else ""))
     return ", ".join(parts)
