@@ -27,6 +27,7 @@ VERBS = {
     "show": "one rule as spec, formula, in words and as C; where its limits are",
     "diff": "what an edit of specs changes on recordings",
     "trace": "traceability matrix and coverage",
+    "gsn": "the argument as goal structure: pictures, gsn2x, JSON, text",
     "case": "the safety case as a document, HTML and PDF",
     "assess": "all of it: check, test, replay, evidence, matrix, report",
     "scenario": "generate a recording from its declaration",

@@ -44,6 +44,8 @@ def _entry(table: Table, kind: str) -> model.Entry:
             links += [("reviews", id_) for id_, _ in versions]
         elif name in _LINKS:
             links += [(_LINKS[name], target) for target in (value if isinstance(value, list) else [value])]
+        elif isinstance(value, list):
+            attributes[name] = " ".join(map(str, value))
         else:
             attributes[name] = str(value)
     made = table.get("made")
