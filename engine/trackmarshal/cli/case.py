@@ -1,7 +1,7 @@
 """The safety case as a document, HTML and PDF: the verdict and what is open, requirements, rules, evidence, matrix; from the evidence that is there.
 
 trackmarshal case --out DIR
-trackmarshal case --out DIR --today 2026-11-30 --templates OWN
+trackmarshal case --out DIR --day 2026-11-30 --templates OWN
 
 Nothing is run: `trackmarshal assess` brings the evidence up to date. The exit status is 1 when the gate fails. The PDF needs the extra `pdf`; without
 it, the HTML is written all the same.
@@ -11,13 +11,15 @@ from __future__ import annotations
 
 import argparse
 import os
-import subprocess
 import sys
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.cli.answers import commit
+from trackmarshal.cli.days import COMMIT, day
 from trackmarshal.cli.output import print_problem, say
 from trackmarshal.cli.project import find_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
@@ -27,14 +29,17 @@ if TYPE_CHECKING:
     from trackmarshal.ir.spec import Spec
     from trackmarshal.records import SpecItem
     from trackmarshal.trace.case.inputs import Inputs
+    from trackmarshal.trace.case.model import Document
 
 NAME = "safety-case"
+#: What is said where an extra is not installed: the document comes without what it is for.
+EXTRAS = frozenset({"T424", "T432"})
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", required=True, help=f"the folder of {NAME}.html and {NAME}.pdf")
     parser.add_argument(
-        "--today", metavar="DATE", type=date.fromisoformat, help="the day as of which it is judged (default: that of the commit)"
+        "--day", "--today", metavar="DAY", help="the day as of which it is judged: YYYY-MM-DD, or `commit` (default, where there is one)"
     )
     parser.add_argument(
         "--templates", metavar="DIR", help="templates in place of ours (default: as v-model.yaml says)"
@@ -47,16 +52,14 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.assessment import assess
     from trackmarshal.trace.case import html, typst
-    from trackmarshal.trace.case.content import content
 
     root = find_project(args)
     found = assess(root, run=False, quiet=args.quiet)
-    day = args.today or _day(root)
-    given = _inputs(found, root, day)
+    given = _inputs(found, root, _day(args.day, root))
     folder = _templates(args.templates, found, root)
-    document = content(given)
+    problems: list[TrackmarshalError] = []
+    document = _drawn(given, problems)
     made: dict[str, bytes] = {}
-    problem = None
     if args.format in ("both", "html"):
         # Lone surrogates (from odd paths) have no encoding; a page must not fail on them.
         made[f"{NAME}.html"] = html.render(document, folder).encode("utf-8", "replace")
@@ -65,38 +68,39 @@ def run(args: argparse.Namespace) -> int:
         try:
             made[f"{NAME}.pdf"] = typst.pdf(source, document.day)
         except TrackmarshalError as missing:
-            problem = missing
+            problems.append(missing)
             if missing.code == "T433":
                 made[f"{NAME}.typ"] = source.encode("utf-8", "replace")
     _write(Path(args.out), made)
-    if problem is not None:
+    for problem in problems:
         print_problem(problem)
     matrix = given.matrix
-    lapsed = [] if args.today is not None else list(_lapsed(given))
+    lapsed = [] if args.day is not None else list(_lapsed(given))
     for name, expired in lapsed:
-        say(f"the waiver `{name}` expired on {expired}, after the commit; `--today` judges as of another day", file=sys.stderr)
-    gaps = trace.gate(matrix)
+        say(f"the waiver `{name}` expired on {expired}, after the commit; `--day` judges as of another day", file=sys.stderr)
+    gaps = [*trace.gate(matrix), *(one for one in given.argument.findings if one.level == "error")]
     if not args.quiet:
         say(*(str(Path(args.out) / name) for name in made), f"{matrix.project}: {matrix.verdict}", file=sys.stderr)
-    if matrix.unusable or (problem is not None and (problem.code != "T432" or args.format == "pdf")):
+    lacking = [one for one in problems if one.code not in EXTRAS or (one.code == "T432" and args.format == "pdf")]
+    if matrix.unusable or lacking:
         return 2
     return 1 if gaps or lapsed else 0
 
 
-def _inputs(found: Assessment, root: Path, day: date) -> Inputs:
+def _inputs(found: Assessment, root: Path, as_of: date) -> Inputs:
     from trackmarshal import __version__, trace
-    from trackmarshal.cli.answers import commit
     from trackmarshal.evaluation import load
     from trackmarshal.meaning.tool import tool
     from trackmarshal.trace.case.inputs import Inputs
+    from trackmarshal.trace.gsn.building import build
 
     said = found.facts
-    matrix = found.matrix(day)
+    matrix = found.matrix(as_of)
     broken = any(finding.level == "error" for finding in said.findings)
     # Of specs with errors, the matrix says what is wrong; their rules are named there, and not explained.
     spec = None if broken else load(spec_folders(root), [], root)
     return Inputs(
-        matrix, found.project, said.items, said.tests, found.results, found.runs, found.fault_results,
+        matrix, build(matrix, found.project, root), found.project, said.items, said.tests, found.results, found.runs, found.fault_results,
         trace.fault_rows(said.fault_cases, found.fault_results), {} if spec is None else dict(_sheets(spec, said.items)), commit(root),
         f"trackmarshal {__version__}", tool(), "" if spec is None else spec.fingerprint, _hashes(root, found.project.baseline),
     )  # fmt: skip
@@ -120,13 +124,24 @@ def _sheets(spec: Spec, items: Iterable[SpecItem]) -> Iterable[tuple[str, Mappin
             yield item.name, data(sheet)
 
 
-def _day(root: Path) -> date:
-    """The day of the project's commit; the clock's where there is none."""
-    said = ["git", "-C", str(root), "log", "-1", "--format=%cs"]
+def _drawn(given: Inputs, problems: list[TrackmarshalError]) -> Document:
+    """The document with the argument drawn; in words where the engine that lays it out is not installed."""
+    from trackmarshal.trace.case.content import content
+
     try:
-        return date.fromisoformat(subprocess.run(said, capture_output=True, text=True, check=True, timeout=20).stdout.strip())
-    except (OSError, ValueError, subprocess.SubprocessError):
+        return content(given)
+    except TrackmarshalError as missing:
+        if missing.code not in EXTRAS:
+            raise
+        problems.append(missing)
+        return content(replace(given, draw=False))
+
+
+def _day(said: str | None, root: Path) -> date:
+    """The day that is said, or that of the project's commit; the clock's where neither is. Raises T348."""
+    if said is None and not commit(root):
         return date.today()
+    return day(COMMIT if said is None else said, root)
 
 
 def _lapsed(given: Inputs) -> Iterable[tuple[str, date]]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from trackmarshal.records import FaultResult, RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.trace.gsn.case import Case
 from trackmarshal.trace.matrix import Matrix
 from trackmarshal.trace.model import Project
 
@@ -20,6 +21,7 @@ class Inputs:
     """
 
     matrix: Matrix
+    argument: Case
     project: Project
     items: Sequence[SpecItem]
     tests: Sequence[SpecTest]
@@ -33,6 +35,7 @@ class Inputs:
     engine: str  #: the version with a hash of the sources that read and evaluate rules
     specs: str  #: fingerprint of all specs
     hashes: Mapping[str, str] = field(default_factory=dict)
+    draw: bool = True  #: whether the argument is drawn, which takes the extra `gsn`
 
 
 __all__ = ["Inputs"]

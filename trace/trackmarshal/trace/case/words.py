@@ -52,6 +52,8 @@ ENGLISH: Mapping[str, str] = {
     "open.cells": "Not covered, and not waived",
     "open.no_cells": "Every cell is covered or waived.",
     "open.nothing": "nothing that counts here is there",
+    "open.undeveloped": "Undeveloped in the argument",
+    "open.argument": "Wrong with the argument",
     "open.stale": "Stale evidence",
     "open.no_stale": "No evidence is stale.",
     "open.waivers": "Waivers",
@@ -128,6 +130,8 @@ ENGLISH: Mapping[str, str] = {
     "column.word": "word",
     "column.meaning": "meaning",
     "column.number": "here",
+    "column.claim": "claim",
+    "column.module": "module",
     "column.sha": "sha",
     # Labels of facts.
     "label.description": "description",
@@ -210,6 +214,8 @@ ENGLISH: Mapping[str, str] = {
     "hazards.rated": "{rated}: ASIL {asil}",
     "decomposition.level": "(ASIL {asil})",
     "decomposition.unargued": "nobody argues for it",
+    "argument.how": "Made of the link graph by templates: each goal is supported as far as the worst of what supports it. What a dashed element stands for is in the module that it leads to.",
+    "argument.undrawn": "It is not drawn here, as there is no layout engine; these are its modules in words.",
     "requirements.none": "There are no requirements.",
     "requirements.no_rule": "none",
     "requirements.no_stage": "no stage asks anything of it",
@@ -288,9 +294,9 @@ ENGLISH: Mapping[str, str] = {
 #: Statuses and outcomes by the status of cells that they look like: its sign and colour stand beside the word.
 LIKE: Mapping[str, str] = {
     **{word: word for word in ("covered", "waived", "partial", "missing", "stale", "failed")},
-    "passed": "covered", "run": "covered", "there": "covered", "accepted": "covered", "pass": "covered",
-    "pass with reservations": "waived", "open": "partial", "not run": "missing", "skipped": "missing", "no verdict": "missing",
-    "changed": "stale", "error": "failed", "fail": "failed",
+    "passed": "covered", "run": "covered", "there": "covered", "accepted": "covered", "supported": "covered", "pass": "covered",
+    "pass with reservations": "waived", "open": "partial", "with reservations": "waived", "not run": "missing", "skipped": "missing", "no verdict": "missing",
+    "changed": "stale", "error": "failed", "fail": "failed", "not supported": "failed",
 }  # fmt: skip
 
 __all__ = ["ENGLISH", "LIKE"]

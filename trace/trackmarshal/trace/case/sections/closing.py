@@ -55,7 +55,7 @@ def again(writing: Writing) -> Section:
     made = writing.given
     commit = made.commit.removesuffix("+")
     commands = [f"git checkout {commit}"] if commit else []
-    commands += ["trackmarshal trace --gate --rerun", f"trackmarshal case --today {made.matrix.today.isoformat()} --out DIR"]
+    commands += ["trackmarshal trace --gate --rerun", f"trackmarshal case --day {made.matrix.today.isoformat()} --out DIR"]
     blocks: list[Block] = [writing.paragraph("again.how"), Verbatim("\n".join(commands))]
     if made.commit.endswith("+"):
         blocks.append(writing.missing("again.changed"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Made, Missing, Section, Status, Table, Verdict
+from trackmarshal.trace.case.sections.argument import undeveloped, wrong
 from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, written
 from trackmarshal.trace.cells import STATUSES, Cell, Item
 from trackmarshal.trace.findings import LEVELS, Finding
@@ -58,8 +59,14 @@ def open_points(writing: Writing) -> Section:
     blocks.append(writing.named("open.cells", [_cells(writing, gaps) if gaps else writing.paragraph("open.no_cells")]))
     stale = list(_stale(writing))
     blocks.append(writing.named("open.stale", [_listed(writing, stale) if stale else writing.paragraph("open.no_stale")]))
+    found_wrong = wrong(writing)
+    if found_wrong is not None:
+        blocks.append(found_wrong)
     waivers = [_waivers(writing, matrix.waivers)] if matrix.waivers else [writing.paragraph("open.no_waivers")]
     blocks.append(writing.named("open.waivers", waivers))
+    open_claims = undeveloped(writing)
+    if open_claims is not None:
+        blocks.append(open_claims)
     lacking = [kind for kind in EXPECTED if not writing.of_kind(kind)]
     if lacking:
         blocks.append(writing.named("open.lacking", [Missing(writing.line(f"lacking.{kind}")) for kind in lacking]))
