@@ -31,7 +31,7 @@ def argument(writing: Writing) -> Section:
         if pictures is None:
             shown = Verbatim(outline.render(case, [module]).rstrip())
         else:
-            shown = Figure(pictures[number], f"{module.name}: {module.title}", _width(pictures[number]))
+            shown = Figure(pictures[number], module.title, _width(pictures[number]))
         blocks.append(writing.part(title, [shown], ("module", module.name), level=3))
     return writing.section("argument", blocks)
 
