@@ -15,7 +15,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from support.project import command
+from support.project import command, run_command
 from support.safety_case import NUMBER, Page
 from trackmarshal.cli.assessment import assess
 from trackmarshal.meaning.tool import tool
@@ -71,7 +71,12 @@ def graph_numbers(project: Path) -> dict[str, str]:
     for finding in said["findings"]:
         found[f"findings/{finding['level']}/all"] += 1
     found["nodes/requirement/all"] = len(said["requirements"])
-    for kind, name in (("rule", "rules"), ("test", "tests"), ("assumption", "assumptions"), ("result", "test_results")):
+    for kind, name in (
+        ("rule", "rules"),
+        ("test", "tests"),
+        ("assumption", "assumptions"),
+        ("result", "test_results"),
+    ):
         found[f"nodes/{kind}/all"] = said["counts"][name]
     found["nodes/test/passed"] = sum(
         1 for link in said["links"] if link["kind"] == "result" and link["source"] == "passed"
@@ -84,8 +89,14 @@ def corpus(project: Path, page: Page) -> str:
     """All that the project says, and the program of it: files, matrix, rules for readers."""
     texts = [command(project, "trace", "--as-is", "--format", "json", "--day", DAY)[1]]
     texts += [command(project, "gsn", "--format", "json")[1]]
-    texts += [path.read_text("utf-8") for path in sorted(project.rglob("*")) if path.suffix in (".yaml", ".spec", ".json")]
-    texts += [text for text in page.texts if re.fullmatch(r"[0-9a-f]{40}|[0-9a-f]{64}|trackmarshal \d.*", text)]
+    texts += [
+        path.read_text("utf-8")
+        for path in sorted(project.rglob("*"))
+        if path.suffix in (".yaml", ".spec", ".json")
+    ]
+    texts += [
+        text for text in page.texts if re.fullmatch(r"[0-9a-f]{40}|[0-9a-f]{64}|trackmarshal \d.*", text)
+    ]
     for rule in re.findall(r"^rule (\w+)", "\n".join(texts), re.MULTILINE):
         texts.append(command(project, "show", rule, "--format", "json")[1])
     texts += [f"{test.distance} {test.within}" for test in assess(project, run=False).facts.tests]
@@ -101,7 +112,9 @@ def test_every_number_is_in_the_graph(warehouse: Path) -> None:
     assert len(counted) > 30
     assert counted == {id_: known[id_] for id_ in counted}
     said = corpus(warehouse, page)
-    unknown = [id_ for id_, text in page.numbers if id_ not in known and text != "0" and not id_.startswith("nodes/")]
+    unknown = [
+        id_ for id_, text in page.numbers if id_ not in known and text != "0" and not id_.startswith("nodes/")
+    ]
     assert unknown == []
     # Numbers without an id stand in what people or the program wrote, word for word.
     stray = [text for text in page.texts if NUMBER.search(text) and text.replace("\n", " ") not in said]
@@ -113,7 +126,9 @@ def test_a_number_that_is_not_so_is_noticed(warehouse: Path) -> None:
     page = html(warehouse)
     wrong = Page(re.sub(r'(data-number="stages/TST-1/covered">)\d+', r"\g<1>99", page.html))
     known = graph_numbers(warehouse)
-    assert [id_ for id_, text in wrong.numbers if id_ in known and known[id_] != text] == ["stages/TST-1/covered"]
+    assert [id_ for id_, text in wrong.numbers if id_ in known and known[id_] != text] == [
+        "stages/TST-1/covered"
+    ]
 
 
 def test_every_kind_of_things_is_counted_right(warehouse: Path) -> None:
@@ -121,7 +136,9 @@ def test_every_kind_of_things_is_counted_right(warehouse: Path) -> None:
     numbers = dict(page.numbers)
     fields = {"hazard": "hazards", "safety goal": "safety_goals", "person": "persons", "review": "reviews", "design element": "elements",
               "operational design domain": "domains"}  # fmt: skip
-    documents = [yaml.safe_load(path.read_text("utf-8")) for path in (warehouse / "requirements").glob("*.yaml")]
+    documents = [
+        yaml.safe_load(path.read_text("utf-8")) for path in (warehouse / "requirements").glob("*.yaml")
+    ]
     for kind, field in fields.items():
         assert numbers[f"nodes/{kind}/all"] == str(sum(len(one.get(field, ())) for one in documents)), kind
 
@@ -149,7 +166,10 @@ def test_every_link_has_its_place(warehouse: Path) -> None:
 def test_what_people_wrote_is_told_apart_and_nothing_unread_is_called_reviewed(warehouse: Path) -> None:
     page = html(warehouse)
     flat = " ".join(page.html.split())
-    assert '<span class="pen">✎ </span>The robot drives into a person who steps out between two shelves.</span>' in flat
+    assert (
+        '<span class="pen">✎ </span>The robot drives into a person who steps out between two shelves.</span>'
+        in flat
+    )
     assert '<span class="place">requirements/hazards.yaml:6</span>' in flat
     reviewed = re.findall(r'id="requirement-([A-Z]+-[0-9])".*?<dt>review</dt><dd>(.*?)</dd>', flat)
     said = {id_: re.sub(r"<[^>]+>", "", text) for id_, text in reviewed}
@@ -158,7 +178,12 @@ def test_what_people_wrote_is_told_apart_and_nothing_unread_is_called_reviewed(w
 
 
 def test_a_review_of_another_version_is_none(warehouse: Path) -> None:
-    edit(warehouse, "requirements/needs.yaml", "more than 0.3 m/s.\n    rationale: Below", "more than 0.4 m/s.\n    rationale: Below")
+    edit(
+        warehouse,
+        "requirements/needs.yaml",
+        "more than 0.3 m/s.\n    rationale: Below",
+        "more than 0.4 m/s.\n    rationale: Below",
+    )
     page = html(warehouse, expect=1)
     assert "of another version than this" in page.html
 
@@ -197,7 +222,9 @@ def test_same_inputs_same_bytes(warehouse: Path) -> None:
     made = []
     for name in ("one", "two"):
         command(warehouse, "case", "--out", str(warehouse / name), "--day", DAY, "--quiet")
-        made.append([(warehouse / name / file).read_bytes() for file in ("safety-case.html", "safety-case.pdf")])
+        made.append(
+            [(warehouse / name / file).read_bytes() for file in ("safety-case.html", "safety-case.pdf")]
+        )
     assert made[0] == made[1]
     assert made[0][1].startswith(b"%PDF-")
 
@@ -221,7 +248,9 @@ def test_nothing_that_an_author_wrote_is_markup(warehouse: Path) -> None:
     assert any("{{ 7 * 7 }}" in text for text in page.texts)
     typst = pytest.importorskip("typst", reason="sets the PDF")
     assert typst is not None
-    status, _, err = command(warehouse, "case", "--out", str(warehouse / "pdf"), "--day", DAY, "--format", "pdf")
+    status, _, err = command(
+        warehouse, "case", "--out", str(warehouse / "pdf"), "--day", DAY, "--format", "pdf"
+    )
     assert status == 1, err
     assert (warehouse / "pdf" / "safety-case.pdf").stat().st_size > 10_000
 
@@ -242,11 +271,15 @@ def test_without_typst_the_page_comes_all_the_same(warehouse: Path, monkeypatch:
     assert "pip install 'trackmarshal[pdf]'" in err
     assert (warehouse / "out" / "safety-case.html").is_file()
     assert not (warehouse / "out" / "safety-case.pdf").exists()
-    status, _, _ = command(warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY, "--format", "pdf")
+    status, _, _ = command(
+        warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY, "--format", "pdf"
+    )
     assert status == 2
 
 
-def test_without_a_layout_engine_the_argument_comes_in_words(warehouse: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_layout_engine_the_argument_comes_in_words(
+    warehouse: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from trackmarshal.trace.gsn.picture import layout
 
     monkeypatch.setattr(layout, "PROGRAM", "no-such-engine")
@@ -261,9 +294,15 @@ def test_a_section_is_replaced_by_a_template_of_the_project(warehouse: Path) -> 
     own = warehouse / "own"
     own.mkdir()
     (own / "hazards.html.j2").write_text(
-        '{% extends "ours/section.html.j2" %}{% block before %}<p>Our own words on {{ section.title }}.</p>{% endblock %}', "utf-8"
+        '{% extends "ours/section.html.j2" %}{% block before %}<p>Our own words on {{ section.title }}.</p>{% endblock %}',
+        "utf-8",
     )
-    edit(warehouse, "requirements/v-model.yaml", "  specs: [specs]\n", "  specs: [specs]\n  case_templates: own\n")
+    edit(
+        warehouse,
+        "requirements/v-model.yaml",
+        "  specs: [specs]\n",
+        "  specs: [specs]\n  case_templates: own\n",
+    )
     assert "Our own words on Hazards and safety goals." in html(warehouse).texts
     (own / "hazards.html.j2").write_text("{% block x %}\n{{ nothing.there }}{% endblock %}", "utf-8")
     status, _, err = command(warehouse, "case", "--out", str(own), "--format", "html")
@@ -280,10 +319,14 @@ def test_a_section_is_replaced_by_a_template_of_the_project(warehouse: Path) -> 
 
 def test_large_rules_and_bare_requirements(warehouse: Path) -> None:
     """A formula of three hundred symbols, a rule that calls forty definitions, five hundred requirements, one without anything."""
-    definitions = "\n".join(f"define d{n}(x: m/s) = {f'd{n - 1}(x)' if n else 'x'} + {n} m/s" for n in range(40))
+    definitions = "\n".join(
+        f"define d{n}(x: m/s) = {f'd{n - 1}(x)' if n else 'x'} + {n} m/s" for n in range(40)
+    )
     long = " + ".join(f"{n} * robot.v" for n in range(1, 76))
     with (warehouse / "specs/robot.spec").open("a", encoding="utf-8") as file:
-        file.write(f'\n{definitions}\n\nrule many "Many"\n  satisfies SW-1\n  require d39(robot.v) <= 9 m/s\n')
+        file.write(
+            f'\n{definitions}\n\nrule many "Many"\n  satisfies SW-1\n  require d39(robot.v) <= 9 m/s\n'
+        )
         file.write(f'\nrule long "Long"\n  satisfies SW-1\n  require {long} <= 1 m/s\n')
     with (warehouse / "requirements/needs.yaml").open("a", encoding="utf-8") as file:
         for number in range(500):
@@ -296,3 +339,27 @@ def test_large_rules_and_bare_requirements(warehouse: Path) -> None:
     assert len(page.formulas) > 40
     assert len(re.findall(r'<div class="formula" style="--depth: 1">', page.html)) >= 40
 
+
+PAGE = Path(__file__).parents[2] / "docs" / "safety-case.md"
+
+
+def test_the_page_about_it_says_what_is_so(warehouse: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The commands of docs/safety-case.md run, its template is used, its names are those of the sections."""
+    page = PAGE.read_text("utf-8")
+    (block,) = re.findall(r"```sh\n(.*?)```", page, re.DOTALL)
+    commands = [line.split()[1:] for line in block.splitlines()]
+    assert len(commands) == 3
+    monkeypatch.chdir(warehouse)
+    for arguments in commands:
+        status, _, err = run_command(*arguments)
+        assert status == 0, err
+    assert (warehouse / "out/case/safety-case.html").is_file()
+    (template,) = re.findall(r"```jinja\n(.*?)```", page, re.DOTALL)
+    (warehouse / "own").mkdir()
+    (warehouse / "own" / "hazards.html.j2").write_text(template, "utf-8")
+    assert (
+        "Whoever drives on another track rates exposure anew."
+        in html(warehouse, "--templates", str(warehouse / "own")).texts
+    )
+    (row,) = [line for line in page.splitlines() if "one section, by its name" in line]
+    assert tuple(re.findall(r"`(\w+)`", row)) == NAMES

@@ -37,9 +37,14 @@ EXTRAS = frozenset({"T424", "T432"})
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--out", metavar="DIR", required=True, help=f"the folder of {NAME}.html and {NAME}.pdf")
     parser.add_argument(
-        "--day", "--today", metavar="DAY", help="the day as of which it is judged: YYYY-MM-DD, or `commit` (default, where there is one)"
+        "--out", metavar="DIR", required=True, help=f"the folder of {NAME}.html and {NAME}.pdf"
+    )
+    parser.add_argument(
+        "--day",
+        "--today",
+        metavar="DAY",
+        help="the day as of which it is judged: YYYY-MM-DD, or `commit` (default, where there is one)",
     )
     parser.add_argument(
         "--templates", metavar="DIR", help="templates in place of ours (default: as v-model.yaml says)"
@@ -77,11 +82,20 @@ def run(args: argparse.Namespace) -> int:
     matrix = given.matrix
     lapsed = [] if args.day is not None else list(_lapsed(given))
     for name, expired in lapsed:
-        say(f"the waiver `{name}` expired on {expired}, after the commit; `--day` judges as of another day", file=sys.stderr)
+        say(
+            f"the waiver `{name}` expired on {expired}, after the commit; `--day` judges as of another day",
+            file=sys.stderr,
+        )
     gaps = [*trace.gate(matrix), *(one for one in given.argument.findings if one.level == "error")]
     if not args.quiet:
-        say(*(str(Path(args.out) / name) for name in made), f"{matrix.project}: {matrix.verdict}", file=sys.stderr)
-    lacking = [one for one in problems if one.code not in EXTRAS or (one.code == "T432" and args.format == "pdf")]
+        say(
+            *(str(Path(args.out) / name) for name in made),
+            f"{matrix.project}: {matrix.verdict}",
+            file=sys.stderr,
+        )
+    lacking = [
+        one for one in problems if one.code not in EXTRAS or (one.code == "T432" and args.format == "pdf")
+    ]
     if matrix.unusable or lacking:
         return 2
     return 1 if gaps or lapsed else 0
@@ -159,8 +173,14 @@ def _templates(named: str | None, found: Assessment, root: Path) -> Path | None:
         return None
     folder = Path(named) if named is not None else root / str(declared)
     if not folder.is_dir():
-        file, line = (None, None) if named is not None or declared is None else (declared.place.file, declared.place.line)
-        raise TrackmarshalError("T431", f"there is no folder {folder}", file=file, line=line, help="name a folder with templates")
+        file, line = (
+            (None, None)
+            if named is not None or declared is None
+            else (declared.place.file, declared.place.line)
+        )
+        raise TrackmarshalError(
+            "T431", f"there is no folder {folder}", file=file, line=line, help="name a folder with templates"
+        )
     return folder
 
 

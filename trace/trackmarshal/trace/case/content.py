@@ -39,9 +39,7 @@ def content(given: Inputs, words: Mapping[str, str] = ENGLISH) -> Document:
         first = tuple(make(writing) for make in FIRST)
         rest = tuple(section for make in REST if (section := make(writing)) is not None)
         matrix = given.matrix
-        return Document(
-            matrix.project, matrix.today.isoformat(), matrix.verdict, first, rest, anchors, words
-        )
+        return Document(matrix.project, matrix.today.isoformat(), matrix.verdict, first, rest, anchors, words)
 
 
 def places(graph: Graph, modules: Iterable[str] = ()) -> dict[Key, str]:

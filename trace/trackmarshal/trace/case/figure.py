@@ -13,7 +13,7 @@ _LINES, _SIZE = 3, 11.0
 
 
 def chart(subsystems: Sequence[Subsystem], interfaces: Sequence[Interface], name: str) -> tuple[str, float]:
-    """An N² chart as SVG, and its width: no line crosses another, however many parts there are."""
+    """An N² chart as SVG, and the length of its sides: no line crosses another, however many parts there are."""
     ids = [str(one.id) for one in subsystems]
     place = {id_: number for number, id_ in enumerate(ids)}
     step = _BOX + _GAP
@@ -38,7 +38,17 @@ def _part(at: float, one: Subsystem) -> str:
     vehicle = one.role == "vehicle"
     box = tag("rect", x=at, y=at, width=_BOX, height=_BOX, rx=6, fill="#dcedf6" if vehicle else "#f4f6f8", stroke="#1f5673", stroke_width=2 if vehicle else 1)  # fmt: skip
     middle = at + _BOX / 2
-    said = [text(middle, at + 28, str(one.id), text_anchor="middle", font_size=16, font_weight="bold", fill="#16202a")]
+    said = [
+        text(
+            middle,
+            at + 28,
+            str(one.id),
+            text_anchor="middle",
+            font_size=16,
+            font_weight="bold",
+            fill="#16202a",
+        )
+    ]
     said += [
         text(middle, at + 48 + 14 * number, line, text_anchor="middle", font_size=_SIZE, fill="#16202a")
         for number, line in enumerate(_wrapped(one.title))
@@ -50,7 +60,17 @@ def _meeting(x: float, y: float, interface: Interface) -> str:
     """Where two parts meet: solid where it was analysed for issues, dashed where a reason stands in place of that."""
     box = tag("rect", x=x, y=y, width=_BOX, height=_BOX, rx=6, fill="#ffffff", stroke="#55626f", stroke_dasharray=None if interface.issues else "4 3")  # fmt: skip
     middle = x + _BOX / 2
-    said = [text(middle, y + 28, str(interface.id), text_anchor="middle", font_size=14, font_weight="bold", fill="#16202a")]
+    said = [
+        text(
+            middle,
+            y + 28,
+            str(interface.id),
+            text_anchor="middle",
+            font_size=14,
+            font_weight="bold",
+            fill="#16202a",
+        )
+    ]
     kinds = list(dict.fromkeys(flow.kind for flow in interface.flows))
     said += [
         text(middle, y + 48 + 14 * number, kind, text_anchor="middle", font_size=_SIZE, fill="#3d4a56") for number, kind in enumerate(kinds)

@@ -69,10 +69,14 @@ class Printing:
             case Given():
                 return Markup('<span class="given">{}</span>').format(piece.text)
             case Written():
-                place = Markup(' <span class="place">{}</span>').format(piece.place) if piece.place else Markup("")
-                return Markup('<span class="people" title="{}"><span class="pen">✎ </span>{}</span>{}').format(
-                    self._people, piece.text, place
+                place = (
+                    Markup(' <span class="place">{}</span>').format(piece.place)
+                    if piece.place
+                    else Markup("")
                 )
+                return Markup(
+                    '<span class="people" title="{}"><span class="pen">✎ </span>{}</span>{}'
+                ).format(self._people, piece.text, place)
             case Made():
                 return marked(piece.text)
             case Code():

@@ -21,7 +21,9 @@ def guarded(own: bool) -> Iterator[None]:
             raise
         syntax = isinstance(problem, TemplateSyntaxError)
         file = problem.filename or problem.name if isinstance(problem, TemplateSyntaxError) else None
-        message = (problem.message or "" if isinstance(problem, TemplateError) else str(problem)) or type(problem).__name__
+        message = (problem.message or "" if isinstance(problem, TemplateError) else str(problem)) or type(
+            problem
+        ).__name__
         raise TrackmarshalError(
             "T430", f"a template of the safety case: {message}", file=file, line=problem.lineno if isinstance(problem, TemplateSyntaxError) else None,
             help="correct it" if syntax else "`section` has `id`, `title`, `anchor` and `blocks`; see docs/safety-case.md",

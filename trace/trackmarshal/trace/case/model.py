@@ -70,6 +70,8 @@ class Inline(NamedTuple):
 
 Piece: TypeAlias = Fixed | Given | Written | Made | Code | Number | Status | Ref | Inline
 Line: TypeAlias = tuple[Piece, ...]
+#: Of a page of A4, in points.
+TEXT_WIDTH = 482.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +136,13 @@ class Figure:
     kind: ClassVar[str] = "figure"
     svg: str
     title: str
-    shown: float  #: its natural width in points
+    wide: float  #: its natural width in points
+    high: float  #: and height
+
+    @property
+    def lies(self) -> bool:
+        """Whether it stands on a page of paper that lies on its side: it is much wider than the text of one that stands."""
+        return self.wide > 1.15 * TEXT_WIDTH
 
 
 @dataclass(frozen=True, slots=True)

@@ -94,7 +94,10 @@ def string(text: str) -> str:
 
 def plain(line: Line) -> str:
     """A line's words alone, for headings in the table of contents."""
-    return "".join("" if isinstance(piece, Inline) else piece.word if isinstance(piece, Status) else _words(piece) for piece in line)
+    return "".join(
+        "" if isinstance(piece, Inline) else piece.word if isinstance(piece, Status) else _words(piece)
+        for piece in line
+    )
 
 
 def _words(piece: Piece) -> str:
@@ -108,7 +111,9 @@ def _words(piece: Piece) -> str:
 def broken(text: str) -> str:
     """A name with places at which a line may end: after the signs of paths, and within long runs of letters."""
     parts = _BREAK.split(text)
-    return "\u200b".join("\u200b".join(part[at : at + _RUN] for at in range(0, len(part), _RUN)) for part in parts)
+    return "\u200b".join(
+        "\u200b".join(part[at : at + _RUN] for at in range(0, len(part), _RUN)) for part in parts
+    )
 
 
 class Printing:

@@ -71,7 +71,10 @@ class Writing:
         made = tuple(tuple(row) for row in rows)
         anchors = tuple(self.anchors.get(key, "") for key in keys)
         return Table(
-            tuple(self.words[name] for name, _ in columns), made, tuple(share for _, share in columns), anchors
+            tuple(self.words[name] for name, _ in columns),
+            made,
+            tuple(share for _, share in columns),
+            anchors,
         )
 
     def part(self, title: Line, blocks: Iterable[Block], key: Key | None = None, level: int = 2) -> Part:
@@ -112,12 +115,20 @@ class Writing:
 
     def beyond(self, key: Key, kind: str) -> list[Node]:
         """The nodes that links of a kind lead to from one, as far as they hold."""
-        found = (self.graph.nodes.get(link.target) for link in self.graph.out_of(key) if link.kind == kind and holds(link))
+        found = (
+            self.graph.nodes.get(link.target)
+            for link in self.graph.out_of(key)
+            if link.kind == kind and holds(link)
+        )
         return [node for node in found if node is not None]
 
     def before(self, key: Key, kind: str) -> list[Node]:
         """The nodes from which links of a kind lead to one, as far as they hold."""
-        found = (self.graph.nodes.get(link.source) for link in self.graph.into(key) if link.kind == kind and holds(link))
+        found = (
+            self.graph.nodes.get(link.source)
+            for link in self.graph.into(key)
+            if link.kind == kind and holds(link)
+        )
         return [node for node in found if node is not None]
 
     def of_kind(self, kind: str) -> Sequence[Node]:
@@ -134,9 +145,17 @@ class Writing:
             review = self.graph.nodes.get(link.source)
             if link.kind != "reviews" or review is None or not holds(link):
                 continue
-            said = "review.outdated" if link.state == "outdated" else f"review.{review.attributes.get('outcome', 'open')}"
+            said = (
+                "review.outdated"
+                if link.state == "outdated"
+                else f"review.{review.attributes.get('outcome', 'open')}"
+            )
             by = self.refs(node.key for node in self.beyond(review.key, "made_by"))
-            found.append(self.line(said, review=self.ref(review.key), by=by, made=Given(review.attributes.get("made", ""))))
+            found.append(
+                self.line(
+                    said, review=self.ref(review.key), by=by, made=Given(review.attributes.get("made", ""))
+                )
+            )
         return joined(found) if found else self.line("review.none")
 
 

@@ -5,7 +5,18 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from trackmarshal.trace.case.model import Block, Code, Figure, Fixed, Given, Line, Made, Section, Status, Verbatim
+from trackmarshal.trace.case.model import (
+    Block,
+    Code,
+    Figure,
+    Fixed,
+    Given,
+    Line,
+    Made,
+    Section,
+    Status,
+    Verbatim,
+)
 from trackmarshal.trace.case.writing import Writing
 from trackmarshal.trace.graph.graph import Key
 from trackmarshal.trace.gsn import outline
@@ -13,7 +24,7 @@ from trackmarshal.trace.gsn.case import Case, Module
 
 #: A millimetre in points.
 _MM = 72 / 25.4
-_WIDTH = re.compile(r'<svg [^>]*?width="([0-9.]+)mm"')
+_SIZE = re.compile(r'<svg [^>]*?width="([0-9.]+)mm" height="([0-9.]+)mm"')
 _OPENING = '<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
@@ -31,7 +42,7 @@ def argument(writing: Writing) -> Section:
         if pictures is None:
             shown = Verbatim(outline.render(case, [module]).rstrip())
         else:
-            shown = Figure(pictures[number], module.title, _width(pictures[number]))
+            shown = Figure(pictures[number], module.title, *_size(pictures[number]))
         blocks.append(writing.part(title, [shown], ("module", module.name), level=3))
     return writing.section("argument", blocks)
 
@@ -59,11 +70,12 @@ def _inside(svg: str, number: int) -> str:
     return said
 
 
-def _width(svg: str) -> float:
-    found = _WIDTH.search(svg)
+def _size(svg: str) -> tuple[float, float]:
+    """Width and height in points."""
+    found = _SIZE.search(svg)
     if found is None:
-        raise ValueError("a picture without a width")
-    return float(found[1]) * _MM
+        raise ValueError("a picture without a size")
+    return float(found[1]) * _MM, float(found[2]) * _MM
 
 
 def undeveloped(writing: Writing) -> Block | None:
@@ -82,7 +94,10 @@ def wrong(writing: Writing) -> Block | None:
     if not found:
         return None
     columns = (("column.code", 1.0), ("column.finding", 6.0), ("column.place", 3.0))
-    rows = [[(Code(f.code), Fixed(" "), Given(f.level)), (Made(f.message),), (Code(str(f.place or "")),)] for f in found]
+    rows = [
+        [(Code(f.code), Fixed(" "), Given(f.level)), (Made(f.message),), (Code(str(f.place or "")),)]
+        for f in found
+    ]
     return writing.named("open.argument", [writing.table(columns, rows)])
 
 

@@ -27,7 +27,16 @@ def matrix(writing: Writing) -> Section:
             cells: list[Line] = [
                 (Status(row.cells[stage].status),) if stage in row.cells else (Fixed("–"),) for stage in some
             ]
-            rows.append([(writing.ref(("requirement", str(row.requirement.id))), Fixed(" "), Given(row.requirement.title)), *cells])
+            rows.append(
+                [
+                    (
+                        writing.ref(("requirement", str(row.requirement.id))),
+                        Fixed(" "),
+                        Given(row.requirement.title),
+                    ),
+                    *cells,
+                ]
+            )
         table = writing.table([("column.requirement", 2.4), *(("column.stage", 1.0) for _ in some)], rows)
         blocks.append(type(table)((table.head[0], *some), table.rows, table.widths))
     return writing.section("matrix", blocks)
@@ -36,7 +45,9 @@ def matrix(writing: Writing) -> Section:
 def glossary(writing: Writing) -> Section:
     """The words of verdicts, of statuses, and of what is in the graph here."""
     columns = (("column.word", 2.0), ("column.meaning", 7.0))
-    verdicts = writing.table(columns, ([(Status(word),), (Fixed(said),)] for word, said in verdict.MEANINGS.items()))
+    verdicts = writing.table(
+        columns, ([(Status(word),), (Fixed(said),)] for word, said in verdict.MEANINGS.items())
+    )
     statuses = writing.table(columns, ([(Status(word),), (Fixed(said),)] for word, said in MEANINGS.items()))
     kinds = writing.table(
         (("column.word", 2.0), ("column.meaning", 6.0), ("column.number", 1.0)),
@@ -55,11 +66,18 @@ def again(writing: Writing) -> Section:
     made = writing.given
     commit = made.commit.removesuffix("+")
     commands = [f"git checkout {commit}"] if commit else []
-    commands += ["trackmarshal trace --gate --rerun", f"trackmarshal case --day {made.matrix.today.isoformat()} --out DIR"]
+    commands += [
+        "trackmarshal trace --gate --rerun",
+        f"trackmarshal case --day {made.matrix.today.isoformat()} --out DIR",
+    ]
     blocks: list[Block] = [writing.paragraph("again.how"), Verbatim("\n".join(commands))]
     if made.commit.endswith("+"):
         blocks.append(writing.missing("again.changed"))
-    documents = [(node.id, node.attributes["fingerprint"]) for node in writing.of_kind("document") if node.attributes.get("fingerprint")]
+    documents = [
+        (node.id, node.attributes["fingerprint"])
+        for node in writing.of_kind("document")
+        if node.attributes.get("fingerprint")
+    ]
     recordings = [(run.scenario, run.source_hash) for run in made.runs]
     hashed: list[tuple[str, list[tuple[str, str]]]] = [
         ("again.requirements", sorted(made.hashes.items())), ("again.documents", documents), ("again.recordings", sorted(recordings)),
@@ -69,9 +87,10 @@ def again(writing: Writing) -> Section:
         if pairs:
             rows = [[(Code(path),), (Code(digest),)] for path, digest in pairs]
             keys = [("document", path) for path, _ in pairs] if name == "again.documents" else []
-            blocks.append(writing.named(name, [writing.table((("column.name", 3.0), ("column.sha", 5.0)), rows, keys)]))
+            blocks.append(
+                writing.named(name, [writing.table((("column.name", 3.0), ("column.sha", 5.0)), rows, keys)])
+            )
     return writing.section("again", blocks)
 
 
 __all__ = ["again", "glossary", "matrix"]
-

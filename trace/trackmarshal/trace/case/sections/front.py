@@ -4,7 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Made, Missing, Section, Status, Table, Verdict
+from trackmarshal.trace.case.model import (
+    Block,
+    Code,
+    Fixed,
+    Given,
+    Line,
+    Made,
+    Missing,
+    Section,
+    Status,
+    Table,
+    Verdict,
+)
 from trackmarshal.trace.case.sections.argument import undeveloped, wrong
 from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, written
 from trackmarshal.trace.cells import STATUSES, Cell, Item
@@ -56,20 +68,30 @@ def open_points(writing: Writing) -> Section:
         if stage.id in row.cells and row.cells[stage.id].status not in ("covered", "waived")
     ]  # fmt: skip
     gaps.sort(key=lambda gap: STATUSES.index(gap[2].status))
-    blocks.append(writing.named("open.cells", [_cells(writing, gaps) if gaps else writing.paragraph("open.no_cells")]))
+    blocks.append(
+        writing.named("open.cells", [_cells(writing, gaps) if gaps else writing.paragraph("open.no_cells")])
+    )
     stale = list(_stale(writing))
-    blocks.append(writing.named("open.stale", [_listed(writing, stale) if stale else writing.paragraph("open.no_stale")]))
+    blocks.append(
+        writing.named(
+            "open.stale", [_listed(writing, stale) if stale else writing.paragraph("open.no_stale")]
+        )
+    )
     found_wrong = wrong(writing)
     if found_wrong is not None:
         blocks.append(found_wrong)
-    waivers = [_waivers(writing, matrix.waivers)] if matrix.waivers else [writing.paragraph("open.no_waivers")]
+    waivers = (
+        [_waivers(writing, matrix.waivers)] if matrix.waivers else [writing.paragraph("open.no_waivers")]
+    )
     blocks.append(writing.named("open.waivers", waivers))
     open_claims = undeveloped(writing)
     if open_claims is not None:
         blocks.append(open_claims)
     lacking = [kind for kind in EXPECTED if not writing.of_kind(kind)]
     if lacking:
-        blocks.append(writing.named("open.lacking", [Missing(writing.line(f"lacking.{kind}")) for kind in lacking]))
+        blocks.append(
+            writing.named("open.lacking", [Missing(writing.line(f"lacking.{kind}")) for kind in lacking])
+        )
     blocks.append(writing.named("open.beyond", [writing.paragraph("open.undecidable")]))
     return writing.section("open", blocks)
 
@@ -79,12 +101,19 @@ def _findings(writing: Writing, found: list[Finding]) -> Table:
     rows = []
     for finding in found:
         help_: Line = (Fixed(writing.words["finding.help"]), Made(finding.help)) if finding.help else EMPTY
-        rows.append([(Code(finding.code),), (Made(finding.message), *help_), (Code(str(finding.place or "")),)])
+        rows.append(
+            [(Code(finding.code),), (Made(finding.message), *help_), (Code(str(finding.place or "")),)]
+        )
     return writing.table(columns, rows)
 
 
 def _cells(writing: Writing, gaps: list[tuple[Row, Stage, Cell]]) -> Table:
-    columns = (("column.requirement", 2.5), ("column.stage", 2.0), ("column.status", 1.2), ("column.why", 4.5))
+    columns = (
+        ("column.requirement", 2.5),
+        ("column.stage", 2.0),
+        ("column.status", 1.2),
+        ("column.why", 4.5),
+    )
     return writing.table(columns, (
         [
             (*writing.titled(writing.graph.nodes["requirement", str(row.requirement.id)]),),
@@ -97,7 +126,13 @@ def _cells(writing: Writing, gaps: list[tuple[Row, Stage, Cell]]) -> Table:
 
 def _item(item: Item) -> Line:
     detail: Line = (Fixed(": "), Made(item.detail)) if item.detail else EMPTY
-    return (Given(item.kind), Fixed(" "), Code(item.name), *((Fixed(" "), Given(item.title)) if item.title else EMPTY), *detail)
+    return (
+        Given(item.kind),
+        Fixed(" "),
+        Code(item.name),
+        *((Fixed(" "), Given(item.title)) if item.title else EMPTY),
+        *detail,
+    )
 
 
 def _stale(writing: Writing) -> Iterator[tuple[str, str, str]]:
@@ -124,8 +159,13 @@ def _waivers(writing: Writing, waivers: tuple[Waiver, ...]) -> Table:
     rows = []
     for waiver in waivers:
         holds = waiver.granted <= day <= waiver.expires
-        state = Status("waived" if holds else "failed", writing.words["waiver.holds" if holds else "waiver.not"])
-        gaps = [*map(str, (*waiver.stages, *waiver.codes)), *map(str, (*waiver.requirements, *waiver.subjects))]
+        state = Status(
+            "waived" if holds else "failed", writing.words["waiver.holds" if holds else "waiver.not"]
+        )
+        gaps = [
+            *map(str, (*waiver.stages, *waiver.codes)),
+            *map(str, (*waiver.requirements, *waiver.subjects)),
+        ]
         rows.append([
             (Given(str(waiver.id)),), joined([(Given(gap),) for gap in gaps]),
             writing.line("waiver.people", owner=Given(waiver.owner), approver=Given(str(waiver.approver))),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from trackmarshal.trace.case.figure import chart
-from trackmarshal.trace.case.model import Block, Figure, Fixed, Given, Line, Part, Section, Status
+from trackmarshal.trace.case.model import TEXT_WIDTH, Block, Figure, Fixed, Given, Line, Part, Section, Status
 from trackmarshal.trace.case.writing import Writing, joined, written
 from trackmarshal.trace.model import Interface
 
@@ -32,13 +32,19 @@ def system(writing: Writing) -> Section | None:
     project = writing.given.project
     if not project.subsystems:
         return None
-    svg, width = chart(project.subsystems, project.interfaces, writing.words["system.figure"])
+    svg, size = chart(project.subsystems, project.interfaces, writing.words["system.figure"])
+    size = min(size, TEXT_WIDTH)
     parts = writing.table((("column.id", 1.0), ("column.title", 2.5), ("column.role", 1.3), ("column.description", 6.0)), (
         [(writing.ref(("subsystem", str(one.id))),), (Given(one.title),), (Given(one.role),), written(one.description, one.id.place)]
         for one in project.subsystems
     ), [("subsystem", str(one.id)) for one in project.subsystems])  # fmt: skip
-    blocks: list[Block] = [Figure(svg, writing.words["system.figure"], width), writing.named("system.parts", [parts])]
-    blocks.append(writing.named("system.interfaces", [_interface(writing, one) for one in project.interfaces]))
+    blocks: list[Block] = [
+        Figure(svg, writing.words["system.figure"], size, size),
+        writing.named("system.parts", [parts]),
+    ]
+    blocks.append(
+        writing.named("system.interfaces", [_interface(writing, one) for one in project.interfaces])
+    )
     if project.infeasible:
         apart = joined([(Given(str(pair)),) for pair in project.infeasible])
         blocks.append(writing.paragraph("system.apart", pairs=apart))
@@ -101,7 +107,12 @@ def architecture(writing: Writing) -> Section | None:
             ]
             for one in documents
         ]  # fmt: skip
-        columns = (("column.document", 5.0), ("column.stage", 1.0), ("column.requirements", 2.5), ("column.status", 1.0))
+        columns = (
+            ("column.document", 5.0),
+            ("column.stage", 1.0),
+            ("column.requirements", 2.5),
+            ("column.status", 1.0),
+        )
         blocks.append(writing.named("architecture.documents", [writing.table(columns, rows)]))
     return writing.section("architecture", blocks)
 

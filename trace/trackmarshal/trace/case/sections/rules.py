@@ -57,14 +57,24 @@ def _item(writing: Writing, item: SpecItem) -> Part:
     facts.append(("label.review", writing.review(key)))
     blocks: list[Block] = [writing.facts(facts)]
     if "spec" in sheet:
-        blocks.append(writing.part((*writing.line("rules.spec"), Code(str(sheet["declared"]))), [Verbatim(sheet["spec"])], level=4))
+        blocks.append(
+            writing.part(
+                (*writing.line("rules.spec"), Code(str(sheet["declared"]))),
+                [Verbatim(sheet["spec"])],
+                level=4,
+            )
+        )
     if "formula" in sheet:
         blocks.append(writing.named("rules.formula", _formula(writing, sheet["formula"]), level=4))
     if "words" in sheet:
-        told: list[Block] = [Paragraph((Made(text),)) for text in (*sheet["words"]["demand"], *sheet["words"]["definitions"])]
+        told: list[Block] = [
+            Paragraph((Made(text),)) for text in (*sheet["words"]["demand"], *sheet["words"]["definitions"])
+        ]
         blocks.append(writing.named("rules.words", told, level=4))
     if sheet.get("formula", {}).get("parameters"):
-        blocks.append(writing.named("rules.parameters", [_settings(writing, sheet["formula"]["parameters"])], level=4))
+        blocks.append(
+            writing.named("rules.parameters", [_settings(writing, sheet["formula"]["parameters"])], level=4)
+        )
     tests = [test for test in writing.given.tests if test.rule == item.name]
     if tests or item.monitored or item.kind == "rule":
         shown = [_tests(writing, tests)] if tests else [writing.missing("rules.no_tests")]
@@ -84,15 +94,23 @@ def _formula(writing: Writing, shown: Mapping[str, Any]) -> Iterator[Block]:
         yield Formula(one["mathml"], one["typst"], depth=1)
     for machine in shown["machines"]:
         states = joined([given(state) for state in machine["states"]])
-        yield Paragraph(writing.line("rules.machine", name=Code(machine["name"]), states=states, start=Given(machine["start"])))
+        yield Paragraph(
+            writing.line(
+                "rules.machine", name=Code(machine["name"]), states=states, start=Given(machine["start"])
+            )
+        )
         yield writing.table((("column.becomes", 1.5), ("column.from", 1.5), ("column.when", 6.0)), (
             [given(move["to"]), joined([given(state) for state in move["from"]]), (Inline(move["when"]["mathml"], move["when"]["typst"]),)]
             for move in machine["moves"]
         ))  # fmt: skip
     for table in shown["tables"]:
-        yield writing.part((*writing.line("rules.table"), Given(table["shown"])), [_grid(writing, table["rows"])], level=4)
+        yield writing.part(
+            (*writing.line("rules.table"), Given(table["shown"])), [_grid(writing, table["rows"])], level=4
+        )
     if shown["places"]:
-        places = joined([(Given(place["kind"]), Fixed(" "), Code(place["name"])) for place in shown["places"]])
+        places = joined(
+            [(Given(place["kind"]), Fixed(" "), Code(place["name"])) for place in shown["places"]]
+        )
         yield writing.paragraph("rules.places", places=places)
 
 
@@ -100,7 +118,9 @@ def _grid(writing: Writing, rows: Sequence[Sequence[str]]) -> Block:
     from trackmarshal.trace.case.model import Table
 
     width = len(rows[0])
-    return Table(tuple(rows[0]), tuple(tuple(given(cell) for cell in row) for row in rows[1:]), (1.0,) * width)
+    return Table(
+        tuple(rows[0]), tuple(tuple(given(cell) for cell in row) for row in rows[1:]), (1.0,) * width
+    )
 
 
 def _settings(writing: Writing, parameters: Sequence[Mapping[str, Any]]) -> Block:
@@ -122,7 +142,9 @@ def _tests(writing: Writing, tests: Sequence[SpecTest]) -> Block:
         elif test.within:
             margin = writing.line("tests.near", within=Given(test.within))
         failed: Line = (Fixed(": "), Made(result.message)) if result is not None and result.message else EMPTY
-        rows.append([given(test.title), given(test.expects), margin, (Status(node.attributes["outcome"]), *failed)])
+        rows.append(
+            [given(test.title), given(test.expects), margin, (Status(node.attributes["outcome"]), *failed)]
+        )
     columns = (("column.test", 4.0), ("column.expects", 1.5), ("column.margin", 3.0), ("column.outcome", 1.8))
     return writing.table(columns, rows)
 
@@ -137,14 +159,24 @@ def parameters(writing: Writing) -> Section:
             used = [n.key for n in writing.before(node.key, "uses")]
             place = (Code(str(node.place)),) if node.place else EMPTY
             rows.append([(Code(node.id),), given(node.title), writing.refs(used), place])
-        columns = (("column.parameter", 3.0), ("column.value", 3.0), ("column.used_by", 4.0), ("column.place", 2.5))
+        columns = (
+            ("column.parameter", 3.0),
+            ("column.value", 3.0),
+            ("column.used_by", 4.0),
+            ("column.place", 2.5),
+        )
         blocks.append(writing.table(columns, rows, [node.key for node in nodes]))
     else:
         blocks.append(writing.missing("parameters.none"))
     constraints = writing.of_kind("constraint")
     if constraints:
         lines = [[(Code(node.id),), (Code(str(node.place or "")),)] for node in constraints]
-        blocks.append(writing.named("parameters.constraints", [writing.table((("column.constraint", 6.0), ("column.place", 3.0)), lines)]))
+        blocks.append(
+            writing.named(
+                "parameters.constraints",
+                [writing.table((("column.constraint", 6.0), ("column.place", 3.0)), lines)],
+            )
+        )
     return writing.section("parameters", blocks)
 
 

@@ -15,7 +15,9 @@ def hazards(writing: Writing) -> Section | None:
     found, goals = writing.of_kind("hazard"), writing.of_kind("safety goal")
     if not found and not goals:
         return None
-    blocks: list[Block] = [writing.named("hazards.hazards", [_hazard(writing, node) for node in found])] if found else []
+    blocks: list[Block] = (
+        [writing.named("hazards.hazards", [_hazard(writing, node) for node in found])] if found else []
+    )
     if goals:
         blocks.append(writing.named("hazards.goals", [_goal(writing, node) for node in goals]))
     return writing.section("hazards", blocks)
@@ -30,7 +32,10 @@ def _hazard(writing: Writing, node: Node) -> Part:
         ("label.rationale", written(said.get("rationale", ""))),
         ("label.arises_from", writing.refs(n.key for n in writing.beyond(node.key, "arises_from"))),
         ("label.operates_in", writing.refs(n.key for n in writing.beyond(node.key, "operates_in"))),
-        ("label.prevented_by", writing.refs(n.key for n in writing.before(node.key, "prevents")) or writing.line("none")),
+        (
+            "label.prevented_by",
+            writing.refs(n.key for n in writing.before(node.key, "prevents")) or writing.line("none"),
+        ),
         ("label.owner", writing.refs(n.key for n in writing.beyond(node.key, "owned_by"))),
         ("label.review", writing.review(node.key)),
     ]
@@ -45,7 +50,10 @@ def _goal(writing: Writing, node: Node) -> Part:
         ("label.safe_state", written(said.get("safe_state", ""))),
         ("label.tolerance", given(said.get("tolerance", ""))),
         ("label.prevents", writing.refs(n.key for n in writing.beyond(node.key, "prevents"))),
-        ("label.achieved_by", writing.refs(n.key for n in writing.before(node.key, "achieves")) or writing.line("none")),
+        (
+            "label.achieved_by",
+            writing.refs(n.key for n in writing.before(node.key, "achieves")) or writing.line("none"),
+        ),
         ("label.owner", writing.refs(n.key for n in writing.beyond(node.key, "owned_by"))),
         ("label.review", writing.review(node.key)),
     ]
@@ -62,8 +70,10 @@ def decomposition(writing: Writing) -> Section | None:
         return None
     blocks: list[Block] = []
     for node in divided:
-        children = [child for child in writing.before(node.key, "refines") if "(" in child.attributes.get("asil", "")]
-        argued = [n for n in writing.beyond(node.key, "independence")]
+        children = [
+            child for child in writing.before(node.key, "refines") if "(" in child.attributes.get("asil", "")
+        ]
+        argued = writing.beyond(node.key, "independence")
         rows = [
             [writing.titled(child), (Given(child.attributes["asil"]),), writing.refs(n.key for n in writing.beyond(child.key, "allocated_to"))]
             for child in children
@@ -96,7 +106,9 @@ def requirements(writing: Writing) -> Section:
 def _requirement(writing: Writing, row: Row) -> Part:
     r, graph = row.requirement, writing.graph
     key = ("requirement", str(r.id))
-    stages: list[Line] = [(Given(stage), Fixed(" "), Status(cell.status)) for stage, cell in row.cells.items()]
+    stages: list[Line] = [
+        (Given(stage), Fixed(" "), Status(cell.status)) for stage, cell in row.cells.items()
+    ]
     facts = [
         ("label.statement", written(r.statement, r.place)),
         ("label.rationale", written(r.rationale)),
@@ -130,4 +142,3 @@ def _derivation(writing: Writing, row: Row) -> Iterator[Line]:
 
 
 __all__ = ["decomposition", "hazards", "requirements"]
-

@@ -30,7 +30,13 @@ def _coverage(writing: Writing) -> Block:
     for stage in writing.given.matrix.stages:
         id_ = str(stage.id)
         counted: list[Line] = [(writing.number("stages", id_, status),) for status in order]
-        rows.append([(writing.ref(("stage", id_)), Fixed(" "), Given(stage.title)), (writing.number("stages", id_),), *counted])
+        rows.append(
+            [
+                (writing.ref(("stage", id_)), Fixed(" "), Given(stage.title)),
+                (writing.number("stages", id_),),
+                *counted,
+            ]
+        )
     return writing.table(columns, rows)
 
 
@@ -62,7 +68,12 @@ def _scenario(writing: Writing, one: Scenario, run: RunSummary | None) -> Part:
         ("label.origin", given(one.origin)),
     ]
     if run is None or node is None:
-        return writing.part((Given(one.title or str(one.path)),), [writing.facts(facts), writing.missing("verification.not_run")], key, level=3)
+        return writing.part(
+            (Given(one.title or str(one.path)),),
+            [writing.facts(facts), writing.missing("verification.not_run")],
+            key,
+            level=3,
+        )
     facts += [
         ("label.outcome", (Status("stale" if node.attributes["outcome"] == "stale" else "run"),)),
         ("label.cycles", (writing.said_number(node, "cycles"),)),
@@ -71,14 +82,22 @@ def _scenario(writing: Writing, one: Scenario, run: RunSummary | None) -> Part:
         ("label.truth", _truth(writing, run)),
         ("label.recording", (Code(run.source_hash),)),
     ]
-    return writing.part((Given(one.title or str(one.path)), Fixed(" "), Code(str(one.path))), [writing.facts(facts)], key, level=3)
+    return writing.part(
+        (Given(one.title or str(one.path)), Fixed(" "), Code(str(one.path))),
+        [writing.facts(facts)],
+        key,
+        level=3,
+    )
 
 
 def _truth(writing: Writing, run: RunSummary) -> Line:
     """By each ground truth, whether all verdicts lie within it, and where they do not."""
     lines: list[Line] = []
     for kind, truth in run.ground_truth.items():
-        state = Status("covered" if truth.inside else "failed", writing.words["truth.inside" if truth.inside else "truth.outside"])
+        state = Status(
+            "covered" if truth.inside else "failed",
+            writing.words["truth.inside" if truth.inside else "truth.outside"],
+        )
         said = joined([(Made(one),) for one in truth.violations], "; ")
         lines.append((Given(kind), Fixed(" "), state, *((Fixed(": "), *said) if said else EMPTY)))
     return joined(lines) or writing.line("truth.none")
@@ -106,7 +125,12 @@ def _others(writing: Writing) -> Block:
     nodes = writing.of_kind("external test")
     if not nodes:
         return writing.missing("verification.no_others")
-    columns = (("column.test", 5.0), ("column.tool", 1.2), ("column.requirements", 2.0), ("column.outcome", 1.4))
+    columns = (
+        ("column.test", 5.0),
+        ("column.tool", 1.2),
+        ("column.requirements", 2.0),
+        ("column.outcome", 1.4),
+    )
     return writing.table(columns, (
         [
             (Code(node.id),), given(node.attributes.get("tool", "")), writing.refs(n.key for n in writing.beyond(node.key, "confirms")),
@@ -141,12 +165,23 @@ def people(writing: Writing) -> Section | None:
         return None
     blocks: list[Block] = []
     if persons:
-        columns = (("column.id", 1.0), ("column.name", 3.0), ("column.role", 3.0), ("column.organisation", 3.0))
+        columns = (
+            ("column.id", 1.0),
+            ("column.name", 3.0),
+            ("column.role", 3.0),
+            ("column.organisation", 3.0),
+        )
         blocks.append(writing.table(columns, (
             [(writing.ref(n.key),), given(n.title), given(n.attributes.get("role", "")), given(n.attributes.get("organisation", ""))] for n in persons
         ), [n.key for n in persons]))  # fmt: skip
     if reviews:
-        columns = (("column.id", 1.0), ("column.of_what", 4.0), ("column.by", 2.0), ("column.made", 1.6), ("column.outcome", 1.4))
+        columns = (
+            ("column.id", 1.0),
+            ("column.of_what", 4.0),
+            ("column.by", 2.0),
+            ("column.made", 1.6),
+            ("column.outcome", 1.4),
+        )
         blocks.append(writing.named("people.reviews", [writing.table(columns, (
             [
                 (writing.ref(n.key),), writing.refs(k.target for k in writing.graph.out_of(n.key) if k.kind == "reviews"),
@@ -158,4 +193,3 @@ def people(writing: Writing) -> Section | None:
 
 
 __all__ = ["people", "tools", "verification"]
-
