@@ -69,6 +69,13 @@ def _small(letters: int) -> int:
     return -(-letters * 2 // 3)
 
 
+def _with_sign(piece: Layout) -> Layout:
+    """A fraction whose bar would be too wide."""
+    assert isinstance(piece, at.Fraction)
+    over, under = at.Fence("(", piece.over), at.Fence("(", piece.under)
+    return at.Chain(over, (at.Joined(at.Sign("/"), under),))
+
+
 class _Breaking:
     def __init__(self, width: int, measure: Measure) -> None:
         self._width = width
@@ -99,8 +106,7 @@ class _Breaking:
                     return [Line(indent, (piece,))]
                 return self._fenced((piece.head, at.Sign("(")), piece.arguments, ")", indent)
             case at.Fraction():
-                over, under = at.Fence("(", piece.over), at.Fence("(", piece.under)
-                return self.lines(at.Fence("(", at.Chain(over, (at.Joined(at.Sign("/"), under),))), indent)
+                return self.lines(at.Fence("(", _with_sign(piece)), indent)
             case at.Root():
                 return self.lines(at.Call(at.Word("sqrt"), (piece.inside,)), indent)
             case at.Power():
@@ -146,7 +152,8 @@ class _Breaking:
     ) -> list[Line]:
         made = [Line(indent, tuple(before))]
         for number, part in enumerate(inside):
-            below = self.lines(part, indent + 1)
+            fits = not isinstance(part, at.Fraction) or self._fits(part, indent + 1)
+            below = self.lines(part if fits else _with_sign(part), indent + 1)
             if number < len(inside) - 1:
                 below[-1] = Line(below[-1].indent, (*below[-1].parts, at.Sign(",")))
             made += below

@@ -116,6 +116,15 @@ class Words(Node):
     starts: str
     becomes: str
     remembers: str
+    #: What was solved for a number, why it was not, and what was found on the evaluator instead: in which ranges the rule holds.
+    solved: str
+    unsolved: str
+    reasons: Mapping[str, str]
+    found: str
+    nowhere: str
+    everywhere: str
+    interval: str
+    untested: str
     #: Fields whose meaning is plain from their name and dimension.
     fields_: Mapping[tuple[str, Dimension], str]
     #: Headings and labels of what is shown.
