@@ -116,6 +116,7 @@ def _found(
     if not found:
         yield Limit(f"{said} {words.untested}", ())
         return
+    yield Limit(said, ())
     unit = _unit(spec, target)
     everywhere = f"{target.signal}.{target.name}" if target.record else shown
     for one in found:
@@ -125,7 +126,7 @@ def _found(
         whole = one.holds == ((one.lower, one.upper),)
         holds = words.everywhere if whole else words.comma.join(ranges) or words.nowhere
         low, high = written(one.lower, unit, "", 9), written(one.upper, unit, "", 9)
-        yield Limit(f"{said} {words.found.format(a=one.test, b=everywhere, c=low, d=high, e=holds)}", ())
+        yield Limit(words.found.format(a=one.test, b=everywhere, c=low, d=high, e=holds), ())
 
 
 def _unit(spec: Spec, target: Place) -> str:

@@ -14,6 +14,8 @@ from trackmarshal.testing.si import spec_in_si
 
 #: At how many places a rule is looked at first, and how often a boundary between two of them is halved.
 _PLACES, _HALVINGS = 101, 60
+#: What is no boundary beside 0, relative to all that is looked at.
+_NOTHING = 1e-12
 
 
 class Boundary(NamedTuple):
@@ -48,7 +50,8 @@ def boundary(
     holds, start = [], low if told[0] else None
     for (a, before), (b, after) in zip(zip(places, told), zip(places[1:], told[1:])):
         if before is not after:
-            inside, _ = _halved(a if before else b, b if before else a, says)
+            inside = _halved(a if before else b, b if before else a, says)
+            inside = 0.0 if abs(inside) <= _NOTHING * (high - low) else inside
             if after:
                 start = inside
             else:
@@ -60,8 +63,8 @@ def boundary(
     return Boundary(test.title, low, high, tuple(holds))
 
 
-def _halved(inside: float, outside: float, says: Callable[[float], bool | None]) -> tuple[float, float]:
-    """The last number at which a rule holds, and one next to it at which it does not."""
+def _halved(inside: float, outside: float, says: Callable[[float], bool | None]) -> float:
+    """The last number at which a rule holds, next to one at which it does not."""
     for _ in range(_HALVINGS):
         middle = inside + (outside - inside) / 2.0
         if middle in (inside, outside):
@@ -70,7 +73,7 @@ def _halved(inside: float, outside: float, says: Callable[[float], bool | None])
             inside = middle
         else:
             outside = middle
-    return inside, outside
+    return inside
 
 
 def _put(case: dict[str, Any], target: Place, value: float) -> bool:

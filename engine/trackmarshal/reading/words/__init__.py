@@ -74,6 +74,7 @@ class Words(Node):
     some_several: str
     nearest: str
     some_nearest: str
+    of_those: str
     sample: str
     samples: str
     element: str
@@ -102,6 +103,8 @@ class Words(Node):
     swept: str
     machine: str
     along: Mapping[JudgedAt, str]
+    #: At which sample a rule along a timeline is judged, beside its formula.
+    judged: Mapping[JudgedAt, str]
     whenever: str
     deadline: str
     except_for: str
