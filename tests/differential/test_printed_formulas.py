@@ -105,7 +105,9 @@ SIGNALS: dict[str, _Numbers] = {
 }  # fmt: skip
 
 
-def case(rule_reads: frozenset[tuple[str, str]], zones: tuple[PlaceInfo, ...], choose: random.Random) -> dict[str, Any]:
+def case(
+    rule_reads: frozenset[tuple[str, str]], zones: tuple[PlaceInfo, ...], choose: random.Random
+) -> dict[str, Any]:
     """What a rule reads, made up, in SI."""
     signals: dict[str, Any] = {}
     for name in sorted({signal for signal, _ in rule_reads}):
@@ -118,14 +120,19 @@ def case(rule_reads: frozenset[tuple[str, str]], zones: tuple[PlaceInfo, ...], c
             signals[name] = trajectory(choose, fields)
             if zones:  # not far from where they begin
                 x, y = choose.choice(choose.choice(zones).points)
-                signals[name] |= {"x": [x + each for each in signals[name]["x"]], "y": [y + each for each in signals[name]["y"]]}
+                signals[name] |= {
+                    "x": [x + each for each in signals[name]["x"]],
+                    "y": [y + each for each in signals[name]["y"]],
+                }
             continue
         made = SIGNALS[name](choose)
         if isinstance(made, list):
             signals[name] = [{field: one[field] for field in fields} for one in made]
         else:
             signals[name] = {field: made[field] for field in fields}
-    few = {"many": 1.0} if ("vehicles", "v") in rule_reads and choose.random() < 0.8 else {}  # of few vehicles, three are seldom in one lane
+    few = (
+        {"many": 1.0} if ("vehicles", "v") in rule_reads and choose.random() < 0.8 else {}
+    )  # of few vehicles, three are seldom in one lane
     return {"signals": signals, "params": few}
 
 

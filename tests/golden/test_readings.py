@@ -34,12 +34,19 @@ def sheets(form: str) -> Iterator[str]:
             continue
         reading = read(rule, spec()) if form == "formulas" else None
         told = tell(rule, spec(), ENGLISH) if form == "english" else None
-        yield "\n".join([f"# {rule.name}: {rule.title}", *lines(Sheet(rule, ENGLISH, None, reading, told, None, ()), True)])
+        yield "\n".join(
+            [
+                f"# {rule.name}: {rule.title}",
+                *lines(Sheet(rule, ENGLISH, None, reading, told, None, ()), True),
+            ]
+        )
 
 
 @pytest.mark.parametrize("form", ["formulas", "english"])
 def test_shipped_rules(form: str) -> None:
-    made = re.sub(r"\.spec:\d+:\d+", ".spec", "\n\n".join(sheets(form)) + "\n")  # where a parameter stands in its file says nothing here
+    made = re.sub(
+        r"\.spec:\d+:\d+", ".spec", "\n\n".join(sheets(form)) + "\n"
+    )  # where a parameter stands in its file says nothing here
     path = GOLDEN / "reading" / f"{form}.txt"
     if UPDATE:
         path.write_text(made, "utf-8", newline="\n")

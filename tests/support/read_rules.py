@@ -40,7 +40,9 @@ class Machinery:
     undefined: whether something was undefined on the way; margins are then between two cases, which this does not follow.
     """
 
-    def __init__(self, printed: dict[str, Any], rule: RuleInfo, values: Reference, case: dict[str, Any]) -> None:
+    def __init__(
+        self, printed: dict[str, Any], rule: RuleInfo, values: Reference, case: dict[str, Any]
+    ) -> None:
         self.printed, self.rule, self.values, self.case = printed, rule, values, case
         self.undefined = False
         self.functions: dict[str, tuple[list[str], Tree]] = {}
@@ -48,7 +50,9 @@ class Machinery:
             head, _, body = Parser(read(one["mathml"])).equation()
             names = [part[1] for part in head[2]] if head[0] == "called" else []
             self.functions[head[1]] = (names, body)
-        self.params = {_short(one["name"]): one["value"] for one in printed["parameters"]} | case.get("params", {})
+        self.params = {_short(one["name"]): one["value"] for one in printed["parameters"]} | case.get(
+            "params", {}
+        )
         self.tables = {one["name"].rpartition(".")[2]: one["rows"] for one in printed["tables"]}
         assert rule.formula is not None
         self.nodes = list(ir.below(rule.formula))
@@ -83,7 +87,9 @@ class Machinery:
             case kind:
                 raise AssertionError(kind)
 
-    def _each(self, quantifier: Tree, others: Sequence[dict[str, Any]], env: dict[str, Any]) -> tuple[Said, bool]:
+    def _each(
+        self, quantifier: Tree, others: Sequence[dict[str, Any]], env: dict[str, Any]
+    ) -> tuple[Said, bool]:
         _, sign, names, domain, _, _ = quantifier
         guards = []
         while others[0]["kind"] in ("where", "except"):
@@ -125,7 +131,11 @@ class Machinery:
                 return _not(self.truth(tree[1], env))
             case "quantified":
                 _, sign, names, domain, where, body = tree
-                said = [self.truth(body, inner) for inner in self._bound(names, domain, env) if self._holds(where, inner)]
+                said = [
+                    self.truth(body, inner)
+                    for inner in self._bound(names, domain, env)
+                    if self._holds(where, inner)
+                ]
                 return _least(said) if sign == "∀" else _greatest(said)
             case "between":
                 value, lower, upper = (self.number(part, env) for part in tree[1:])
@@ -268,7 +278,9 @@ class Machinery:
         names, _ = self.functions[tree[1]]
         inner: dict[str, Any] = {"": env.get("", {})}
         for name, part in zip(names, tree[2], strict=True):
-            record = part[0] == "name" and (isinstance(env.get(part[1]), Element) or part[1].partition(".")[0] in self.case["signals"])
+            record = part[0] == "name" and (
+                isinstance(env.get(part[1]), Element) or part[1].partition(".")[0] in self.case["signals"]
+            )
             inner[name] = self._record(part, env) if record else self.number(part, env)
         return inner
 
@@ -288,7 +300,12 @@ class Machinery:
 
     def _on_line(self, name: str, point: Tree, line: Tree, env: dict[str, Any]) -> float:
         x, y = (ir.Const(float(self._field(("field", axis, point), env))) for axis in ("x", "y"))
-        kinds = {"station": ir.Station, "offset": ir.Offset, "direction": ir.Direction, "distance_to": ir.Distance}
+        kinds = {
+            "station": ir.Station,
+            "offset": ir.Offset,
+            "direction": ir.Direction,
+            "distance_to": ir.Distance,
+        }
         return self.values.number(kinds[name](self._line(line), x, y), {})
 
     def _line(self, tree: Tree) -> ir.Line:
