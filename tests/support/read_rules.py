@@ -251,7 +251,7 @@ class Machinery:
             return float(known)
         if name in self.functions:
             return self.number(self.functions[name][1], {"": env.get("", {})})
-        return math.pi if name == "π" or name == "pi" else float(self.params[name])
+        return math.pi if name == "π" else float(self.params[name])
 
     def _record(self, tree: Tree, env: dict[str, Any]) -> Element:
         assert tree[0] == "name", tree

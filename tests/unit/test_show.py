@@ -79,7 +79,9 @@ def test_c_is_what_is_compiled(capsys: pytest.CaptureFixture[str]) -> None:
     from trackmarshal.evaluation import load
 
     spec = load([ROOT / "specs"], [], ROOT)
-    (code,) = (one for one in generate(spec, spec.rules).rules if one.rule.name == "turn_radius")
+    rule = spec.rule("turn_radius")
+    assert rule is not None
+    (code,) = generate(spec, [rule]).rules
     assert shown(capsys, "turn_radius", "--as", "c") == f"{code.text.rstrip()}\n"
 
 
@@ -106,7 +108,7 @@ class Reader(HTMLParser):
     "name", ["friction", "one_move", "safe_side", "R_G1", "drive_acceleration", "zone_speed_limit"]
 )
 def test_a_page_stands_by_itself_with_all_four_forms(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    made = shown(capsys, name, "--format", "html")
+    made = shown(capsys, name, "--format", "html", "--spec", "specs")
     page = Reader()
     page.feed(made)
     assert page.open == []
@@ -115,7 +117,7 @@ def test_a_page_stands_by_itself_with_all_four_forms(name: str, capsys: pytest.C
     assert not {"script", "link", "img", "iframe"} & page.tags
     for head in ("Spec", "Formula", "In words", "C"):
         assert f"<h2>{head}</h2>" in made
-    assert shown(capsys, name, "--format", "html") == made
+    assert shown(capsys, name, "--format", "html", "--spec", "specs") == made
 
 
 def test_json_has_everything(capsys: pytest.CaptureFixture[str]) -> None:

@@ -72,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
         case "text":
             from trackmarshal.reading.text import lines
 
-            say(*lines(sheet, single=len(forms) + bool(sheet.limits) == 1))
+            say(*lines(sheet, single=bool(args.forms or args.solve) and len(forms) + bool(sheet.limits) == 1))
         case "html":
             from trackmarshal.reading.html import page
 

@@ -44,6 +44,13 @@ def _environment() -> Environment:
     )
     made.filters.update(math=math, inline=inline)
     made.globals.update(
-        about=about, beside=beside, bounds=bounds, equation=equation, grid=grid, origin=origin, placed=placed, value=value
+        about=about,
+        beside=beside,
+        bounds=bounds,
+        equation=equation,
+        grid=grid,
+        origin=origin,
+        placed=placed,
+        value=value,
     )
     return made
