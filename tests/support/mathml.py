@@ -244,10 +244,10 @@ class Parser:
         if not (self._is("sign", "(") and head[0] == "name"):
             return head
         self._take()
-        given = [self.implied()]
+        given = [self._argument()]
         while self._is("sign", ","):
             self._take()
-            given.append(self.implied())
+            given.append(self._argument())
         if self._is("word", "for"):  # a sum on several lines: sum(E for o in objects)
             self._take()
             names, domain, where = _range(self)
@@ -255,6 +255,11 @@ class Parser:
             return ("fold", head[1], names, domain, where, given[0])
         self._expect("sign", ")")
         return ("called", head[1], given)
+
+    def _argument(self) -> Tree:
+        if self._is("word", "reset:", "last:"):
+            return ("named", self._take()[1], self.implied())
+        return self.implied()
 
     def _fenced(self, opening: str) -> Tree:
         if opening == "∑":

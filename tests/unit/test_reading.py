@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import inspect
+import json
 from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 from xml.etree import ElementTree
 
+import jsonschema
 import pytest
 
 from support.mathml import Parser
 from support.mathml import read as signs
 from support.reading import RULES, demanded, examples, rule_of, spec_of
-from trackmarshal import typed
+from trackmarshal import reading, typed
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -55,6 +57,7 @@ def test_every_node_of_the_typed_tree_is_shown_in_every_form(tmp_path: Path) -> 
     """Of the shipped rules, of the examples of the pages, and of a spec with the rest; what is printed is XML, and reads back."""
     made = spec_of(tmp_path, RULES)
     specs = [shipped(), made]
+    schema = json.loads(Path(reading.__file__).with_name("show.schema.json").read_text("utf-8"))
     for number, example in enumerate(examples()):
         path = tmp_path / f"example{number}.spec"
         path.write_text(example, "utf-8")
@@ -67,6 +70,7 @@ def test_every_node_of_the_typed_tree_is_shown_in_every_form(tmp_path: Path) -> 
             seen |= {type(node) for node in typed.below(rule.typed)}
             for expand in (False, True):
                 whole = data(sheet(rule, spec, expand))
+                jsonschema.validate(whole, schema)
                 for one in printed(whole):
                     ElementTree.fromstring(one["mathml"])
                     assert one["typst"].startswith("$ ")
@@ -215,7 +219,8 @@ def test_units_are_upright_and_letters_are_not() -> None:
     assert made.count('mathvariant="normal"') == 2
     assert "mathvariant" not in mathml.element(at.Name("m"))
     assert (
-        typst.content(at.Digits("10", "m/s^2")) == '"10" thin upright("m") slash attach(upright("s"), t: "2")'
+        typst.content(at.Digits("10", "m/s^2"))
+        == '"10" thin upright("m") class("normal", slash) attach(upright("s"), t: "2")'
     )
 
 
@@ -276,12 +281,12 @@ def test_sentences_say_what_could_be_heard_in_two_ways_by_letters(tmp_path: Path
 
 
 def test_a_table_a_zone_and_a_state_are_listed() -> None:
-    reading = read(shipped().rule("zone_speed_limit") or pytest.fail("the rule is gone"), shipped())
-    assert [place.name for place in reading.places] == ["tracks.modena.pit_lane"]
-    reading = read(shipped().rule("drive_acceleration") or pytest.fail("the rule is gone"), shipped())
-    assert [info.name for _, info in reading.tables] == ["vehicles.devbot.ax_max"]
-    reading = read(shipped().rule("one_move") or pytest.fail("the rule is gone"), shipped())
-    (machine,) = reading.machines
+    made = read(shipped().rule("zone_speed_limit") or pytest.fail("the rule is gone"), shipped())
+    assert [place.name for place in made.places] == ["tracks.modena.pit_lane"]
+    made = read(shipped().rule("drive_acceleration") or pytest.fail("the rule is gone"), shipped())
+    assert [info.name for _, info in made.tables] == ["vehicles.devbot.ax_max"]
+    made = read(shipped().rule("one_move") or pytest.fail("the rule is gone"), shipped())
+    (machine,) = made.machines
     assert (machine.states, machine.start, len(machine.moves)) == (
         ("neutral", "offence", "defence"),
         "neutral",

@@ -136,5 +136,5 @@ def unit(text: str) -> str:
         shown = f"upright({string(name)})"
         if exponent:
             shown = f"attach({shown}, t: {string(exponent)})"
-        made.append({"": "", "/": "slash ", "·": "dot.op "}[sign] + shown)
+        made.append({"": "", "/": 'class("normal", slash) ', "·": "dot.op "}[sign] + shown)
     return " ".join(made)
