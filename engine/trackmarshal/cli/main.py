@@ -27,6 +27,7 @@ VERBS = {
     "show": "one rule as spec, formula, in words and as C; where its limits are",
     "diff": "what an edit of specs changes on recordings",
     "trace": "traceability matrix and coverage",
+    "gsn": "the argument as goal structure: pictures, gsn2x, JSON, text",
     "assess": "all of it: check, test, replay, evidence, matrix, report",
     "scenario": "generate a recording from its declaration",
     "import": "a vehicle's log as a recording, with what the rules say of it; requirements from another tool",
