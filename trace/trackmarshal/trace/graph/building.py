@@ -331,11 +331,11 @@ class _Building:
             named = [pattern for pattern in scenario.requirements if pattern != "*"]
             self._fitting("shows", ("scenario", str(scenario.path)), named, scenario.path.place)
         for run in self.spec.runs.values():
-            key, place = ("run", run.scenario), Place(run.scenario)
-            stale = self.nodes[key].attributes["outcome"] == "stale"
+            ran, place = ("run", run.scenario), Place(run.scenario)
+            stale = self.nodes[ran].attributes["outcome"] == "stale"
             self._link(
                 "replays",
-                key,
+                ran,
                 ("scenario", run.scenario),
                 place,
                 "outdated" if stale and ("scenario", run.scenario) in self.nodes else "",
@@ -344,11 +344,13 @@ class _Building:
                 item = self.spec.by_name.get(facts.rule)
                 if item is not None and facts.number("satisfied", "violated"):
                     self._link(
-                        "evaluates", key, (_KIND[item.kind], item.name), place, "outdated" if stale else ""
+                        "evaluates", ran, (_KIND[item.kind], item.name), place, "outdated" if stale else ""
                     )
         for case in self.spec.faults:
-            key = ("fault", f"{case.campaign} {case.id}")
-            self._link("challenges", key, ("requirement", case.requirement), Place(case.campaign, case.line))
+            put_in = ("fault", f"{case.campaign} {case.id}")
+            self._link(
+                "challenges", put_in, ("requirement", case.requirement), Place(case.campaign, case.line)
+            )
         for external in self.around.tests:
             for id_ in external.test.requirements:
                 self._link("confirms", _external(external), ("requirement", id_), external.place)
