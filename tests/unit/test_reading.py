@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, get_args
 from xml.etree import ElementTree
 
-import jsonschema
 import pytest
+from jsonschema import Draft202012Validator
 
 from support.mathml import Parser
 from support.mathml import read as signs
@@ -57,7 +57,9 @@ def test_every_node_of_the_typed_tree_is_shown_in_every_form(tmp_path: Path) -> 
     """Of the shipped rules, of the examples of the pages, and of a spec with the rest; what is printed is XML, and reads back."""
     made = spec_of(tmp_path, RULES)
     specs = [shipped(), made]
-    schema = json.loads(Path(reading.__file__).with_name("show.schema.json").read_text("utf-8"))
+    schema = Draft202012Validator(
+        json.loads(Path(reading.__file__).with_name("show.schema.json").read_text("utf-8"))
+    )
     for number, example in enumerate(examples()):
         path = tmp_path / f"example{number}.spec"
         path.write_text(example, "utf-8")
@@ -68,9 +70,11 @@ def test_every_node_of_the_typed_tree_is_shown_in_every_form(tmp_path: Path) -> 
             if rule.typed is None:
                 continue
             seen |= {type(node) for node in typed.below(rule.typed)}
-            for expand in (False, True):
+            for expand in (
+                (False, True) if spec is not shipped() else (False,)
+            ):  # those are read back, written out: test_printed_formulas
                 whole = data(sheet(rule, spec, expand))
-                jsonschema.validate(whole, schema)
+                schema.validate(whole)
                 for one in printed(whole):
                     ElementTree.fromstring(one["mathml"])
                     assert one["typst"].startswith("$ ")
@@ -163,11 +167,11 @@ def test_a_rule_with_40_definitions(tmp_path: Path) -> None:
 
 
 def test_what_grows_without_end_is_refused_and_not_written_out(tmp_path: Path) -> None:
-    chain = "".join(f"define d{k}(v: m/s) -> m/s = d{k - 1}(v) + d{k - 1}(v)\n" for k in range(1, 14))
+    chain = "".join(f"define d{k}(v: m/s) -> m/s = d{k - 1}(v) + d{k - 1}(v)\n" for k in range(1, 12))
     rule, spec = rule_of(
-        tmp_path, f'define d0(v: m/s) -> m/s = v\n{chain}rule r "r"\n  require d13(ego.v) <= top\n'
+        tmp_path, f'define d0(v: m/s) -> m/s = v\n{chain}rule r "r"\n  require d11(ego.v) <= top\n'
     )
-    assert len(read(rule, spec).definitions) == 14
+    assert len(read(rule, spec).definitions) == 12
     with pytest.raises(TrackmarshalError) as caught:
         read(rule, spec, None, True)
     assert caught.value.code == "E490"

@@ -12,10 +12,8 @@ from trackmarshal.reading.solving.algebra import Place
 from trackmarshal.testing.cases import PreparedTest
 from trackmarshal.testing.si import spec_in_si
 
-#: At how many places a rule is looked at first, and how often a boundary between two of them is halved.
-_PLACES, _HALVINGS = 101, 60
-#: What is no boundary beside 0, relative to all that is looked at.
-_NOTHING = 1e-12
+#: At how many places a rule is looked at first; how near a boundary between two of them is found, and what is none beside 0, relative to all that is looked at.
+_PLACES, _NEAR = 61, 1e-12
 
 
 class Boundary(NamedTuple):
@@ -50,8 +48,8 @@ def boundary(
     holds, start = [], low if told[0] else None
     for (a, before), (b, after) in zip(zip(places, told), zip(places[1:], told[1:])):
         if before is not after:
-            inside = _halved(a if before else b, b if before else a, says)
-            inside = 0.0 if abs(inside) <= _NOTHING * (high - low) else inside
+            inside = _halved(a if before else b, b if before else a, says, _NEAR * (high - low))
+            inside = 0.0 if abs(inside) <= _NEAR * (high - low) else inside
             if after:
                 start = inside
             else:
@@ -63,9 +61,9 @@ def boundary(
     return Boundary(test.title, low, high, tuple(holds))
 
 
-def _halved(inside: float, outside: float, says: Callable[[float], bool | None]) -> float:
-    """The last number at which a rule holds, next to one at which it does not."""
-    for _ in range(_HALVINGS):
+def _halved(inside: float, outside: float, says: Callable[[float], bool | None], near: float) -> float:
+    """The last number at which a rule holds, so near to one at which it does not."""
+    while abs(inside - outside) > near:
         middle = inside + (outside - inside) / 2.0
         if middle in (inside, outside):
             break
