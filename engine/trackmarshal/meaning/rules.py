@@ -35,6 +35,15 @@ class Meaning:
         return {**{f"rule {rule.name}": self.fingerprint(rule) for rule in rules}, **others}
 
 
+def whole(spec: Spec, rule: RuleInfo) -> bool:
+    """Whether everything that a rule reads is declared; what has an error of its own is not."""
+    formulas = [formula for formula in (rule.formula, rule.active) if formula is not None]
+    nodes = [node for formula in formulas for node in ir.below(formula)]
+    params = {node.name for node in nodes if isinstance(node, ir.Param)}
+    tables = {node.table for node in nodes if isinstance(node, ir.Lookup | ir.GridLookup)}
+    return params <= spec.params.keys() and tables <= spec.tables.keys()
+
+
 def of(info: ParamInfo | TableInfo | PlaceInfo | SignalType | ConstraintInfo) -> str:
     """The hash of a declaration: what it is called and says, not where it stands, nor where a value comes from."""
     match info:
@@ -71,7 +80,7 @@ def _inputs(spec: Spec, rule: RuleInfo) -> Inputs:
         rule.kind,
         "advisory" if rule.advisory else "",
         repr(rule.along and (rule.along.signal, rule.along.kind, rule.along.width)),
-        *(describe(formula) for formula in formulas),
+        *(describe(formula, names=False) for formula in formulas),
         repr(rule.active is None),
         repr(rule.course),
         repr(spec.scales) if rule.unit == SCALED else "",

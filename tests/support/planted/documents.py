@@ -66,7 +66,7 @@ FAULTS = [
     Fault("an unknown parent", swap(R, "refines: [S-3]\n    allocated_to: [DE-2]", "refines: [S-7]\n    allocated_to: [DE-2]"), "T137", "S-31"),
     Fault("an issue that leads to nothing", swap(M, "leads_to: [S-1]", "leads_to: [S-11]"), "T137", "SH-RO.1"),
     Fault("an issue that leads nowhere", swap(M, "leads_to: [S-1]", "leads_to: []"), "T134", "SH-RO.1"),
-    Fault("an issue that leads elsewhere", swap(M, "leads_to: [S-4]", "leads_to: [S-2]"), "T136", "S-2"),
+    Fault("an issue that leads elsewhere", swap(M, "leads_to: [S-4]", "leads_to: [S-2]"), "T135", "S-4"),
     Fault("an unknown rule", swap(R, "metrics: [braking]", "metrics: [breaking]"), "T205", "breaking"),
     Fault("an unknown assumption", swap(R, "assumptions: [A-SEEN]", "assumptions: [A-SENSE]"), "T205", "A-SENSE"),
     Fault("a rule of another requirement", swap(R, "metrics: [braking]", "metrics: [braking, speed_limit]"), "T206", "speed_limit"),
@@ -88,11 +88,11 @@ FAULTS = [
     # 9: parents
     Fault("a requirement from nowhere", put(MORE, another("S-7", "owner: P-1").encode()), "T139", "S-7"),
     # 10 and 19, 20: links that are needed
-    Fault("a requirement without an element", swap(R, "    refines: [S-3]\n    allocated_to: [DE-2]\n", "    refines: [S-3]\n"), "T150", "S-31"),
+    Fault("a requirement without an element", swap(R, "    refines: [S-3]\n    allocated_to: [DE-2]\n", "    refines: [S-3]\n"), "T376", "S-31"),
     Fault("a hazard without a goal", swap(H, "safety_goals:\n", "  - {id: HZ-2, title: Doors close on somebody, situation: At a stop., severity: S2, exposure: E4, controllability: C2, asil: B, rationale: It happens.}\nsafety_goals:\n"), "T150", "HZ-2"),
     Fault("a goal that no requirement serves", add(H, "  - {id: SG-2, title: Doors, statement: The doors shall not close on anybody., prevents: [HZ-1], asil: C, safe_state: open doors, tolerance: 1 s}\n"), "T150", "SG-2"),
     Fault("an interface that is not analysed", swap(M, "    issues:\n      - {id: SH-RO.1, text: It is faster than the avenue is laid out for., leads_to: [S-1]}\n", "    rationale: Nothing happens there.\n"), "T133", "SH-RO"),
-    Fault("an interface taken away", cut(M, "  - id: TP-RO\n", ""), "T144", "TP-RO"),
+    Fault("an interface taken away", cut(M, "  - id: TP-RO\n", ""), "T224", "TP-RO"),
     Fault("no vehicle", swap(M, "role: vehicle", "role: environment"), "T145"),
     # 16 and 15: reviews
     Fault("a review by the owner", swap(A, "by: [P-4]", "by: [P-1]"), "T166", "RV-1"),
@@ -103,7 +103,7 @@ FAULTS = [
     Fault("a review of another version", swap(A, "{id: S-3, fingerprint: '", "{id: S-2, fingerprint: '"), "T376", "RV-1"),
     # 17: levels
     Fault("an ASIL lowered", swap(R, "    owner: P-1\n    status: approved\n    asil: C\n    verification: [test, scenario]", "    owner: P-1\n    status: approved\n    asil: A\n    verification: [test, scenario]"), "T160", "S-1"),
-    Fault("all ASILs lowered", all_of(each(R, "asil: C\n", "asil: A\n"), each(H, "asil: C\n", "asil: A\n"), swap(H, "severity: S3", "severity: S1"), swap(R, "asil: A(C)", "asil: QM(A)"), swap(R, "asil: B(C)", "asil: A(A)")), "T376", "S-1"),
+    Fault("all ASILs lowered", all_of(each(R, "asil: C\n", "asil: A\n"), each(H, "asil: C\n", "asil: A\n"), swap(H, "severity: S3", "severity: S1"), swap(R, "asil: A(C)", "asil: QM(A)"), swap(R, "asil: B(C)", "asil: A(A)")), "T376", "HZ-1"),
     Fault("an element below its requirement", swap(D, "It plans., asil: C", "It plans., asil: QM"), "T164", "DE-2"),
     Fault("a goal below its hazard", swap(H, "    prevents: [HZ-1]\n    asil: C", "    prevents: [HZ-1]\n    asil: B"), "T159", "SG-1"),
     Fault("a hazard's ASIL lowered", swap(H, "controllability: C2\n    asil: C", "controllability: C2\n    asil: A"), "T158", "HZ-1"),
@@ -126,8 +126,8 @@ FAULTS = [
     Fault("two documents in one", add(H, "---\ndocument: hazards\ntitle: More\n"), "T106", status=2),
     Fault("a document that is none", swap(H, "document: hazards", "document: hazard"), "T113", status=2),
     Fault("a suffix in capitals", moved(H, "requirements/hazards.YAML"), "T101", status=2),
-    Fault("no V-model", gone(V), "T112", status=2),
-    Fault("a second system model", put(MORE, b"document: system-model\ntitle: Another\nsubsystems: [{id: X, title: x, role: vehicle, description: x}]\ninterfaces: [{id: X, title: x, rationale: x}]\n"), "T129"),
+    Fault("no V-model", gone(V), "E410", status=2),
+    Fault("a second system model", put("requirements/world.yaml", b"document: system-model\ntitle: Another\nsubsystems: [{id: X, title: x, role: vehicle, description: x}]\ninterfaces: [{id: X, title: x, rationale: x}]\n"), "T129"),
     # documents taken away
     Fault("a requirement struck", cut(R, "  - id: S-9\n", ""), "T223", "S-9"),
     Fault("a requirement struck with all that it holds", cut(R, "  - id: S-2\n", "  - id: S-3\n"), "T223", "S-2"),

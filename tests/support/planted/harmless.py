@@ -85,7 +85,7 @@ EDITS = [
     Harmless("a spec's file moved, with its name", all_of(moved(O, "specs/books/order.spec"), swap("specs/books/order.spec", "module order", "module books.order"))),
     Harmless("an unrelated rule with its tests", put("specs/doors.spec", (
         b"module doors\n\nuse signals\n\n"
-        b'rule no_reverse "Not backwards"\n  satisfies S-1\n  for all   p in plan\n  require   p.v >= 0 m/s\n\n'
+        b'rule no_reverse "Not backwards"\n  satisfies S-2\n  for all   p in plan\n  require   p.v >= 0 m/s\n\n'
         b'test no_reverse "at rest"\n  given  plan = { v: [0 m/s, 0 m/s] }\n  expect satisfied, margin 0 m/s\n\n'
         b'test no_reverse "on"\n  given  plan = line(v: 3 m/s)\n  expect satisfied\n\n'
         b'test no_reverse "back"\n  given  plan = { v: [1 m/s, -1 m/s] }\n  expect violated\n'))),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import shutil
 from collections.abc import Iterator
 from datetime import date
@@ -52,4 +53,6 @@ def judged(root: Path, rerun: bool = False, today: date = TODAY) -> tuple[int, l
     try:
         return status, json.loads(out)["findings"]
     except ValueError:
-        return status, [{"raised": err}]
+        code = re.match(r"error\[([A-Z][0-9]+)\]", err)
+        assert code is not None, err
+        return status, [{"code": code[1], "level": "error", "subject": None, "cause": None, "message": err}]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import date
 
 from trackmarshal.trace import baseline as baselines
-from trackmarshal.trace import consistency, cycles, faults, files, gates, links, outside, runs, tests
+from trackmarshal.trace import causes, consistency, cycles, faults, files, gates, links, outside, runs, tests
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
@@ -45,6 +45,8 @@ class Matrix:
     findings: tuple[Finding, ...]
     counts: Mapping[str, int]  #: how many rules, assumptions, tests, results and runs went in
     demands: tuple[Demand, ...] = ()  #: what the gate demands of cells
+    #: By finding that follows from another one, that one; those that stand for themselves are not in it.
+    causes: Mapping[Finding, Finding] = field(default_factory=dict)
 
     @property
     def passes(self) -> bool:
@@ -98,7 +100,7 @@ def assemble(
         *outside.check(project, around),
     ]
     judged = [waivers.finding(finding) for finding in loose]
-    findings = in_order([*found, *judged, *gates.check(project, cells), *waivers.check()])
+    findings = in_order([*found, *judged, *gates.check(project, cells), *waivers.check(cells)])
     rows = tuple(
         Row(requirement, depth, cells[requirement.id]) for requirement, depth in _in_order(project, graph)
     )
@@ -125,6 +127,7 @@ def assemble(
         findings,
         counts,
         gates.demands(project),
+        causes.causes(findings, graph),
     )
 
 

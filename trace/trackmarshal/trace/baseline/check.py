@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
 from trackmarshal.trace.baseline.changes import Change, changes
-from trackmarshal.trace.baseline.content import Content
+from trackmarshal.trace.baseline.content import Content, Entry
 from trackmarshal.trace.baseline.file import Baseline
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.model import Project
@@ -42,23 +43,55 @@ def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec)
     places = _places(project, spec)
     here = Place(str(project.baseline))
     found = list(changes(baseline.content, now))
+    lost = {change.name: change.key for change in found if not change.field and change.before}
     for code, group in _grouped(change for change in found if change.weaker):
         at = [places.get(change.key, here) for change in group]
         also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
         name = group[0].name.partition(": ")[0] if group[0].kind == "test" else group[0].name
         message = _said(group[0]) if len(group) == 1 else f"{_said(group[0])}; so do {len(group) - 1} others"
-        yield Finding(code, "error", message, at[0], _HELP, name, also)
+        about = dict.fromkeys(word for change in group for word in _names(change))
+        about |= {name: None for change in group if change.name in lost for name in _linked(baseline.content.get(change.key, {})) & lost.keys()}
+        gone = all((not change.field and bool(change.before)) or change.after == "obsolete" for change in group)
+        rests_on = tuple(name for change in group if gone and not change.field for name in _around(baseline.content, change))
+        yield Finding(code, "error", message, at[0], _HELP, name, also, tuple(about), rests_on, gone)
     yield from _others([change for change in found if not change.weaker], here)
 
 
+def _names(change: Change) -> Iterator[str]:
+    """What a change is about: the entry, of tests also the rule, of the gate also the stage, and of lists what left or came."""
+    yield change.name
+    yield change.name.partition({"test": ": ", "gate": ", ", "evidence": " at "}.get(change.kind, "\0"))[0]
+    if change.kind == "fault":
+        yield from change.name.rsplit(" ", 1)
+    if change.listed:
+        yield from re.findall("`([^`]*)`", f"{change.before} {change.after}")
+
+
+def _linked(entry: Entry) -> set[str]:
+    """The things that an entry names."""
+    return {name for value in entry.values() if isinstance(value, list) for name in value}
+
+
+def _around(before: Content, change: Change) -> Iterator[str]:
+    """Of a parameter, a table, a place or a signal that is gone, the rules and assumptions that read it; of a rule, what it read."""
+    for key, entry in before.items():
+        if change.key in entry.get("reads", ()):
+            yield key.partition(" ")[2]
+    yield from (name.partition(" ")[2] for name in before.get(change.key, {}).get("reads", ()))
+
+
 def _grouped(found: Iterable[Change]) -> Iterator[tuple[str, list[Change]]]:
-    """Changes by code, those together that one edit of a shared definition, or of what tests are given, makes."""
+    """Changes by code, those together that one edit makes: of a shared definition, of what tests are given, of a hazard that levels follow."""
     groups: dict[tuple[str, str], list[Change]] = defaultdict(list)
     for change in found:
         code = _code(change)
         one = "" if code == "T370" and change.field == "meaning" else change.key
-        if code == "T374":
+        if code in ("T374", "T221"):
             one = change.name.partition(": ")[0]
+        elif change.field == "asil":
+            one = "asil"
+        elif change.kind == "gate" and not change.field:
+            one = "gate"
         groups[code, one].append(change)
     for (code, _), group in groups.items():
         yield code, group
