@@ -127,18 +127,27 @@ class SpecTest:
     rule: str
     title: str
     expects: str  #: a verdict
-    boundary: bool  #: whether it expects a margin of about 0
+    boundary: bool  #: whether it expects a margin of 0 within a tolerance that is small against `distance`
     file: str
     line: int
     column: int
     fingerprint: str = ""  #: sha256 of what it gives and expects, worked out; empty where that is not known
     text: str = ""  #: sha256 of what is written of that
+    distance: str = (
+        ""  #: where it expects about 0: by how much limits are moved to see that it fails, as people read it
+    )
+    within: str = ""  #: the tolerance about 0, as people read it
+
+    def made_from(self, rule: Mapping[str, str], engine: str) -> dict[str, str]:
+        """All that its result is made from, by kind and name; `rule` is what its rule is made from."""
+        moved = {"distance": self.distance} if self.boundary else {}
+        return {**rule, "test": self.fingerprint, "engine": engine, **moved}
 
     def to_json(self) -> dict[str, Any]:
         return {
             "rule": self.rule, "title": self.title, "expects": self.expects, "boundary": self.boundary,
             "file": self.file, "line": self.line, "column": self.column, "fingerprint": self.fingerprint,
-            "text": self.text,
+            "text": self.text, "distance": self.distance, "within": self.within,
         }  # fmt: skip
 
     @classmethod
@@ -147,8 +156,19 @@ class SpecTest:
         return cls(
             f.text("rule"), f.text("title", ""), f.word("expects", VERDICTS), f.flag("boundary", False),
             f.text("file"), f.count("line"), f.count("column"), f.text("fingerprint", ""),
-            f.text("text", ""),
+            f.text("text", ""), f.text("distance", ""), f.text("within", ""),
         )  # fmt: skip
+
+
+def not_on_it(title: str, narrow: bool, distance: str, within: str, unmoved: str) -> str:
+    """Why a test that expects a margin of about 0 does not stand on the boundary of its rule; empty where it does.
+
+    narrow: whether `within`, its tolerance, is small against `distance`, by which limits are moved. unmoved: which way they can be moved
+    so that it passes all the same.
+    """
+    if not narrow:
+        return f'"{title}" takes any margin within {within} for 0, which is not small against {distance}'
+    return f'"{title}" passes as well where the limits are {distance} {unmoved}' if unmoved else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,11 +186,12 @@ class TestResult:
     line: int
     #: sha256 by kind and name of all that it was made from: the rule's inputs, `test`, `engine`; empty where only `fingerprint` is known
     inputs: Mapping[str, str] = field(default_factory=dict)
+    unmoved: str = ""  #: of a test on its rule's boundary: "looser", "stricter" or both, where it passes as well with limits moved so
 
     def to_json(self) -> dict[str, Any]:
         return {
             "rule": self.rule, "title": self.title, "outcome": self.outcome, "fingerprint": self.fingerprint,
-            "message": self.message, "file": self.file, "line": self.line, "inputs": dict(self.inputs),
+            "message": self.message, "file": self.file, "line": self.line, "inputs": dict(self.inputs), "unmoved": self.unmoved,
         }  # fmt: skip
 
     @classmethod
@@ -178,7 +199,7 @@ class TestResult:
         f = _Fields(data, "test result")
         return cls(
             f.text("rule"), f.text("title", ""), f.word("outcome", OUTCOMES), f.text("fingerprint"), f.text("message", ""),
-            f.text("file"), f.count("line"), f.words("inputs"),
+            f.text("file"), f.count("line"), f.words("inputs"), f.text("unmoved", ""),
         )  # fmt: skip
 
 

@@ -28,6 +28,7 @@ SUMMARY: dict[str, Any] = {
     "stages": [{"id": "S-2-B", "title": "Rules"}],
     "requirements": [{"id": "R-2", "title": "Keep your distance"}],
 }  # fmt: skip
+COVERED: dict[str, Any] = {"coverage": {"S": {"covered": 1, "of": 1}}, "verdict": "pass"}
 MISSING: list[dict[str, Any]] = [
     {"code": "T201", "level": "error", "message": "R-9 is covered by nothing", "span": "requirements/r.yaml:4:3", "help": "write a rule"},
     {"code": "T202", "level": "warning", "message": "old evidence", "file": "a.yaml", "line": 3, "help": None},
@@ -143,20 +144,20 @@ def test_index_says_what_was_assessed_what_is_missing_and_where(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("change", "word", "sentence"),
     [
-        ({}, "Complete", "1 of 1 demands of the V-model are covered, all 12 tests passed and 1 of 1 run could be held"),
-        ({"missing": [MISSING[0]]}, "Not complete", "1 finding must be mended"),
-        ({"missing": [MISSING[1]]}, "Complete, with reservations", "1 warning should be looked at"),
-        ({"checks": {**CHECKS, "failed": 2}}, "Not complete", "2 of 12 tests failed"),
-        ({"checks": {**CHECKS, "errors": 3}}, "Not complete", "The specs have 3 errors"),
-        ({"checks": {**CHECKS, "tests": 0}}, "Nothing wrong found, but not everything was done", "No test was run"),
-        ({"checks": {}}, "Nothing wrong found", "The specs were not checked and no test was run"),
-        ({"summary": {}}, "Nothing wrong found", "No coverage was computed"),
-        ({"summary": {"coverage": {"S": {"covered": 0, "of": 1}}}}, "Complete, with reservations", "0 of 1 demands"),
+        ({}, "✓ PASS", "1 of 1 demands of the V-model are covered, all 12 tests passed and 1 of 1 run could be held"),
+        ({"missing": [MISSING[0]]}, "✗ FAIL", "1 finding must be mended"),
+        ({"missing": [MISSING[1]], "summary": {**COVERED, "verdict": "pass with reservations"}}, "⚑ PASS WITH RESERVATIONS", "1 warning should be looked at"),
+        ({"checks": {**CHECKS, "failed": 2}}, "✗ FAIL", "2 of 12 tests failed"),
+        ({"checks": {**CHECKS, "errors": 3}}, "✗ FAIL", "The specs have 3 errors"),
+        ({"checks": {**CHECKS, "tests": 0}}, "✓ PASS", "Nothing wrong was found, but not everything was done: no test was run"),
+        ({"checks": {}}, "✓ PASS", "not everything was done: the specs were not checked and no test was run"),
+        ({"summary": {}}, "○ NO VERDICT", "no coverage was computed"),
+        ({"summary": {"coverage": {"S": {"covered": 0, "of": 1}}, "verdict": "fail"}}, "✗ FAIL", "0 of 1 demands"),
     ],
 )  # fmt: skip
 def test_overall_state(tmp_path: Path, change: dict[str, Any], word: str, sentence: str) -> None:
     run = record(tmp_path, overtaking(ground_truth={"dynamic": (None,) * 10 + (False,) * 21 + (None,) * 9}))
-    plain: dict[str, Any] = {"summary": {"coverage": {"S": {"covered": 1, "of": 1}}}, "missing": []}
+    plain: dict[str, Any] = {"summary": COVERED, "missing": []}
     index, _ = written(tmp_path, [run], **{**plain, **change})
     assert word in index.text
     assert sentence in index.text
@@ -167,7 +168,7 @@ def test_run_outside_its_ground_truth_is_never_complete(tmp_path: Path) -> None:
     index, (page,) = written(
         tmp_path, [run], summary={"coverage": {"S": {"covered": 1, "of": 1}}}, missing=[]
     )
-    assert "Not complete" in index.text
+    assert "✗ FAIL" in index.text
     assert "Run lies outside its ground truth" in index.text
     assert "✕ dynamic: outside" in page.text
     assert "false alarm at 1, 1.1, 1.2" in page.text

@@ -149,6 +149,21 @@ def test_each_kind_of_signal_is_given() -> None:
     assert made.tables == {}
 
 
+def test_members_by_formulas_are_the_first_that_holds() -> None:
+    made = scene(
+        ("body: truck", "body: {is: {truck: gap(o) < 25 m, car: otherwise}}"),
+        ("{at: {0 s: green, 1 s: yellow, 2.5 s: red}}", "{is: {red: rain, yellow: rain or ego.v > 19.9 m/s, green: otherwise}}"),
+        ("  race:", "  rain: {at: {0 s: false, 1.5 s: true}}\n  race:"),
+        ("  rain: {at: {0 s: false, 1.5 s: true}}\n  fast", "  fast"),
+    )  # fmt: skip
+    assert [cycle.more["race"]["flag"] for cycle in made.cycles] == ["yellow"] * 3 + ["red"] * 4
+    for cycle in made.cycles:
+        blue = cycle.objects[0]
+        near = math.hypot(blue["x"] - cycle.ego["x"], blue["y"] - cycle.ego["y"]) < 25.0
+        assert blue["body"] == ("truck" if near else "car")
+    assert len({cycle.objects[0]["body"] for cycle in made.cycles}) == 2
+
+
 def test_what_is_given_is_written_and_read_again() -> None:
     made = scene()
     again = recording_io.decode("\n".join(recording_io.encode(made)).encode(), "again")
@@ -260,6 +275,14 @@ REFUSED: list[tuple[str, str, str, str]] = [
     ("      body: truck", "      body: {is: ego.v}", "D250", "a member of an enumeration"),
     ("wind: {value: {v: [1, 2, 3]}}", "wind: {fields: {v: 3}}", "D250", "no fields that are given one by one"),
     ("wind: {value: {v: [1, 2, 3]}}", "wind: {is: ego.v}", "D250", "no value for the whole signal"),
+    ("wind: {value: {v: [1, 2, 3]}}", "wind: {is: {a: ego.v > 1 m/s, b: otherwise}}", "D250", "no value for the whole"),
+    ("lap: 3", "lap: {is: {a: ego.v > 1 m/s, b: otherwise}}", "D250", "`lap` has no members"),
+    ("fast: {is: 'once[0 s, 1 s] rain and ego.v > 15 m/s'}", "fast: {is: {a: rain, b: otherwise}}", "D250", "`fast` has no members"),
+    ("body: truck", "body: {is: {trucks: ego.v > 1 m/s, car: otherwise}}", "D250", "`trucks` is no member of"),
+    ("body: truck", "body: {is: {truck: ego.v > 1 m/s, car: gap(o) < 25 m}}", "D251", "which member there is when no"),
+    ("body: truck", "body: {is: {truck: otherwise, car: otherwise}}", "D251", "which member there is when no"),
+    ("body: truck", "body: {is: {}}", "D251", "which member there is when no"),
+    ("body: truck", "body: {is: {truck: gap(o), car: otherwise}}", "D252", "the expression has no meaning"),
     ("soft: true", "soft: {is: ego.v > 1 m/s}", "D151", "same in all cycles"),
     ("wind: {value: {v: [1, 2, 3]}}", "wind: {v: [1, 2, 3]}", "D151", "not said how the value is given"),
     ("rest: {is: 'distance_to(ego, gate)'}", "rest: {is: ego.v, at: {0 s: 1}}", "D151", "not said how"),

@@ -47,7 +47,9 @@ def run(args: argparse.Namespace) -> int:
         for summary, outcome, evaluator in made.replays
     ]
     failed = [r for r in made.results if r.outcome != "passed"]
-    uncovered = [c.rule.name for c in coverage(sources.compiled.spec, sources.prepared) if not c.complete]
+    unmoved = {(r.rule, r.title): r.unmoved for r in made.results}
+    covered = coverage(sources.compiled.spec, sources.prepared, unmoved, sources.distances)
+    uncovered = [c.rule.name for c in covered if not c.complete]
     faults = [result for result in made.fault_results if result.outcome != "passed"]
     gaps = trace.gate(matrix)
     page = write_report(

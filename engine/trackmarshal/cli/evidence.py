@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from trackmarshal.runtime.verdict import CaseResult
     from trackmarshal.scenarios.labels import Label
     from trackmarshal.scenarios.replay import Replay
+    from trackmarshal.testing.boundary import Distances
     from trackmarshal.testing.cases import PreparedTest
     from trackmarshal.testing.run import Outcome
 
@@ -91,15 +92,18 @@ def _refs(pairs: Iterable[tuple[str, Any]]) -> tuple[Ref, ...]:
     return tuple(Ref(name, span.line, span.column) for name, span in pairs)
 
 
-def spec_tests(tests: Iterable[PreparedTest]) -> list[SpecTest]:
+def spec_tests(spec: Spec, tests: Iterable[PreparedTest], distances: Distances) -> list[SpecTest]:
     """Tests as the matrix sees them."""
     from trackmarshal.meaning import fingerprint_of_test, sha256
+    from trackmarshal.testing.boundary import near
 
     return [
         SpecTest(
-            t.rule.name, t.title, t.verdict, t.boundary, t.span.file.path, t.span.line, t.span.column, fingerprint_of_test(t), sha256(t.said)
+            t.rule.name, t.title, t.verdict, stands.narrow, t.span.file.path, t.span.line, t.span.column, fingerprint_of_test(t), sha256(t.said),
+            stands.distance, stands.within,
         )
         for t in tests
+        for stands in [near(t, spec, distances)]
     ]  # fmt: skip
 
 
@@ -107,7 +111,8 @@ def test_result(outcome: Outcome, inputs: Mapping[str, str], fingerprint: str) -
     """The outcome of a test, with all that it was made from; `fingerprint` is that of its rule."""
     test = outcome.test
     return TestResult(
-        test.rule.name, test.title, outcome.outcome, fingerprint, outcome.message, test.span.file.path, test.span.line, inputs
+        test.rule.name, test.title, outcome.outcome, fingerprint, outcome.message, test.span.file.path, test.span.line, inputs,
+        outcome.unmoved,
     )  # fmt: skip
 
 

@@ -45,7 +45,7 @@ class Facts:
         """What the result of a test is made from."""
         from trackmarshal.meaning.tool import tool
 
-        return {**self._rules[test.rule].inputs, "test": test.fingerprint, "engine": tool()}
+        return test.made_from(self._rules[test.rule].inputs, tool())
 
 
 def facts(root: Path, folders: Iterable[str], files: Iterable[str], make: Callable[[], Facts]) -> Facts:

@@ -1,6 +1,7 @@
 """Run the tests written in specs, with every evaluator, and say which sides of each rule's boundary they cover.
 
-A rule is covered when tests stand on both sides of its boundary and exactly on it.
+A rule is covered when tests stand on both sides of its boundary and exactly on it. One stands on it that expects a margin of about 0, and fails
+where the rule's limits are moved a little, both ways.
 """
 
 from __future__ import annotations
@@ -8,11 +9,15 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from trackmarshal.cli import tests_shown
 from trackmarshal.cli.output import say, table
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project, optional_project
+
+if TYPE_CHECKING:
+    from trackmarshal.testing.boundary import Distances
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -39,8 +44,10 @@ def run(args: argparse.Namespace) -> int:
     found = [*found, *unconstrained(compiled)]
     if found:
         print(render(found, colour=sys.stderr.isatty()), file=sys.stderr)
-    outcomes = list(run_tests(compiled.spec, tests))
-    covered = coverage(compiled.spec, tests)
+    distances = _distances(project)
+    outcomes = list(run_tests(compiled.spec, tests, distances=distances))
+    unmoved = {(o.test.rule.name, o.test.title): o.unmoved for o in outcomes}
+    covered = coverage(compiled.spec, tests, unmoved, distances)
     bad = [o for o in outcomes if o.outcome != "passed"]
     partial = [c for c in covered if not c.complete]
     if args.format == "json":
@@ -69,6 +76,7 @@ def run(args: argparse.Namespace) -> int:
             say(
                 "rules whose boundary is not covered:",
                 *table(rows, ["rule", "tests", "inside", "outside", "on it"]),
+                *(f"{c.rule.name}: {why}" for c in partial for why in c.beside),
             )
         print(
             f"{len(outcomes) - len(bad)} passed, {len(bad)} failed; {len(covered) - len(partial)} of {len(covered)} rules covered"
@@ -81,6 +89,15 @@ def _folders(root: Path) -> list[Path]:
     from trackmarshal.trace import requirements
 
     return [root / str(path) for path in requirements.load(root, []).specs] or [root / "specs"]
+
+
+def _distances(project: Path | None) -> Distances:
+    """How far limits are moved, as the project says, if there is one."""
+    from trackmarshal.cli.sources import distances
+    from trackmarshal.testing.boundary import Distances
+    from trackmarshal.trace import requirements
+
+    return Distances() if project is None else distances(requirements.load(project, []))
 
 
 def _mark(there: bool) -> str:

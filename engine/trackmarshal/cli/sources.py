@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.scenarios.replay import Replay
     from trackmarshal.semantics.compile import Compiled
+    from trackmarshal.testing.boundary import Distances
     from trackmarshal.testing.cases import PreparedTest
     from trackmarshal.trace import Finding, Project
 
@@ -42,7 +43,7 @@ def read_specs(root: Path, project: Project) -> tuple[Compiled, list[PreparedTes
 #: What a place in a spec belongs to: a declaration by its name, a test by its rule and title.
 _MODULE = re.compile(r"^module[ \t]+([\w.]+)", re.MULTILINE)
 _DECLARATION = re.compile(
-    r'^(assume|rule|test|param|table|signal|define|predicate|rulebook|zone|line|state|event)[ \t]+([\w.-]+)(?:[ \t]+"([^"\n]*)")?', re.MULTILINE
+    r'^(constrain|assume|rule|test|param|table|signal|define|predicate|rulebook|zone|line|state|event)[ \t]+([\w.-]+)(?:[ \t]+"([^"\n]*)")?', re.MULTILINE
 )
 
 
@@ -57,6 +58,7 @@ class Sources:
         self.prepared = [test for test in prepared if whole(self.compiled.spec, test.rule)]
         self.broken = any(item.level == "error" for item in self.found)
         self._meaning = Meaning(self.compiled.spec)
+        self.distances = distances(project)
         self._shared: dict[object, Evaluator] = {}
 
     def facts(self) -> Facts:
@@ -90,7 +92,7 @@ class Sources:
         for test in self.prepared:
             first.setdefault((test.rule.name, test.title), test)
         chosen = [test for key, test in first.items() if key in named]
-        for outcome in run_tests(self.compiled.spec, chosen):
+        for outcome in run_tests(self.compiled.spec, chosen, distances=self.distances):
             rule = outcome.test.rule
             inputs = facts.of_test(named[rule.name, outcome.test.title])
             yield evidence.test_result(outcome, inputs, self._meaning.fingerprint(rule))
@@ -149,7 +151,10 @@ class Sources:
         from trackmarshal.cli.check import demanded
         from trackmarshal.semantics.modules import from_library
 
-        items, tests = evidence.spec_items(self._meaning), evidence.spec_tests(self.prepared)
+        items, tests = (
+            evidence.spec_items(self._meaning),
+            evidence.spec_tests(self.compiled.spec, self.prepared, self.distances),
+        )
         modules = [
             (module.file.path, from_library(module, self.root))
             for module in self.compiled.library.modules.values()
@@ -177,6 +182,13 @@ class Sources:
         return claimed, [test for test in tests if test.rule in names]
 
 
+def distances(project: Project) -> Distances:
+    """How far limits are moved to see that boundary tests fail, as the project says; raises T347."""
+    from trackmarshal.testing.boundary import Distances
+
+    return Distances({str(text): (text.place.file, text.place.line) for text in project.boundary_distance})
+
+
 def kept_runs(project: Project) -> dict[str, str]:
     """By scenario, the file that its run is kept in: of logs that need not be part of the project."""
     return {str(scenario.path): str(scenario.kept) for scenario in project.scenarios if scenario.kept}
@@ -194,7 +206,7 @@ def _finding(item: Diagnostic) -> Finding:
     if declared:
         kind, name, title = declared[-1]
         if kind == "test":
-            names.append(f"{name}: {title}")
+            names += [f"{name}: {title}", name]
         elif kind != "rulebook":
             subject = name
             module = _MODULE.search(before)

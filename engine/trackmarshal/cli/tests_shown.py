@@ -108,4 +108,5 @@ def lacks(c: Coverage) -> str:
         )
         if not there
     ]  # fmt: skip
-    return f"`{c.rule.name}` has no test {' and none '.join(sides)} {'of ' if sides[-1] != 'on' else ''}its boundary"
+    said = f"`{c.rule.name}` has no test {' and none '.join(sides)} {'of ' if sides[-1] != 'on' else ''}its boundary"
+    return "; ".join([said, *c.beside])

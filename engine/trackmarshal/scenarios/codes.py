@@ -119,11 +119,12 @@ CODES: dict[str, tuple[str, str]] = {
     "D250": (
         "a signal or field that a declaration cannot give",
         "Signals and further fields of cars are declared by one of the specs that a declaration names under `specs`; what a car's motion says of it comes "
-        "from there. An expression gives an event, or a field that is a number or a Boolean.",
+        "from there. An expression gives an event, or a field that is a number or a Boolean; of an enumeration, a formula gives each member.",
     ),
     "D251": (
         "a table over time that cannot be read",
-        "A value over time is a table of times and values, `at: {0 s: green, 12 s: yellow}`: in order, and from 0 s on, so that there is a value in every cycle.",
+        "A value over time is a table of times and values, `at: {0 s: green, 12 s: yellow}`: in order, and from 0 s on, so that there is a value in every cycle. "
+        "Members that formulas give end with one that is there `otherwise`, for the same reason.",
     ),
     "D252": (
         "an expression of a declaration that has no meaning",

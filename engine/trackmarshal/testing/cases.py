@@ -66,11 +66,6 @@ class PreparedTest(Node):
     said: str
     span: Span
 
-    @property
-    def boundary(self) -> bool:
-        """Whether the test stands exactly on the boundary of its rule: it expects a margin of zero."""
-        return self.margin == 0.0
-
 
 def prepare(compiled: Compiled) -> tuple[list[PreparedTest], list[Diagnostic]]:
     """All tests that have a meaning, and what is wrong with the others."""

@@ -3,39 +3,48 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED
 from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.records import not_on_it
 from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.testing.boundary import Distances, near
 from trackmarshal.testing.cases import PreparedTest
+from trackmarshal.testing.moving import moved, moves
 from trackmarshal.testing.si import spec_in_si
 from trackmarshal.units import beside, written
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of a test: passed, failed (with what was found instead) or error."""
+    """What became of a test: passed, failed (with what was found instead) or error.
+
+    unmoved: of one that stands on the boundary of its rule, and passes with limits moved as well, which way; else empty.
+    """
 
     test: PreparedTest
     outcome: str
     message: str
+    unmoved: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """Which sides of a rule's boundary its tests stand on."""
+    """Which sides of a rule's boundary its tests stand on. beside: of tests that are to be on it and are not, why."""
 
     rule: RuleInfo
     tests: int
     satisfied: bool
     violated: bool
     boundary: bool
+    beside: tuple[str, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -56,9 +65,16 @@ def _nodes(rule: RuleInfo) -> Iterator[object]:
 
 
 def run_tests(
-    spec: Spec, tests: Iterable[PreparedTest], backends: tuple[str, ...] = ("reference", "numpy")
+    spec: Spec,
+    tests: Iterable[PreparedTest],
+    backends: tuple[str, ...] = ("reference", "numpy"),
+    distances: Distances | None = None,
 ) -> Iterator[Outcome]:
-    """Run each test with each evaluator; it passes when all of them say what it expects."""
+    """Run each test with each evaluator; it passes when all of them say what it expects.
+
+    Those that stand on the boundary of their rule are run again with its limits moved by `distances`.
+    """
+    distances = distances or Distances()
     evaluators: dict[tuple[str, str], Evaluator] = {}
     spec = spec_in_si(spec)
     for test in tests:
@@ -78,7 +94,33 @@ def run_tests(
             if problem:
                 outcome, message = "failed", f"{backend}: {problem}"
                 break
-        yield Outcome(test, outcome, message)
+        on_it = outcome == "passed" and near(test, spec, distances).narrow
+        yield Outcome(test, outcome, message, _unmoved(spec, test, distances) if on_it else "")
+
+
+def _unmoved(spec: Spec, test: PreparedTest, distances: Distances) -> str:
+    """Which way a rule's limits can be moved so that a test passes all the same; empty where it fails both ways.
+
+    The reference alone is asked: what is looked for is whether the test could fail. `spec` reads data in SI.
+    """
+    formula = test.rule.formula
+    assert formula is not None, "a test of a rule without a formula"
+    held = [
+        way
+        for way, tried in zip(("looser", "stricter"), moves(formula))
+        if not any(_fails(spec, test, moved(formula, move, distances.of)) for move in tried)
+    ]
+    return " or ".join(held)
+
+
+def _fails(spec: Spec, test: PreparedTest, formula: ir.Formula) -> bool:
+    """Whether a test fails where its rule is another formula. One that leaves it open, or undefined, shows nothing of a limit."""
+    rule = RuleInfo(**{**test.rule.__dict__, "formula": formula})
+    rules = tuple(rule if one.name == rule.name else one for one in spec.rules)
+    evaluator = Evaluator(Spec(**{**spec.__dict__, "rules": rules}), [rule.name], "reference")
+    other = PreparedTest(**{**test.__dict__, "rule": rule})
+    result = _result(evaluator, other)
+    return result.verdict in ("satisfied", "violated") and bool(mismatch(other, result))
 
 
 def _result(evaluator: Evaluator, test: PreparedTest) -> RuleResult:
@@ -129,8 +171,17 @@ def _close(value: float, wanted: float, tolerance: float) -> bool:
     return value == wanted or abs(value - wanted) <= tolerance
 
 
-def coverage(spec: Spec, tests: Iterable[PreparedTest]) -> list[Coverage]:
-    """Every rule and monitor with what its tests show, in the order of the spec."""
+def coverage(
+    spec: Spec,
+    tests: Iterable[PreparedTest],
+    unmoved: Mapping[tuple[str, str], str] | None = None,
+    distances: Distances | None = None,
+) -> list[Coverage]:
+    """Every rule and monitor with what its tests show, in the order of the spec.
+
+    unmoved: of tests that were run, by rule and title, which way limits can be moved so that they pass all the same.
+    """
+    distances, unmoved = distances or Distances(), unmoved or {}
     by_rule: dict[str, list[PreparedTest]] = {}
     for test in tests:
         by_rule.setdefault(test.rule.name, []).append(test)
@@ -140,13 +191,20 @@ def coverage(spec: Spec, tests: Iterable[PreparedTest]) -> list[Coverage]:
             continue
         own = by_rule.get(rule.name, [])
         verdicts = {test.verdict for test in own}
+        said = [
+            not_on_it(test.title, *near(test, spec, distances), unmoved.get((rule.name, test.title), ""))
+            for test in own
+            if near(test, spec, distances).distance
+        ]
+        on_it = any(not why for why in said)
         result.append(
             Coverage(
                 rule,
                 len(own),
                 "satisfied" in verdicts,
                 "violated" in verdicts,
-                any(test.boundary for test in own),
+                on_it,
+                () if on_it else tuple(said),
             )
         )
     return result

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ from jsonschema import Draft202012Validator
 
 from golden.trace.cases import HERE, TODAY, Small, apply, compare
 from trackmarshal import trace
+from trackmarshal.trace.report import write_report
+from trackmarshal.trace.verdict import FAIL, PASS, RESERVED, SIGNS
 
 SUFFIX = {
     "text": "txt",
@@ -69,12 +72,29 @@ def test_an_unknown_format_is_refused() -> None:
 
 
 def test_one_verdict_everywhere(tmp_path: Path) -> None:
-    for matrix, word in ((Small().matrix(), "pass"), (broken(tmp_path).matrix(), "fail")):
-        assert json.loads(trace.render(matrix, "json"))["verdict"] == word
+    """Three matrices, each with its verdict in the same words in every format and on the page of an assessment."""
+    small = Small().matrix()
+    matrices = {
+        PASS: replace(small, rows=(), findings=()),
+        RESERVED: small,
+        FAIL: broken(tmp_path).matrix(),
+    }
+    for word, matrix in matrices.items():
+        summary = json.loads(trace.render(matrix, "json"))
+        assert summary["verdict"] == word
+        assert bool(summary["reservations"]) or word != RESERVED
         assert json.loads(trace.render(matrix, "sarif"))["runs"][0]["properties"]["verdict"] == word
-        for kind in ("text", "md", "html", "github"):
-            assert word in trace.render(matrix, kind).lower(), kind
-        assert bool(trace.gate(matrix)) == (word == "fail")
+        page = write_report(tmp_path / word, [], "matrix.html", summary, summary["findings"], {}, {})
+        said = {
+            "text": f"\n{word.upper()}: ",
+            "md": f"\n**{word.upper()}** on ",
+            "html": f"<strong>{SIGNS[word]} {word.upper()}</strong>",
+            "github": f"title=traceability::{word}: ",
+        }
+        for kind, words in said.items():
+            assert words in trace.render(matrix, kind), kind
+        assert f"<b>{SIGNS[word]} {word.upper()}</b>" in page.read_text("utf-8")
+        assert bool(trace.gate(matrix)) == (word == FAIL)
 
 
 def test_json_keeps_to_its_schema(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ FAULTS = [
     Fault("an interface twice", swap(M, "- id: TP-RO\n", "- id: SH-RO\n"), "T130", "SH-RO"),
     Fault("an issue twice", swap(M, "{id: SH-TP.2,", "{id: SH-TP.1,"), "T130", "SH-TP.1"),
     Fault("a stage twice", swap(V, "{id: S-4-B, title: field", "{id: S-4-A, title: field"), "T130", "S-4-A"),
-    Fault("a waiver twice", add(V, "  - {id: W-1, codes: [T208], subjects: [A-SEEN], justification: none, owner: Dana Driver, granted: 2026-01-01, expires: 2026-12-31}\n"), "T130", "W-1"),
+    Fault("a waiver twice", add(V, "  - {id: W-1, codes: [T208], subjects: [A-SEEN], justification: none, residual_risk: none, owner: Dana Driver, approver: Sam Safety, granted: 2026-01-01, expires: 2026-12-31}\n"), "T130", "W-1"),
     Fault("ids that differ by O and 0", put(MORE, (another("S-O") + another("S-0").partition("requirements:\n")[2]).encode()), "T131", "S-0"),
     Fault("ids that differ by case", put(MORE, (another("S-Bell") + another("S-bell").partition("requirements:\n")[2]).encode()), "T131", "S-bell"),
     Fault("an id with a Cyrillic letter", put(MORE, another("Ѕ-7").encode()), "T124"),

@@ -32,7 +32,7 @@ _STEPS = {
 _STEP_OF = {code: step for step, codes in _STEPS.items() for code in codes.split()}
 #: What these say may come of anything that was not read: a thing is not there, or nothing was run.
 _OF_ABSENCE = frozenset(
-    "T112 T132 T134 T135 T136 T137 T139 T144 T145 T146 T148 T149 T150 T151 T153 T201 T202 T204 T205 T206 T207 T211 T212 T213 T217 T230 T232 T241 "
+    "T112 T132 T134 T135 T136 T137 T139 T144 T145 T146 T148 T149 T150 T151 T153 T201 T202 T204 T205 T206 T207 T208 T211 T212 T213 T217 T230 T232 T241 "
     "T262 T263".split()
 )
 #: Nothing was run.
@@ -121,6 +121,8 @@ class _Folding:
         before, own = self._key[other], self._key[finding]
         if before[0] != own[0]:
             return before < own
+        if own[0] == UNUSABLE and not (other.code.startswith("T") or finding.code.startswith("T")):
+            return before < own  # one declaration that is not sound makes others so
         same = (other.code, other.subject) == (finding.code, finding.subject) != (finding.code, "")
         return before < own and (same or own[0] in _TOGETHER)
 
@@ -185,7 +187,8 @@ def _step(finding: Finding, gone: set[str]) -> int:
     if finding.code.startswith(("E0", "E1")):
         return UNREADABLE
     if not finding.code.startswith("T"):
-        return LACKING if gone.intersection(finding.about) else UNUSABLE
+        missed = {name for name in finding.about if name.rpartition(".")[2] != finding.subject}
+        return LACKING if gone & missed else UNUSABLE
     return WRONG
 
 

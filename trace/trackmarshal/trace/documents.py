@@ -30,6 +30,10 @@ SUBSYSTEM_ID = Text(SUBSYSTEM, "a subsystem such as `AV`")
 STAGE_ID = Text(ID, "a stage such as `S-2-B`")
 PATTERNS = Many(Text(PATTERN, "an id, or a pattern such as `S-1-A-*`"), 1)
 PROJECT_PATH = Text(PATH, "a path inside the project, relative to its folder, with forward slashes")
+QUANTITY = Text(
+    r"[0-9]+(\.[0-9]+)?(e-?[0-9]+)?( [A-Za-z%1][A-Za-z0-9%*/^²³·-]*)?",
+    "a number with its unit, such as `1 cm`",
+)
 NAME = Text(r"[A-Za-z_\u0370-\u03ff][A-Za-z0-9_\u0370-\u03ff-]*", "the name of a rule or an assumption")
 
 ISSUE = Record("issue", "One answer to the guiding question for an interface.", (
@@ -127,8 +131,9 @@ PROJECT = Record("project", "Settings of the project.", (
     optional("tests_per_rule", Record("tests_per_rule", "How many tests every rule needs at least.", (
         optional("satisfied", Count(), "Expecting `satisfied`; 1 if not given."),
         optional("violated", Count(), "Expecting `violated`; 1 if not given."),
-        optional("boundary", Count(), "Exactly on the boundary, for rules that compare numbers; 1 if not given."),
+        optional("boundary", Count(), "On the boundary, for rules that compare numbers: about 0, and failing where limits move; 1 if not given."),
     )), "How many tests every rule needs at least."),
+    optional("boundary_distance", Many(QUANTITY, 1), "By how much limits are moved to see that boundary tests fail, one a dimension; 0.01 SI units where none is given."),
     optional("scenarios", Many(Record("scenario", "A scenario and what it is evidence for.", (
         Field("path", PROJECT_PATH, "The recording."),
         Field("stage", STAGE_ID, "The stage that it is evidence at."),
@@ -187,9 +192,11 @@ V_MODEL = Record("v-model", "What each stage of the development must show, and w
         optional("codes", Many(Text(r"T2[0-9]{2}", "a code such as `T212`"), 1), "Or waive findings: with these codes ..."),
         optional("subjects", PATTERNS, "... about these rules or assumptions."),
         Field("justification", TEXT, "Why the gap is bearable."),
+        Field("residual_risk", TEXT, "What may still happen while the gap is open, and what keeps it bearable."),
         Field("owner", TEXT, "Who answers for it."),
+        Field("approver", TEXT, "Who accepted the residual risk: another one than the owner."),
         Field("granted", Date(), "Since when."),
-        Field("expires", Date(), "The last day on which it holds."),
+        Field("expires", Date(), "The last day on which it holds: a year after `granted` at the latest."),
     ))), "Gaps that are known and accepted for a while."),
 ))  # fmt: skip
 

@@ -41,6 +41,7 @@ class Finding:
     about: tuple[str, ...] = ()
     rests_on: tuple[str, ...] = ()
     gone: bool = False  #: whether it says that something is not there any more
+    excused: bool = False  #: an error that a waiver made a note
 
     def __str__(self) -> str:
         where = f"{self.place}: " if self.place else ""

@@ -48,7 +48,7 @@ class Waivers:
                 message = (
                     f"{found.message} (waived by {waiver.id} until {waiver.expires}: {waiver.justification})"
                 )
-                return replace(found, level="note", message=message)
+                return replace(found, level="note", message=message, excused=True)
         return found
 
     def check(self, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[Finding]:

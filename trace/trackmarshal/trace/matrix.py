@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from datetime import date
 
 from trackmarshal.trace import baseline as baselines
-from trackmarshal.trace import causes, consistency, cycles, faults, files, gates, links, outside, runs, tests
+from trackmarshal.trace import causes, consistency, cycles, faults, files, gates, links, outside, runs, tests, waivers
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
@@ -18,6 +18,7 @@ from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, matches
 from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec
+from trackmarshal.trace.verdict import verdict
 
 #: Findings that mean that a document could not be used as it is: reading, YAML, which document it is.
 UNUSABLE = frozenset(f"T1{number:02}" for number in range(1, 14))
@@ -50,8 +51,30 @@ class Matrix:
 
     @property
     def passes(self) -> bool:
-        """The one verdict that every report prints: no finding is an error."""
+        """Whether no finding is an error, so that the gate is open."""
         return not any(finding.level == "error" for finding in self.findings)
+
+    @property
+    def verdict(self) -> str:
+        """The one verdict that every report prints: a word of `trackmarshal.trace.verdict`."""
+        errors = sum(finding.level == "error" for finding in self.findings)
+        return verdict(errors, self.reservations)
+
+    @property
+    def reservations(self) -> tuple[str, ...]:
+        """What keeps a matrix without errors from a pass as such, each as a few words."""
+        statuses = [cell.status for row in self.rows for cell in row.cells.values()]
+        waived = statuses.count("waived")
+        rest = len(statuses) - waived - statuses.count("covered")
+        warnings = sum(finding.level == "warning" for finding in self.findings)
+        excused = sum(finding.excused for finding in self.findings)
+        said = (
+            (waived, "{} cell is waived", "{} cells are waived"),
+            (rest, "{} cell is not covered", "{} cells are not covered"),
+            (excused, "{} finding is waived", "{} findings are waived"),
+            (warnings, "{} warning should be looked at", "{} warnings should be looked at"),
+        )
+        return tuple((one if n == 1 else more).format(n) for n, one, more in said if n)
 
     @property
     def unusable(self) -> bool:
@@ -82,9 +105,9 @@ def assemble(
 ) -> Matrix:
     """The matrix; `found` is what reading the inputs brought to light, `around` what is known from outside of specs."""
     around = around or Outside()
-    waivers = gates.Waivers(project, today)
+    excuses = gates.Waivers(project, today)
     graph = build(project, spec, hashes, around)
-    cells = _cells(Ground(project, spec, hashes, graph, around), waivers)
+    cells = _cells(Ground(project, spec, hashes, graph, around), excuses)
     loose = [
         *consistency.check(project),
         *checks.check(graph),
@@ -98,9 +121,10 @@ def assemble(
         *faults.check(project, spec, hashes),
         *files.check(project, spec, hashes),
         *outside.check(project, around),
+        *waivers.check(project),
     ]
-    judged = [waivers.finding(finding) for finding in loose]
-    findings = in_order([*found, *judged, *gates.check(project, cells), *waivers.check(cells)])
+    judged = [excuses.finding(finding) for finding in loose]
+    findings = in_order([*found, *judged, *gates.check(project, cells), *excuses.check(cells)])
     rows = tuple(
         Row(requirement, depth, cells[requirement.id]) for requirement, depth in _in_order(project, graph)
     )
@@ -151,7 +175,7 @@ def _in_order(project: Project, graph: Graph) -> list[tuple[Requirement, int]]:
     return [(project.by_id[name], depth) for name, depth in order.items()]
 
 
-def _cells(ground: Ground, waivers: gates.Waivers) -> dict[str, dict[str, Cell]]:
+def _cells(ground: Ground, excuses: gates.Waivers) -> dict[str, dict[str, Cell]]:
     """The cells of every demanded requirement, those below first: what is open there shows above."""
     project = ground.project
     demanded = [str(r.id) for r in project.by_id.values() if r.demanded]
@@ -167,5 +191,5 @@ def _cells(ground: Ground, waivers: gates.Waivers) -> dict[str, dict[str, Cell]]
                 below = {child: cells[child][stage.id] for child in children if stage.id in cells[child]}
                 made = cell(ground, requirement, stage, below)
                 if made is not None:
-                    cells[name][str(stage.id)] = waivers.cell(made, requirement, stage)
+                    cells[name][str(stage.id)] = excuses.cell(made, requirement, stage)
     return cells

@@ -227,7 +227,9 @@ class Waiver:
     codes: tuple[Placed, ...]
     subjects: tuple[Placed, ...]
     justification: str
+    residual_risk: str
     owner: str
+    approver: Placed
     granted: date
     expires: date
 
@@ -242,6 +244,9 @@ class Project:
     results: str = "out/results"
     baseline: Placed | None = None
     tests_per_rule: tuple[tuple[str, int], ...] = (("satisfied", 1), ("violated", 1), ("boundary", 1))
+    boundary_distance: tuple[
+        Placed, ...
+    ] = ()  #: how far limits are moved to see that boundary tests fail, one a dimension
     subsystems: tuple[Subsystem, ...] = ()
     interfaces: tuple[Interface, ...] = ()
     infeasible: tuple[Placed, ...] = ()

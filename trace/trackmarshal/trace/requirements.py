@@ -180,6 +180,7 @@ def _settings(t: Table) -> model.Project:
         tests_per_rule=tuple(
             (verdict, tests.get(verdict, 1)) for verdict in ("satisfied", "violated", "boundary")
         ),
+        boundary_distance=settings.texts("boundary_distance"),
         stages=tuple(_stage(s) for s in t.tables("stages") if s.text("id")),
         scenarios=tuple(
             _scenario(s) for s in settings.tables("scenarios") if s.text("path") and s.text("stage")
@@ -229,7 +230,7 @@ def _evidence(t: Table) -> model.Evidence:
 def _waiver(t: Table) -> model.Waiver:
     return model.Waiver(
         t.text("id"), t.texts("stages"), t.texts("requirements"), t.texts("codes"), t.texts("subjects"), t.text("justification"),
-        t.text("owner"), t.get("granted", date.min), t.get("expires", date.min),  # without its dates, a waiver never holds
+        t.text("residual_risk"), t.text("owner"), t.text("approver"), t.get("granted", date.min), t.get("expires", date.min),  # without its dates, a waiver never holds
     )  # fmt: skip
 
 

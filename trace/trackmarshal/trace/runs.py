@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from trackmarshal.records import RunSummary, SpecItem, TruthFacts
 from trackmarshal.trace.files import Hashes
-from trackmarshal.trace.findings import Finding, error, warning
+from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Scenario
 from trackmarshal.trace.spec import Spec
 
@@ -171,6 +171,13 @@ def _of_run(code: str, message: str, scenario: Scenario, run: RunSummary) -> Fin
     return Finding(code, "error", message, scenario.path.place, "", str(scenario.path), rests_on=rules)
 
 
+def _outside(scenario: Scenario, run: RunSummary) -> Iterator[Finding]:
+    """T243 for each kind of rules that the ground truth of the recording contradicts."""
+    for kind, truth in sorted(run.ground_truth.items()):
+        if not truth.inside:
+            yield _of_run("T243", f"the run of `{scenario.path}` is {_contradiction(kind, truth)}", scenario, run)
+
+
 def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
     """What is wrong with scenarios and their runs (T240 to T247)."""
     declared = {str(scenario.path) for scenario in project.scenarios}
@@ -213,9 +220,7 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 path,
             )
         elif scenario.expect == "ground_truth":
-            for kind, truth in sorted(run.ground_truth.items()):
-                if not truth.inside:
-                    yield _of_run("T243", f"the run of `{path}` is {_contradiction(kind, truth)}", scenario, run)
+            yield from _outside(scenario, run)
             if not run.ground_truth:
                 message = (
                     f"the run of `{path}` is to lie within the ground truth, but the recording carries none"
@@ -224,6 +229,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
         elif scenario.expect == "no_fire":
             if run.fired:
                 yield _of_run("T244", f"in `{path}` nothing may fire, but it {_fired(run)}", scenario, run)
+            else:
+                yield from _outside(scenario, run)
         elif scenario.expect == "fire":
             quiet = _quiet(scenario, run)
             if quiet:

@@ -93,7 +93,7 @@ class Spec:
             return ""
         if not result.inputs:
             return f"`{item.name}` has changed since" if result.fingerprint != item.fingerprint else ""
-        now = {**item.inputs, "test": test.fingerprint, "engine": self.engine}
+        now = test.made_from(item.inputs, self.engine)
         if self.engine:
             return changed(result.inputs, now)
         return changed({**result.inputs, "engine": ""}, now)
@@ -130,6 +130,7 @@ _CALLED = {
 _WHOLE = {
     "constraints": "the constraints on its parameters", "test": "what the test gives or expects", "engine": "the engine",
     "recording": "the recording", "limits": "the limits of the Supervisor",
+    "distance": "how far limits are moved",
 }  # fmt: skip
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from trackmarshal.records import SpecItem, SpecTest
+from trackmarshal.records import SpecItem, SpecTest, not_on_it
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec, item_place
@@ -48,10 +48,11 @@ def _item(item: SpecItem, needs: dict[str, int], spec: Spec) -> Iterator[Finding
             "T211", f"{said} has no test", item_place(item), f'write one: `test {item.name} "..."`', item.name
         )
         return
+    on_it, beside = _on_boundary(tests, spec)
     have = {
         "satisfied": sum(test.expects == "satisfied" for test in tests),
         "violated": sum(test.expects == "violated" for test in tests),
-        "boundary": sum(test.boundary for test in tests),
+        "boundary": on_it,
     }
     wording = {
         "satisfied": "that expects `satisfied`",
@@ -65,7 +66,27 @@ def _item(item: SpecItem, needs: dict[str, int], spec: Spec) -> Iterator[Finding
             else:
                 counted = f"{have[verdict]} of {number} tests {wording[verdict].replace('expects', 'expect')}"
             help_ = "a rule is tested on both sides of its boundary and, where it compares numbers, on it"
+            if verdict == "boundary":
+                counted = "; ".join([counted, *beside])
             yield error("T212", f"{said} has {counted}", item_place(item), help_, item.name)
+
+
+def _on_boundary(tests: Sequence[SpecTest], spec: Spec) -> tuple[int, list[str]]:
+    """How many tests stand on the boundary of their rule, and why others that expect a margin of about 0 do not.
+
+    Of what was not run, or is stale, it is only known what it expects; that it has to be run is said elsewhere.
+    """
+    number, beside = 0, []
+    for test in tests:
+        result = spec.results.get((test.rule, test.title))
+        unmoved = "" if result is None or spec.staleness(result) else result.unmoved
+        why = (
+            not_on_it(test.title, test.boundary, test.distance, test.within, unmoved) if test.distance else ""
+        )
+        if why:
+            beside.append(why)
+        number += bool(test.boundary and not why)
+    return number, beside
 
 
 def _results(spec: Spec, known: set[tuple[str, str]]) -> Iterator[Finding]:

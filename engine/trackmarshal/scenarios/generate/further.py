@@ -89,7 +89,7 @@ def _signal(recording: Recording, specs: Specs, given: GivenSignal, columns: Tab
         help_ = close_matches(name, known) or "a spec of `specs` has to declare it: `signal`, or `event`"
         raise given.item.wrong(f"the signal `{name}` is declared nowhere", help_, "D250")
     if given.whole is not None:
-        if given.whole.expression and declared is not None:
+        if (given.whole.expression or given.whole.members) and declared is not None:
             help_ = "an expression is of an event, or of a field: `fields: {NAME: {is: ..}}`"
             raise given.item.wrong(f"an expression has no value for the whole signal `{name}`", help_, "D250")
         found: Sequence[Any] = _all(specs, recording, given.whole, None, columns=columns)
@@ -137,16 +137,39 @@ def _all(
             )
             raise given.item.wrong(message, help_)
         return list(columns[given.column])
+    if given.members:
+        return _members(specs, recording, given, field, alone)
     if not given.expression:
         return [given.at(cycle.t) for cycle in recording.cycles]
     if field is not None and (field.enumeration is not None or field.kind == "polyline"):
         what = "a member of an enumeration" if field.enumeration is not None else "a line"
         raise given.item.wrong(
-            f"`{given.name}` is {what}, which no expression gives", "give it over time: `at`", "D250"
+            f"`{given.name}` is {what}, which no expression gives",
+            "give it over time: `at`; members also by formulas: `is: {yellow: .., green: otherwise}`",
+            "D250",
         )
     unit = None if field is None else unit_of(field)
     words = Words(given.expression, given.item, unit, alone is not None)
     return [row[0] for row in values(specs, [words], recording, DRIVING, alone)]
+
+
+def _members(
+    specs: Specs, recording: Recording, given: Given, field: FieldType | None, alone: str | None
+) -> list[str]:
+    """In every cycle, the first member whose formula holds."""
+    if field is None or field.enumeration is None:
+        raise given.item.wrong(f"`{given.name}` has no members", "an expression is a text", "D250")
+    for member in given.members:
+        if member.name not in field.enumeration.members:
+            message = f"`{member.name}` is no member of `{field.enumeration.name}`"
+            help_ = close_matches(member.name, field.enumeration.members) or "its members: " + ", ".join(
+                field.enumeration.members
+            )
+            raise member.item.wrong(message, help_, "D250")
+    *conditional, other = given.members
+    words = [Words(member.formula, member.item, None, alone is not None) for member in conditional]
+    rows = values(specs, words, recording, DRIVING, alone)
+    return [next((m.name for m, holds in zip(conditional, row) if holds), other.name) for row in rows]
 
 
 def _places(further: Further) -> Iterator[tuple[Item, str, str]]:

@@ -18,14 +18,25 @@ _SLACK = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
+class Member:
+    """A member of an enumeration, where a formula holds; "" wherever none does that stands above it."""
+
+    name: str
+    formula: str
+    item: Item
+
+
+@dataclass(frozen=True, slots=True)
 class Given:
-    """One value in every cycle: a table with the time [s] from which each row holds, an expression, or a column of an archive."""
+    """One value in every cycle: a table with the time [s] from which each row holds, an expression, members of an enumeration with the
+    formula of each, or a column of an archive."""
 
     name: str
     item: Item
     times: tuple[float, ...] = ()
     values: tuple[Any, ...] = ()
     expression: str = ""
+    members: tuple[Member, ...] = ()
     column: str = ""
 
     @property
@@ -91,10 +102,27 @@ def given(name: str, item: Item) -> Given:
     readers: dict[str, Callable[[], Given]] = {
         "value": lambda: Given(name, what, (0.0,), (what.value(),)),
         "at": lambda: _table(name, what),
-        "is": lambda: Given(name, what, expression=what.text()),
+        "is": lambda: (
+            Given(name, what, members=_members(what))
+            if what.is_map()
+            else Given(name, what, expression=what.text())
+        ),
         "column": lambda: Given(name, what, column=what.text()),
     }
     return readers[how]()
+
+
+#: In place of the last member's formula.
+OTHERWISE = "otherwise"
+
+
+def _members(item: Item) -> tuple[Member, ...]:
+    """Rows `yellow: 'a formula'`, the last `green: otherwise`, so that there is a value in every cycle."""
+    found = [Member(name, each.text(), each) for name, each in item.any_fields().items()]
+    if [member.formula == OTHERWISE for member in found] != [False] * (len(found) - 1) + [True]:
+        help_ = "`{yellow: 'a formula', green: otherwise}`: the first that holds, and last what else it is"
+        raise item.wrong("it is not said which member there is when no formula holds", help_, "D251")
+    return (*found[:-1], Member(found[-1].name, "", found[-1].item))
 
 
 def _table(name: str, item: Item) -> Given:

@@ -55,6 +55,7 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "default_spec": project.default_spec,
             "campaigns": _list(project.campaigns),
             "sources": _list(project.sources),
+            "boundary_distance": _list(project.boundary_distance),
             **{f"{side} tests a rule": str(number) for side, number in project.tests_per_rule},
         },
     )
@@ -83,7 +84,8 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
     for w in project.waivers:
         yield f"waiver {w.id}", {
             "stages": _list(w.stages), "requirements": _list(w.requirements), "codes": _list(w.codes), "subjects": _list(w.subjects),
-            "justification": _hash(w.justification), "owner": w.owner, "granted": w.granted.isoformat(),
+            "justification": _hash(w.justification), "residual_risk": _hash(w.residual_risk) if w.residual_risk else "",
+            "owner": w.owner, "approver": str(w.approver), "granted": w.granted.isoformat(),
             "expires": w.expires.isoformat(),
         }  # fmt: skip
 

@@ -222,7 +222,11 @@ class _Building:
                 {"outcome": "missing" if there is None else "there", "fingerprint": there or ""},
             )
         for waiver in self.project.waivers:
-            attributes = {"owner": str(waiver.owner), "expires": waiver.expires.isoformat()}
+            attributes = {
+                "owner": str(waiver.owner),
+                "approver": str(waiver.approver),
+                "expires": waiver.expires.isoformat(),
+            }
             self._node("waiver", waiver.id, waiver.justification, waiver.id.place, attributes)
 
     def _links(self) -> None:
@@ -240,6 +244,9 @@ class _Building:
         for waiver in self.project.waivers:
             self._fitting("excuses", ("waiver", str(waiver.id)), waiver.requirements, waiver.id.place)
             self._owner(("waiver", str(waiver.id)), str(waiver.owner), waiver.id.place)
+            self._owner(
+                ("waiver", str(waiver.id)), str(waiver.approver), waiver.approver.place, "approved_by"
+            )
 
     def _links_of_the_system(self) -> None:
         for interface in self.project.interfaces:
@@ -379,11 +386,11 @@ class _Building:
                 state = "outdated"
             self._link(kind, key, end, target.place, state)
 
-    def _owner(self, key: Key, owner: str, place: Place) -> None:
-        """Who answers for it: a person, by id or by name. Without declared persons, any text does."""
+    def _owner(self, key: Key, owner: str, place: Place, kind: str = "owned_by") -> None:
+        """Who answers for it, or approved it: a person, by id or by name. Without declared persons, any text does."""
         if owner and self._persons:
             person = owner if ("person", owner) in self.nodes else self._persons.get(owner, owner)
-            self._link("owned_by", key, ("person", str(person)), place)
+            self._link(kind, key, ("person", str(person)), place)
 
 
 def _external(external: External) -> Key:

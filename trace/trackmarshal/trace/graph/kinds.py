@@ -155,6 +155,11 @@ LINKS = {
         "orphaned": Said("T153", "{it} belongs to `{target}`, who is none of the persons of the project",
                          "name a person by id or by name; they are declared under `persons`"),
     }),
+    "approved_by": LinkKind("approves", ("waiver",), ("person",), True, {
+        **_GIVEN,
+        "orphaned": Said("T153", "{it} is approved by `{target}`, who is none of the persons of the project",
+                         "name a person by id or by name; they are declared under `persons`"),
+    }),
 }  # fmt: skip
 
 #: Every link as seen from either of its ends: the kind of links, and whether it leads out of the node.

@@ -9,7 +9,6 @@ from trackmarshal.trace.cells import Item
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.graph.graph import Graph, Link
 from trackmarshal.trace.matrix import Matrix, Row
-from trackmarshal.trace.render.words import verdict
 
 FORMAT = "trackmarshal-matrix"
 VERSION = 1
@@ -26,7 +25,8 @@ def record(matrix: Matrix) -> dict[str, Any]:
         "version": VERSION,
         "project": matrix.project,
         "date": matrix.today.isoformat(),
-        "verdict": verdict(matrix),
+        "verdict": matrix.verdict,
+        "reservations": list(matrix.reservations),
         "stages": [{"id": stage.id, "title": stage.title, "shows": stage.shows} for stage in matrix.stages],
         "requirements": [_row(row) for row in matrix.rows],
         "findings": _findings(matrix),
@@ -34,8 +34,8 @@ def record(matrix: Matrix) -> dict[str, Any]:
         "waivers": [
             {
                 "id": w.id, "stages": list(w.stages), "requirements": list(w.requirements), "codes": list(w.codes),
-                "subjects": list(w.subjects), "justification": w.justification, "owner": w.owner,
-                "granted": w.granted.isoformat(), "expires": w.expires.isoformat(), "span": str(w.id.place),
+                "subjects": list(w.subjects), "justification": w.justification, "residual_risk": w.residual_risk,
+                "owner": w.owner, "approver": w.approver, "granted": w.granted.isoformat(), "expires": w.expires.isoformat(), "span": str(w.id.place),
             }
             for w in matrix.waivers
         ],

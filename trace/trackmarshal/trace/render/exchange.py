@@ -11,7 +11,7 @@ import trackmarshal
 from trackmarshal.trace.codes import CODES
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.matrix import Matrix
-from trackmarshal.trace.render.words import tally, verdict
+from trackmarshal.trace.render.words import tally
 
 _COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 
@@ -24,7 +24,7 @@ def render_sarif(matrix: Matrix, where: Callable[[str], str] = str) -> str:
         "tool": {"driver": {"name": "trackmarshal", "version": trackmarshal.__version__, "rules": rules}},
         "columnKind": "unicodeCodePoints",
         "results": [_result(finding, codes.index(finding.code), where) for finding in matrix.findings],
-        "properties": {"verdict": verdict(matrix), "coverage": matrix.coverage},
+        "properties": {"verdict": matrix.verdict, "coverage": matrix.coverage},
     }
     log = {"$schema": "https://json.schemastore.org/sarif-2.1.0.json", "version": "2.1.0", "runs": [run]}
     return json.dumps(log, ensure_ascii=False, allow_nan=False, indent=1) + "\n"
@@ -69,7 +69,7 @@ def render_github(matrix: Matrix, where: Callable[[str], str] = str) -> str:
     """One workflow command a finding, and the verdict at the end."""
     lines = [_command(finding, where) for finding in matrix.findings]
     level = "notice" if matrix.passes else "error"
-    lines.append(f"::{level} title=traceability::{_data(f'{verdict(matrix)}: {tally(matrix)}')}")
+    lines.append(f"::{level} title=traceability::{_data(f'{matrix.verdict}: {tally(matrix)}')}")
     return "\n".join(lines) + "\n"
 
 

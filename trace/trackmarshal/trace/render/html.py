@@ -6,12 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from trackmarshal.trace import verdict
 from trackmarshal.trace.cells import Cell, Item
 from trackmarshal.trace.codes import CODES
 from trackmarshal.trace.findings import LEVELS
 from trackmarshal.trace.matrix import Matrix, Row
 from trackmarshal.trace.model import Stage
-from trackmarshal.trace.render.words import MEANINGS, SIGNS, inputs, tally, verdict
+from trackmarshal.trace.render.words import MEANINGS, SIGNS, inputs, tally
+
+#: The colours of a verdict, which are those of a status of cells.
+_LOOKS = {verdict.PASS: "covered", verdict.RESERVED: "waived", verdict.FAIL: "failed"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +47,9 @@ def render(matrix: Matrix) -> str:
     environment.filters["marked"] = marked
     page = environment.get_template("matrix.html.j2").render(
         matrix=matrix,
-        verdict=verdict(matrix),
+        verdict=matrix.verdict,
+        look=_LOOKS[matrix.verdict],
+        sign=verdict.SIGNS[matrix.verdict],
         tally=tally(matrix),
         inputs=inputs(matrix),
         signs=SIGNS,

@@ -7,7 +7,7 @@ import io
 
 from trackmarshal.trace.cells import Item
 from trackmarshal.trace.matrix import Matrix
-from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally, verdict
+from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally
 
 
 def render_csv(matrix: Matrix) -> str:
@@ -54,7 +54,7 @@ def render_markdown(matrix: Matrix) -> str:
     lines = [
         f"# Traceability of {escaped(matrix.project)}",
         "",
-        f"**{verdict(matrix).upper()}** on {matrix.today.isoformat()}: {tally(matrix)}. From {inputs(matrix)}.",
+        f"**{matrix.verdict.upper()}** on {matrix.today.isoformat()}: {tally(matrix)}. From {inputs(matrix)}.",
         "",
         "| requirement | " + " | ".join(stages) + " |",
         "|---" * (len(stages) + 1) + "|",
@@ -84,8 +84,10 @@ def render_markdown(matrix: Matrix) -> str:
             if waiver.stages
             else ", ".join(waiver.codes)
         )
-        said = f"{escaped(what)}, {escaped(waiver.owner)}, {waiver.granted} until {waiver.expires}"
-        lines.append(f"- **{waiver.id}** ({said}): {escaped(waiver.justification)}")
+        who = f"{escaped(waiver.owner)}, approved by {escaped(waiver.approver)}"
+        said = f"{escaped(what)}, {who}, {waiver.granted} until {waiver.expires}"
+        risk = f" Residual risk: {escaped(waiver.residual_risk)}" if waiver.residual_risk else ""
+        lines.append(f"- **{waiver.id}** ({said}): {escaped(waiver.justification)}{risk}")
     return "\n".join(lines) + "\n"
 
 

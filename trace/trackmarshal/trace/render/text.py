@@ -6,10 +6,12 @@ from collections.abc import Iterator
 
 from trackmarshal.trace.cells import Cell
 from trackmarshal.trace.matrix import Matrix, Row
-from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally, verdict
+from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally
+from trackmarshal.trace.verdict import FAIL, PASS, RESERVED
 
 _COLOURS = {"covered": "32", "waived": "36", "partial": "33", "missing": "33", "stale": "35", "failed": "31"}
 _LEVELS = {"error": "1;31", "warning": "1;33", "note": "1;32"}
+_VERDICTS = {PASS: "1;32", RESERVED: "1;36", FAIL: "1;31"}
 _TITLE = 34
 
 
@@ -27,9 +29,9 @@ class _Paint:
 
 
 def _lines(matrix: Matrix, paint: _Paint) -> Iterator[str]:
-    word = verdict(matrix)
+    word = matrix.verdict
     yield f"traceability of {printable(matrix.project) or 'a project without a name'}, {matrix.today.isoformat()}"
-    yield paint("1;32" if word == "pass" else "1;31", f"{word.upper()}") + f": {tally(matrix)}"
+    yield paint(_VERDICTS[word], f"{word.upper()}") + f": {tally(matrix)}"
     yield f"from {inputs(matrix)}"
     if matrix.rows and matrix.stages:
         yield ""
@@ -43,8 +45,10 @@ def _lines(matrix: Matrix, paint: _Paint) -> Iterator[str]:
         yield ""
         yield "waivers:"
     for waiver in matrix.waivers:
-        until = f"{printable(waiver.owner)}, {waiver.granted} until {waiver.expires}"
+        until = f"{printable(waiver.owner)}, approved by {printable(waiver.approver)}, {waiver.granted} until {waiver.expires}"
         yield f"  {waiver.id} ({until}): {printable(waiver.justification)}"
+        if waiver.residual_risk:
+            yield f"    residual risk: {printable(waiver.residual_risk)}"
     if matrix.findings:
         yield ""
         yield "findings:"

@@ -18,15 +18,12 @@ MEANINGS = {
 }
 
 
-def verdict(matrix: Matrix) -> str:
-    """The one verdict, as a word."""
-    return "pass" if matrix.passes else "fail"
-
-
 def tally(matrix: Matrix) -> str:
-    """How many findings of each level."""
+    """How many findings of each level, and what a pass is reserved by."""
     number = {level: sum(finding.level == level for finding in matrix.findings) for level in LEVELS}
-    return ", ".join(f"{count} {level}{'' if count == 1 else 's'}" for level, count in number.items())
+    said = ", ".join(f"{count} {level}{'' if count == 1 else 's'}" for level, count in number.items())
+    held = [what for what in matrix.reservations if "should be looked at" not in what]
+    return f"{said}; {', '.join(held)}" if held and matrix.passes else said
 
 
 def inputs(matrix: Matrix) -> str:

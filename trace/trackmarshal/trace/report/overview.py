@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from trackmarshal.trace import verdict
 from trackmarshal.trace.report.reading import Run
 from trackmarshal.trace.report.run_view import truth_words
 from trackmarshal.trace.report.svg.bars import STATUSES, coverage_bar
@@ -14,15 +15,18 @@ from trackmarshal.trace.report.svg.timeline import strip
 from trackmarshal.trace.report.words import clock, count, listed
 
 LEVELS = {"error": "must be mended", "warning": "should be looked at", "note": "for information"}
+#: What a verdict looks like; the word says it, too.
+_LOOKS = {verdict.PASS: "good", verdict.RESERVED: "warn", verdict.NONE: "warn", verdict.FAIL: "bad"}
 #: Findings of one level that are shown at once; the rest unfold.
 SHOWN_AT_ONCE = 25
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """The whole assessment in one sentence. `look` is good, warn or bad; `word` says the same without colour."""
+    """The whole assessment in one sentence. `look` is good, warn or bad; `word`, with `sign`, says the same without colour."""
 
     look: str
+    sign: str
     word: str
     sentence: str
 
@@ -60,7 +64,7 @@ def index_context(
 def state(
     runs: Sequence[Run], matrix_summary: Mapping[str, Any], findings: Sequence[Mapping[str, Any]], checks: Mapping[str, Any]
 ) -> State:  # fmt: skip
-    """What is wrong comes first; what was not done is never left unsaid."""
+    """The matrix's verdict, or a worse one where the pages show more that is wrong. What is wrong comes first; what was not done is never left unsaid."""
     tests = checks["tests"]
     errors = sum(f["level"] == "error" for f in findings)
     outside = [run.name for run in runs if any(not truth["inside"] for truth in run.record["truths"])]
@@ -85,14 +89,12 @@ def state(
         undone.append("no scenario was replayed")
     if not matrix_summary.get("coverage"):
         undone.append("no coverage was computed")
+    word = matrix_summary.get("verdict", verdict.NONE)
     if wrong:
-        return State(
-            "bad", "Not complete", f"{_capital(listed(wrong))}{'; ' + listed(undone) if undone else ''}."
-        )
+        word = verdict.worse(word, verdict.FAIL)
+        return _state(word, f"{_capital(listed(wrong))}{'; ' + listed(undone) if undone else ''}.")
     if undone:
-        return State(
-            "warn", "Nothing wrong found, but not everything was done", f"{_capital(listed(undone))}."
-        )
+        return _state(word, f"Nothing wrong was found, but not everything was done: {listed(undone)}.")
     held = []
     covered, asked, waived = (_total(matrix_summary, status) for status in ("covered", "of", "waived"))
     rest = asked - covered - waived
@@ -111,10 +113,12 @@ def state(
         found, put_in = checks["faults"]
         held.append(f"{found} of {count(put_in, 'injected fault')} were found as expected")
     warnings = sum(f["level"] == "warning" for f in findings) + int(checks["warnings"])
-    if warnings or covered < asked or not judged:
-        extra = f"; {count(warnings, 'warning')} should be looked at" if warnings else ""
-        return State("warn", "Complete, with reservations", f"{_capital(listed(held))}{extra}.")
-    return State("good", "Complete", f"{_capital(listed(held))}.")
+    extra = f"; {count(warnings, 'warning')} should be looked at" if warnings else ""
+    return _state(word, f"{_capital(listed(held))}{extra}.")
+
+
+def _state(word: str, sentence: str) -> State:
+    return State(_LOOKS[word], verdict.SIGNS[word], word, sentence)
 
 
 def _cards(

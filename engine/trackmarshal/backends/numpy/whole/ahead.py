@@ -8,18 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.backends.numpy import temporal
 from trackmarshal.backends.numpy.logic import Value, negate
-from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT
-from trackmarshal.backends.numpy.temporal.extrema import extremum
+from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT, Carrier, Rows
 from trackmarshal.backends.numpy.temporal.windows import Windows, edge_at
 from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, edge_of
-from trackmarshal.backends.numpy.whole.spans import Spans
+from trackmarshal.backends.numpy.whole.firsts import STAYS, Firsts
+from trackmarshal.backends.numpy.whole.spans import Levels, Spans
 from trackmarshal.backends.numpy.whole.values import Pair, pairs
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.kleene import UNDEFINED
@@ -110,35 +111,26 @@ class Looking:
                 raise AssertionError(f"{type(node).__name__} does not look ahead over the cycles of a piece")
 
     def _when_over_run(self, node: ir.OverRun) -> Times:
-        of_each = [self._of_elements(operand) for operand in node.operands]
         closed = self._closed(node)
         if node.op == "next":
-            found = self._next(of_each[0].true, -np.inf), self._next(of_each[0].false, np.inf)
+            of_each = self._of_elements(node.operands[0])
+            found = self._next(of_each.true, -np.inf), self._next(of_each.false, np.inf)
             if self._ended:  # there is no cycle after the last one
                 found[0][-1:] = -closed[-1:] if node.weak else -np.inf
                 found[1][-1:] = np.inf if node.weak else closed[-1:]
             return Times(*found)
-        windows = self._windows(node)
-        cycles = self._elements.of_cycles
+        firsts = Firsts(self._windows(node), self._elements)
         match node.op:
             case "eventually":
-                true = cycles(extremum(of_each[0].true, windows, MARGIN, np.maximum, -np.inf))
-                false = cycles(extremum(of_each[0].false, windows, MARGIN, np.maximum, -np.inf))
-                return Times(true, np.maximum(false, closed))
+                ((holds, _), (may, _)) = self._operand(node.operands[0])
+                return Times(-firsts.place(holds), np.where(firsts.none(may), closed, np.inf))
             case "always":
-                true = cycles(extremum(of_each[0].true, windows, MARGIN, np.minimum, np.inf))
-                false = cycles(extremum(of_each[0].false, windows, MARGIN, np.minimum, np.inf))
-                return Times(np.minimum(true, -closed), false)
+                ((holds, _), (may, _)) = self._operand(node.operands[0])
+                return Times(np.where(firsts.none(~holds), -closed, -np.inf), firsts.place(~may))
             case "until":
-                held, goal = of_each
-                none = np.zeros(len(self._elements), dtype=bool)
-                true = temporal.until(none, held.true, none, goal.true, windows)[1]
-                false = temporal.until(none, held.false, none, goal.false, windows)[1]
-                # What is to come may be the goal, unless what has to hold until then has failed.
-                on_the_way = Windows(windows.n, False, 0, windows.end, _reach(windows))
-                broken = extremum(held.false, on_the_way, MARGIN, np.minimum, np.inf)
-                open_ = np.minimum(closed, cycles(broken))
-                return Times(cycles(true), np.maximum(cycles(false), open_))
+                held, goal = ((worst[0], best[0]) for worst, best in map(self._operand, node.operands))
+                true, false = firsts.until(held, goal)
+                return Times(-true, np.where(false == STAYS, closed, false))
             case _:
                 raise AssertionError(f"`{node.op}` does not look ahead")
 
@@ -219,45 +211,64 @@ class Looking:
 
     def _so_far(self, node: ir.OverRun, about: Indices, now: Indices) -> Value:
         """The values of an operator while its windows are open: whatever comes may still be in them."""
-        unknown = values.constant(UNDEFINED, len(about))
-        if node.op == "next":
-            return unknown
+        match node.op:
+            case "next":
+                return values.constant(UNDEFINED, len(about))
+            case "always" | "eventually":
+                # Where the present cycle decides it, no cycle before says as much.
+                times = self.times(node)
+                decided = times.false if node.op == "always" else -times.true
+                operand, at = self._operand(node.operands[0]), self._at[now]
+                found = _halves(node, lambda best: (operand[best][0][at], operand[best][1][at]), len(about))
+                rest = np.flatnonzero(decided[about] != now)
+                return (
+                    values.put(found, rest, self._seen(node, about[rest], now[rest])) if len(rest) else found
+                )
+            case "until":
+                return self._seen(node, about, now)
+            case _:
+                raise AssertionError(f"`{node.op}` does not look ahead")
+
+    def _seen(self, node: ir.OverRun, about: Indices, now: Indices) -> Value:
+        """The same, from all that there has been in the windows."""
         windows, first, seen = self._windows(node), self._at[about], self._at[now] + 1
         n = windows.n
         end = np.minimum(edge_at(windows.end, 0, n, n)[first], seen)
         begin = np.minimum(edge_at(windows.begin, 0, n, n)[first], seen)
-        end = np.maximum(end, begin)
-        operands = [self._operand(operand) for operand in node.operands]
+        inside, before, so_far = (
+            Levels(begin, np.maximum(end, begin)),
+            Levels(first, begin),
+            Levels(first, seen),
+        )
+
+        @cache
+        def of_part(spans: Spans) -> Rows:
+            found = spans.all(inside) if node.op == "always" else spans.until(inside)
+            return spans.carrier.meet(found, spans.all(before)) if node.op == "until" else found
 
         def found(best: int) -> Pair:
-            held = operands[0][best] if node.op != "eventually" else (None, None)
-            goal = operands[-1][best] if node.op != "always" else (None, None)
             made = []
             for part, carrier in ((0, VERDICT), (1, MARGIN)):
-                key = node, best, part
-                spans = self._spans.get(key)
-                if spans is None:
-                    spans = self._spans[key] = Spans(held[part], goal[part], carrier, _reach(windows))
-                if node.op == "always":
-                    made.append(spans.all(begin, end))
-                    continue
-                inside = spans.until(begin, end)
-                if node.op == "until":
-                    inside = carrier.meet(inside, spans.all(first, begin))
-                if best:  # the goal may come yet, if what has to hold does so far
-                    inside = carrier.join(inside, spans.all(first, seen))
-                made.append(inside)
+                spans = self._spans_of(node, best, part, carrier)
+                known = of_part(spans)
+                if best and node.op == "until":  # the goal may come yet, if what has to hold does so far
+                    known = carrier.join(known, spans.all(so_far))
+                made.append(known)
             return made[0], made[1]
 
-        match node.op:
-            case "always":
-                return values.of(pairs(unknown)[0], found(1))
-            case "eventually":
-                return values.of(found(0), pairs(unknown)[1])
-            case "until":
-                return values.of(found(0), found(1))
-            case _:
-                raise AssertionError(f"`{node.op}` does not look ahead")
+        return _halves(node, found, len(about))
+
+    def _spans_of(self, node: ir.OverRun, best: int, part: int, carrier: Carrier) -> Spans:
+        """Spans of the Booleans or the margins of one side of what an operator is about."""
+        operands = [self._operand(operand) for operand in node.operands]
+        if all(low is high for low, high in operands):
+            best = 0
+        spans = self._spans.get((node, best, part))
+        if spans is None:
+            held = None if node.op == "eventually" else operands[0][best][part]
+            goal = None if node.op == "always" else operands[-1][best][part]
+            spans = self._spans[node, best, part] = Spans(held, goal, carrier)
+        return spans
 
     def _operand(self, node: ir.Formula) -> tuple[Pair, Pair]:
         """(elements,): both sides of what an operator is about, which is settled in its own cycle."""
@@ -275,10 +286,19 @@ class Looking:
         return np.append(array, after)[self._at + 1]
 
 
-def _reach(windows: Windows) -> int:
-    """How many elements there are at most from one to the end of its window."""
-    n = windows.n
-    return int((edge_at(windows.end, 0, n, n) - np.arange(n)).max(initial=0)) + 1
+def _halves(node: ir.OverRun, side: Callable[[int], Pair], count: int) -> Value:
+    """A value of an operator whose windows are open, from the worst (0) and the best (1) that has been seen: one counterexample refutes
+    `always`, one example proves `eventually`; the other half stays unknown."""
+    unknown = pairs(values.constant(UNDEFINED, count))
+    match node.op:
+        case "always":
+            return values.of(unknown[0], side(1))
+        case "eventually":
+            return values.of(side(0), unknown[1])
+        case "until":
+            return values.of(side(0), side(1))
+        case _:
+            raise AssertionError(f"`{node.op}` has no windows")
 
 
 def _decided(value: Value, places: Floats) -> Times:

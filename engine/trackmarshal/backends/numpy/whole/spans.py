@@ -8,41 +8,59 @@ from trackmarshal.backends.numpy.temporal.carrier import Carrier, Rows
 from trackmarshal.backends.numpy.whole.elements import Indices
 
 
+class Levels:
+    """Spans by the power of two that is the longest in them: which, and where the two that cover each begin."""
+
+    def __init__(self, begin: Indices, end: Indices) -> None:
+        self.count = len(begin)
+        length = end - begin
+        levels = np.frexp(length.astype(np.float64))[1] - 1  # of nothing: -1
+        self.levels: list[tuple[int, Indices, Indices, Indices]] = []
+        for level in (np.flatnonzero(np.bincount(levels + 1)[1:])).tolist():
+            chosen = np.flatnonzero(levels == level)
+            self.levels.append((level, chosen, begin[chosen], end[chosen] - (1 << level)))
+
+
 class Spans:
-    """`until`: p until q inside a span; `all`: the least of p there. held, goal: (elements,) p and q; None: p always holds, q is not asked for."""
+    """`until`: p until q inside a span; `all`: the least of p there. held, goal: (elements,) p and q; None: p always holds, q is not asked for.
 
-    def __init__(self, held: Rows | None, goal: Rows | None, carrier: Carrier, longest: int) -> None:
-        self._carrier = carrier
+    What is not asked for is not made: spans that are long come seldom.
+    """
+
+    def __init__(self, held: Rows | None, goal: Rows | None, carrier: Carrier) -> None:
+        self.carrier = carrier
         self._held, self._goal = [held], [goal]
-        step = 1
-        while 2 * step <= longest:
-            before, wanted = self._held[-1], self._goal[-1]
-            self._held.append(
-                None if before is None else _put(before, carrier.meet(before[:-step], before[step:]))
-            )
-            if wanted is not None:
-                later = wanted[step:] if before is None else carrier.meet(before[:-step], wanted[step:])
-                wanted = _put(wanted, carrier.join(wanted[:-step], later))
-            self._goal.append(wanted)
-            step *= 2
 
-    def all(self, begin: Indices, end: Indices) -> Rows:
+    def _longer(self, level: int) -> tuple[Rows | None, Rows | None]:
+        """p and q over the spans of two to the power of a level."""
+        carrier = self.carrier
+        while len(self._held) <= level:
+            step = 1 << len(self._held) - 1
+            held, goal = self._held[-1], self._goal[-1]
+            self._held.append(None if held is None else _put(held, carrier.meet(held[:-step], held[step:])))
+            if goal is not None:
+                later = goal[step:] if held is None else carrier.meet(held[:-step], goal[step:])
+                goal = _put(goal, carrier.join(goal[:-step], later))
+            self._goal.append(goal)
+        return self._held[level], self._goal[level]
+
+    def all(self, spans: Levels) -> Rows:
         """The least of p over each span."""
-        found: Rows = np.full(len(begin), self._carrier.top, self._carrier.dtype)
-        for level, chosen, left, right in _levels(begin, end):
-            held = self._held[level]
+        found: Rows = np.full(spans.count, self.carrier.top, self.carrier.dtype)
+        for level, chosen, left, right in spans.levels:
+            held, _ = self._longer(level)
             assert held is not None, "nothing has to hold here"
-            found[chosen] = self._carrier.meet(held[left], held[right])
+            found[chosen] = self.carrier.meet(held[left], held[right])
         return found
 
-    def until(self, begin: Indices, end: Indices) -> Rows:
+    def until(self, spans: Levels) -> Rows:
         """p until q inside each span."""
-        found: Rows = np.full(len(begin), self._carrier.bottom, self._carrier.dtype)
-        for level, chosen, left, right in _levels(begin, end):
-            held, goal = self._held[level], self._goal[level]
+        found: Rows = np.full(spans.count, self.carrier.bottom, self.carrier.dtype)
+        for level, chosen, left, right in spans.levels:
+            held, goal = self._longer(level)
             assert goal is not None, "nothing is asked for here"
-            later = goal[right] if held is None else self._carrier.meet(held[left], goal[right])
-            found[chosen] = self._carrier.join(goal[left], later)
+            later = goal[right] if held is None else self.carrier.meet(held[left], goal[right])
+            found[chosen] = self.carrier.join(goal[left], later)
         return found
 
 
@@ -51,16 +69,3 @@ def _put(into: Rows, first: Rows) -> Rows:
     made = into.copy()
     made[: len(first)] = first
     return made
-
-
-def _levels(begin: Indices, end: Indices) -> list[tuple[int, Indices, Indices, Indices]]:
-    """Spans by the power of two that is the longest in them: which, and where the two that cover each begin."""
-    length = end - begin
-    levels = np.frexp(length.astype(np.float64))[1] - 1  # of nothing: -1
-    found = []
-    for level in np.flatnonzero(np.bincount(levels[length > 0])).tolist():
-        chosen = np.flatnonzero(levels == level)
-        if level == 0:
-            chosen = chosen[length[chosen] > 0]
-        found.append((level, chosen, begin[chosen], end[chosen] - (1 << level)))
-    return found

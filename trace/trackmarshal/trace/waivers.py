@@ -1,0 +1,68 @@
+"""Waivers as records: each is approved by somebody else than its owner, lasts a year at most, and says which gap it is about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import date, timedelta
+
+from trackmarshal.trace.findings import Finding, error
+from trackmarshal.trace.gates import WAIVABLE
+from trackmarshal.trace.model import Project, Waiver, matches
+from trackmarshal.trace.values import Placed
+
+
+def check(project: Project) -> Iterator[Finding]:
+    """What is wrong with who approved a waiver, how long it holds, and how much it excuses (T234 to T236)."""
+    persons = {str(e.title): str(e.id) for e in reversed(project.entries) if e.kind == "person"}
+    for waiver in project.waivers:
+        name = str(waiver.id)
+        if waiver.approver and _one(waiver.approver, persons) == _one(waiver.owner, persons):
+            message = f"the waiver `{name}` is approved by `{waiver.approver}`, who owns it"
+            help_ = "have it approved by another role than the one that answers for the gap"
+            yield error("T234", message, waiver.approver.place, help_, name)
+        if date.min not in (waiver.granted, waiver.expires):  # a day that cannot be read was reported
+            last = a_year_after(waiver.granted)
+            if waiver.expires > last:
+                message = f"the waiver `{name}` holds from {waiver.granted} until {waiver.expires}, more than a year"
+                help_ = f"let it expire on {last} at the latest, and look at the gap again then"
+                yield error("T235", message, waiver.id.place, help_, name)
+        yield from _blanket(waiver, project)
+
+
+def a_year_after(day: date) -> date:
+    """The same day a year later; the 28th for the 29th of February, the last day that there is where years end."""
+    if day.year == date.max.year:
+        return date.max
+    try:
+        return day.replace(year=day.year + 1)
+    except ValueError:
+        return (day - timedelta(days=1)).replace(year=day.year + 1)
+
+
+def _one(who: str, persons: dict[str, str]) -> str:
+    """Who somebody is: the id of a declared person, or else the name however it is written."""
+    return persons.get(who, who).casefold().strip()
+
+
+def _blanket(waiver: Waiver, project: Project) -> Iterator[Finding]:
+    """T236 for a waiver of everything: whoever grants one has looked at no gap in particular."""
+    demanded = [str(r.id) for r in project.by_id.values() if r.demanded]
+    wild = [pattern for pattern in waiver.requirements if "*" in pattern]
+    stages = {str(stage.id) for stage in project.stages}
+    found: list[tuple[Placed, str]] = []
+    for pattern in (*waiver.requirements, *waiver.subjects):
+        if not pattern.strip("*"):
+            found.append((pattern, f"`{pattern}`, which is everything"))
+    if wild and not found and len(demanded) > 1 and all(matches(id_, wild) for id_ in demanded):
+        found.append((wild[0], "every requirement of the project"))
+    if len(stages) > 1 and stages <= set(waiver.stages):
+        found.append((waiver.stages[0], "every stage"))
+    if set(waiver.codes) >= WAIVABLE:
+        found.append((waiver.codes[0], "every code that can be waived"))
+    if found:
+        place, what = found[0]
+        message = f"the waiver `{waiver.id}` is for {what}"
+        yield error("T236", message, place.place, "name the gaps that somebody has looked at", str(waiver.id))
+
+
+__all__ = ["a_year_after", "check"]
