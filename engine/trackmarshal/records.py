@@ -90,12 +90,12 @@ class SpecItem:
         )  # fmt: skip
 
 
-PART_KINDS = ("param", "table", "place", "signal", "constraint")
+PART_KINDS = ("param", "table", "place", "signal", "constraint", "rulebook")
 
 
 @dataclass(frozen=True, slots=True)
 class SpecPart:
-    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text."""
+    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text; or an order of rules."""
 
     kind: str
     name: str
@@ -313,11 +313,12 @@ class FaultCase:
     line: int
     fingerprint: str  #: sha256 of all that its outcome depends on; empty when that is not known
     open: str = ""  #: why it cannot be put in
+    says: str = ""  #: sha256 of what is put in, when, and what is expected
 
     def to_json(self) -> dict[str, Any]:
         return {
             "campaign": self.campaign, "id": self.id, "title": self.title, "requirement": self.requirement, "line": self.line,
-            "fingerprint": self.fingerprint, "open": self.open,
+            "fingerprint": self.fingerprint, "open": self.open, "says": self.says,
         }  # fmt: skip
 
     @classmethod
@@ -325,7 +326,7 @@ class FaultCase:
         f = _Fields(data, "fault")
         return cls(
             f.text("campaign"), f.text("id"), f.text("title"), f.text("requirement"), f.count("line"), f.text("fingerprint"),
-            f.text("open", ""),
+            f.text("open", ""), f.text("says", ""),
         )  # fmt: skip
 
 

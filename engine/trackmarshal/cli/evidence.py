@@ -82,10 +82,16 @@ def spec_parts(spec: Spec, items: Iterable[SpecItem]) -> list[SpecPart]:
     for constraint in spec.constraints:
         text = " ".join(constraint.span.text.partition(" because ")[0].split()).removeprefix("constrain ")
         used.append(("constraint", text, constraint, ""))
+    used += [("rulebook", book.name, book, _order(book.relations)) for book in spec.rulebooks]
     return [
         SpecPart(kind, name, of(info), shown, info.span.file.path, info.span.line, info.span.column)
         for kind, name, info, shown in used
     ]
+
+
+def _order(relations: Iterable[tuple[str, str, str]]) -> str:
+    """What a rulebook says, on one line."""
+    return ", ".join(" ".join(relation) for relation in relations)
 
 
 def _refs(pairs: Iterable[tuple[str, Any]]) -> tuple[Ref, ...]:

@@ -99,7 +99,7 @@ FAULTS = [
     Fault("a review of tomorrow", swap(A, "made: 2026-03-01", "made: 2026-06-03"), "T165", "RV-1"),
     Fault("an analysis of next year", swap(A, "made: 2026-02-10", "made: 2027-02-10"), "T165", "AN-1"),
     Fault("a review that is open", swap(A, "outcome: accepted", "outcome: open"), "T376", "RV-1"),
-    Fault("a review struck", cut(A, "reviews:\n", ""), "T376", "RV-1"),
+    Fault("a review struck", cut(A, "reviews:\n", "works:\n"), "T376", "RV-1"),
     Fault("a review of another version", swap(A, "{id: S-3, fingerprint: '", "{id: S-2, fingerprint: '"), "T376", "RV-1"),
     # 17: levels
     Fault("an ASIL lowered", swap(R, "    owner: P-1\n    status: approved\n    asil: C\n    verification: [test, scenario]", "    owner: P-1\n    status: approved\n    asil: A\n    verification: [test, scenario]"), "T160", "S-1"),

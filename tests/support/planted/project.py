@@ -56,3 +56,8 @@ def judged(root: Path, rerun: bool = False, today: date = TODAY) -> tuple[int, l
         code = re.match(r"error\[([A-Z][0-9]+)\]", err)
         assert code is not None, err
         return status, [{"code": code[1], "level": "error", "subject": None, "cause": None, "message": err}]
+
+
+def causes(found: list[dict[str, Any]]) -> list[tuple[str, str]]:
+    """Code and subject of what stands for itself; notes aside."""
+    return [(f["code"], f["subject"] or "") for f in found if f["cause"] is None and f["level"] != "note"]

@@ -28,7 +28,7 @@ FAULTS = [
     Fault("two rules with one name", add(S, '\nrule braking "Again"\n  satisfies S-2\n  for all   p in plan\n  require   p.v <= v_max\n'), "E202", "braking"),
     Fault("a rule without a requirement", add(S, '\nrule reverse "Not backwards"\n  for all   p in plan\n  require   p.v >= 0 m/s\n'), "T202", "reverse"),
     Fault("a rule without a test", add(S, '\nrule reverse "Not backwards"\n  satisfies S-1\n  for all   p in plan\n  require   p.v >= 0 m/s\n'), "T211", "reverse"),
-    Fault("an equation that the concept does not have", swap(S, "source    concept eq 2, 3", "source    concept eq 2, 99"), "T172", "braking"),
+    Fault("an equation that the concept does not have", swap(S, "source    concept eq 2, 3", "source    concept eq 2, 99"), "T170", "braking"),
     Fault("a work that nobody knows", swap(S, "source    concept eq 2, 3", "source    paper eq 2, 3"), "E219", "braking"),
     # assumptions
     Fault("a monitor taken away", all_of(swap(S, "  for all   o in objects\n  monitor   o.age <= oldest\n", ""), cut(S, 'test A-SEEN "as old', 'test speed_limit "at')), "T208", "A-SEEN"),

@@ -15,7 +15,7 @@ from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.kinds import LINKS
 
 #: Steps of what comes from what, from first to last.
-UNREADABLE, UNUSABLE, DOUBLE, DEMANDS, GONE, LOOSE, ONE_SIDED, WRONG, CHANGED, UNREAD, FORGED, LACKING, OUTCOME, OPEN = range(14)
+UNREADABLE, DOUBLE, UNUSABLE, DEMANDS, GONE, LOOSE, ONE_SIDED, WRONG, CHANGED, UNREAD, FORGED, LACKING, OUTCOME, OPEN = range(14)
 _STEPS = {
     UNREADABLE: "T101 T102 T103 T104 T105 T106 T107 T108 T109 T110 T111 T113 T220 T379 T380",
     UNUSABLE: "T112 T120 T121 T122 T123 T124 T125 T126 T127 T128 T129 T148 T240 T250 T264",
@@ -102,7 +102,7 @@ class _Folding:
     def _of(self, finding: Finding) -> Finding | None:
         """What a finding follows from: the nearest that comes earlier, and of those the first."""
         seen: set[Finding] = set()
-        for names in self._nearer(finding):
+        for own, names in self._nearer(finding):
             best = None
             for name in names:
                 for other in self._by_name.get(name, ()):
@@ -110,49 +110,57 @@ class _Folding:
                     if root is finding or root in seen:
                         continue
                     seen.add(root)
-                    if self._precedes(root, finding) and (best is None or self._key[root] < self._key[best]):
+                    if self._precedes(root, finding, own) and (best is None or self._key[root] < self._key[best]):
                         best = root
             if best is not None:
                 return best
         return self._unread(finding)
 
-    def _precedes(self, other: Finding, finding: Finding) -> bool:
-        """Whether a finding may be the cause of another one about the same thing."""
+    def _precedes(self, other: Finding, finding: Finding, same_thing: bool) -> bool:
+        """Whether a finding may be the cause of another one, which is about the same thing or rests on it."""
         before, own = self._key[other], self._key[finding]
         if before[0] != own[0]:
             return before < own
+        if not same_thing:
+            return own[0] == OPEN and other.subject != finding.subject  # what is open below is open above
         if own[0] == UNUSABLE and not (other.code.startswith("T") or finding.code.startswith("T")):
             return before < own  # one declaration that is not sound makes others so
         same = (other.code, other.subject) == (finding.code, finding.subject) != (finding.code, "")
         return before < own and (same or own[0] in _TOGETHER)
 
-    def _nearer(self, finding: Finding) -> Iterator[Sequence[str]]:
-        """Names that a finding rests on, the nearest first."""
-        step = self._key[finding][0]
+    def _nearer(self, finding: Finding) -> Iterator[tuple[bool, Sequence[str]]]:
+        """Names that a finding is about (True) or rests on, the nearest first."""
+        step, own = self._key[finding][0], self._about[finding]
         if step != OPEN:
-            yield self._about[finding]
+            yield True, own
         if step == LACKING or finding.code[:3] in ("T16", "T14"):
-            yield self._neighbours(finding.subject)
+            yield True, self._neighbours(finding.subject)
         if step == ONE_SIDED:
-            yield [name for end in self._about[finding] for name in self._neighbours(end)]
+            yield True, [name for end in own for name in self._neighbours(end)]
         if finding.rests_on or step >= OUTCOME:
-            yield finding.rests_on
-            yield from self._resting((*finding.rests_on, *(() if step == OPEN else self._about[finding])))
+            yield False, finding.rests_on
+            for names in self._resting((*finding.rests_on, *(() if step == OPEN else own))):
+                yield False, names
         if step == OPEN:
-            yield self._about[finding]
-            yield self._neighbours(finding.subject)
+            yield False, own
+            yield False, self._neighbours(finding.subject)
 
     def _unread(self, finding: Finding) -> Finding | None:
         """What was not read, where that explains that something is not there."""
-        first = self._found[0]
         if finding.code in _NOT_RUN:  # specs with errors are not run, whatever the errors come of
             broken = next((other for other in self._found if not other.code.startswith("T")), None)
             if broken is not None:
                 return self._root(broken)
-        step = self._key[first][0]
-        if first is finding or step > DOUBLE or not (finding.gone or finding.code in _OF_ABSENCE or step == UNREADABLE):
+        for judge in self._found[:2]:  # against what nobody accepted, differences say little
+            if judge.code in ("T379", "T380") and self._key[finding][0] in (DEMANDS, GONE, CHANGED, UNREAD):
+                return judge
+        if not (finding.gone or finding.code in _OF_ABSENCE):
             return None
-        return first if step < self._key[finding][0] else None
+        for first in self._found[:2]:  # a file that cannot be read comes first; else that fewer specs are read
+            read = self._key[first][0] <= UNUSABLE or (finding.gone and first.code == "T371" and not first.subject)
+            if read and self._key[first][0] < self._key[finding][0]:
+                return first
+        return None
 
     def _neighbours(self, name: str) -> list[str]:
         """What a thing is linked with, whether the links hold or not."""

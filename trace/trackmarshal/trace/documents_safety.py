@@ -122,6 +122,11 @@ ASSURANCE = Record("assurance", "Who did what: persons, tools, analyses, reviews
         optional("confidence", Word({"TCL1": "no qualification needed", "TCL2": "qualification of medium rigour", "TCL3": "qualification of high rigour"}),
                  "The tool confidence level."),
     )), 1), "Tools."),
+    optional("works", Many(Record("work", "What rules cite as their source.", (
+        Field("id", ANY_ID, "Unique, such as `WK-1`."),
+        Field("title", TEXT, "The text of the `reference` by which specs cite it."),
+        optional("equations", Count(), "How many numbered equations it has: a rule that cites another one cites nothing."),
+    )), 1), "Works that rules cite: papers, regulations, concepts."),
     optional("analyses", Many(Record("analysis", "An argument over something, made by somebody.", (
         Field("id", ANY_ID, "Unique, such as `AN-1`."),
         Field("title", TEXT, "A few words."),

@@ -12,7 +12,7 @@ from trackmarshal.trace.values import Placed, Table
 LISTS = {
     "hazards": (("domains", "operational design domain"), ("hazards", "hazard"), ("safety_goals", "safety goal")),
     "design": (("elements", "design element"), ("methods", "method")),
-    "assurance": (("persons", "person"), ("tools", "tool"), ("analyses", "analysis"), ("reviews", "review")),
+    "assurance": (("persons", "person"), ("tools", "tool"), ("analyses", "analysis"), ("reviews", "review"), ("works", "work")),
 }  # fmt: skip
 #: Fields that are links, and their kinds.
 _LINKS = {

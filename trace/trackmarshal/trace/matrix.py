@@ -12,7 +12,7 @@ from trackmarshal.trace import causes, consistency, cycles, faults, files, gates
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
-from trackmarshal.trace.graph import checks, integrity, people, schema
+from trackmarshal.trace.graph import checks, integrity, people, schema, works
 from trackmarshal.trace.graph.building import build
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, matches
@@ -114,13 +114,14 @@ def assemble(
         *schema.check(graph, project, project.schema or schema.default()),
         *integrity.check(graph),
         *people.check(graph, project, today),
+        *works.check(graph),
         *links.check(project, spec),
         *tests.check(project, spec),
         *baselines.check(baseline, baselines.content(project, spec, hashes), project, spec),
         *runs.check(project, spec, hashes),
         *faults.check(project, spec, hashes),
         *files.check(project, spec, hashes),
-        *outside.check(project, around),
+        *outside.check(project, spec, around),
         *waivers.check(project),
     ]
     judged = [excuses.finding(finding) for finding in loose]

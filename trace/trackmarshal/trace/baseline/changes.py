@@ -26,12 +26,15 @@ _SILENT = {
     ("table", "shown"),
     ("place", "shown"),
     ("signal", "shown"),
+    ("rulebook", "shown"),
     ("rule", "reads"),
     ("assumption", "reads"),
 }
 
 #: Hashes of files. One that is not there is told where it is missed.
-_FILES = ("recording", "kept run", "sha256")
+_FILES = ("recording", "kept run", "sha256", "evidence sha256")
+#: What earlier baselines did not hold: that it is held from now on is no weakening.
+_LATER = ("evidence sha256", "put in")
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +103,7 @@ def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
         if old == new or (kind, field) in _SILENT or (field in _FILES and not new):
             continue
         shown = ("", "")
-        if kind in ("param", "table", "place", "signal") and field == "says":
+        if kind in ("param", "table", "place", "signal", "rulebook") and field == "says":
             shown = (_text(before.get("shown", "")), _text(now.get("shown", "")))
             shown = ("", "") if shown[0] == shown[1] else shown
         elif isinstance(old, list) or isinstance(new, list):
@@ -122,6 +125,8 @@ def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
         return ASILS.index(new) < ASILS.index(old)
     if field.endswith(" tests a rule"):
         return int(_text(new) or 0) < int(_text(old) or 0)
+    if field in _LATER and not old:
+        return False
     if field == "boundary":
         return not new
     if (kind, field) == ("waiver", "expires"):

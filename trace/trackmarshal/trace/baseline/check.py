@@ -22,17 +22,18 @@ _CALLED = {
 _GONE = {
     "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "report": "T373",
+    "signal": "T372", "constraint": "T372", "rulebook": "T372", "report": "T373",
 }  # fmt: skip
 _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "waiver": "T377",
+    "signal": "T372", "constraint": "T372", "rulebook": "T372", "waiver": "T377",
     "report": "T373",
 }  # fmt: skip
 _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
     ("rule", "satisfies"): "T227", ("assumption", "satisfies"): "T227",
+    ("assumption", "evidence sha256"): "T373", ("analysis", "evidence sha256"): "T373", ("review", "evidence sha256"): "T373",
 }  # fmt: skip
 
 
@@ -49,20 +50,25 @@ def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec)
         also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
         name = group[0].name.partition(": ")[0] if group[0].kind == "test" else group[0].name
         message = _said(group[0]) if len(group) == 1 else f"{_said(group[0])}; so do {len(group) - 1} others"
-        about = dict.fromkeys(word for change in group for word in _names(change))
+        about = dict.fromkeys(word for change in group for word in _names(change, baseline.content.get(change.key, {})))
         about |= {name: None for change in group if change.name in lost for name in _linked(baseline.content.get(change.key, {})) & lost.keys()}
         gone = all((not change.field and bool(change.before)) or change.after == "obsolete" for change in group)
-        rests_on = tuple(name for change in group if gone and not change.field for name in _around(baseline.content, change))
+        rests_on = tuple(dict.fromkeys(name for change in group for name in _around(baseline.content, change)))
         yield Finding(code, "error", message, at[0], _HELP, name, also, tuple(about), rests_on, gone)
     yield from _others([change for change in found if not change.weaker], here)
 
 
-def _names(change: Change) -> Iterator[str]:
-    """What a change is about: the entry, of tests also the rule, of the gate also the stage, and of lists what left or came."""
+def _names(change: Change, before: Entry) -> Iterator[str]:
+    """What a change is about: the entry, of tests also the rule, of what shows something also the stage, and of lists what left or came."""
     yield change.name
-    yield change.name.partition({"test": ": ", "gate": ", ", "evidence": " at "}.get(change.kind, "\0"))[0]
+    yield from change.name.split({"test": ": ", "gate": ", ", "evidence": " at ", "report": " at "}.get(change.kind, "\0"), 1)
+    stage = before.get("stage", "")
+    if isinstance(stage, str) and stage:
+        yield stage
     if change.kind == "fault":
         yield from change.name.rsplit(" ", 1)
+    if change.kind == "rulebook":
+        yield from re.findall(r"[\w-]+", f"{change.before} {change.after}")
     if change.listed:
         yield from re.findall("`([^`]*)`", f"{change.before} {change.after}")
 
@@ -73,11 +79,12 @@ def _linked(entry: Entry) -> set[str]:
 
 
 def _around(before: Content, change: Change) -> Iterator[str]:
-    """Of a parameter, a table, a place or a signal that is gone, the rules and assumptions that read it; of a rule, what it read."""
+    """Of a parameter, a table, a place or a signal, the rules and assumptions that read it; of a rule that is gone, what it read."""
     for key, entry in before.items():
         if change.key in entry.get("reads", ()):
             yield key.partition(" ")[2]
-    yield from (name.partition(" ")[2] for name in before.get(change.key, {}).get("reads", ()))
+    if not change.field:
+        yield from (name.partition(" ")[2] for name in before.get(change.key, {}).get("reads", ()))
 
 
 def _grouped(found: Iterable[Change]) -> Iterator[tuple[str, list[Change]]]:
@@ -120,7 +127,7 @@ def _said(change: Change) -> str:
         if fewer and more:
             return f"{name} {had}, and now has {more}"
         return f"{name} {had if fewer else has}"
-    what = {"sha256": "contents", "recording": "contents"}.get(change.field, f"`{change.field}`")
+    what = {"sha256": "contents", "recording": "contents", "evidence sha256": "evidence"}.get(change.field, f"`{change.field}`")
     of = "" if change.field == "says" else f"the {what} of "
     if not (change.before or change.after):
         return f"{of}{name} changed since the baseline was accepted"

@@ -12,6 +12,7 @@ from trackmarshal.trace.external import External
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph.graph import Graph, Key, Link, Node
+from trackmarshal.trace.graph import works
 from trackmarshal.trace.graph.kinds import LINKS, NODES
 from trackmarshal.trace.model import Project, Requirement, matches
 from trackmarshal.trace.outside import Outside
@@ -26,6 +27,7 @@ _USED = {
     "place": "place",
     "signal": "signal",
     "constraint": "constraint",
+    "rulebook": "rulebook",
 }
 
 
@@ -53,6 +55,7 @@ class _Building:
         #: Of links to anything: by id, the kinds that have it; and persons by name.
         self._kinds_of: dict[str, list[str]] = defaultdict(list)
         self._persons: dict[str, str] = {}
+        self._works: list[Node] = []
         self._double = False
         self._known: dict[Key, Key] = {}
         #: By interface, the requirements that its issues lead to.
@@ -72,6 +75,7 @@ class _Building:
             self._kinds_of[node.id].append(node.kind)
             if node.kind == "person":
                 self._persons.setdefault(node.title, node.id)
+        self._works = [node for node in self.nodes.values() if node.kind == "work"]
         self._links()
         places = {("requirement", str(r.id)): r.asil.place for r in self.project.by_id.values()}
         return Graph(self.nodes, self.found, places)
@@ -301,6 +305,8 @@ class _Building:
         if item.evidence:
             self._link("backed_by", key, ("document", item.evidence), item_place(item))
         self._owner(key, item.owner, item_place(item))
+        for work in works.cited(item.source, self._works):
+            self._link("cites", key, ("work", work), item_place(item))
 
     def _links_of_evidence(self) -> None:
         self._double = False

@@ -24,6 +24,7 @@ NODES = {
     "table": "a table of rules",
     "signal": "an input of rules",
     "place": "a zone or a line of rules",
+    "rulebook": "an order of rules",
     "test": "a test written in a spec",
     "result": "what a test came to",
     "scenario": "a recording that is replayed",
@@ -32,6 +33,7 @@ NODES = {
     "external test": "a test of another runner",
     "code": "a file of source code that says what it implements",
     "document": "a file that is evidence",
+    "work": "what rules cite as their source: a paper, a regulation",
     "analysis": "an argument made by somebody",
     "review": "a second person's reading",
     "waiver": "a gap that somebody answers for",
@@ -155,6 +157,7 @@ LINKS = {
         "orphaned": Said("T153", "{it} belongs to `{target}`, who is none of the persons of the project",
                          "name a person by id or by name; they are declared under `persons`"),
     }),
+    "cites": LinkKind("cited_by", ("rule", "assumption"), ("work",)),
     "approved_by": LinkKind("approves", ("waiver",), ("person",), True, {
         **_GIVEN,
         "orphaned": Said("T153", "{it} is approved by `{target}`, who is none of the persons of the project",
