@@ -7,10 +7,10 @@ cannot be read. Nothing is taken away by this: what follows is a finding as befo
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 
-from trackmarshal.trace.findings import Finding, Place
+from trackmarshal.trace.findings import LEVELS, Finding, Place
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.kinds import LINKS
 
@@ -35,8 +35,13 @@ _OF_ABSENCE = frozenset(
     "T112 T132 T134 T135 T136 T137 T139 T144 T145 T146 T148 T149 T150 T151 T153 T201 T202 T204 T205 T206 T207 T208 T211 T212 T213 T217 T230 T232 T241 "
     "T262 T263".split()
 )
+#: What something came to when it was run, and of findings of documents those that change that: a page that is not there does not make a test fail.
+_CAME_OUT = frozenset({"T215", "T243", "T244", "T245", "T260"})
+_BEFORE = frozenset("T214 T222 T228 T240 T263 T264 T265 T370 T372 T374 T375".split())
 #: Nothing was run.
 _NOT_RUN = frozenset({"T241", "T262"})
+#: So many links away something is looked for that a finding may rest on: a run rests on rules, and these on parameters.
+_FAR = 2
 #: Steps of which two findings about one thing are told as one.
 _TOGETHER = frozenset({DEMANDS, GONE, LOOSE, ONE_SIDED, CHANGED, LACKING})
 #: What these say is said of the record in which they stand, beside their subject.
@@ -102,12 +107,13 @@ class _Folding:
     def _of(self, finding: Finding) -> Finding | None:
         """What a finding follows from: the nearest that comes earlier, and of those the first."""
         seen: set[Finding] = set()
+        step = self._key[finding][0]
         for own, names in self._nearer(finding):
             best = None
             for name in names:
                 for other in self._by_name.get(name, ()):
                     root = self._root(other)
-                    if root is finding or root in seen:
+                    if root is finding or root in seen or (step == OPEN == self._key[other][0] and name not in finding.rests_on):
                         continue
                     seen.add(root)
                     if self._precedes(root, finding, own) and (best is None or self._key[root] < self._key[best]):
@@ -119,6 +125,10 @@ class _Folding:
     def _precedes(self, other: Finding, finding: Finding, same_thing: bool) -> bool:
         """Whether a finding may be the cause of another one, which is about the same thing or rests on it."""
         before, own = self._key[other], self._key[finding]
+        if LEVELS.index(other.level) > LEVELS.index(finding.level):
+            return False  # no error hides behind a warning
+        if finding.code in _CAME_OUT and other.code.startswith("T") and other.code not in _BEFORE:
+            return False
         if before[0] != own[0]:
             return before < own
         if not same_thing:
@@ -177,12 +187,12 @@ class _Folding:
                 if not (LINKS[link.kind].down or link.kind in _UPWARD):
                     up, down = down, up
                 self._below[up].append(down)
-        seen, now = set(names), deque(names)
-        while now:
+        seen, now = set(names), list(names)
+        for _ in range(_FAR):
             following = [down for name in now for down in self._below.get(name, ()) if down not in seen]
             seen.update(following)
-            now = deque(dict.fromkeys(following))
-            yield list(now)
+            now = list(dict.fromkeys(following))
+            yield now
 
 
 def _step(finding: Finding, gone: set[str]) -> int:
@@ -200,13 +210,4 @@ def _step(finding: Finding, gone: set[str]) -> int:
     return WRONG
 
 
-def consequences(cause_of: Mapping[Finding, Finding], findings: Sequence[Finding]) -> dict[Finding, list[Finding]]:
-    """By cause, what follows from it, in the order of the findings."""
-    found: dict[Finding, list[Finding]] = defaultdict(list)
-    for finding in findings:
-        if finding in cause_of:
-            found[cause_of[finding]].append(finding)
-    return found
-
-
-__all__ = ["causes", "consequences"]
+__all__ = ["causes"]

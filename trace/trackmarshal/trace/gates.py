@@ -81,7 +81,7 @@ class Waivers:
 
 def _excused(waiver: Waiver, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[str]:
     """What a waiver is about: the items of its cells, or its subjects."""
-    yield from map(str, (*waiver.stages, *waiver.subjects))
+    yield from map(str, (*waiver.subjects, *(f"at {stage}" for stage in waiver.stages)))
     for id_, row in cells.items():
         if matches(id_, waiver.requirements):
             yield id_
@@ -98,7 +98,7 @@ def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator
             if message:
                 items = (item.name for item in cell.items if item.status not in ("covered", "waived"))
                 excused = (w.id for w in project.waivers if name in w.stages and matches(requirement.id, w.requirements))
-                rests_on = tuple(dict.fromkeys(map(str, (*items, *excused, name))))
+                rests_on = tuple(dict.fromkeys(map(str, (*items, *excused, f"at {name}"))))
                 yield Finding("T230", "error", message, requirement.place, "", str(requirement.id), rests_on=rests_on)
 
 

@@ -77,6 +77,15 @@ class Matrix:
         return tuple((one if n == 1 else more).format(n) for n, one, more in said if n)
 
     @property
+    def standing(self) -> tuple[Finding, ...]:
+        """The findings that stand for themselves: causes, and notes."""
+        return tuple(finding for finding in self.findings if finding not in self.causes)
+
+    def following(self, finding: Finding) -> tuple[Finding, ...]:
+        """What follows from a finding, in order."""
+        return tuple(other for other in self.findings if self.causes.get(other) is finding)
+
+    @property
     def unusable(self) -> bool:
         """Whether a document could not be read, so that the matrix lacks what it says."""
         return any(finding.code in UNUSABLE for finding in self.findings)

@@ -49,7 +49,7 @@ def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec)
         at = [places.get(change.key, here) for change in group]
         also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
         name = group[0].name.partition(": ")[0] if group[0].kind == "test" else group[0].name
-        message = _said(group[0]) if len(group) == 1 else f"{_said(group[0])}; so do {len(group) - 1} others"
+        message = _said(group[0]) if len(group) == 1 else f"{_said(group[0])}; so it is with {len(group) - 1} other{'s' if len(group) > 2 else ''}"
         about = dict.fromkeys(word for change in group for word in _names(change, baseline.content.get(change.key, {})))
         about |= {name: None for change in group if change.name in lost for name in _linked(baseline.content.get(change.key, {})) & lost.keys()}
         gone = all((not change.field and bool(change.before)) or change.after == "obsolete" for change in group)
@@ -61,10 +61,11 @@ def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec)
 def _names(change: Change, before: Entry) -> Iterator[str]:
     """What a change is about: the entry, of tests also the rule, of what shows something also the stage, and of lists what left or came."""
     yield change.name
-    yield from change.name.split({"test": ": ", "gate": ", ", "evidence": " at ", "report": " at "}.get(change.kind, "\0"), 1)
-    stage = before.get("stage", "")
-    if isinstance(stage, str) and stage:
-        yield stage
+    first, _, last = change.name.partition({"test": ": ", "gate": ", ", "evidence": " at ", "report": " at "}.get(change.kind, "\0"))
+    yield first
+    stage = before.get("stage", "") or (last if change.kind in ("evidence", "report") else first if change.kind in ("gate", "stage") else "")
+    if stage:
+        yield f"at {stage}"
     if change.kind == "fault":
         yield from change.name.rsplit(" ", 1)
     if change.kind == "rulebook":
