@@ -36,7 +36,9 @@ def project(made: Path, tmp_path: Path) -> Iterator[Path]:
 def test_the_table_is_long_enough() -> None:
     assert len(FAULTS) >= 120
     assert len(harmless.EDITS) >= 40
-    twice = [name for name, number in Counter(e.name for e in (*FAULTS, *harmless.EDITS)).items() if number > 1]
+    twice = [
+        name for name, number in Counter(e.name for e in (*FAULTS, *harmless.EDITS)).items() if number > 1
+    ]
     assert twice == []
 
 
@@ -69,7 +71,11 @@ def test_two_faults_are_two_causes(project: Path) -> None:
     swap("requirements/requirements.yaml", "no faster than 12 m/s", "no faster than 13 m/s")(project)
     put("docs/planner.md", b"x")(project)
     status, found = judged(project)
-    assert sorted(causes(found)) == [("T225", "S-1"), ("T373", "docs/planner.md at S-2-A"), ("T374", "braking")]
+    assert sorted(causes(found)) == [
+        ("T225", "S-1"),
+        ("T373", "docs/planner.md at S-2-A"),
+        ("T374", "braking"),
+    ]
     assert status == 1
 
 
@@ -105,7 +111,9 @@ def test_whoever_accepted_the_baseline_is_not_known(how: str, project: Path, tmp
 def test_a_baseline_restored_is_as_it_was(project: Path) -> None:
     """What was in between does not count any more, and what is accepted later counts."""
     before = (project / BASELINE).read_bytes()
-    fault = next(f for f in evidence.FAULTS if f.name == "an entry of the baseline removed, its hash made again")
+    fault = next(
+        f for f in evidence.FAULTS if f.name == "an entry of the baseline removed, its hash made again"
+    )
     fault.edit(project)
     assert ("T380", "") in causes(judged(project, rerun=True)[1])
     all_of(put(BASELINE, before), committed("restored"))(project)

@@ -42,14 +42,26 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
         return
     place = Place(baseline)
     try:
-        commits = _git(root, "log", "--first-parent", f"--max-count={_MOST}", "--format=%H", "--", baseline).split()
+        commits = _git(
+            root, "log", "--first-parent", f"--max-count={_MOST}", "--format=%H", "--", baseline
+        ).split()
         cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
-        versions = [("", path.read_bytes()), *((commit, _version(root, commit, baseline)) for commit in commits)]
+        versions = [
+            ("", path.read_bytes()),
+            *((commit, _version(root, commit, baseline)) for commit in commits),
+        ]
     except (OSError, subprocess.SubprocessError):
-        yield warning("T381", "who accepted the baseline is not known: the project is in no git repository", place, "put it under version control")
+        yield warning(
+            "T381",
+            "who accepted the baseline is not known: the project is in no git repository",
+            place,
+            "put it under version control",
+        )
         return
     if not commits:
-        yield warning("T381", "who accepted the baseline is not known: it was never committed", place, "commit it")
+        yield warning(
+            "T381", "who accepted the baseline is not known: it was never committed", place, "commit it"
+        )
         return
     number = 0
     while number + 1 < len(versions):
@@ -70,16 +82,28 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
         yield error("T380", message, place, help_)
         return
     if cut:
-        yield warning("T381", "who accepted the baseline is not known: the history of the clone is cut", place, "`git fetch --unshallow`")
+        yield warning(
+            "T381",
+            "who accepted the baseline is not known: the history of the clone is cut",
+            place,
+            "`git fetch --unshallow`",
+        )
 
 
 def _version(root: Path, commit: str, baseline: str) -> bytes:
-    done = subprocess.run(["git", "-C", str(root), "show", f"{commit}:./{baseline}"], capture_output=True, check=False, timeout=60)
+    done = subprocess.run(
+        ["git", "-C", str(root), "show", f"{commit}:./{baseline}"],
+        capture_output=True,
+        check=False,
+        timeout=60,
+    )
     return done.stdout if done.returncode == 0 else b""  # where the file was removed
 
 
 def _git(root: Path, *words: str) -> str:
-    done = subprocess.run(["git", "-C", str(root), *words], capture_output=True, text=True, check=True, timeout=60)
+    done = subprocess.run(
+        ["git", "-C", str(root), *words], capture_output=True, text=True, check=True, timeout=60
+    )
     return done.stdout
 
 
@@ -89,7 +113,9 @@ def _held(data: bytes) -> tuple[Any, list[Any]] | None:
 
     try:
         said = json.loads(data)
-        if (said["format"], said["version"]) != (FORMAT, VERSION) or not isinstance(said["acceptances"], list):
+        if (said["format"], said["version"]) != (FORMAT, VERSION) or not isinstance(
+            said["acceptances"], list
+        ):
             return None
         return said["content"], said["acceptances"]
     except (ValueError, KeyError, TypeError, RecursionError):
@@ -102,7 +128,11 @@ def _rewritten(before: tuple[Any, list[Any]], after: tuple[Any, list[Any]]) -> s
     if new[: len(old)] != old:
         return "an earlier acceptance reads differently, or is gone"
     if len(new) == len(old):
-        return "it holds something else than before" if held != holds else "something beside what it holds was changed"
+        return (
+            "it holds something else than before"
+            if held != holds
+            else "something beside what it holds was changed"
+        )
     said = json.dumps(holds, sort_keys=True, ensure_ascii=False).encode()
     last = new[-1].get("after") if isinstance(new[-1], dict) else None
     return None if last == hashlib.sha256(said).hexdigest() else "what it holds is not what was accepted last"

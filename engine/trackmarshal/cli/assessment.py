@@ -80,9 +80,7 @@ def assess(
     if again and project.baseline:
         found += acceptances.check(root, str(project.baseline))
     runs += _kept_runs(root, project)
-    return Assessment(
-        root, project, said, results, runs, faults, found, made.replays, made
-    )
+    return Assessment(root, project, said, results, runs, faults, found, made.replays, made)
 
 
 class _Making:

@@ -43,7 +43,8 @@ def read_specs(root: Path, project: Project) -> tuple[Compiled, list[PreparedTes
 #: What a place in a spec belongs to: a declaration by its name, a test by its rule and title.
 _MODULE = re.compile(r"^module[ \t]+([\w.]+)", re.MULTILINE)
 _DECLARATION = re.compile(
-    r'^(constrain|assume|rule|test|param|table|signal|define|predicate|rulebook|zone|line|state|event)[ \t]+([\w.-]+)(?:[ \t]+"([^"\n]*)")?', re.MULTILINE
+    r'^(constrain|assume|rule|test|param|table|signal|define|predicate|rulebook|zone|line|state|event)[ \t]+([\w.-]+)(?:[ \t]+"([^"\n]*)")?',
+    re.MULTILINE,
 )
 
 
@@ -210,8 +211,10 @@ def _finding(item: Diagnostic) -> Finding:
         elif kind != "rulebook":
             subject = name
             module = _MODULE.search(before)
-            names += [f"{module[1]}.{name}"] * (module is not None)  # as parameters and tables are called
+            names += [] if module is None else [f"{module[1]}.{name}"]  # as parameters and tables are called
     if span.text.replace("-", "_").isidentifier():  # such as what there is not
         names.append(span.text)
     place = Place(span.file.path, span.line, span.column)
-    return Finding(item.code, item.level, item.message, place, item.help, subject, about=tuple(dict.fromkeys(names)))
+    return Finding(
+        item.code, item.level, item.message, place, item.help, subject, about=tuple(dict.fromkeys(names))
+    )

@@ -93,4 +93,6 @@ def _gaps(gaps: list[Finding], matrix: Matrix) -> str:
     """How many findings fail the gate: those that stand for themselves, and those that follow from them."""
     following = sum(finding in matrix.causes for finding in gaps)
     own = len(gaps) - following
-    return f"{own} gap{'' if own == 1 else 's'}" + (f", and {following} that follow{'s' if following == 1 else ''}" if following else "")
+    return f"{own} gap{'' if own == 1 else 's'}" + (
+        f", and {following} that follow{'s' if following == 1 else ''}" if following else ""
+    )

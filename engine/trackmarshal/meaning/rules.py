@@ -8,7 +8,16 @@ from typing import assert_never
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.description import describe
 from trackmarshal.ir.margins import SCALED
-from trackmarshal.ir.spec import ConstraintInfo, ParamInfo, PlaceInfo, RulebookInfo, RuleInfo, SignalType, Spec, TableInfo
+from trackmarshal.ir.spec import (
+    ConstraintInfo,
+    ParamInfo,
+    PlaceInfo,
+    RulebookInfo,
+    RuleInfo,
+    SignalType,
+    Spec,
+    TableInfo,
+)
 from trackmarshal.meaning.inputs import Inputs, key, sha256
 from trackmarshal.node import Node
 
@@ -50,7 +59,9 @@ def of(info: ParamInfo | TableInfo | PlaceInfo | SignalType | ConstraintInfo | R
         case ConstraintInfo():
             return sha256(describe(info.formula))
         case RulebookInfo():
-            return sha256(*sorted(info.rules), "", *(" ".join(relation) for relation in sorted(info.relations)))
+            return sha256(
+                *sorted(info.rules), "", *(" ".join(relation) for relation in sorted(info.relations))
+            )
         case ParamInfo():
             return sha256(_told(ParamInfo(**{**info.__dict__, "source": None})))
         case TableInfo() | PlaceInfo() | SignalType():

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from support.planted.edits import Fault, add, all_of, cut, each, gone, moved, put, remade, swap
 
-R, M, V, H, D, A = (f"requirements/{name}.yaml" for name in ("requirements", "system-model", "v-model", "hazards", "design", "assurance"))
+R, M, V, H, D, A = (
+    f"requirements/{name}.yaml"
+    for name in ("requirements", "system-model", "v-model", "hazards", "design", "assurance")
+)
 MORE = "requirements/more.yaml"
 
 
-def another(id_: str, fields: str = "adopted: Because it is so.", statement: str = "The shuttle shall ring.", asil: str = "QM") -> str:
+def another(
+    id_: str,
+    fields: str = "adopted: Because it is so.",
+    statement: str = "The shuttle shall ring.",
+    asil: str = "QM",
+) -> str:
     """A document with one more requirement."""
     return (
         "document: requirements\ntitle: One more\nrequirements:\n"
@@ -17,7 +25,7 @@ def another(id_: str, fields: str = "adopted: Because it is so.", statement: str
     )
 
 
-
+# fmt: off
 FAULTS = [
     # 1: ids
     Fault("an id twice", put(MORE, another("S-2").encode()), "T130", "S-2"),
@@ -137,3 +145,4 @@ FAULTS = [
     Fault("a derivation struck on both sides", all_of(swap(R, "    derived_from: [SH]\n", ""), swap(M, "leads_to: [S-2]", "leads_to: [S-4]"), swap(R, "    derived_from: [SH-TP]\n    achieves: [SG-1]\n    allocated_to: [DE-1]\n", "    derived_from: [SH-TP, SH]\n    achieves: [SG-1]\n    allocated_to: [DE-1]\n")), "T224", "S-2"),
     Fault("made obsolete", swap(R, "    owner: P-1\n    status: approved\n    asil: A(C)", "    owner: P-1\n    status: obsolete\n    asil: A(C)"), "T376", "S-31"),
 ]
+# fmt: on

@@ -18,7 +18,14 @@ TODAY = date(2026, 6, 2)
 STORE = "out/results/evidence.jsonl"
 BASELINE = "requirements/baseline.json"
 #: Of whoever commits in a test.
-AUTHOR = ("-c", "user.name=Dana Driver", "-c", "user.email=dana@shuttle.example", "-c", "commit.gpgsign=false")
+AUTHOR = (
+    "-c",
+    "user.name=Dana Driver",
+    "-c",
+    "user.email=dana@shuttle.example",
+    "-c",
+    "commit.gpgsign=false",
+)
 
 
 @dataclass(frozen=True)
@@ -157,7 +164,9 @@ def git(*words: str) -> Edit:
 
 
 def run_git(root: Path, *words: str) -> str:
-    done = subprocess.run(["git", "-C", str(root), *AUTHOR, *words], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        ["git", "-C", str(root), *AUTHOR, *words], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -172,7 +181,11 @@ def entry(kind: str, subject: str, change: Callable[[dict[str, Any]], None], reh
 
     def edit(root: Path) -> None:
         lines = (root / STORE).read_text("utf-8").splitlines()
-        number = max(n for n, line in enumerate(lines) if (said := json.loads(line))["kind"] == kind and said["subject"] == subject)
+        number = max(
+            n
+            for n, line in enumerate(lines)
+            if (said := json.loads(line))["kind"] == kind and said["subject"] == subject
+        )
         said = json.loads(lines[number])
         id_ = said.pop("id")
         before = json.dumps(said, sort_keys=True)

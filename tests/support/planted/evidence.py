@@ -5,7 +5,21 @@ from __future__ import annotations
 from datetime import date
 from typing import Any
 
-from support.planted.edits import BASELINE, STORE, Fault, accepted, add, all_of, committed, cut, entry, gone, put, remade, swap
+from support.planted.edits import (
+    BASELINE,
+    STORE,
+    Fault,
+    accepted,
+    add,
+    all_of,
+    committed,
+    cut,
+    entry,
+    gone,
+    put,
+    remade,
+    swap,
+)
 
 V, F, A = "requirements/v-model.yaml", "specs/scenarios/faults.yaml", "requirements/assurance.yaml"
 HURRY, CALM = "specs/scenarios/hurry.tmrec.jsonl", "specs/scenarios/calm.tmrec.jsonl"
@@ -43,6 +57,7 @@ def _tool(said: dict[str, Any]) -> None:
     said["inputs"]["engine"] = "0" * 64
 
 
+# fmt: off
 FAULTS = [
     # the gate and its stages
     Fault("the gate cut to one stage", cut(V, "  - {stage: S-2-A, requirements: [S-31]}\n", "waivers:"), "T371", "S-2-A, covered"),
@@ -134,5 +149,6 @@ FAULTS = [
     Fault("a run that did not fire, its hash made again", entry("run", HURRY, _of("result", "fired", to=False), rehash=True), "T294", HURRY, rerun=True),
     Fault("a result of a fault edited, its hash made again", entry("fault", F + " F-1", _of("result", "first", to=0.0), rehash=True), "T294", F + " F-1", rerun=True),
 ]
+# fmt: on
 #: Results of another version of the tool are made again, and say nothing of themselves.
 OTHER_VERSION = entry("test", "braking: harder", _tool, rehash=True)

@@ -4,11 +4,27 @@ from __future__ import annotations
 
 import re
 
-from support.planted.edits import Harmless, add, all_of, committed, cut, each, git, gone, moved, put, remade, swap
+from support.planted.edits import (
+    Harmless,
+    add,
+    all_of,
+    committed,
+    cut,
+    each,
+    git,
+    gone,
+    moved,
+    put,
+    remade,
+    swap,
+)
 from support.planted.evidence import OTHER_VERSION
 
-R, M, V, H, A = (f"requirements/{name}.yaml" for name in ("requirements", "system-model", "v-model", "hazards", "assurance"))
-S, C, N, O = "specs/rules.spec", "specs/vehicle.spec", "specs/signals.spec", "specs/order.spec"
+R, M, V, H, A = (
+    f"requirements/{name}.yaml"
+    for name in ("requirements", "system-model", "v-model", "hazards", "assurance")
+)
+S, C, N, B = "specs/rules.spec", "specs/vehicle.spec", "specs/signals.spec", "specs/order.spec"
 F, STORE = "specs/scenarios/faults.yaml", "out/results/evidence.jsonl"
 
 
@@ -24,6 +40,7 @@ def _loose(data: bytes) -> bytes:
     return re.sub(rb"([-+*/]) ", rb"\1  ", data.replace(b"  require   ", b"  require\n      "))
 
 
+# fmt: off
 EDITS = [
     # comments
     Harmless("a comment in a spec", add(S, "\n-- nothing\n")),
@@ -82,7 +99,7 @@ EDITS = [
         b"document: requirements\ntitle: Old\nrequirements:\n  - id: S-9\n    title: No overtaking\n    statement: The shuttle shall not overtake.\n    rationale: Once so, not any more.\n"
         b"    adopted: An earlier permit.\n    status: obsolete\n    asil: C\n    verification: [test]\n    source: permit of the campus, issue 1\n")))),
     Harmless("a page that is no evidence", put("docs/notes.md", b"# Notes\n")),
-    Harmless("a spec's file moved, with its name", all_of(moved(O, "specs/books/order.spec"), swap("specs/books/order.spec", "module order", "module books.order"))),
+    Harmless("a spec's file moved, with its name", all_of(moved(B, "specs/books/order.spec"), swap("specs/books/order.spec", "module order", "module books.order"))),
     Harmless("an unrelated rule with its tests", put("specs/doors.spec", (
         b"module doors\n\nuse signals\n\n"
         b'rule no_reverse "Not backwards"\n  satisfies S-2\n  for all   p in plan\n  require   p.v >= 0 m/s\n\n'
@@ -97,3 +114,4 @@ EDITS = [
     Harmless("a result of another version of the tool", OTHER_VERSION),
     Harmless("a store with an empty line", add(STORE, "\n")),
 ]
+# fmt: on

@@ -37,7 +37,9 @@ def make(folder: Path) -> Path:
     shutil.copytree(SOURCE, root)
     run_git(root, "init", "-q")
     with day(TODAY):
-        status, _, err = command(root, "trace", "--accept-baseline", "--by", "Sam Safety", "--reason", "the first one")
+        status, _, err = command(
+            root, "trace", "--accept-baseline", "--by", "Sam Safety", "--reason", "the first one"
+        )
         assert status == 0, err
         run_git(root, "add", ".")
         run_git(root, "commit", "-qm", "The shuttle")
@@ -49,7 +51,9 @@ def make(folder: Path) -> Path:
 def judged(root: Path, rerun: bool = False, today: date = TODAY) -> tuple[int, list[dict[str, Any]]]:
     """The gate's exit status, and all that is found."""
     with day(today):
-        status, out, err = command(root, "trace", "--gate", "--format", "json", *(["--rerun"] if rerun else []))
+        status, out, err = command(
+            root, "trace", "--gate", "--format", "json", *(["--rerun"] if rerun else [])
+        )
     try:
         return status, json.loads(out)["findings"]
     except ValueError:

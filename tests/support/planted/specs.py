@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from support.planted.edits import Fault, add, all_of, cut, each, gone, put, remade, swap
 
-S, C, O, N = "specs/rules.spec", "specs/vehicle.spec", "specs/order.spec", "specs/signals.spec"
+S, C, B, N = "specs/rules.spec", "specs/vehicle.spec", "specs/order.spec", "specs/signals.spec"
 
+# fmt: off
 FAULTS = [
     # rules
-    Fault("a rule taken away with its tests", all_of(cut(S, "rule braking", "rule keeps_clear"), cut(S, 'test braking "as hard', "test keeps_clear"), swap(O, " > braking", "")), "T222", "braking"),
+    Fault("a rule taken away with its tests", all_of(cut(S, "rule braking", "rule keeps_clear"), cut(S, 'test braking "as hard', "test keeps_clear"), swap(B, " > braking", "")), "T222", "braking"),
     Fault("a rule taken away", cut(S, "rule braking", "rule keeps_clear"), "T222", "braking"),
-    Fault("a rule under another name", all_of(each(S, "braking", "brake"), swap(O, "braking", "brake")), "T222", "braking"),
+    Fault("a rule under another name", all_of(each(S, "braking", "brake"), swap(B, "braking", "brake")), "T222", "braking"),
     Fault("a rule made weaker by a where", swap(S, "  for all   p in plan\n  require   p.v <= v_max", "  for all   p in plan where p.v <= 13 m/s\n  require   p.v <= v_max"), "T370", "speed_limit"),
     Fault("a rule that is never asked", swap(S, "  for all   p in plan\n  require   p.v <= v_max", "  whenever  ego.v > 100 m/s\n  for all   p in plan\n  require   p.v <= v_max"), "T370", "speed_limit"),
     Fault("a comparison turned round", swap(S, "require   p.v <= v_max", "require   p.v >= v_max"), "T370", "speed_limit"),
@@ -66,8 +67,8 @@ FAULTS = [
     Fault("a signal's range widened", swap(N, "age: s in [0, 60]", "age: s in [0, 600]"), "T372", "objects"),
     Fault("a default for what an assumption watches", swap(N, "age: s in [0, 60]", "age: s in [0, 60] default 0"), "T372", "objects"),
     Fault("a signal's field in another unit", swap(N, "age: s in [0, 60]", "age: m in [0, 60]"), "E301", "A-SEEN"),
-    Fault("the order of the rulebook turned round", swap(O, "keeps_clear > speed_limit > braking", "braking > speed_limit > keeps_clear"), "T372", "campus"),
-    Fault("a rulebook without a rule", swap(O, " > braking", ""), "T372", "campus"),
+    Fault("the order of the rulebook turned round", swap(B, "keeps_clear > speed_limit > braking", "braking > speed_limit > keeps_clear"), "T372", "campus"),
+    Fault("a rulebook without a rule", swap(B, " > braking", ""), "T372", "campus"),
     # what cannot be compiled
     Fault("an unknown name", swap(S, "require   p.v <= v_max", "require   p.v <= v_limit"), "E201", "speed_limit"),
     Fault("units that do not fit", swap(S, "require   p.v <= v_max", "require   p.v <= b_max"), "E301", "speed_limit"),
@@ -77,3 +78,4 @@ FAULTS = [
     Fault("a spec cut off", remade(S, lambda data: data[:-30]), "E102"),
     Fault("a spec thrown away", gone(C), "E203"),
 ]
+# fmt: on

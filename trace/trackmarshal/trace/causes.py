@@ -15,7 +15,22 @@ from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.kinds import LINKS
 
 #: Steps of what comes from what, from first to last.
-UNREADABLE, DOUBLE, UNUSABLE, DEMANDS, GONE, LOOSE, ONE_SIDED, WRONG, CHANGED, UNREAD, FORGED, LACKING, OUTCOME, OPEN = range(14)
+(
+    UNREADABLE,
+    DOUBLE,
+    UNUSABLE,
+    DEMANDS,
+    GONE,
+    LOOSE,
+    ONE_SIDED,
+    WRONG,
+    CHANGED,
+    UNREAD,
+    FORGED,
+    LACKING,
+    OUTCOME,
+    OPEN,
+) = range(14)
 _STEPS = {
     UNREADABLE: "T101 T102 T103 T104 T105 T106 T107 T108 T109 T110 T111 T113 T220 T379 T380",
     UNUSABLE: "T112 T120 T121 T122 T123 T124 T125 T126 T127 T128 T129 T148 T240 T250 T264",
@@ -32,12 +47,43 @@ _STEPS = {
 _STEP_OF = {code: step for step, codes in _STEPS.items() for code in codes.split()}
 #: What these say may come of anything that was not read: a thing is not there, or nothing was run.
 _OF_ABSENCE = frozenset(
-    "T112 T132 T134 T135 T136 T137 T139 T144 T145 T146 T148 T149 T150 T151 T153 T201 T202 T204 T205 T206 T207 T208 T211 T212 T213 T217 T230 T232 T241 "
-    "T262 T263".split()
+    [
+        "T112",
+        "T132",
+        "T134",
+        "T135",
+        "T136",
+        "T137",
+        "T139",
+        "T144",
+        "T145",
+        "T146",
+        "T148",
+        "T149",
+        "T150",
+        "T151",
+        "T153",
+        "T201",
+        "T202",
+        "T204",
+        "T205",
+        "T206",
+        "T207",
+        "T208",
+        "T211",
+        "T212",
+        "T213",
+        "T217",
+        "T230",
+        "T232",
+        "T241",
+        "T262",
+        "T263",
+    ]
 )
 #: What something came to when it was run, and of findings of documents those that change that: a page that is not there does not make a test fail.
 _CAME_OUT = frozenset({"T215", "T243", "T244", "T245", "T260"})
-_BEFORE = frozenset("T214 T222 T228 T240 T263 T264 T265 T370 T372 T374 T375".split())
+_BEFORE = frozenset(["T214", "T222", "T228", "T240", "T263", "T264", "T265", "T370", "T372", "T374", "T375"])
 #: Nothing was run.
 _NOT_RUN = frozenset({"T241", "T262"})
 #: So many links away something is looked for that a finding may rest on: a run rests on rules, and these on parameters.
@@ -113,10 +159,16 @@ class _Folding:
             for name in names:
                 for other in self._by_name.get(name, ()):
                     root = self._root(other)
-                    if root is finding or root in seen or (step == OPEN == self._key[other][0] and name not in finding.rests_on):
+                    if (
+                        root is finding
+                        or root in seen
+                        or (step == OPEN == self._key[other][0] and name not in finding.rests_on)
+                    ):
                         continue
                     seen.add(root)
-                    if self._precedes(root, finding, own) and (best is None or self._key[root] < self._key[best]):
+                    if self._precedes(root, finding, own) and (
+                        best is None or self._key[root] < self._key[best]
+                    ):
                         best = root
             if best is not None:
                 return best
@@ -166,8 +218,12 @@ class _Folding:
                 return judge
         if not (finding.gone or finding.code in _OF_ABSENCE):
             return None
-        for first in self._found[:2]:  # a file that cannot be read comes first; else that fewer specs are read
-            read = self._key[first][0] <= UNUSABLE or (finding.gone and first.code == "T371" and not first.subject)
+        for first in self._found[
+            :2
+        ]:  # a file that cannot be read comes first; else that fewer specs are read
+            read = self._key[first][0] <= UNUSABLE or (
+                finding.gone and first.code == "T371" and not first.subject
+            )
             if read and self._key[first][0] < self._key[finding][0]:
                 return first
         return None

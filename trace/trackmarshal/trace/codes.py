@@ -122,7 +122,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T262": ("faults that were not put in", "A fault that was not put in covers nothing."),
     "T263": ("a fault of an unknown requirement", "The fault names a requirement that does not exist, or is demanded no longer, so that it is evidence for nothing."),
     "T264": ("a campaign is not there", "v-model.yaml declares a file of faults that does not exist."),
-    "T265": ("a fault is gone", "The accepted baseline has a fault that no campaign declares any longer for this requirement, that is no longer put in, or of which something else is put in or expected. Removing it on purpose is accepted by a person, with `trackmarshal trace --accept-baseline`."),
+    "T265": ("a fault is gone", "The accepted baseline has a fault that no campaign declares any longer for this requirement, that is no longer put in, or of which something else is put in or expected. Who does that on purpose says `trackmarshal trace --accept-baseline`, with name and reason."),
     "T330": ("a test report is not there", "v-model.yaml names a report of another test runner that does not exist, or a folder without one. Tests that were not run cover nothing."),
     "T336": ("an external test of an unknown requirement", "The test says it verifies a requirement that does not exist, or is demanded no longer, so that it is evidence for nothing. `pytest` says so when it collects tests."),
     "T337": ("an external test failed", "A test of another runner that verifies a requirement failed, or could not be run; so did one that passed only when it was repeated, and one of which it is not known what came of it."),

@@ -56,7 +56,9 @@ def check(spec: Spec, denials: Denials) -> Iterator[Finding]:
             place, words = denials[item.evidence]
             message = f'the evidence `{item.evidence}` of the assumption `{item.name}` says that there is none: "{words}"'
             help_ = "back it by a record, or have somebody answer for the gap by a waiver"
-            yield Finding("T253", "error", message, item_place(item), help_, item.name, ((place, "said here"),))
+            yield Finding(
+                "T253", "error", message, item_place(item), help_, item.name, ((place, "said here"),)
+            )
 
 
 __all__ = ["SAID", "Denials", "check", "load"]

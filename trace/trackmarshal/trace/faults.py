@@ -105,12 +105,34 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
         if requirement is None or not requirement.demanded:
             message = f"the fault `{case.id}` is to violate `{case.requirement}`, which is not demanded"
             help_ = did_you_mean(case.requirement, project.by_id)
-            yield Finding("T263", "error", message, place, help_, case.id, about=(case.requirement, f"{case.campaign} {case.id}"))
+            yield Finding(
+                "T263",
+                "error",
+                message,
+                place,
+                help_,
+                case.id,
+                about=(case.requirement, f"{case.campaign} {case.id}"),
+            )
         status, detail = verdict(case, spec)
         if status == "failed":
             # What is found of it may change with any rule, and with the recording.
-            rests_on = (case.campaign, f"{case.campaign} {case.id}", case.requirement, *spec.by_name, *(str(s.path) for s in project.scenarios))
-            yield Finding("T260", "error", f"the fault `{case.id}` ({case.title}): {detail}", place, "", case.id, rests_on=rests_on)
+            rests_on = (
+                case.campaign,
+                f"{case.campaign} {case.id}",
+                case.requirement,
+                *spec.by_name,
+                *(str(s.path) for s in project.scenarios),
+            )
+            yield Finding(
+                "T260",
+                "error",
+                f"the fault `{case.id}` ({case.title}): {detail}",
+                place,
+                "",
+                case.id,
+                rests_on=rests_on,
+            )
         elif status == "stale":
             stale.append(case)
         elif status == "missing" and not case.open:

@@ -85,7 +85,9 @@ def _excused(waiver: Waiver, cells: Mapping[str, Mapping[str, Cell]]) -> Iterato
     for id_, row in cells.items():
         if matches(id_, waiver.requirements):
             yield id_
-            yield from (item.name for stage, cell in row.items() if stage in waiver.stages for item in cell.items)
+            yield from (
+                item.name for stage, cell in row.items() if stage in waiver.stages for item in cell.items
+            )
 
 
 def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[Finding]:
@@ -97,9 +99,15 @@ def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator
             message = falls_short(requirement, stages[name], cell, wanted_of)
             if message:
                 items = (item.name for item in cell.items if item.status not in ("covered", "waived"))
-                excused = (w.id for w in project.waivers if name in w.stages and matches(requirement.id, w.requirements))
+                excused = (
+                    w.id
+                    for w in project.waivers
+                    if name in w.stages and matches(requirement.id, w.requirements)
+                )
                 rests_on = tuple(dict.fromkeys(map(str, (*items, *excused, f"at {name}"))))
-                yield Finding("T230", "error", message, requirement.place, "", str(requirement.id), rests_on=rests_on)
+                yield Finding(
+                    "T230", "error", message, requirement.place, "", str(requirement.id), rests_on=rests_on
+                )
 
 
 def demands(project: Project) -> tuple[Demand, ...]:

@@ -8,7 +8,19 @@ from dataclasses import dataclass, field
 from datetime import date
 
 from trackmarshal.trace import baseline as baselines
-from trackmarshal.trace import causes, consistency, cycles, faults, files, gates, links, outside, runs, tests, waivers
+from trackmarshal.trace import (
+    causes,
+    consistency,
+    cycles,
+    faults,
+    files,
+    gates,
+    links,
+    outside,
+    runs,
+    tests,
+    waivers,
+)
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from trackmarshal.records import RunSummary, SpecItem, TruthFacts
 from trackmarshal.trace.files import Hashes
-from trackmarshal.trace.findings import Finding, Place, error, warning
+from trackmarshal.trace.findings import Finding, error, warning
 from trackmarshal.trace.model import Project, Scenario
 from trackmarshal.trace.spec import Spec
 
@@ -175,7 +175,9 @@ def _outside(scenario: Scenario, run: RunSummary) -> Iterator[Finding]:
     """T243 for each kind of rules that the ground truth of the recording contradicts."""
     for kind, truth in sorted(run.ground_truth.items()):
         if not truth.inside:
-            yield _of_run("T243", f"the run of `{scenario.path}` is {_contradiction(kind, truth)}", scenario, run)
+            yield _of_run(
+                "T243", f"the run of `{scenario.path}` is {_contradiction(kind, truth)}", scenario, run
+            )
 
 
 def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:

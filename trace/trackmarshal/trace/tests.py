@@ -104,6 +104,8 @@ def _results(spec: Spec, known: set[tuple[str, str]]) -> Iterator[Finding]:
             came = "failed" if result.outcome == "failed" else "could not be run"
             why = f": {result.message}" if result.message else ""
             message = f'the test "{result.title}" of `{result.rule}` {came}{why}'
-            yield Finding("T215", "error", message, place, "", result.rule, about=(f"{result.rule}: {result.title}",))
+            yield Finding(
+                "T215", "error", message, place, "", result.rule, about=(f"{result.rule}: {result.title}",)
+            )
         elif result.outcome != "passed":
             raise ValueError(f"unknown outcome {result.outcome!r}")

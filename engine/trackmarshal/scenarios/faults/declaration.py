@@ -99,7 +99,11 @@ def _fault(item: Item) -> Fault:
     texts = [fields[name].text() for name in named]
     plain = item.plain()
     digest = _hash(plain)
-    says = _hash({name: value for name, value in plain.items() if name not in named}) if isinstance(plain, dict) else digest
+    says = (
+        _hash({name: value for name, value in plain.items() if name not in named})
+        if isinstance(plain, dict)
+        else digest
+    )
     text = fields["open"].text() if "open" in fields else ""
     return Fault(texts[0], texts[1], texts[2], begin, end, changes, expected, text, item.line, digest, says)
 

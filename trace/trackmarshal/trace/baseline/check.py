@@ -49,11 +49,26 @@ def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec)
         at = [places.get(change.key, here) for change in group]
         also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
         name = group[0].name.partition(": ")[0] if group[0].kind == "test" else group[0].name
-        message = _said(group[0]) if len(group) == 1 else f"{_said(group[0])}; so it is with {len(group) - 1} other{'s' if len(group) > 2 else ''}"
-        about = dict.fromkeys(word for change in group for word in _names(change, baseline.content.get(change.key, {})))
-        about |= {name: None for change in group if change.name in lost for name in _linked(baseline.content.get(change.key, {})) & lost.keys()}
-        gone = all((not change.field and bool(change.before)) or change.after == "obsolete" for change in group)
-        rests_on = tuple(dict.fromkeys(name for change in group for name in _around(baseline.content, change)))
+        message = (
+            _said(group[0])
+            if len(group) == 1
+            else f"{_said(group[0])}; so it is with {len(group) - 1} other{'s' if len(group) > 2 else ''}"
+        )
+        about = dict.fromkeys(
+            word for change in group for word in _names(change, baseline.content.get(change.key, {}))
+        )
+        about |= {
+            name: None
+            for change in group
+            if change.name in lost
+            for name in _linked(baseline.content.get(change.key, {})) & lost.keys()
+        }
+        gone = all(
+            (not change.field and bool(change.before)) or change.after == "obsolete" for change in group
+        )
+        rests_on = tuple(
+            dict.fromkeys(name for change in group for name in _around(baseline.content, change))
+        )
         yield Finding(code, "error", message, at[0], _HELP, name, also, tuple(about), rests_on, gone)
     yield from _others([change for change in found if not change.weaker], here)
 
@@ -61,9 +76,13 @@ def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec)
 def _names(change: Change, before: Entry) -> Iterator[str]:
     """What a change is about: the entry, of tests also the rule, of what shows something also the stage, and of lists what left or came."""
     yield change.name
-    first, _, last = change.name.partition({"test": ": ", "gate": ", ", "evidence": " at ", "report": " at "}.get(change.kind, "\0"))
+    first, _, last = change.name.partition(
+        {"test": ": ", "gate": ", ", "evidence": " at ", "report": " at "}.get(change.kind, "\0")
+    )
     yield first
-    stage = before.get("stage", "") or (last if change.kind in ("evidence", "report") else first if change.kind in ("gate", "stage") else "")
+    stage = before.get("stage", "") or (
+        last if change.kind in ("evidence", "report") else first if change.kind in ("gate", "stage") else ""
+    )
     if stage:
         yield f"at {stage}"
     if change.kind == "fault":
@@ -128,7 +147,9 @@ def _said(change: Change) -> str:
         if fewer and more:
             return f"{name} {had}, and now has {more}"
         return f"{name} {had if fewer else has}"
-    what = {"sha256": "contents", "recording": "contents", "evidence sha256": "evidence"}.get(change.field, f"`{change.field}`")
+    what = {"sha256": "contents", "recording": "contents", "evidence sha256": "evidence"}.get(
+        change.field, f"`{change.field}`"
+    )
     of = "" if change.field == "says" else f"the {what} of "
     if not (change.before or change.after):
         return f"{of}{name} changed since the baseline was accepted"

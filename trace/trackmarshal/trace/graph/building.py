@@ -11,8 +11,8 @@ from trackmarshal.trace import faults
 from trackmarshal.trace.external import External
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
-from trackmarshal.trace.graph.graph import Graph, Key, Link, Node
 from trackmarshal.trace.graph import works
+from trackmarshal.trace.graph.graph import Graph, Key, Link, Node
 from trackmarshal.trace.graph.kinds import LINKS, NODES
 from trackmarshal.trace.model import Project, Requirement, matches
 from trackmarshal.trace.outside import Outside

@@ -111,7 +111,9 @@ def _at_asil(graph: Graph, code: str, message: str, node: Node, above: Node, hel
 def _of_parts(graph: Graph, message: str, parent: Node, help_: str) -> Finding:
     """T161, which is about the parts too, and about what was one."""
     parts = (link.source[1] for link in graph.into(parent.key) if link.kind == "refines")
-    return Finding("T161", "error", message, parent.place, help_, parent.id, about=tuple(dict.fromkeys(parts)))
+    return Finding(
+        "T161", "error", message, parent.place, help_, parent.id, about=tuple(dict.fromkeys(parts))
+    )
 
 
 def _decomposed(graph: Graph, nodes: Sequence[Node]) -> Iterator[Finding]:

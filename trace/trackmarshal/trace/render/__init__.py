@@ -10,7 +10,12 @@ FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github", "junit")
 
 
 def render(
-    matrix: Matrix, format: str = "text", *, colour: bool = False, where: Callable[[str], str] | None = None, verbose: bool = False
+    matrix: Matrix,
+    format: str = "text",
+    *,
+    colour: bool = False,
+    where: Callable[[str], str] | None = None,
+    verbose: bool = False,
 ) -> str:
     """The matrix in one of FORMATS; `colour` and `verbose` (what follows from findings, too) are for text on a terminal, `where` what paths are called in SARIF, annotations and JUnit.
 

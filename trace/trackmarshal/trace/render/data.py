@@ -86,7 +86,11 @@ def _findings(matrix: Matrix) -> list[dict[str, Any]]:
     """All of them, each with its number, and the number of the one that it follows from."""
     numbers = {finding: number for number, finding in enumerate(matrix.findings, 1)}
     return [
-        {"id": number, "cause": numbers[matrix.causes[finding]] if finding in matrix.causes else None, **_finding(finding)}
+        {
+            "id": number,
+            "cause": numbers[matrix.causes[finding]] if finding in matrix.causes else None,
+            **_finding(finding),
+        }
         for finding, number in numbers.items()
     ]
 

@@ -23,7 +23,10 @@ def render_sarif(matrix: Matrix, where: Callable[[str], str] = str) -> str:
     run = {
         "tool": {"driver": {"name": "trackmarshal", "version": trackmarshal.__version__, "rules": rules}},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(finding, codes.index(finding.code), where, matrix.causes.get(finding)) for finding in matrix.findings],
+        "results": [
+            _result(finding, codes.index(finding.code), where, matrix.causes.get(finding))
+            for finding in matrix.findings
+        ],
         "properties": {"verdict": matrix.verdict, "coverage": matrix.coverage},
     }
     log = {"$schema": "https://json.schemastore.org/sarif-2.1.0.json", "version": "2.1.0", "runs": [run]}
@@ -37,7 +40,9 @@ def _rule(code: str) -> dict[str, Any]:
     return {"id": code, "shortDescription": {"text": title}, "fullDescription": {"text": explanation}}
 
 
-def _result(finding: Finding, index: int, where: Callable[[str], str], cause: Finding | None) -> dict[str, Any]:
+def _result(
+    finding: Finding, index: int, where: Callable[[str], str], cause: Finding | None
+) -> dict[str, Any]:
     text = finding.message + (f"\nhelp: {finding.help}" if finding.help else "")
     result: dict[str, Any] = {
         "ruleId": finding.code,
@@ -85,7 +90,13 @@ def _command(finding: Finding, where: Callable[[str], str], following: Sequence[
             properties["col"] = finding.place.column
     properties["title"] = f"{finding.code} {CODES.get(finding.code, ('',))[0]}".rstrip()
     shown = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
-    text = "\n".join([finding.message, *([f"help: {finding.help}"] if finding.help else []), *filter(None, [follows(following)])])
+    text = "\n".join(
+        [
+            finding.message,
+            *([f"help: {finding.help}"] if finding.help else []),
+            *filter(None, [follows(following)]),
+        ]
+    )
     return f"::{_COMMANDS[finding.level]} {shown}::{_data(text)}"
 
 

@@ -32,7 +32,9 @@ def tally(matrix: Matrix) -> str:
 def follows(found: Sequence[Finding]) -> str:
     """How many findings follow from another one, by their codes; empty for none."""
     codes = Counter(finding.code for finding in found)
-    said = ", ".join(code if number == 1 else f"{code} {number} times" for code, number in sorted(codes.items()))
+    said = ", ".join(
+        code if number == 1 else f"{code} {number} times" for code, number in sorted(codes.items())
+    )
     return f"and {len(found)} that follow{'s' if len(found) == 1 else ''} from it: {said}" if found else ""
 
 
