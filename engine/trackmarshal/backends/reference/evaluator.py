@@ -188,22 +188,24 @@ class Reference:
         """The points of a line, and whether it is closed."""
         found = self._lines.get(id(line))
         if found is None:
-            found = self._lines[id(line)] = geometry.Line(*self._line(line))
+            found = self._lines[id(line)] = self._line(line)
         return found
 
-    def _line(self, line: ir.Line) -> tuple[list[Point], bool]:
+    def _line(self, line: ir.Line) -> geometry.Line:
         frame = self.frame
         match line.kind:
             case "place":
-                return list(frame.settings.places.get(line.name, self.spec.places[line.name].points)), False
+                points = frame.settings.places.get(line.name, self.spec.places[line.name].points)
+                return geometry.line_again(points, False)
             case "signal":
-                return list(frame.line(line.name, line.field).tuples), frame.closed.get(line.name, False)
+                points = frame.line(line.name, line.field).tuples
+                return geometry.line_again(points, frame.closed.get(line.name, False))
             case "path":
                 columns = frame.columns[line.name]
-                return list(zip(columns.listed("x"), columns.listed("y"))), False
+                return geometry.Line(list(zip(columns.listed("x"), columns.listed("y"))), False)
             case "centre":
                 left, right, closed = self.corridor(line.name)
-                return geometry.centre_line(left, right, closed), closed
+                return geometry.centre_again(left, right, closed)
             case _:
                 assert_never(line.kind)
 

@@ -11,9 +11,11 @@ from trackmarshal.backends.reference.geometry.corridor import (
 from trackmarshal.backends.reference.geometry.curve import Curve, curve_between
 from trackmarshal.backends.reference.geometry.curvilinear import (
     Line,
+    centre_again,
     centre_line,
     distance_to_line,
     distance_to_path,
+    line_again,
     line_fault,
     project,
     station_gap,
@@ -28,7 +30,7 @@ from trackmarshal.backends.reference.geometry.footprint import (
 )
 
 __all__ = [
-    "Curve", "Line", "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "curve_between", "distance_to_line", "distance_to_path",
-    "footprint", "hull_in_polygon_margin", "hull_inside_margin", "hull_meets_margin", "in_zone_margin", "line_fault", "project", "station_gap", "stretch_room", "swept",
+    "Curve", "Line", "centre_again", "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "curve_between", "distance_to_line", "distance_to_path",
+    "footprint", "hull_in_polygon_margin", "hull_inside_margin", "hull_meets_margin", "in_zone_margin", "line_again", "line_fault", "project", "station_gap", "stretch_room", "swept",
     "swept_clearance", "zone_fault",
 ]  # fmt: skip

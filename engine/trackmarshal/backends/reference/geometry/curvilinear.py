@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 
+from trackmarshal.backends.reference.geometry.boxes import STRETCH, Box, box_of
 from trackmarshal.points import (
     Point,
     Segment,
@@ -43,6 +45,28 @@ class Line:
     def stations(self) -> list[float]:
         return stations(self.segments)
 
+    @cached_property
+    def stretches(self) -> list[tuple[int, Box, list[Segment]]]:
+        """The segments in stretches: the number of the first of each, and the box around it."""
+        parts = [(at, self.segments[at : at + STRETCH]) for at in range(0, len(self.segments), STRETCH)]
+        return [
+            (at, box_of([end for s in part for end in ((s.ax, s.ay), (s.bx, s.by))]), part)
+            for at, part in parts
+        ]
+
+    def nearest(self, x: float, y: float) -> tuple[float, int]:
+        """The distance of a point [m], and which segment is so near; of equally near ones the first."""
+        here = Box(x, x, y, y)
+        by_box = sorted((box.apart(here), at, part) for at, box, part in self.stretches)
+        # More than any distance, or how far boxes are apart, is rounded.
+        slack = 1e-9 * (1.0 + abs(x) + abs(y))
+        best = math.inf, 0
+        for apart, at, part in by_box:
+            if apart > best[0] * (1.0 + 1e-9) + slack:
+                break
+            best = min(best, *((distance(x, y, s), number) for number, s in enumerate(part, at)))
+        return best
+
 
 def _line(points: Points | Line, closed: bool) -> Line:
     return points if isinstance(points, Line) else Line(points, closed)
@@ -67,8 +91,7 @@ def project(x: float, y: float, points: Points | Line, closed: bool = False) -> 
     if line.fault or not usable(x, y):
         return NOWHERE
     closed, segments = line.closed, line.segments
-    reaches = [distance(x, y, s) for s in segments]
-    nearest = reaches.index(min(reaches))
+    reach, nearest = line.nearest(x, y)
     s = segments[nearest]
     length = math.sqrt(square(s))
     advance, offset = along(s, x, y) / length, side(s, x, y) / length
@@ -76,7 +99,7 @@ def project(x: float, y: float, points: Points | Line, closed: bool = False) -> 
     after = along(s, x, y) >= square(s) and (closed or nearest < len(segments) - 1)
     if before or after:
         advance = 0.0 if before else length
-        offset = math.copysign(reaches[nearest], offset)
+        offset = math.copysign(reach, offset)
     station = line.stations[nearest] + advance
     if closed and station >= line.stations[-1]:
         station = 0.0
@@ -143,7 +166,7 @@ def distance_to_line(x: float, y: float, points: Points | Line, closed: bool = F
     line = _line(points, closed)
     if line.fault or not usable(x, y):
         return math.nan
-    return min(distance(x, y, s) for s in line.segments)
+    return line.nearest(x, y)[0]
 
 
 def distance_to_path(x: float, y: float, points: Points | Line) -> float:
@@ -172,3 +195,33 @@ def foot(x: float, y: float, s: Segment) -> Point:
     if 0.0 < t < 1.0:
         return s.ax + t * s.ex, s.ay + t * s.ey
     return (s.ax, s.ay) if between(x, y, s.ax, s.ay) <= between(x, y, s.bx, s.by) else (s.bx, s.by)
+
+
+def line_again(points: Points, closed: bool) -> Line:
+    """A line that may have been asked about before: most lines of a run are those of the cycle before, to the bit."""
+    return _again(_bits(points), closed)
+
+
+def centre_again(left: Points, right: Points, closed: bool) -> Line:
+    """The line midway between two borders, which may have been asked about before."""
+    return _centre_again(_bits(left), _bits(right), closed)
+
+
+def _bits(points: Points) -> bytes:
+    """Points that compare as equal may still differ: by the sign of a zero."""
+    return array("d", [number for point in points for number in point]).tobytes()
+
+
+def _points(bits: bytes) -> list[Point]:
+    numbers = iter(array("d", bits))
+    return list(zip(numbers, numbers))
+
+
+@lru_cache(maxsize=32)
+def _again(points: bytes, closed: bool) -> Line:
+    return Line(_points(points), closed)
+
+
+@lru_cache(maxsize=8)
+def _centre_again(left: bytes, right: bytes, closed: bool) -> Line:
+    return Line(centre_line(_points(left), _points(right), closed), closed)

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
 
+from trackmarshal.backends.reference.geometry.boxes import STRETCH, Box, box_of
 from trackmarshal.backends.reference.geometry.curve import Placed, curve, placed
 from trackmarshal.backends.reference.geometry.footprint import convex_hull, depth, swept_corners
 from trackmarshal.points import (
@@ -25,42 +25,6 @@ from trackmarshal.points import (
 
 #: The margin of a hull that the border enters by less than any measure below can show.
 LEAST = -2.2250738585072014e-308
-#: So many segments of a border that follow each other are looked at as one, where they are far away.
-STRETCH = 16
-
-
-class Box(NamedTuple):
-    """The least and the greatest x and y of some points."""
-
-    left: float
-    right: float
-    low: float
-    high: float
-
-    def seen_from(self, x: float, y: float) -> Box:
-        """The box of the same points seen from an origin; rounding keeps their order, so it is exactly theirs."""
-        return Box(self.left - x, self.right - x, self.low - y, self.high - y)
-
-    def wider(self, by: float) -> Box:
-        """The box with so much more on every side."""
-        return Box(self.left - by, self.right + by, self.low - by, self.high + by)
-
-    def apart(self, other: Box) -> float:
-        """How far two boxes are apart in x or in y, which is no farther than they are; 0 where they overlap."""
-        in_x = max(self.left - other.right, other.left - self.right)
-        in_y = max(self.low - other.high, other.low - self.high)
-        return max(in_x, in_y, 0.0)
-
-    @property
-    def size(self) -> float:
-        """How far two points of it may be apart, or more."""
-        return (self.right - self.left) + (self.high - self.low)
-
-
-def box_of(points: Sequence[Point]) -> Box:
-    """The box of points."""
-    xs, ys = zip(*points)
-    return Box(min(xs), max(xs), min(ys), max(ys))
 
 
 @dataclass(frozen=True)

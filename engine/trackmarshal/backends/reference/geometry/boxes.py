@@ -1,0 +1,45 @@
+"""Boxes around stretches of a line: what is far away is left out at once. They decide no number, only which are worked out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from trackmarshal.points import Point
+
+#: So many segments of a line that follow each other are looked at as one, where they are far away.
+STRETCH = 16
+
+
+class Box(NamedTuple):
+    """The least and the greatest x and y of some points."""
+
+    left: float
+    right: float
+    low: float
+    high: float
+
+    def seen_from(self, x: float, y: float) -> Box:
+        """The box of the same points seen from an origin; rounding keeps their order, so it is exactly theirs."""
+        return Box(self.left - x, self.right - x, self.low - y, self.high - y)
+
+    def wider(self, by: float) -> Box:
+        """The box with so much more on every side."""
+        return Box(self.left - by, self.right + by, self.low - by, self.high + by)
+
+    def apart(self, other: Box) -> float:
+        """How far two boxes are apart in x or in y, which is no farther than they are; 0 where they overlap."""
+        in_x = max(self.left - other.right, other.left - self.right)
+        in_y = max(self.low - other.high, other.low - self.high)
+        return max(in_x, in_y, 0.0)
+
+    @property
+    def size(self) -> float:
+        """How far two points of it may be apart, or more."""
+        return (self.right - self.left) + (self.high - self.low)
+
+
+def box_of(points: Sequence[Point]) -> Box:
+    """The box of points."""
+    xs, ys = zip(*points)
+    return Box(min(xs), max(xs), min(ys), max(ys))
