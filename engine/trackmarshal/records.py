@@ -104,11 +104,12 @@ class SpecPart:
     file: str
     line: int
     column: int
+    of: tuple[str, ...] = ()  #: the parameters and tables that a constraint restricts
 
     def to_json(self) -> dict[str, Any]:
         return {
             "kind": self.kind, "name": self.name, "fingerprint": self.fingerprint, "shown": self.shown, "file": self.file,
-            "line": self.line, "column": self.column,
+            "line": self.line, "column": self.column, "of": list(self.of),
         }  # fmt: skip
 
     @classmethod
@@ -116,7 +117,7 @@ class SpecPart:
         f = _Fields(data, "spec part")
         return cls(
             f.word("kind", PART_KINDS), f.text("name"), f.text("fingerprint"), f.text("shown", ""), f.text("file"), f.count("line"),
-            f.count("column"),
+            f.count("column"), f.texts("of"),
         )  # fmt: skip
 
 
@@ -280,6 +281,10 @@ class RunSummary:
     uncovered: tuple[str, ...] = ()
     #: sha256 by kind and name of all that it was made from beside the recording: `rule x` with all that this one reads, `engine`
     inputs: Mapping[str, str] = field(default_factory=dict)
+    #: by `signal.field`, between which values it was in the recording, in SI
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    #: by assumption, the fields that it watches and that the recording left to their defaults
+    defaulted: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -288,6 +293,8 @@ class RunSummary:
             "ground_truth": {kind: truth.to_json() for kind, truth in self.ground_truth.items()},
             "fired": self.fired, "created": self.created, "made_from": dict(self.made_from),
             "uncovered": list(self.uncovered), "inputs": dict(self.inputs),
+            "ranges": {name: list(ends) for name, ends in self.ranges.items()},
+            "defaulted": {name: list(names) for name, names in self.defaulted.items()},
         }  # fmt: skip
 
     @classmethod
@@ -298,7 +305,8 @@ class RunSummary:
             tuple(RuleFacts.from_json(item) for item in f.array("rules")),
             {kind: TruthFacts.from_json(item) for kind, item in f.table("ground_truth").items()},
             f.flag("fired"), f.text("created"), f.words("made_from"),
-            f.texts("uncovered"), f.words("inputs"),
+            f.texts("uncovered"), f.words("inputs"), f.ranges("ranges"),
+            {name: _texts(names) for name, names in f.table("defaulted", {}).items()},
         )  # fmt: skip
 
 
@@ -521,9 +529,22 @@ class _Fields:
         value: list[Any] = self._get(name, [], list, "a list")
         return value
 
-    def table(self, name: str) -> dict[str, Any]:
-        value: dict[str, Any] = self._get(name, _REQUIRED, dict, "an object")
+    def table(self, name: str, default: dict[str, Any] = _REQUIRED) -> dict[str, Any]:
+        value: dict[str, Any] = self._get(name, default, dict, "an object")
         return value
+
+    def ranges(self, name: str) -> dict[str, tuple[float, float]]:
+        """Two numbers by name, the lower one first; none where it is not there."""
+        found = {}
+        for key, ends in self.table(name, {}).items():
+            if not (
+                isinstance(ends, list)
+                and [type(end) in (int, float) for end in ends] == [True, True]
+                and ends[0] <= ends[1]
+            ):
+                raise _refused(f"{self.what}: `{name}` holds something else than ranges")
+            found[key] = (float(ends[0]), float(ends[1]))
+        return found
 
     def words(self, name: str) -> dict[str, str]:
         """Texts by name; none where it is not there."""
@@ -552,6 +573,12 @@ class _Fields:
         if not isinstance(value, kind):
             raise _refused(f"{self.what}: `{name}` must be {said}, not {_kind(value)}")
         return value
+
+
+def _texts(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+        raise _refused("a list of texts is expected")
+    return tuple(value)
 
 
 def _kind(value: object) -> str:

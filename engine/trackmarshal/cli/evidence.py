@@ -60,7 +60,7 @@ def spec_items(meaning: Meaning) -> list[SpecItem]:
 
 def spec_parts(spec: Spec, items: Iterable[SpecItem]) -> list[SpecPart]:
     """What rules and assumptions read, and all constraints, as the matrix sees them."""
-    from trackmarshal.meaning import of
+    from trackmarshal.meaning import of, restricted
     from trackmarshal.units import in_full
 
     read = {name for item in items for name in item.inputs}
@@ -84,7 +84,16 @@ def spec_parts(spec: Spec, items: Iterable[SpecItem]) -> list[SpecPart]:
         used.append(("constraint", text, constraint, ""))
     used += [("rulebook", book.name, book, _order(book.relations)) for book in spec.rulebooks]
     return [
-        SpecPart(kind, name, of(info), shown, info.span.file.path, info.span.line, info.span.column)
+        SpecPart(
+            kind,
+            name,
+            of(info),
+            shown,
+            info.span.file.path,
+            info.span.line,
+            info.span.column,
+            restricted(info) if kind == "constraint" else (),
+        )
         for kind, name, info, shown in used
     ]
 
@@ -146,6 +155,7 @@ def run_inputs(evaluator: Evaluator, recording: str | None) -> dict[str, str]:
 
 def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: str) -> RunSummary:
     """A replay as a record; `shown` is the scenario's path from the project."""
+    from trackmarshal.cli import operating
     from trackmarshal.scenarios.labels import judged_by, label
 
     inputs = run_inputs(evaluator, source_hash)
@@ -185,6 +195,8 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
         now(),
         uncovered=outcome.uncovered,
         inputs=inputs,
+        ranges=operating.ranges(outcome.recording, evaluator.spec),
+        defaulted=operating.defaulted(outcome.recording, evaluator),
     )
 
 

@@ -53,6 +53,15 @@ def whole(spec: Spec, rule: RuleInfo) -> bool:
     return params <= spec.params.keys() and tables <= spec.tables.keys()
 
 
+def restricted(constraint: ConstraintInfo) -> tuple[str, ...]:
+    """The parameters and tables that a constraint is about."""
+    nodes = list(ir.below(constraint.formula))
+    params = {node.name for node in nodes if isinstance(node, ir.Param)}
+    return tuple(
+        sorted(params | {node.table for node in nodes if isinstance(node, ir.Lookup | ir.GridLookup)})
+    )
+
+
 def of(info: ParamInfo | TableInfo | PlaceInfo | SignalType | ConstraintInfo | RulebookInfo) -> str:
     """The hash of a declaration: what it is called and says, not where it stands, nor where a value comes from."""
     match info:

@@ -84,7 +84,7 @@ FAULTS = [
     Fault("an unknown domain", swap(H, "operates_in: [ODD-1]", "operates_in: [ODD-7]"), "T151", "HZ-1"),
     Fault("an unknown stage", swap(V, "How the planner keeps room, stage: S-2-A", "How the planner keeps room, stage: S-2-X"), "T148", "S-2-X"),
     Fault("an owner who is nobody", swap(V, "owner: Dana Driver", "owner: x"), "T153", "W-1"),
-    Fault("a requirement of nobody", swap(R, "    allocated_to: [DE-2]\n    owner: P-1", "    allocated_to: [DE-2]\n    owner: Somebody"), "T153", "S-31"),
+    Fault("a requirement of nobody", swap(R, "    verified_by: [M-2]\n    owner: P-1", "    verified_by: [M-2]\n    owner: Somebody"), "T153", "S-31"),
     Fault("a subsystem that there is not", swap(M, "initiator: SH, what: tyre forces", "initiator: TX, what: tyre forces"), "T147", "SH-RO"),
     # 6 and 7: kinds of links, and links that say nothing
     Fault("a link to itself", swap(R, "refines: [S-3]\n    allocated_to: [DE-2]", "refines: [S-3, S-31]\n    allocated_to: [DE-2]"), "T138", "S-31"),
@@ -93,6 +93,21 @@ FAULTS = [
     # 8: circles
     Fault("two requirements refine each other", swap(R, "derived_from: [SH-TP]\n    achieves: [SG-1]\n    allocated_to: [DE-1, DE-2]", "derived_from: [SH-TP]\n    refines: [S-31]\n    achieves: [SG-1]\n    allocated_to: [DE-1, DE-2]"), "T138", "S-3"),
     Fault("parts of each other", all_of(swap(D, "asil: C, owner: P-1}\n  - {id: DE-2", "asil: C, owner: P-1, part_of: [DE-2]}\n  - {id: DE-2"), swap(D, "It plans., asil: C", "It plans., part_of: [DE-1], asil: C")), "T157", "DE-1"),
+    # 21 and 33: methods and indicators
+    Fault("a method that is not used any more", swap(R, "    verified_by: [M-1]\n    not_verified_by: {M-2: Tests and scenarios show more than reading does.}\n    verification: [monitor]", "    not_verified_by: {M-2: Tests and scenarios show more than reading does.}\n    verification: [monitor]"), "T376", "S-4"),
+    Fault("a method given up for a reason", swap(R, "    verified_by: [M-1]\n    not_verified_by: {M-2: Tests and scenarios show more than reading does.}\n    verification: [monitor]", "    not_verified_by: {M-1: It takes long., M-2: Tests and scenarios show more than reading does.}\n    verification: [monitor]"), "T376", "S-4"),
+    Fault("a reason struck", swap(R, "    not_verified_by: {M-2: Tests and scenarios show more than reading does.}\n    verification: [monitor]", "    verification: [monitor]"), "T171", "S-4"),
+    Fault("a method asked for from a lower level on", swap(D, "title: proof, highly_recommended_from: D", "title: proof, highly_recommended_from: C"), "T376", "M-3"),
+    Fault("an unknown method of a project", swap(R, "verified_by: [M-2]", "verified_by: [M-7]"), "T151", "S-31"),
+    Fault("an indicator without a threshold", swap(A, "threshold: at most 1 in 100 km, ", ""), "T120"),
+    Fault("an indicator without data", swap(A, "data: the supervisor's log of each drive, ", ""), "T120"),
+    Fault("an indicator of no claim", swap(A, "claims: [SG-1], owner", "claims: [SG-7], owner"), "T151", "SPI-1"),
+    Fault("an indicator with another threshold", swap(A, "at most 1 in 100 km", "at most 1 in 10 km"), "T376", "SPI-1"),
+    Fault("an indicator struck", cut(A, "indicators:\n", ""), "T376", "SPI-1"),
+    # 23: conditions
+    Fault("conditions that no recording has", swap(H, "to: 11 m/s", "to: 12 m/s"), "T254", "ODD-1"),
+    Fault("conditions of which no recording says anything", swap(H, "{quantity: objects.length,", "{quantity: objects.height,"), "T254", "ODD-1"),
+    Fault("conditions claimed no longer", swap(H, "      - {quantity: objects.length, from: 5 m, to: 5 m}\n", ""), "T376", "ODD-1"),
     # 9: parents
     Fault("a requirement from nowhere", put(MORE, another("S-7", "owner: P-1").encode()), "T139", "S-7"),
     # 10 and 19, 20: links that are needed
@@ -110,7 +125,7 @@ FAULTS = [
     Fault("a review struck", cut(A, "reviews:\n", "works:\n"), "T376", "RV-1"),
     Fault("a review of another version", swap(A, "{id: S-3, fingerprint: '", "{id: S-2, fingerprint: '"), "T376", "RV-1"),
     # 17: levels
-    Fault("an ASIL lowered", swap(R, "    owner: P-1\n    status: approved\n    asil: C\n    verification: [test, scenario]", "    owner: P-1\n    status: approved\n    asil: A\n    verification: [test, scenario]"), "T160", "S-1"),
+    Fault("an ASIL lowered", swap(R, "asil: C\n    verified_by: [M-1]\n    not_verified_by: {M-2: Tests and scenarios show more than reading does.}\n    verification: [test, scenario]", "asil: A\n    verified_by: [M-1]\n    not_verified_by: {M-2: Tests and scenarios show more than reading does.}\n    verification: [test, scenario]"), "T160", "S-1"),
     Fault("all ASILs lowered", all_of(each(R, "asil: C\n", "asil: A\n"), each(H, "asil: C\n", "asil: A\n"), swap(H, "severity: S3", "severity: S1"), swap(R, "asil: A(C)", "asil: QM(A)"), swap(R, "asil: B(C)", "asil: A(A)")), "T376", "HZ-1"),
     Fault("an element below its requirement", swap(D, "It plans., asil: C", "It plans., asil: QM"), "T164", "DE-2"),
     Fault("a goal below its hazard", swap(H, "    prevents: [HZ-1]\n    asil: C", "    prevents: [HZ-1]\n    asil: B"), "T159", "SG-1"),

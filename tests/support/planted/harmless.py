@@ -83,7 +83,7 @@ EDITS = [
     Harmless("the source of a parameter", swap(C, "permit of the campus, 2", "permit of the campus, section 2")),
     Harmless("the title of a fault", swap(F, "A bus stands right ahead", "A bus stands in the way")),
     # order
-    Harmless("keys in another order", swap(R, "    status: approved\n    asil: C\n    verification: [monitor]\n", "    verification: [monitor]\n    asil: C\n    status: approved\n")),
+    Harmless("keys in another order", swap(R, "    asil: B(C)\n    verified_by: [M-1]\n", "    verified_by: [M-1]\n    asil: B(C)\n")),
     Harmless("elements in another order", swap(R, "allocated_to: [DE-1, DE-2]", "allocated_to: [DE-2, DE-1]")),
     Harmless("demands in another order", swap(V, "  - {stage: S-1-A, requirements: [\"*\"]}\n  - {stage: S-2-A, requirements: [S-31]}\n", "  - {stage: S-2-A, requirements: [S-31]}\n  - {stage: S-1-A, requirements: [\"*\"]}\n")),
     Harmless("tests in another order", all_of(cut(S, 'test braking "coasting"', 'test braking "harder"'), add(S, '\ntest braking "coasting"\n  given  plan = line(v: 5 m/s)\n  expect satisfied\n'))),
@@ -111,6 +111,7 @@ EDITS = [
     Harmless("no results yet", gone("out")),
     Harmless("a folder without git", gone(".git")),
     Harmless("committed", all_of(add("docs/notes.md", "# Notes\n"), git("add", "."), committed("notes"))),
+    Harmless("the title of a domain", swap(H, "title: the avenue", "title: avenue")),
     Harmless("a result of another version of the tool", OTHER_VERSION),
     Harmless("a store with an empty line", add(STORE, "\n")),
 ]

@@ -62,6 +62,7 @@ FAULTS = [
     Fault("a table that goes on otherwise", swap(C, "linear clamp", "step clamp"), "T372", "vehicle.bite"),
     Fault("a constraint changed", swap(C, "constrain b_comfort <= b_max", "constrain b_comfort <= 2 * b_max"), "T372", "b_comfort <= b_max"),
     Fault("a constraint taken away", cut(C, "constrain b_comfort", "-- How hard"), "T372", "b_comfort <= b_max"),
+    Fault("a constraint that belongs to nothing", add(C, '\nparam spare : m = 1 m in [0, 5]\n\nconstrain spare <= 2 m\n  because "there is not more"\n'), "T172", "spare <= 2 m"),
     Fault("a constraint broken", swap(C, "= 3 m/s^2    in [0.5, 6]", "= 7 m/s^2    in [0.5, 8]"), "E307", "b_comfort"),
     Fault("a value out of its range", swap(C, "= 12 m/s     in [1, 20]", "= 21 m/s     in [1, 20]"), "E306", "v_max"),
     Fault("a signal's range widened", swap(N, "age: s in [0, 60]", "age: s in [0, 600]"), "T372", "objects"),

@@ -19,12 +19,13 @@ from trackmarshal.trace import (
     outside,
     runs,
     tests,
+    vacuous,
     waivers,
 )
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
-from trackmarshal.trace.graph import checks, integrity, people, schema, works
+from trackmarshal.trace.graph import checks, conditions, integrity, people, schema, works
 from trackmarshal.trace.graph.building import build
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, matches
@@ -136,6 +137,8 @@ def assemble(
         *integrity.check(graph),
         *people.check(graph, project, today),
         *works.check(graph),
+        *conditions.check(graph, project, spec),
+        *vacuous.check(project, spec),
         *links.check(project, spec),
         *tests.check(project, spec),
         *baselines.check(baseline, baselines.content(project, spec, hashes), project, spec),

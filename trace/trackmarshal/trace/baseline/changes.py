@@ -18,7 +18,7 @@ _FEWER = {
 }  # fmt: skip
 #: Fields of which an element more is a weakening: each is one more thing that is excused.
 _MORE = {
-    ("waiver", "stages"), ("waiver", "requirements"), ("waiver", "codes"), ("waiver", "subjects"),
+    ("requirement", "not_verified_by"), ("waiver", "stages"), ("waiver", "requirements"), ("waiver", "codes"), ("waiver", "subjects"),
 }  # fmt: skip
 #: Fields that say nothing by themselves: what others come to, or how something is shown.
 _SILENT = {

@@ -33,7 +33,7 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         yield f"requirement {r.id}", {
             "statement": _hash(r.statement), "asil": str(r.asil), "status": r.status, "derived_from": _list(r.derived_from),
             "refines": _list(r.refines), "verification": _list(r.verification), "metrics": _list(r.metrics),
-            "assumptions": _list(r.assumptions), **_linked(r.links),
+            "assumptions": _list(r.assumptions), **_linked(r.links), "not_verified_by": _list(name for name, _ in r.not_verified_by),
         }  # fmt: skip
     for entry in project.entries:
         said = {name: _hash(text) if " " in text else text for name, text in entry.attributes.items()}

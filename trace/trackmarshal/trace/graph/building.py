@@ -124,6 +124,7 @@ class _Building:
             attributes = {
                 "status": str(r.status), "asil": str(r.asil), "verification": ", ".join(r.verification), "adopted": str(r.adopted),
                 "source": str(r.source), "owner": str(r.owner), "statement": str(r.statement),
+                "not_verified_by": " ".join(method for method, _ in r.not_verified_by),
             }  # fmt: skip
             self._node("requirement", r.id, r.title, r.place, attributes)
 
@@ -310,6 +311,15 @@ class _Building:
 
     def _links_of_evidence(self) -> None:
         self._double = False
+        for part in self.spec.parts:
+            for name in part.of:
+                kind = "table" if ("table", name) in self.nodes else "parameter"
+                self._link(
+                    "restricts",
+                    (_USED[part.kind], part.name),
+                    (kind, name),
+                    Place(part.file, part.line, part.column),
+                )
         for test in self.spec.tests:
             item = self.spec.by_name.get(test.rule)
             target = ("rule" if item is None else _KIND[item.kind], test.rule)

@@ -33,6 +33,7 @@ NODES = {
     "external test": "a test of another runner",
     "code": "a file of source code that says what it implements",
     "document": "a file that is evidence",
+    "indicator": "a number that shows in operation whether a claim holds",
     "work": "what rules cite as their source: a paper, a regulation",
     "analysis": "an argument made by somebody",
     "review": "a second person's reading",
@@ -152,11 +153,13 @@ LINKS = {
     "reviews": LinkKind("reviewed_by", ("review",), ANY, False, _MANY),
     "used_for": LinkKind("made_with", ("tool",), ANY, False, _MANY),
     "made_by": LinkKind("made", ("analysis", "review"), ("person",), True, _GIVEN),
-    "owned_by": LinkKind("owns", ("requirement", "hazard", "safety goal", "design element", "assumption", "waiver"), ("person",), True, {
+    "owned_by": LinkKind("owns", ("requirement", "hazard", "safety goal", "design element", "assumption", "indicator", "waiver"), ("person",), True, {
         **_GIVEN,
         "orphaned": Said("T153", "{it} belongs to `{target}`, who is none of the persons of the project",
                          "name a person by id or by name; they are declared under `persons`"),
     }),
+    "indicates": LinkKind("indicated_by", ("indicator",), ANY, False, _MANY),
+    "restricts": LinkKind("restricted_by", ("constraint",), ("parameter", "table")),
     "cites": LinkKind("cited_by", ("rule", "assumption"), ("work",)),
     "approved_by": LinkKind("approves", ("waiver",), ("person",), True, {
         **_GIVEN,
