@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
+from trackmarshal.records import RunSummary
 from trackmarshal.trace.findings import Finding
-from trackmarshal.trace.model import Project
+from trackmarshal.trace.model import Project, Scenario
 from trackmarshal.trace.spec import Spec, item_place
 
 
@@ -22,27 +23,19 @@ def check(project: Project, spec: Spec) -> Iterator[Finding]:
             message = f"{said} `{name}` did not apply in any cycle of {number} that it was evaluated in"
             help_ = "record or generate a scenario in which it applies"
             yield Finding("T229", "warning", message, item_place(item), help_, name, rests_on=paths)
-    for path, run in runs:
-        for name, fields in sorted(run.defaulted.items()):
-            named = spec.by_name.get(name)
-            if named is not None:
-                shown = ", ".join(f"`{field}`" for field in fields)
-                message = (
-                    f"in `{path}`, `{name}` watched the default of {shown}, which the recording does not give"
-                )
-                help_ = (
-                    "let the recording give it, and strike the default: what is watched is said by somebody"
-                )
-                yield Finding(
-                    "T249",
-                    "warning",
-                    message,
-                    declared[path].path.place,
-                    help_,
-                    name,
-                    ((item_place(named), "watched here"),),
-                    (path,),
-                )
+    yield from _by_default(runs, declared, spec)
+
+
+def _by_default(runs: Sequence[tuple[str, RunSummary]], declared: Mapping[str, Scenario], spec: Spec) -> Iterator[Finding]:
+    for name, item in spec.by_name.items():
+        found = [(path, run.defaulted[name]) for path, run in runs if name in run.defaulted]
+        if found:
+            shown = ", ".join(f"`{field}`" for field in sorted({field for _, fields in found for field in fields}))
+            number = "1 run" if len(found) == 1 else f"{len(found)} runs"
+            message = f"`{name}` watched the default of {shown} in {number}, whose recording does not give it"
+            help_ = "let recordings give it, and strike the default: what is watched is said by somebody"
+            also = tuple((declared[path].path.place, f"`{path}`") for path, _ in found)
+            yield Finding("T249", "warning", message, item_place(item), help_, name, also, tuple(path for path, _ in found))
 
 
 __all__ = ["check"]
