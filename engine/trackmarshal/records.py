@@ -281,10 +281,12 @@ class RunSummary:
     uncovered: tuple[str, ...] = ()
     #: sha256 by kind and name of all that it was made from beside the recording: `rule x` with all that this one reads, `engine`
     inputs: Mapping[str, str] = field(default_factory=dict)
+    #: what the recording has in place of the spec's values, each with its reason, as people read it
+    overrides: tuple[str, ...] = ()
+    #: `plan.grip: A-FRICTION, friction`: an input that the recording lacks, and the rules that judge the spec's default instead
+    defaults: Mapping[str, str] = field(default_factory=dict)
     #: by `signal.field`, between which values it was in the recording, in SI
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    #: by assumption, the fields that it watches and that the recording left to their defaults
-    defaulted: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -292,9 +294,8 @@ class RunSummary:
             "cycles": self.cycles, "rules": [facts.to_json() for facts in self.rules],
             "ground_truth": {kind: truth.to_json() for kind, truth in self.ground_truth.items()},
             "fired": self.fired, "created": self.created, "made_from": dict(self.made_from),
-            "uncovered": list(self.uncovered), "inputs": dict(self.inputs),
-            "ranges": {name: list(ends) for name, ends in self.ranges.items()},
-            "defaulted": {name: list(names) for name, names in self.defaulted.items()},
+            "uncovered": list(self.uncovered), "inputs": dict(self.inputs), "overrides": list(self.overrides),
+            "defaults": dict(self.defaults), "ranges": {name: list(ends) for name, ends in self.ranges.items()},
         }  # fmt: skip
 
     @classmethod
@@ -305,8 +306,7 @@ class RunSummary:
             tuple(RuleFacts.from_json(item) for item in f.array("rules")),
             {kind: TruthFacts.from_json(item) for kind, item in f.table("ground_truth").items()},
             f.flag("fired"), f.text("created"), f.words("made_from"),
-            f.texts("uncovered"), f.words("inputs"), f.ranges("ranges"),
-            {name: _texts(names) for name, names in f.table("defaulted", {}).items()},
+            f.texts("uncovered"), f.words("inputs"), f.texts("overrides"), f.words("defaults"), f.ranges("ranges"),
         )  # fmt: skip
 
 

@@ -750,6 +750,7 @@ def test_nothing_is_changed_by_evaluating(tmp_path: Path) -> None:
     assert case == before
 
 
+@pytest.mark.verifies("S-1-B-5")
 def test_a_cycle_without_an_emergency_trajectory_is_not_safe() -> None:
     head, first, *rest = (ROOT / "specs" / "scenarios" / "free_lap.tmrec.jsonl").read_bytes().splitlines()
     cycle = json.loads(first)

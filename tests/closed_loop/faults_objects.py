@@ -35,7 +35,7 @@ class CutIn(Fault):
 
 
 class LostPlace(Fault):
-    id, group, requirement = "O-03", "objects", "S-1-A-1"
+    id, group, requirement = "O-03", "objects", "S-1-B-9"
     title = "The place of an object is not a number, for the Supervisor"
 
     def seen(self, who: str, since: float, objects: tuple[Object, ...]) -> tuple[Object, ...] | None:
@@ -55,7 +55,7 @@ class LostPlace(Fault):
 
 
 class NoList(Fault):
-    id, group, requirement = "O-04", "objects", "S-1-A-1"
+    id, group, requirement = "O-04", "objects", "S-1-B-9"
     title = "The Supervisor gets no list of objects"
 
     def seen(self, who: str, since: float, objects: tuple[Object, ...]) -> tuple[Object, ...] | None:

@@ -110,7 +110,7 @@ class TooHard(Fault):
 
 
 class NotANumber(Fault):
-    id, group, requirement = "P-09", "planner", "S-1-B-4"
+    id, group, requirement = "P-09", "planner", "S-1-B-9"
     title = "One coordinate is not a number"
 
     def sent(self, since: float, message: Message, past: Sequence[Message]) -> list[Message]:

@@ -65,7 +65,7 @@ class Askew(Fault):
 
 
 class NoPose(Fault):
-    id, group, requirement = "L-06", "pose", "S-1-B-4"
+    id, group, requirement = "L-06", "pose", "S-1-B-9"
     title = "The pose is not a number"
 
     def sensed(self, who: str, since: float, past: Sequence[Sensed]) -> Sensed:

@@ -10,7 +10,7 @@ from closed_loop.message import Message
 
 
 class PlannerDies(Fault):
-    id, group, requirement = "T-01", "timing", "S-1-B-4"
+    id, group, requirement = "T-01", "timing", "S-1-B-6"
     title = "The planner dies: nothing comes any more"
 
     def sent(self, since: float, message: Message, past: Sequence[Message]) -> list[Message]:
@@ -18,7 +18,7 @@ class PlannerDies(Fault):
 
 
 class EverySecond(Fault):
-    id, group, requirement = "T-02", "timing", "S-1-B-4"
+    id, group, requirement = "T-02", "timing", "S-1-B-6"
     title = "Every second message is lost"
 
     def sent(self, since: float, message: Message, past: Sequence[Message]) -> list[Message]:
@@ -26,7 +26,7 @@ class EverySecond(Fault):
 
 
 class Late(Fault):
-    id, group, requirement = "T-03", "timing", "S-1-B-2"
+    id, group, requirement = "T-03", "timing", "S-1-B-6"
     title = "Messages come 0.15 s later than they should"
 
     def sent(self, since: float, message: Message, past: Sequence[Message]) -> list[Message]:
@@ -34,7 +34,7 @@ class Late(Fault):
 
 
 class Ahead(Fault):
-    id, group, requirement = "T-04", "timing", "S-1-B-4"
+    id, group, requirement = "T-04", "timing", "S-1-B-9"
     title = "The planner's clock jumps 5 s ahead"
 
     def sent(self, since: float, message: Message, past: Sequence[Message]) -> list[Message]:

@@ -84,7 +84,7 @@ def records(columns: dict[str, Any]) -> list[dict[str, float]]:
     return [{name: float(column[i]) for name, column in columns.items()} for i in range(count)]
 
 
-@pytest.mark.verifies("S-1-B-1")
+@pytest.mark.verifies("S-1-B-1", "S-1-B-5")
 def test_a_step_says_of_both_candidates_what_the_reference_says() -> None:
     evaluator = Evaluator(spec(), None, "reference")
     run, seen = Step(), Counter[str]()
@@ -110,7 +110,7 @@ def test_a_step_says_of_both_candidates_what_the_reference_says() -> None:
     assert min(seen[name] for name in ("satisfied", "violated", "inactive")) >= 3
 
 
-@pytest.mark.verifies("S-1-B-1")
+@pytest.mark.verifies("S-1-B-1", "S-1-B-9")
 def test_mutated_cycles_are_refused_for_what_is_wrong_with_them() -> None:
     """No breach passes, nothing else is refused, and every reason is one that there is."""
     run, last, refused = Step(oldest=0.1), None, Counter[str]()

@@ -6,6 +6,7 @@ import gzip
 import io
 import math
 import random
+import shutil
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -264,6 +265,7 @@ STARTS = [FAULTS[: FAULTS.index(b"  - id:")], *(b"  - id:" + each for each in FA
 def test_the_crowded_declaration_is_sound(tmp_path: Path) -> None:
     (tmp_path / "scenarios").mkdir()
     (tmp_path / "tracks").mkdir()
+    shutil.copytree(SPECS / "vehicles", tmp_path / "vehicles")
     (tmp_path / "tracks" / "northfield.yaml").write_bytes(TRACK)
     (tmp_path / "scenarios" / "x.yaml").write_bytes(CROWDED)
     recording = generate(tmp_path / "scenarios" / "x.yaml")
@@ -290,6 +292,7 @@ def test_changed_campaigns(tmp_path: Path, which: bytes, data: st.DataObject) ->
 def test_changed_declarations(tmp_path: Path, scene: bytes, track: bytes, which: bool) -> None:
     (tmp_path / "scenarios").mkdir(exist_ok=True)
     (tmp_path / "tracks").mkdir(exist_ok=True)
+    shutil.copytree(SPECS / "vehicles", tmp_path / "vehicles", dirs_exist_ok=True)
     (tmp_path / "scenarios" / "x.yaml").write_bytes(scene if which else DECLARATION)
     (tmp_path / "tracks" / "northfield.yaml").write_bytes(TRACK if which else track)
     check(generate, tmp_path / "scenarios" / "x.yaml")

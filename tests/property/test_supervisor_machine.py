@@ -29,7 +29,7 @@ from trackmarshal.runtime.machine import (
     STATES,
 )
 
-pytestmark = pytest.mark.verifies("S-1-B-1")
+pytestmark = pytest.mark.verifies("S-1-B-1", "S-1-B-6")
 
 #: How long an emergency trajectory of the model's cycles lasts.
 STOP = SPEED / BRAKING

@@ -272,7 +272,7 @@ def test_a_revision_beside_what_is_here(project: Path, capsys: pytest.CaptureFix
     assert "equal" in capsys.readouterr().out
     conduct = project / "specs" / "supervisor" / "conduct.spec"
     conduct.write_text(
-        conduct.read_text().replace("require   p.v <= v_max", "require   p.v <= v_max - 60 m/s")
+        conduct.read_text().replace("p.v <= min(v_event, v_max)", "p.v <= min(v_event, v_max) - 60 m/s")
     )
     assert main(["diff", "HEAD", ".", *on]) == 1
     assert capsys.readouterr().out.startswith("speed_limit: stricter, ")

@@ -255,6 +255,7 @@ def test_what_is_not_found_and_what_was_not_expected_is_said(campaign: Campaign,
     assert loud.wrong == "unsafe at 2 s by friction, not at all expected"
     other = bench.run(campaign, replace(fault, requirement="S-1-A-5"))
     assert other.wrong == "friction satisfies S-1-A-4, expected S-1-A-5"
+    assert bench.run(campaign, replace(fault, requirement="S-1-B-5")).wrong == ""  # which no rule satisfies
 
 
 @pytest.mark.parametrize(

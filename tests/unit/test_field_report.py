@@ -167,7 +167,7 @@ def test_limits_are_where_closed_forms_say(tmp_path: Path) -> None:
 
 def test_parameters_of_a_rule_are_those_that_its_formula_reads() -> None:
     names = {rule.name: {name.rpartition(".")[2] for name in params_of(rule)} for rule in spec().rules}
-    assert names["speed_limit"] == {"v_max"}
+    assert names["speed_limit"] == {"v_event", "v_max"}
     assert {"mu", "g", "mass"} <= names["friction"]
     assert {"response", "b_rear", "length", "least_gap"} <= names["safe_gap"]  # through definitions
 

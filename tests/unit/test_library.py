@@ -81,7 +81,7 @@ def test_what_a_project_does_not_demand_is_not_asked_of_it(tmp_path: Path) -> No
     (tmp_path / "requirements" / "claimed.yaml").write_text(claimed, "utf-8")
     status, out, _ = run_command("trace", "--gate", *project)
     assert status == 1
-    assert "the evidence `docs/assumptions.md` of the assumption `A-LOCALISATION` is not there" in out
+    assert "the assumption `A-LOCALISATION` has no evidence" in out
 
 
 @pytest.mark.parametrize(

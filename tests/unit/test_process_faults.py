@@ -276,6 +276,7 @@ def test_a_cycle_comes_twice(rig: Rig) -> None:
 
 
 @pytest.mark.parametrize("left", [0, 1, 40, 47, 48, 100, -8, -1])
+@pytest.mark.verifies("S-1-B-9")
 def test_a_cut_datagram(left: int) -> None:
     with Served(built(), udp=True) as served:
         rig = Rig(served, Mangled)
@@ -289,6 +290,7 @@ def test_a_cut_datagram(left: int) -> None:
         rig.close()
 
 
+@pytest.mark.verifies("S-1-B-9")
 def test_a_datagram_that_is_too_long() -> None:
     with Served(built(), udp=True) as served:
         rig = Rig(served, Mangled)
@@ -302,6 +304,7 @@ def test_a_datagram_that_is_too_long() -> None:
 
 
 @BOTH
+@pytest.mark.verifies("S-1-B-9")
 def test_a_cycle_is_changed(rig: Rig) -> None:
     """One bit anywhere: it is refused, by its head or by its CRC."""
     places = {
@@ -336,6 +339,7 @@ def test_a_cycle_is_changed(rig: Rig) -> None:
 
 
 @BOTH
+@pytest.mark.verifies("S-1-B-9")
 def test_a_message_of_another_version(rig: Rig) -> None:
     """A head with another version or layout, even with a CRC that fits."""
     for place, form, value in ((8, "<H", 2), (16, "<Q", 1)):
@@ -378,6 +382,7 @@ def test_a_client_of_another_layout_finds_no_supervisor() -> None:
 
 
 @BOTH
+@pytest.mark.verifies("S-1-B-9")
 def test_entries_that_cannot_be(rig: Rig) -> None:
     """A message that is whole, of a sender that is wrong: nothing of it is taken."""
     kind = rig.client.layout.kinds["cycle"]
@@ -424,6 +429,7 @@ def test_borders_that_are_lost_are_sent_again() -> None:
 # Whoever executes -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.verifies("S-1-B-7")
 def test_a_decision_of_before_is_not_taken_for_a_fresh_one(rig: Rig) -> None:
     """An earlier decision, the same again, one of a Supervisor that was replaced, one that nobody decided: all are refused."""
     executing, old = rig.executing, rig.step(3)
@@ -443,6 +449,7 @@ def test_a_decision_of_before_is_not_taken_for_a_fresh_one(rig: Rig) -> None:
     assert rig.at(rig.now).number == 6
 
 
+@pytest.mark.verifies("S-1-B-6", "S-1-B-7")
 def test_decisions_do_not_come(rig: Rig) -> None:
     """The Supervisor lives, its decisions are lost on their way: the fallback of the last one that came, until another one comes."""
     rig.now = 0.34
@@ -466,6 +473,7 @@ def test_decisions_do_not_come(rig: Rig) -> None:
     assert (rig.at(0.36).action, rig.at(0.36).number) == (DRIVE, 3)
 
 
+@pytest.mark.verifies("S-1-B-6")
 def test_what_was_left_is_not_taken_up_again(rig: Rig) -> None:
     """The Supervisor was silent and is heard again: its last decision is still valid, and is not driven any more."""
     assert rig.at(rig.now + 0.06).why == "silent"

@@ -90,7 +90,7 @@ def test_another_spec_is_noted_and_its_differences_shown(
     for path in (ROOT / "specs" / "supervisor").glob("*.spec"):
         (folder / path.name).write_bytes(path.read_bytes())
     (folder / "conduct.spec").write_text(
-        text.replace("require   p.v <= v_max", "require   p.v <= 2 * v_max"), "utf-8"
+        text.replace("p.v <= min(v_event, v_max)", "p.v <= 2 * v_max"), "utf-8"
     )
     for name in ("tracks", "vehicles"):
         (tmp_path / name).symlink_to(ROOT / "specs" / name)

@@ -27,7 +27,11 @@ from trackmarshal.scenarios.recording import Recording
 SPECS = Path(__file__).parents[2] / "specs"
 CUT_IN = SPECS / "scenarios" / "cut_in.yaml"
 FREE_LAP = SPECS / "scenarios" / "free_lap.yaml"
-LENGTH, WIDTH, GRIP = 4.7, 2.0, 13.0
+LENGTH, WIDTH, GRIP = 4.7, 2.8, 13.0
+#: Of another car, as it is reported.
+BODY = 2.0
+DRAG = 0.854 / 1160.0
+OF_A_SPEC = "vehicle: ../vehicles/devbot.spec\n"
 
 
 #: What a declaration generates; nobody here changes it.
@@ -108,9 +112,9 @@ class TestShipped:
     def test_limits_of_the_vehicle_are_respected(self, shipped: Recording) -> None:
         for plan in plans(shipped):
             for v, a, kappa in zip(plan["v"], plan["a"], plan["kappa"]):
-                assert math.hypot(a, v * v * kappa) < GRIP
+                assert math.hypot(a + DRAG * v * v, v * v * kappa) < GRIP
                 assert abs(kappa) < 1.0 / 11.0
-                assert a < 6.0 - max(0.0, v - 36.0) * 3.5 / 36.0
+                assert a + DRAG * v * v < 6.0 - max(0.0, v - 36.0) * 3.6 / 36.0
 
     def test_the_emergency_trajectory_brakes_to_rest(self, shipped: Recording) -> None:
         for cycle in shipped.cycles:
@@ -201,7 +205,7 @@ class TestCutIn:
         truth = cut_in.ground_truth["dynamic"]
         free, unsafe = truth.index(None), truth.index(False)
         assert truth == (True,) * free + (None,) * (unsafe - free) + (False,) * (len(truth) - unsafe)
-        assert cut_in.cycles[free].t == pytest.approx(7.9)
+        assert cut_in.cycles[free].t == pytest.approx(7.8)
         assert cut_in.cycles[unsafe].t == pytest.approx(11.6)
 
     def test_the_latest_time_is_the_closed_form_of_each_cycle(self, cut_in: Recording) -> None:
@@ -218,7 +222,7 @@ class TestCutIn:
     def test_the_other_overlaps_the_lane_ahead_from_the_earliest_time_on(self, cut_in: Recording) -> None:
         for i, (t, ahead, left) in enumerate(relative(cut_in)):
             heading = cut_in.cycles[i].objects[0]["heading"] - cut_in.cycles[i].ego["heading"]
-            side = (LENGTH * abs(math.sin(heading)) + WIDTH * abs(math.cos(heading))) / 2.0
+            side = (LENGTH * abs(math.sin(heading)) + BODY * abs(math.cos(heading))) / 2.0
             overlaps = ahead > LENGTH and abs(left) < side + WIDTH / 2.0
             if t > 4.0:
                 assert (cut_in.ground_truth["dynamic"][i] is True) != overlaps, t
@@ -231,11 +235,80 @@ def test_free_lap_is_safe_throughout() -> None:
     assert max(abs(k) for plan in plans(recording) for k in plan["kappa"]) > 0.009  # there is a bend
 
 
-def test_overrides_are_known_to_the_shipped_vehicles(cut_in: Recording) -> None:
-    assert cut_in.params["mu"] * cut_in.params["g"] == pytest.approx(GRIP)
+def test_overrides_are_known_to_the_shipped_vehicles(tmp_path: Path) -> None:
+    """A vehicle that stands in the declaration is other than the shipped ones, and the recording says so."""
+    recording = generate(declared(tmp_path))
+    assert recording.params["mu"] * recording.params["g"] == pytest.approx(GRIP)
     for vehicle in sorted((SPECS / "vehicles").glob("*.spec")):
-        declared = re.findall(r"^(?:param|table) +(\w+)", vehicle.read_text(), re.MULTILINE)
-        assert {*cut_in.params, *cut_in.tables} <= set(declared), vehicle
+        names = re.findall(r"^(?:param|table) +(\w+)", vehicle.read_text(), re.MULTILINE)
+        assert {*recording.params, *recording.tables} <= set(names), vehicle
+
+
+SHIPPED = (SPECS / "vehicles" / "devbot.spec").read_text()
+
+
+def of_a_spec(tmp_path: Path, *changes: tuple[str, str]) -> Path:
+    """free_lap.yaml with the shipped vehicle, some of whose text is replaced, beside it."""
+    path, text = declared(tmp_path), SHIPPED
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "car.spec").write_text(text)
+    path.write_text(path.read_text().replace(VEHICLE, "vehicle: car.spec\n"))
+    return path
+
+
+def test_a_vehicle_of_a_spec_overrides_nothing_and_is_named(tmp_path: Path) -> None:
+    recording = generate(of_a_spec(tmp_path))
+    assert (recording.params, recording.tables) == ({}, {})
+    assert recording.notes[0] == "the vehicle is that of car.spec, whose values stand"
+    assert recording.cycles == made(FREE_LAP).cycles
+
+
+@pytest.mark.parametrize(
+    ("change", "part"),
+    [
+        (("= 13 / 9.81 ", "= 8.2 / 9.81 "), "total acceleration"),
+        (("0.854 kg/m  in", "8.54 kg/m  in"), "acceleration 6.6"),  # the drive also pushes against drag
+        (("drive_factor : 1     = 1 ", "drive_factor : 1     = 0.2 "), "acceleration 1"),
+        (("= 35 m/s^2 ", "= 1.9 m/s^2 "), "deceleration: 8"),
+        (("= 11 m ", "= 200 m "), "curvature"),
+    ],
+)
+def test_what_the_spec_of_a_vehicle_says_is_its_limit(
+    tmp_path: Path, change: tuple[str, str], part: str
+) -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        generate(of_a_spec(tmp_path, change))
+    assert caught.value.code == ("D151" if part.startswith("deceleration:") else "D152")
+    assert part in caught.value.message
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "part"),
+    [
+        (("param drag ", "param dragging "), "D151", "no `drag`"),
+        (("table ax_max(", "table ax_most("), "D151", "no `ax_max`"),
+        (("linear clamp", "step clamp"), "D151", "not read linearly"),
+    ],
+)
+def test_a_spec_that_is_no_vehicle_is_refused(
+    tmp_path: Path, change: tuple[str, str], code: str, part: str
+) -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        generate(of_a_spec(tmp_path, change))
+    assert (caught.value.code, caught.value.line) == (code, 9)
+    assert part in caught.value.message
+    assert caught.value.help
+
+
+def test_a_spec_that_is_not_there_or_elsewhere_is_refused(tmp_path: Path) -> None:
+    for name in ("none.spec", "/etc/passwd.spec", "car.txt"):
+        path = declared(tmp_path)
+        path.write_text(path.read_text().replace(VEHICLE, f"vehicle: {name}\n"))
+        with pytest.raises(TrackmarshalError) as caught:
+            generate(path)
+        assert caught.value.code == "D151"
 
 
 def test_northfield_closes() -> None:
@@ -261,9 +334,22 @@ def test_a_profile_is_the_integral_of_its_knots() -> None:
     assert profile.time_at(profile.at(3.3)[2], 0.0, 5.0) == pytest.approx(3.3, abs=1e-9)
 
 
+#: A vehicle that stands in the declaration itself.
+VEHICLE = """vehicle:
+  length: 4.7
+  width: 2.0
+  turn_radius: 11
+  brake: 13
+  grip: 13
+  drive: [[0, 6], [36, 6], [72, 2.5]]     # largest acceleration over speed
+"""
+
+
 def declared(tmp_path: Path, *changes: tuple[str, str], track: str | None = None) -> Path:
-    """free_lap.yaml with some of its text replaced, beside its track."""
+    """free_lap.yaml, with a vehicle of its own and some of its text replaced, beside its track."""
     text = FREE_LAP.read_text().replace("../tracks/northfield.yaml", "track.yaml")
+    assert OF_A_SPEC in text
+    text = text.replace(OF_A_SPEC, VEHICLE)
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)

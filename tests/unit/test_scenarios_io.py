@@ -28,7 +28,7 @@ def plan(v: float = 10.0) -> dict[str, list[float]]:
 
 def sample() -> Recording:
     """A recording in which every field is used."""
-    ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0}
+    ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0, "age": 0.02}
     other = {"id": "Ölspur 1", "x": 30.0, "y": 0.1 + 0.2, "v": -8.0, "braking": True}
     return Recording(
         name="sample",
@@ -44,6 +44,8 @@ def sample() -> Recording:
         obstacles=[{"id": "cone", "x": 5.0, "y": 4.0, "heading": 0.0, "length": 0.4, "width": 0.4}],
         use=("vehicle.devbot",),
         notes=("by hand",),
+        given={"ego.age": 0.02},
+        because={"R_min": "another axle", "ego.age": "measured once"},
     )
 
 
@@ -134,6 +136,13 @@ BAD_FIELDS = [
     ("0/tables/ax_max", [], "ax_max"),
     ("0/obstacles", [{"x": 1}], "obstacles[0].id"),
     ("0/use", "vehicle", "use"),
+    ("0/given", [], "given"),
+    ("0/given", {"age": 1}, "no field of"),
+    ("0/given", {"driving.a": 1}, "no field of"),
+    ("0/given/ego.age", "old", "given.ego.age"),
+    ("0/because", [], "because"),
+    ("0/because/R_min", 1, "because.R_min"),
+    ("0/because/R_min", "", "the reason is empty"),
     ("1/t", "gone", "`t` is missing"),
     ("1/t", None, "t: has to be finite"),
     ("1/t", True, "truth value"),
@@ -159,6 +168,9 @@ BAD_RELATIONS = [
     ("0/tables/ax_max", [[4, 1], [0, 1]], "strictly increasing"),
     ("1/objects", [{"id": "a"}, {"id": "a"}], "twice"),
     ("1/candidates/driving/v", [1.0], "equally long"),
+    ("0/because/ego.age", "gone", "`ego.age` is missing"),
+    ("0/because", {"ego.age": "measured once", "mu": "no override"}, "'mu' is not known"),
+    ("0/given", {"ego.x": 1}, "part of every cycle"),
 ]
 
 

@@ -31,7 +31,7 @@ def test_conventions_are_converted() -> None:
     recording = read(scn())
     cycle = recording.cycles[0]
     assert recording.name == "scene"
-    assert cycle.ego == {"x": 0.0, "y": 0.0, "heading": 0.0, "kappa": 0.0, "v": 10.0, "a": 0.5}
+    assert cycle.ego == {"x": 0.0, "y": 0.0, "heading": 0.0, "kappa": 0.0, "v": 10.0, "a": 0.5, "age": 0.0}
     assert cycle.candidates["driving"]["s"] == [0.0, 2.0, 4.0, 6.0]
     assert cycle.candidates["driving"]["t"] == pytest.approx([0.0, 0.2, 0.4, 0.6])
     (other,) = cycle.objects
@@ -77,6 +77,30 @@ def test_tables() -> None:
         ggv="# v, ax, ay\n0.0, 13.0, 12.0\n36.0, 11, 14\n",
     )
     assert recording.tables == {"ax_max": [[0.0, 6.0], [40.0, 5.7]], "grip": [[0.0, 12.0], [36.0, 11.0]]}
+
+
+def test_what_its_makers_allow_is_an_override_with_a_reason() -> None:
+    """115 % of what is physically there, and of nothing that is not."""
+    recording = read(
+        scn(), ax_max_machines="# v, ax\n0.0, 6.0\n", ggv="# v, ax, ay\n0.0, 13.0, 12.0\n36.0, 11, 14\n"
+    )
+    assert recording.params == {"mu": pytest.approx(1.15 * 11.0 / 9.81), "drive_factor": 1.15}
+    assert "115 % of the archive's grip, 11 m/s^2" in recording.because["mu"]
+    assert "115 %" in recording.because["drive_factor"]
+    assert read(scn()).params == {}
+
+
+def test_what_the_format_does_not_have_is_given_with_a_reason() -> None:
+    recording = read(scn(), ggv="# v, ax, ay\n0.0, 13.0, 12.0\n")
+    assert recording.given == {"ego.age": 0.0, "plan.grip": 1.0}
+    assert all(recording.because[name].startswith("simulated: ") for name in recording.given)
+    assert {tuple(plan["grip"]) for c in recording.cycles for plan in c.candidates.values()} == {
+        (1.0,) * 3,
+        (1.0,) * 4,
+    }
+    # Without a table of grip nobody knows what the road is like.
+    assert "plan.grip" not in read(scn()).given
+    assert all("grip" not in plan for c in read(scn()).cycles for plan in c.candidates.values())
 
 
 @pytest.mark.parametrize("text", ["NaN", "Infinity", "-Infinity", "1e999"])
@@ -274,7 +298,9 @@ class TestRecordings:
         assert len(recording.track["left"]) == len(recording.track["right"]) == points
         assert set(recording.tables) == {"ax_max", "grip"}
         assert recording.tables["ax_max"][0] == [0.0, 6.0]
-        assert all(set(plan) == set(COLUMNS) for c in recording.cycles for plan in c.candidates.values())
+        assert all(
+            set(plan) == {*COLUMNS, "grip"} for c in recording.cycles for plan in c.candidates.values()
+        )
 
     def test_heading_is_the_direction_of_travel(self, recording: Recording, name: str) -> None:
         for plan in plans(recording):

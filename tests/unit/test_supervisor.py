@@ -57,6 +57,7 @@ def names(decision: Decision) -> list[str]:
 # States -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.verifies("S-1-B-10")
 def test_a_safe_cycle_is_driven() -> None:
     decision = Run().step()
     assert (decision.state, decision.action, decision.safe, decision.reasons) == ("drive", "drive", True, ())
@@ -69,6 +70,7 @@ def test_a_safe_cycle_is_driven() -> None:
     assert decision.valid_until == pytest.approx(0.15)
 
 
+@pytest.mark.verifies("S-1-B-6")
 def test_without_any_safe_cycle_nothing_is_driven_and_the_state_has_a_name() -> None:
     run = Run()
     for _ in range(3):
@@ -83,6 +85,7 @@ def test_without_any_safe_cycle_nothing_is_driven_and_the_state_has_a_name() -> 
 
 
 @pytest.mark.parametrize("candidate", ["driving", "emergency"])
+@pytest.mark.verifies("S-1-B-5", "S-1-B-6")
 def test_an_unsafe_candidate_gives_way_to_the_stored_emergency_trajectory(candidate: str) -> None:
     run = Run()
     run.step()
@@ -97,6 +100,7 @@ def test_an_unsafe_candidate_gives_way_to_the_stored_emergency_trajectory(candid
     assert decision.reasons == (f"{candidate}: friction violated, margin -1 N (S-1-A-4)",)
 
 
+@pytest.mark.verifies("S-1-B-6")
 def test_the_stored_trajectory_advances_with_time() -> None:
     run = Run()
     run.step()
@@ -111,6 +115,7 @@ def test_the_stored_trajectory_advances_with_time() -> None:
         assert list(samples["x"]) == list(stored["x"])[-len(samples["x"]) :]
 
 
+@pytest.mark.verifies("S-1-B-6")
 def test_it_expires_at_its_end_and_is_dropped_for_good() -> None:
     run = Run()
     run.step()
@@ -127,6 +132,7 @@ def test_it_expires_at_its_end_and_is_dropped_for_good() -> None:
 @pytest.mark.parametrize(
     ("away", "turned"), [(1.6, 0.0), (-1.6, 0.0), (0.0, 0.36), (0.0, -0.36), (0.0, math.pi)]
 )
+@pytest.mark.verifies("S-1-B-6")
 def test_a_car_that_left_it_does_not_take_it_up_again(away: float, turned: float) -> None:
     run = Run()
     run.step()
@@ -146,6 +152,7 @@ def test_a_car_that_left_it_does_not_take_it_up_again(away: float, turned: float
     [(0.0, 0.0, ""), (5.4, 0.0, ""), (5.6, 0.0, "apart"), (-5.4, 0.0, ""), (-5.6, 0.0, "apart"), (0.0, 4.9, ""), (0.0, 5.1, "too_fast"), (0.0, -9.0, ""),
      (3.9, 3.9, ""), (9.0, 9.0, "apart")],
 )  # fmt: skip
+@pytest.mark.verifies("S-1-B-6")
 def test_along_the_path_and_in_speed(further: float, faster: float, lost: str) -> None:
     """A car that is 4 m from where it is due is on the path; 1.5 m more count as beside it. Slower is no harm."""
     run = Run()
@@ -190,6 +197,7 @@ def test_the_pose_is_held_against_the_time_it_was_taken_at() -> None:
     assert run.step(FRICTION, at=then).lost == "apart"
 
 
+@pytest.mark.verifies("S-1-B-6")
 def test_without_a_pose_it_is_driven_for_a_while_only() -> None:
     run = Run()
     run.step()
@@ -201,6 +209,7 @@ def test_without_a_pose_it_is_driven_for_a_while_only() -> None:
     assert [d.lost for d in decisions] == [""] * 5 + ["unconfirmed", "none_stored"]
 
 
+@pytest.mark.verifies("S-1-B-6")
 def test_a_safe_cycle_replaces_what_is_stored() -> None:
     run = Run()
     for _ in range(4):
@@ -226,6 +235,7 @@ def test_what_is_stored_does_not_change_with_the_callers_arrays() -> None:
 # Time ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.verifies("S-1-B-6")
 def test_a_missing_cycle_is_answered_with_the_stored_trajectory() -> None:
     run = Run()
     run.step()
@@ -248,6 +258,7 @@ def test_a_missing_cycle_is_answered_with_the_stored_trajectory() -> None:
         (lambda c: replace(c, t=c.t + 0.02), "early", "t"),
     ],
 )
+@pytest.mark.verifies("S-1-B-9")
 def test_order(change: Callable[[Cycle], Cycle], fault: str, field: str) -> None:
     run = Run()
     for _ in range(3):
@@ -259,6 +270,7 @@ def test_order(change: Callable[[Cycle], Cycle], fault: str, field: str) -> None
     assert run.step().state == "drive"
 
 
+@pytest.mark.verifies("S-1-B-9")
 def test_a_gap_is_late_and_skipped_once() -> None:
     run = Run()
     run.step()
@@ -267,6 +279,7 @@ def test_a_gap_is_late_and_skipped_once() -> None:
     assert run.step().state == "drive"
 
 
+@pytest.mark.verifies("S-1-B-9")
 def test_an_old_cycle_is_stale() -> None:
     run = Run()
     run.step()
@@ -362,6 +375,7 @@ def test_a_judge_that_fails_is_unsafe(act: Callable[[Frame], Any], fault: str) -
 
 
 @pytest.mark.parametrize("code", [1, 2])
+@pytest.mark.verifies("S-1-B-5")
 def test_violated_and_undefined_are_unsafe(code: int) -> None:
     for place in range(RULES):
         run = Run()
@@ -378,6 +392,7 @@ def test_violated_and_undefined_are_unsafe(code: int) -> None:
         )
 
 
+@pytest.mark.verifies("S-1-B-10")
 def test_inactive_and_open_make_nothing_unsafe() -> None:
     """What is open is decided in a later cycle, which it makes unsafe if it turns out violated."""
     for code in (3, 4):
@@ -387,6 +402,7 @@ def test_inactive_and_open_make_nothing_unsafe() -> None:
         assert run.step().safe
 
 
+@pytest.mark.verifies("S-1-B-10")
 def test_inactive_is_safe() -> None:
     run = Run()
     run.oracle.act = _odd(bytes([3] * RULES))
@@ -417,6 +433,7 @@ def test_a_failure_of_its_own_is_unsafe(monkeypatch: pytest.MonkeyPatch) -> None
     [7, "cycle", {}, [], object(), Cycle, Cycle.__new__(Cycle), Cycle(None, None, None, None, None), np.zeros(3),
      type("T", (float,), {"__float__": lambda self: 1 / 0})(1.0)],
 )  # fmt: skip
+@pytest.mark.verifies("S-1-B-9")
 def test_anything_at_all_is_a_decision(given: Any) -> None:
     run = Run()
     run.step()
@@ -425,6 +442,7 @@ def test_anything_at_all_is_a_decision(given: Any) -> None:
     assert decision.faults
 
 
+@pytest.mark.verifies("S-1-B-9")
 def test_hostile_values_inside_a_cycle() -> None:
     class Hostile(dict):  # type: ignore[type-arg]
         def __getitem__(self, *args: Any) -> Any:
@@ -448,6 +466,7 @@ def test_hostile_values_inside_a_cycle() -> None:
         assert decision.faults
 
 
+@pytest.mark.verifies("S-1-B-9")
 def test_the_judge_is_not_asked_about_a_cycle_that_breaks_the_contract() -> None:
     run = Run()
     run.step(change=lambda c: replace(c, driving=None))

@@ -14,7 +14,7 @@ from trackmarshal.cli.evidence import now
 from trackmarshal.store import Entry, Store
 
 #: What results of earlier versions do not say.
-_LATER = ("ranges", "defaulted")
+_LATER = ("ranges",)
 #: What says where something stands or when it was made, and not what came out.
 _APART = ("file", "line", "created")
 

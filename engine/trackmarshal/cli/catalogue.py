@@ -6,12 +6,13 @@ from importlib import import_module
 
 #: Modules whose diagnostics or CODES belong to the catalogue.
 _SOURCES = (
-    "trackmarshal.source", "trackmarshal.store", "trackmarshal.syntax.errors", "trackmarshal.semantics.errors", "trackmarshal.testing.errors",
-    "trackmarshal.evaluation", "trackmarshal.cli.acceptances", "trackmarshal.cli.project", "trackmarshal.cli.places", "trackmarshal.cli.evaluate", "trackmarshal.cli.replay", "trackmarshal.cli.import_log",
-    "trackmarshal.cli.explain", "trackmarshal.cli.revisions", "trackmarshal.cli.bench", "trackmarshal.testing.builders", "trackmarshal.testing.boundary", "trackmarshal.runtime.codes", "trackmarshal.rulebooks.candidates", "trackmarshal.scenarios.codes",
-    "trackmarshal.start.codes", "trackmarshal.lanes.codes",
-    "trackmarshal.trajectories.codes", "trackmarshal.integration.planner",
-    "trackmarshal.backends.reference.temporal", "trackmarshal.backends.c.codes", "trackmarshal.trace.codes", "trackmarshal.trace.graph.paths", "trackmarshal.trace.report.codes", "trackmarshal.trace.exchange.codes",
+    "trackmarshal.source", "trackmarshal.store", "trackmarshal.syntax.errors", "trackmarshal.semantics.errors", "trackmarshal.testing.errors", "trackmarshal.evaluation",
+    "trackmarshal.cli.project", "trackmarshal.cli.places", "trackmarshal.cli.evaluate", "trackmarshal.cli.replay", "trackmarshal.cli.import_log",
+    "trackmarshal.cli.explain", "trackmarshal.cli.revisions", "trackmarshal.cli.bench", "trackmarshal.testing.builders", "trackmarshal.testing.boundary",
+    "trackmarshal.runtime.codes", "trackmarshal.rulebooks.candidates", "trackmarshal.scenarios.codes", "trackmarshal.start.codes", "trackmarshal.lanes.codes",
+    "trackmarshal.trajectories.codes", "trackmarshal.integration.planner", "trackmarshal.backends.reference.temporal", "trackmarshal.backends.c.codes",
+    "trackmarshal.trace.codes", "trackmarshal.trace.graph.paths", "trackmarshal.trace.report.codes", "trackmarshal.trace.exchange.codes", "trackmarshal.cli.giving",
+    "trackmarshal.cli.days", "trackmarshal.cli.acceptances", "trackmarshal.trace.impact.codes",
 )  # fmt: skip
 
 

@@ -181,13 +181,16 @@ def _used(given: list[tuple[str, Recording | Run]], project: Path | None) -> lis
 def _cycles(one: Recording | Run, source: Source, evaluator: Evaluator) -> Iterator[str]:
     """The lines of a file of cycles; raises E403 where the recording's parameters break a constraint."""
     from trackmarshal.scenarios import cycle_file
+    from trackmarshal.scenarios.overrides import known_params
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.scenarios.replay import known_tables
     from trackmarshal.supervision import rulebox
 
     if isinstance(one, Recording):
         tables, _ = known_tables(one, evaluator.spec)
-        return cycle_file.of_recording(one, source, rulebox(evaluator, one.params, tables).settings)
+        return cycle_file.of_recording(
+            one, source, rulebox(evaluator, known_params(one, evaluator.spec), tables).settings
+        )
     identity = one.identity
     if identity.get("fingerprint") != evaluator.spec.fingerprint:
         print(

@@ -156,7 +156,9 @@ def run_inputs(evaluator: Evaluator, recording: str | None) -> dict[str, str]:
 def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: str) -> RunSummary:
     """A replay as a record; `shown` is the scenario's path from the project."""
     from trackmarshal.cli import operating
+    from trackmarshal.scenarios.inputs import defaulted
     from trackmarshal.scenarios.labels import judged_by, label
+    from trackmarshal.scenarios.overrides import overrides
 
     inputs = run_inputs(evaluator, source_hash)
     facts = []
@@ -196,7 +198,11 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
         uncovered=outcome.uncovered,
         inputs=inputs,
         ranges=operating.ranges(outcome.recording, evaluator.spec),
-        defaulted=operating.defaulted(outcome.recording, evaluator),
+        overrides=tuple(map(str, overrides(outcome.recording, evaluator.spec))),
+        defaults={
+            name: ", ".join(rules)
+            for name, rules in defaulted(outcome.recording, evaluator.spec, evaluator.rules).items()
+        },
     )
 
 

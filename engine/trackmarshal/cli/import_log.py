@@ -106,9 +106,11 @@ def _summary(drive: Drive, judged: Judgement, root: Path) -> RunSummary:
 
     from trackmarshal.cli.evidence import file_hash, now, run_inputs
     from trackmarshal.runtime.verdict import VERDICTS
+    from trackmarshal.scenarios.inputs import defaulted
+    from trackmarshal.scenarios.overrides import overrides
     from trackmarshal.scenarios.recording import CANDIDATES
 
-    unsafe = judged.unsafe
+    unsafe, spec = judged.unsafe, judged.evaluator.spec
     inputs = run_inputs(judged.evaluator, None)
     facts = []
     for number, rule in enumerate(judged.evaluator.rules):
@@ -124,6 +126,8 @@ def _summary(drive: Drive, judged: Judgement, root: Path) -> RunSummary:
     return RunSummary(
         _from(root, str(source)), file_hash(source), judged.evaluator.spec.fingerprint, len(judged.times), tuple(facts), {},
         bool(unsafe.any()) or bool(judged.faults), now(), dict(sorted(made_from.items())), inputs=inputs,
+        overrides=tuple(map(str, overrides(drive.recording, spec))),
+        defaults={name: ", ".join(rules) for name, rules in defaulted(drive.recording, spec, judged.evaluator.rules).items()},
     )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.cli.giving import choose_given, with_given
 from trackmarshal.cli.options import choose_backend, choose_rules
 from trackmarshal.cli.output import dump, number, plain, progress, rule_json, say, table
 from trackmarshal.cli.project import find_project, optional_project, project_of
@@ -57,6 +58,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
     choose_rules(parser, "evaluate")
     choose_backend(parser, None, "default: numpy; for a record, its own")
+    choose_given(parser)
     parser.add_argument("--mcap", metavar="FILE", help="export a record of a run for Foxglove")
     parser.add_argument(
         "--from",
@@ -118,12 +120,15 @@ def _all(args: argparse.Namespace) -> int:
                 "`trackmarshal replay run.arrows --mcap FILE`",
             )
         recording = overruled(load_recording(path), spec_path, settings)
+        recording = with_given(recording, args.given, args.because)
         if args.out:
             _claim(recording, written)
         evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend or "numpy")
         brief = args.format == "text" and not args.out and order is None
         outcome = run_one(recording, evaluator, args.quiet, brief)
         if args.format == "jsonl":
+            if not args.quiet:
+                say(*by_default(outcome.recording, evaluator), file=sys.stderr)
             for line in json_lines(outcome):
                 print(line)
         else:
@@ -142,7 +147,14 @@ def _all(args: argparse.Namespace) -> int:
 
 
 def _alone(args: argparse.Namespace, path: str) -> None:
-    """Refuse `--from` beside what needs every cycle; raises E436."""
+    """Refuse `--from` beside what needs every cycle, and inputs beside a record, which has those of its run; raises E436 and E437."""
+    if args.given or args.because:
+        raise TrackmarshalError(
+            "E437",
+            "a record of a run has the inputs of that run",
+            file=path,
+            help="leave out `--given` and `--because`",
+        )
     for name, given in (("--mcap", args.mcap), ("--out", args.out), ("--rulebook", args.rulebook)):
         if args.begin is not None and given:
             raise TrackmarshalError(
@@ -181,6 +193,7 @@ def evaluator_for(
     """
     from trackmarshal.evaluation import Evaluator, load
     from trackmarshal.scenarios.fields import check_fields, declared_names
+    from trackmarshal.scenarios.overrides import known_params
     from trackmarshal.scenarios.replay import known_tables
 
     used = configuration(recording, project, folder)
@@ -201,7 +214,9 @@ def evaluator_for(
     check_fields(recording, evaluator.spec, lambda: project_specs(within))
     tables, _ = known_tables(recording, evaluator.spec)
     try:
-        configured = evaluator.reader.settings({"params": recording.params, "tables": tables})
+        configured = evaluator.reader.settings(
+            {"params": known_params(recording, evaluator.spec), "tables": tables}
+        )
     except TrackmarshalError as error:
         error.file = error.file or recording.source
         raise
@@ -285,15 +300,17 @@ def _claim(recording: Recording, written: set[str]) -> None:
 def run_one(recording: Recording, evaluator: Evaluator, quiet: bool, brief: bool = False) -> Replay:
     """Replay with a progress bar. brief: for a `summary` alone."""
     from trackmarshal.scenarios.fields import unnamed_track
+    from trackmarshal.scenarios.overrides import unknown_params
     from trackmarshal.scenarios.replay import replay
 
     unnamed = unnamed_track(recording, evaluator)
     if unnamed and not quiet:
         say(f"note: {recording.name}: {unnamed}", file=sys.stderr)
     outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet), brief)
-    for name in outcome.ignored:
-        if not quiet:
-            say(f"note: {recording.name}: its table `{name}` is unknown to the spec", file=sys.stderr)
+    unknown = [("table", name) for name in outcome.ignored]
+    unknown += [("parameter", name) for name in unknown_params(recording, evaluator.spec)]
+    for kind, name in () if quiet else unknown:
+        say(f"note: {recording.name}: its {kind} `{name}` is unknown to the spec", file=sys.stderr)
     return outcome
 
 
@@ -317,8 +334,19 @@ def json_lines(outcome: Replay) -> list[str]:
     return lines
 
 
+def by_default(recording: Recording, evaluator: Evaluator) -> list[str]:
+    """Lines: inputs that the recording lacks, and which rules judge the spec's default instead."""
+    from trackmarshal.scenarios.inputs import defaulted
+
+    return [
+        f"not in the recording: {name}, so the spec's default is judged by {', '.join(rules)}"
+        for name, rules in defaulted(recording, evaluator.spec, evaluator.rules).items()
+    ]
+
+
 def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
     """Lines: which rules fired when, what was driven, and how that compares with the ground truth."""
+    from trackmarshal.scenarios.overrides import overrides
     from trackmarshal.scenarios.recording import CANDIDATES
     from trackmarshal.scenarios.replay import ACTIONS, intervals
 
@@ -357,6 +385,13 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
         f"{outcome.recording.name}: {len(times)} cycles, "
         + ", ".join(f"{n} {kind}" for kind, n in count.items() if n)
     ]
+    recording, spec = outcome.recording, evaluator.spec
+    lines += [f"override: {one}" for one in overrides(recording, spec)]
+    lines += [
+        f"given in all cycles: {name} = {value:g}: {recording.because.get(name, '')}"
+        for name, value in recording.given.items()
+    ]
+    lines += by_default(recording, evaluator)
     if rows:
         lines += table(
             rows, ["rule", "candidate", "verdict", "unsafe at s", "worst", "requirement", "decided by"]

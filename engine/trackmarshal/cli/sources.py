@@ -58,7 +58,7 @@ class Sources:
         self.compiled, prepared, self.found = read_specs(root, project)
         self.prepared = [test for test in prepared if whole(self.compiled.spec, test.rule)]
         self.broken = any(item.level == "error" for item in self.found)
-        self._meaning = Meaning(self.compiled.spec)
+        self.meaning = Meaning(self.compiled.spec)
         self.distances = distances(project)
         self._shared: dict[object, Evaluator] = {}
 
@@ -96,24 +96,30 @@ class Sources:
         for outcome in run_tests(self.compiled.spec, chosen, distances=self.distances):
             rule = outcome.test.rule
             inputs = facts.of_test(named[rule.name, outcome.test.title])
-            yield evidence.test_result(outcome, inputs, self._meaning.fingerprint(rule))
+            yield evidence.test_result(outcome, inputs, self.meaning.fingerprint(rule))
 
     def replay(
         self, shown: str, facts: Facts, quiet: bool
     ) -> tuple[RunSummary, Replay, Evaluator, dict[str, float]]:
         """The run of a scenario, and the parameters in force in it, in SI."""
         from trackmarshal.cli.replay import run_one
+        from trackmarshal.scenarios.overrides import known_params
 
         recording, evaluator = self._scenarios[shown]
         outcome = run_one(recording, evaluator, quiet)
         digest = facts.run_inputs[shown]["recording"]
-        changed = evaluator.reader.settings({"params": recording.params}).params
+        changed = evaluator.reader.settings({"params": known_params(recording, evaluator.spec)}).params
         params = {name: float(changed.get(name, info.value)) for name, info in evaluator.spec.params.items()}
         return evidence.run_summary(outcome, evaluator, shown, digest), outcome, evaluator, params
 
     def put_in(self, wanted: Iterable[tuple[str, str]], quiet: bool) -> Iterable[FaultResult]:
         """What comes of these faults, by campaign and id; those that cannot be put in are left out."""
         return campaigns.run(self._campaigns, set(wanted), quiet)
+
+    @property
+    def recorded(self) -> dict[str, tuple[Recording, Evaluator]]:
+        """By scenario that is there, its recording and the rules that it is replayed with; none where the specs have errors."""
+        return self._scenarios
 
     @cached_property
     def _campaigns(self) -> list[campaigns.Prepared]:
@@ -153,7 +159,7 @@ class Sources:
         from trackmarshal.semantics.modules import from_library
 
         items, tests = (
-            evidence.spec_items(self._meaning),
+            evidence.spec_items(self.meaning),
             evidence.spec_tests(self.compiled.spec, self.prepared, self.distances),
         )
         modules = [

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 #: What the format has by itself, by signal, and the tables that readers and the generator make.
 _POSE = ("x", "y", "heading")
 OWN: dict[str, tuple[str, ...]] = {
-    "plan": COLUMNS,
+    "plan": (*COLUMNS, "grip"),
     "ego": (*_POSE, "v", "kappa", "a", "age"),
     "objects": ("id", *_POSE, "v", "length", "width", "age"),
     "obstacles": ("id", *_POSE, "length", "width"),

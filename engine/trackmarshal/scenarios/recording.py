@@ -69,6 +69,10 @@ class Recording:
     extra: dict[str, tuple[str, ...]] = field(default_factory=dict)
     #: Rules that the ground truth of a kind judges, by name -> the kind, besides those that the generator knows of.
     judged: dict[str, str] = field(default_factory=dict)
+    #: Inputs that its cycles did not have, `plan.grip`, and the number that is in all of them instead, in the declared unit.
+    given: dict[str, float] = field(default_factory=dict)
+    #: Why something is overridden or given: by the name of the parameter, table or input.
+    because: dict[str, str] = field(default_factory=dict)
 
     def signals(self, cycle: Cycle, candidate: str) -> dict[str, Any]:
         """The signals of one check: plan, ego, objects, obstacles, track, and whether it is the emergency plan.

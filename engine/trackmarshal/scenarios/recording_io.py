@@ -17,6 +17,7 @@ from typing import Any
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import content, structure
 from trackmarshal.scenarios.codes import Faults
+from trackmarshal.scenarios.inputs import filled
 from trackmarshal.scenarios.json_text import BadJson, parse
 from trackmarshal.scenarios.recording import Cycle, Recording
 from trackmarshal.scenarios.structure import Wrong
@@ -46,7 +47,7 @@ def encode(recording: Recording) -> Iterator[str]:
     """The lines of the file, without line ends."""
     header: dict[str, Any] = {"format": FORMAT, "version": VERSION, "name": recording.name}
     header["track"] = recording.track
-    for name in ("params", "tables", "obstacles", "use", "notes", "extra", "judged"):
+    for name in ("params", "tables", "obstacles", "use", "notes", "extra", "judged", "given", "because"):
         value = getattr(recording, name)
         if value:
             header[name] = value
@@ -116,7 +117,7 @@ def decode(data: bytes, shown: str) -> Recording:
     if not cycles:
         raise _error("D130", "the recording has no cycles", lines[0][0], shown, "was it cut off?")
     truth_columns = {name: tuple(truth[name] for truth in truths) for name in truths[0]}
-    return Recording(source=shown, cycles=tuple(cycles), ground_truth=truth_columns, **header)
+    return filled(Recording(source=shown, cycles=tuple(cycles), ground_truth=truth_columns, **header))
 
 
 _SCHEMA = "recording.schema.json says what a line has"

@@ -14,7 +14,9 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.scenarios.inputs import defaulted
 from trackmarshal.scenarios.labels import kind_of
+from trackmarshal.scenarios.overrides import overrides
 from trackmarshal.scenarios.recording import CANDIDATES, Columns, Cycle, Recording
 from trackmarshal.scenarios.replay import Replay, intervals
 from trackmarshal.source import Span
@@ -48,6 +50,18 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
         "use": list(recording.use),
         "notes": list(recording.notes),
         "ignored_tables": list(replay.ignored),
+        "overrides": [
+            {"kind": one.kind, "name": one.name, "value": one.value, "own": one.own, "because": one.because}
+            for one in overrides(recording, evaluator.spec)
+        ],
+        "given": [
+            {"name": name, "value": _number(value), "because": recording.because.get(name, "")}
+            for name, value in recording.given.items()
+        ],
+        "defaults": [
+            {"name": name, "rules": list(rules)}
+            for name, rules in defaulted(recording, evaluator.spec, evaluator.rules).items()
+        ],
         "vehicle": {
             "length": _size("length", recording, evaluator),
             "width": _size("width", recording, evaluator),

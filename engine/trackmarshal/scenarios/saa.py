@@ -17,6 +17,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import content, saa_tables
 from trackmarshal.scenarios.archive import Archive
 from trackmarshal.scenarios.codes import Faults
+from trackmarshal.scenarios.inputs import filled
 from trackmarshal.scenarios.json_text import BadJson, kind, number, parse
 from trackmarshal.scenarios.recording import Columns, Cycle, Recording
 from trackmarshal.scenarios.structure import Wrong, plain
@@ -43,6 +44,8 @@ def read_with(data: bytes, shown: str, wanted: Iterable[str]) -> tuple[Recording
         raise TrackmarshalError("D123", "no part of the archive ends in .scn", file=shown, help=_EXPORT)
     inside = f"{shown}!{name}"
     tables = saa_tables.read(archive)
+    params, because = allowances(tables)
+    given = _given(tables)
     scenario = _Scenario(content.text(archive.read(name), inside), inside, wanted)
     cycles, truth = scenario.cycles()
     recording = Recording(
@@ -50,11 +53,46 @@ def read_with(data: bytes, shown: str, wanted: Iterable[str]) -> tuple[Recording
         source=shown,
         cycles=cycles,
         track=scenario.track,
+        params=params,
         tables=tables,
         ground_truth=truth,
         notes=tuple(scenario.notes),
+        given={name: value for name, (value, _) in given.items()},
+        because={**because, **{name: why for name, (_, why) in given.items()}},
     )
-    return recording, scenario.further
+    return filled(recording), scenario.further
+
+
+#: What the makers of these archives allow beyond the tables that come with them: their own supervisor, and so their ground truth, is of that.
+ALLOWED = 1.15
+_GRAVITY = 9.81
+
+
+def allowances(tables: saa_tables.Tables) -> tuple[dict[str, float], dict[str, str]]:
+    """What such a recording overrides in place of what its car can physically do, and why, for the tables that it has."""
+    params: dict[str, float] = {}
+    because: dict[str, str] = {}
+    share = f"{100.0 * ALLOWED:g} %"
+    if "grip" in tables:
+        least = min(grip for _, grip in tables["grip"])
+        params["mu"] = ALLOWED * least / _GRAVITY
+        because["mu"] = (
+            f"TrajectorySupervisor, for which it was made, allows {share} of the archive's grip, {least:g} m/s^2"
+        )
+    if "ax_max" in tables:
+        params["drive_factor"] = ALLOWED
+        because["drive_factor"] = (
+            f"TrajectorySupervisor, for which it was made, allows {share} of the archive's ax_max_machines"
+        )
+    return params, because
+
+
+def _given(tables: saa_tables.Tables) -> dict[str, tuple[float, str]]:
+    """Inputs that the format does not have, each with the reason for its value."""
+    given = {"ego.age": (0.0, "simulated: the state of the car is that of the cycle's time")}
+    if "grip" in tables:
+        given["plan.grip"] = (1.0, "simulated: the road has the grip of the archive's ggv everywhere")
+    return given
 
 
 class _Scenario:

@@ -9,11 +9,12 @@ from trackmarshal.scenarios import content
 from trackmarshal.scenarios.archive import Archive
 
 Table = list[list[float]]
+Tables = dict[str, Table]
 
 
-def read(archive: Archive) -> dict[str, Table]:
+def read(archive: Archive) -> Tables:
     """`ax_max` (m/s -> m/s^2) and `grip` (m/s -> the smaller of both directions, m/s^2), those that are there."""
-    tables: dict[str, Table] = {}
+    tables: Tables = {}
     name = archive.name_of("_ax_max_machines.csv")
     if name is not None:
         tables["ax_max"] = _rows(archive, name, 2)

@@ -11,6 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 from trackmarshal.scenarios.fields import ELSEWHERE, OWN, suggestion
+from trackmarshal.scenarios.inputs import not_to_be_given
 from trackmarshal.scenarios.json_text import BadJson, kind, number
 from trackmarshal.scenarios.labels import label
 from trackmarshal.scenarios.recording import CANDIDATES, COLUMNS, TRUTHS, Columns, Cycle, Track
@@ -30,6 +31,8 @@ _HEADER = (
     "extra",
     "signals",
     "judged",
+    "given",
+    "because",
 )
 _CYCLE = ("t", "ego", "objects", "candidates", "ground_truth", "signals")
 _NEEDED = _CYCLE[:4]
@@ -44,6 +47,7 @@ def header(value: dict[str, Any]) -> dict[str, Any]:
     _keys(value, "header", needed=("name", "track"), known=_HEADER)
     params = _mapping(value.get("params", {}), "params")
     tables = _mapping(value.get("tables", {}), "tables")
+    given = _given(value.get("given", {}))
     return {
         "name": _text(value["name"], "name"),
         "track": _track(value["track"]),
@@ -55,7 +59,26 @@ def header(value: dict[str, Any]) -> dict[str, Any]:
         "extra": _extra(value.get("extra", {})),
         "always": _signals(value.get("signals", {})),
         "judged": _judged(value.get("judged", {})),
+        "given": given,
+        "because": _because(value.get("because", {}), given, {*params, *tables}),
     }
+
+
+def _given(value: Any) -> dict[str, float]:
+    given = _mapping(value, "given")
+    for problem in filter(None, map(not_to_be_given, given)):
+        raise Wrong(f"given: {problem}")
+    return {name: _finite(item, f"given.{name}") for name, item in given.items()}
+
+
+def _because(value: Any, given: Iterable[str], overridden: Iterable[str]) -> dict[str, str]:
+    """The reasons; what is given in place of an input has one."""
+    because = _mapping(value, "because")
+    _keys(because, "because", needed=given, known=(*given, *overridden))
+    for name, item in because.items():
+        if not _text(item, f"because.{name}").strip():
+            raise Wrong(f"because.{name}: the reason is empty")
+    return dict(because)
 
 
 def _judged(value: Any) -> dict[str, str]:

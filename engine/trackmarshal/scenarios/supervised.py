@@ -24,6 +24,7 @@ from trackmarshal.runtime.program import NOTHING, Judged, Memory
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.scenarios.fields import ELSEWHERE, check_track, further_names, own_names
+from trackmarshal.scenarios.overrides import known_params
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.supervision import rulebox
@@ -72,7 +73,7 @@ def supervised(
     decisions, so where it is says nothing about them (`Limits.open_loop`). `watch` wraps the chunks of work.
     """
     check_track(recording, evaluator)
-    box = rulebox(evaluator, recording.params, tables)
+    box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
     clock = _Clock()
     supervisor = box.supervisor(Limits.open_loop(evaluator.spec), clock.read)
     given = list(cycles(recording, further_names(recording, evaluator)))
@@ -91,7 +92,8 @@ def supervised(
 def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int) -> Frame:
     """One cycle, by its place in the recording, as rules see it in `supervised`; a candidate's part is `of` its name."""
     check_track(recording, evaluator)
-    door = rulebox(evaluator, recording.params, tables).supervisor(Limits.open_loop(evaluator.spec)).door
+    settings = known_params(recording, evaluator.spec), tables
+    door = rulebox(evaluator, *settings).supervisor(Limits.open_loop(evaluator.spec)).door
     for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1):
         frame = door.admit(-1, cycle, cycle.t).frame  # what came before counts
     return shown(frame)
@@ -103,7 +105,7 @@ def run_until(
     """What rules say of a cycle, by its place in the recording, the cycles before it, and how many are missing after the last of those."""
     check_track(recording, evaluator)
     clock = _Clock()
-    supervisor = rulebox(evaluator, recording.params, tables).supervisor(
+    supervisor = rulebox(evaluator, known_params(recording, evaluator.spec), tables).supervisor(
         Limits.open_loop(evaluator.spec), clock.read
     )
     kept = supervisor.program = Keeping(supervisor.program)

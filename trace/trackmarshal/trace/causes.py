@@ -97,8 +97,9 @@ _UPWARD = frozenset({"tests", "evaluates", "replays", "reviews", "examines", "us
 
 
 def causes(findings: Sequence[Finding], graph: Graph) -> dict[Finding, Finding]:
-    """By finding that follows from another one, the one that it follows from in the end. Notes are neither."""
-    return _Folding([finding for finding in findings if finding.level != "note"], graph).done()
+    """By finding that follows from another one, the one that it follows from in the end. Notes and forged results are neither."""
+    apart = _STEPS[FORGED].split()  # whoever changes results does so beside whatever else was changed
+    return _Folding([f for f in findings if f.level != "note" and f.code not in apart], graph).done()
 
 
 class _Folding:

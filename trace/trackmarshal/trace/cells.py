@@ -6,26 +6,28 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.records import SpecItem
-from trackmarshal.trace import external, faults
+from trackmarshal.trace import design, external, faults
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph.graph import Graph, Key, Link
 from trackmarshal.trace.model import Project, Requirement, Stage, matches
 from trackmarshal.trace.outside import Outside
-from trackmarshal.trace.runs import Showing, showing
+from trackmarshal.trace.runs import Showing, as_a_whole, showing
 from trackmarshal.trace.spec import Spec, item_place
 
 #: From worst to best; `waived` stands where a gap is answered for.
 STATUSES = ("failed", "stale", "missing", "partial", "waived", "covered")
 #: Kinds of items that come up from the requirements below.
-FROM_BELOW = frozenset({"rule", "monitor", "assumption", "test", "run", "fault", "external test", "code"})
+FROM_BELOW = frozenset(
+    {"rule", "monitor", "assumption", "test", "run", "fault", "external test", "code", "design", "analysis"}
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Item:
     """One thing that counts in a cell, or ought to."""
 
-    kind: str  #: interface, requirement, adoption, document, rule, monitor, assumption, test, run, fault, external test, code or waiver
+    kind: str  #: interface, requirement, adoption, document, rule, monitor, assumption, test, run, fault, external test, code, design element, analysis or waiver
     name: str
     title: str
     status: str
@@ -263,7 +265,7 @@ def _test(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
 def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     rules = ground.evaluated(requirement.id)
     if not rules:
-        return None, []
+        return _whole_run(ground, requirement, stage)
     items: list[Item] = []
     seen: list[Showing] = []
     for scenario in ground.project.scenarios:
@@ -289,6 +291,26 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
                 )
             )
     return _over_runs(seen, {rule.name for rule in rules}, evaluated), items
+
+
+def _whole_run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    """Runs for a requirement that no rule evaluates: of scenarios that name it, each as a whole. They add to each other.
+
+    One that some stage asks rules of lacks them: runs of other rules stand in for nothing.
+    """
+    stages = ground.project.stages
+    if any("rule" in asks.counts and matches(requirement.id, asks.applies_to) for asks in stages):
+        return None, []
+    items = []
+    for scenario in ground.project.scenarios:
+        named = [pattern for pattern in scenario.requirements if pattern != "*"]
+        if scenario.stage == stage.id and matches(requirement.id, named):
+            shows = as_a_whole(scenario, ground.spec, ground.hashes)
+            place = Place(scenario.path)
+            items.append(Item("run", scenario.path, scenario.title, shows.status, shows.detail, place))
+    found = {item.status for item in items}
+    status = next((s for s in ("failed", "stale", "covered") if s in found), combined(found))
+    return status, items
 
 
 def _fault(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
@@ -317,6 +339,14 @@ def _code(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     )
 
 
+def _design(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    return _together([Item("design element", *said) for said in design.elements(ground, requirement.id)])
+
+
+def _analysis(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
+    return _together([Item("analysis", *said) for said in design.analyses(ground, requirement.id)])
+
+
 def _over_runs(seen: Sequence[Showing], rules: set[str], evaluated: set[str]) -> str:
     """Runs add to each other: every rule has to be evaluated in one of them, and one of them has to be conclusive."""
     for status in ("failed", "stale"):
@@ -340,4 +370,6 @@ _KINDS: dict[str, Callable[[Ground, Requirement, Stage], Proof]] = {
     "fault": _fault,
     "external test": _external_test,
     "code": _code,
+    "design": _design,
+    "analysis": _analysis,
 }

@@ -120,6 +120,8 @@ COUNTS = Word({
     "fault": "faults of campaigns that name it, each found as expected",
     "external test": "tests of other runners that name it, with their results",
     "code": "source code that says it implements it",
+    "design": "design elements that it is allocated to, each with a section about it in the element's document",
+    "analysis": "analyses of independence that it names, with nothing left open",
 })  # fmt: skip
 DEGREE = Word({"covered": "nothing less than covered", "partial": "covered or partial"})
 
@@ -146,7 +148,7 @@ PROJECT = Record("project", "Settings of the project.", (
         Field("origin", Word({"field": "recorded on a vehicle", "simulated": "from a simulation", "synthetic": "written by hand or generated"}),
               "Where the recording comes from; only `field` can fully cover a no-fire stage."),
         optional("by", Many(NAME, 1), "For `fire`: the rules that must be violated."),
-        optional("requirements", PATTERNS, "The requirements that it is evidence for; all if not given."),
+        optional("requirements", PATTERNS, "The requirements that it is evidence for; all if not given. One that no rule evaluates has to be named, beside `*`."),
         optional("title", TEXT, "What happens in it."),
         optional("with", Many(PROJECT_PATH, 1), "Specs beside `default_spec` whose rules it is replayed with, such as variants of rules."),
         optional("kept", PROJECT_PATH, "For a log that is not part of the project: its run, kept in this file by `import log --keep`; `assess` does not replay it."),
@@ -157,6 +159,7 @@ PROJECT = Record("project", "Settings of the project.", (
         Field("stage", STAGE_ID, "The stage that its tests are evidence at."),
         optional("tool", TEXT, "The test runner."),
         optional("names", TEXT, "A regular expression that finds ids in `suite::name` of a test, `_` standing for `-`; its first group, if it has one."),
+        optional("if_there", Flag(), "true: it is made by other commands than those of the gate, and where it is not there, its tests were not run, which is a warning."),
     )), 1), "Reports of other test runners, whose tests name requirements."),
     optional("sources", Many(PROJECT_PATH, 1), "Folders of source code with comments such as `implements S-1-B-4`."),
 ))  # fmt: skip

@@ -96,6 +96,7 @@ DESIGN = Record("design", "What the system consists of, and the methods that sho
         Field("title", TEXT, "A few words."),
         optional("description", TEXT, "What it does."),
         optional("part_of", Many(ANY_ID, 1), "The elements that it is a part of."),
+        optional("document", PROJECT_PATH, "The Markdown file that says how it meets each requirement allocated to it, in a section whose heading names the requirement."),
         optional("asil", LEVEL, "The integrity level that it is developed to; at least that of every requirement allocated to it."),
         optional("owner", TEXT, "Who answers for it; where persons are declared, one of them, by id or name."),
     )), 1), "Design elements."),
@@ -153,6 +154,7 @@ ASSURANCE = Record("assurance", "Who did what: persons, tools, analyses, reviews
             "timing": "how long things take", "other": "something else, which the title says",
         }), "What kind of analysis it is."),
         Field("of", Many(NODE, 1), "What it is about."),
+        optional("open", Many(TEXT, 1), "What it does not show, each in a sentence; until there is none, what it is to show is not covered."),
         *_MADE,
     )), 1), "Analyses."),
     optional("reviews", Many(Record("review", "A second person's reading of something.", (

@@ -52,6 +52,8 @@ def _entry(table: Table, kind: str) -> model.Entry:
             attributes |= {f"range of {quantity}": f"{low} to {high}" for quantity, low, high in ranges}
         elif name in _LINKS:
             links += [(_LINKS[name], target) for target in (value if isinstance(value, list) else [value])]
+        elif isinstance(value, list):
+            attributes[name] = " ".join(map(str, value))
         else:
             attributes[name] = str(value)
     made = table.get("made")

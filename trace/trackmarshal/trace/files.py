@@ -10,6 +10,7 @@ from pathlib import Path
 from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import FaultResult, RunSummary, SpecItem, TestResult
+from trackmarshal.trace import sections
 from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.model import Entry, Project
 from trackmarshal.trace.spec import Spec, item_place
@@ -20,16 +21,16 @@ Hashes = Mapping[str, str | None]
 
 
 def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
-    """The hashes of all files that evidence, scenarios, campaigns and assumptions name."""
+    """The hashes of all files that evidence, scenarios, campaigns, assumptions and design name, and of sections about requirements."""
     paths = {str(e.path) for e in project.evidence} | {str(s.path) for s in project.scenarios}
     paths |= {str(s.kept) for s in project.scenarios if s.kept} | set(map(str, project.campaigns))
     paths |= {str(path) for _, path in _written_down(project)}
     paths |= {item.evidence for item in items if item.evidence}
-    return {path: _hash(root, path) for path in sorted(paths)}
+    return {**{path: _hash(root, path) for path in sorted(paths)}, **sections.hashes(root, project)}
 
 
 def _written_down(project: Project) -> Iterator[tuple[Entry, Placed]]:
-    """The files in which analyses and reviews are written down."""
+    """The files in which analyses, reviews and design elements are written down."""
     for entry in project.entries:
         for kind, path in entry.links:
             if kind == "backed_by":

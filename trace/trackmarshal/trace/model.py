@@ -210,6 +210,7 @@ class TestReport:
     stage: Placed
     tool: str
     names: Placed  #: a regular expression that finds ids in names of tests; empty: names are names
+    if_there: bool = False  #: it may be missing, and its tests were not run then
 
 
 @dataclass(frozen=True, slots=True)

@@ -187,7 +187,9 @@ def _settings(t: Table) -> model.Project:
         ),
         campaigns=settings.texts("campaigns"),
         junit=tuple(
-            model.TestReport(j.text("path"), j.text("stage"), j.text("tool"), j.text("names"))
+            model.TestReport(
+                j.text("path"), j.text("stage"), j.text("tool"), j.text("names"), j.get("if_there", False)
+            )
             for j in settings.tables("junit")
             if j.text("path") and j.text("stage")
         ),

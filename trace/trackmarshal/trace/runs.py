@@ -24,14 +24,9 @@ class Showing:
 
 def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: Hashes) -> Showing:
     """What the run of a scenario shows about these rules."""
-    run = spec.runs.get(scenario.path)
-    if hashes.get(scenario.path) is None:
-        return Showing("missing", "the recording is not there")
-    if run is None:
-        return Showing("missing", "not run")
-    stale = spec.run_staleness(run, hashes.get(scenario.path)) or _changed(scenario, run, hashes)
-    if stale:
-        return Showing("stale", stale)
+    run = _held(scenario, spec, hashes)
+    if isinstance(run, Showing):
+        return run
     names = {rule.name for rule in rules}
     said = spec.facts(run)
     facts = [said[name] for name in sorted(names) if name in said]
@@ -62,6 +57,52 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
             return Showing("covered", "fired as expected", evaluated, fired)
         case _:
             raise ValueError(f"unknown expectation {scenario.expect!r}")
+
+
+def as_a_whole(scenario: Scenario, spec: Spec, hashes: Hashes) -> Showing:
+    """What the run of a scenario shows about what no rule evaluates, such as that nothing fires where it must not: all of its rules together."""
+    run = _held(scenario, spec, hashes)
+    if isinstance(run, Showing):
+        return run
+    match scenario.expect:
+        case "ground_truth":
+            outside = [(kind, t) for kind, t in sorted(run.ground_truth.items()) if not t.inside]
+            if outside:
+                return Showing("failed", "; ".join(_contradiction(kind, truth) for kind, truth in outside))
+            if not run.ground_truth:
+                return Showing("missing", "the recording carries no ground truth")
+            return Showing(
+                "covered",
+                f"{run.cycles} cycles, inside the ground truth ({', '.join(sorted(run.ground_truth))})",
+            )
+        case "no_fire":
+            if run.fired:
+                return Showing("failed", _fired(run))
+            if scenario.origin != "field":
+                return Showing(
+                    "partial", f"nothing fired, but the recording is {scenario.origin}, not from the field"
+                )
+            return Showing("covered", f"nothing fired in {run.cycles} cycles{_kept(scenario, run, hashes)}")
+        case "fire":
+            quiet = _quiet(scenario, run)
+            return (
+                Showing("failed", f"{quiet} did not fire")
+                if quiet
+                else Showing("covered", "fired as expected")
+            )
+        case _:
+            raise ValueError(f"unknown expectation {scenario.expect!r}")
+
+
+def _held(scenario: Scenario, spec: Spec, hashes: Hashes) -> RunSummary | Showing:
+    """The run of a scenario, if it is there and up to date; else what keeps it from showing anything."""
+    run = spec.runs.get(scenario.path)
+    if hashes.get(scenario.path) is None:
+        return Showing("missing", "the recording is not there")
+    if run is None:
+        return Showing("missing", "not run")
+    stale = spec.run_staleness(run, hashes.get(scenario.path)) or _changed(scenario, run, hashes)
+    return Showing("stale", stale) if stale else run
 
 
 def _absent(scenario: Scenario, run: RunSummary, hashes: Hashes) -> list[str]:
@@ -180,8 +221,20 @@ def _outside(scenario: Scenario, run: RunSummary) -> Iterator[Finding]:
             )
 
 
+def _by_default(run: RunSummary, spec: Spec, path: str, place: Place | None) -> Iterator[Finding]:
+    """Assumptions that hold in a run because an input that their monitor reads is the spec's default (T249)."""
+    for name, rules in sorted(run.defaults.items()):
+        resting = [
+            rule for rule in rules.split(", ") if rule in spec.by_name and spec.by_name[rule].kind == "assume"
+        ]
+        if resting:
+            message = f"`{path}` does not have `{name}`, so {' and '.join(resting)} is judged on the default of the spec"
+            help_ = f'record it, or give it in the recording with a reason: `"given": {{"{name}": ..}}`, `"because": {{"{name}": ".."}}`'
+            yield error("T249", message, place, help_, path)
+
+
 def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
-    """What is wrong with scenarios and their runs (T240 to T247)."""
+    """What is wrong with scenarios and their runs (T240 to T249)."""
     declared = {str(scenario.path) for scenario in project.scenarios}
     for scenario in project.scenarios:
         place, path = scenario.path.place, str(scenario.path)
@@ -239,6 +292,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 yield _of_run("T245", f"in `{path}`, {quiet} did not fire", scenario, run)
         else:
             raise ValueError(f"unknown expectation {scenario.expect!r}")
+        if not stale:
+            yield from _by_default(run, spec, path, place)
         for name in scenario.by:
             if name not in spec.by_name:
                 yield error(

@@ -20,6 +20,7 @@ from trackmarshal.runtime.verdict import About
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.fields import check_track
+from trackmarshal.scenarios.overrides import known_params
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import cycles
@@ -61,8 +62,9 @@ class Bench:
     def __init__(self, recording: Recording, evaluator: Evaluator, limits: Limits | None = None) -> None:
         check_track(recording, evaluator)
         tables, _ = known_tables(recording, evaluator.spec)
-        self._box = rulebox(evaluator, recording.params, tables)
+        self._box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
         self._limits = Limits.of(evaluator.spec) if limits is None else limits
+        self._evaluated = frozenset(name for rule in evaluator.rules for name, _ in rule.satisfies)
         self._cycles = list(cycles(recording))
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
@@ -71,7 +73,7 @@ class Bench:
         Raises D153 for a fault that cannot be put into this recording.
         """
         said = [self._decisions(campaign, fault) for _ in range(2)]
-        outcome = _outcome(fault, said[0])
+        outcome = _outcome(fault, said[0], self._evaluated)
         if [_summary(d) for _, d in said[0]] != [_summary(d) for _, d in said[1]]:
             wrong = f"{outcome.wrong}; " if outcome.wrong else ""
             return replace(outcome, wrong=f"{wrong}the same cycles led to other decisions the second time")
@@ -170,7 +172,8 @@ class _Saboteur:
         return self._program.end(memory)
 
 
-def _outcome(fault: Fault, said: list[tuple[float, Decision]]) -> Outcome:
+def _outcome(fault: Fault, said: list[tuple[float, Decision]], evaluated: frozenset[str]) -> Outcome:
+    """What came of a fault; `evaluated`: the requirements that rules satisfy."""
     unsafe = [(t, decision) for t, decision in said if not decision.safe]
     lost = next(((decision.lost, t) for t, decision in said if decision.lost), ("", None))
     if unsafe:
@@ -181,7 +184,7 @@ def _outcome(fault: Fault, said: list[tuple[float, Decision]]) -> Outcome:
         )
     else:
         found = Outcome(fault, (), None, None, DRIVE, None, lost[0], lost[1], "")
-    return replace(found, wrong="; ".join(_differences(fault, found, said)))
+    return replace(found, wrong="; ".join(_differences(fault, found, said, evaluated)))
 
 
 def _by(decision: Decision) -> tuple[str, ...]:
@@ -190,8 +193,13 @@ def _by(decision: Decision) -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
-def _differences(fault: Fault, found: Outcome, said: list[tuple[float, Decision]]) -> list[str]:
-    """How the outcome differs from what is expected."""
+def _differences(
+    fault: Fault, found: Outcome, said: list[tuple[float, Decision]], evaluated: frozenset[str]
+) -> list[str]:
+    """How the outcome differs from what is expected.
+
+    A fault of something that rules evaluate is found by a rule that does so; one of the Supervisor itself, by whatever rule it is put in for.
+    """
     expected = fault.expected
     if expected is None:
         return (
@@ -206,7 +214,7 @@ def _differences(fault: Fault, found: Outcome, said: list[tuple[float, Decision]
     if expected.by not in found.by:
         wrong.append(f"found by {', '.join(found.by)}, expected {expected.by}")
     asked = [set(v.requirements) for v in decision.violations if v.rule == expected.by]
-    if asked and fault.requirement not in asked[0]:
+    if asked and fault.requirement in evaluated and fault.requirement not in asked[0]:
         wrong.append(f"{expected.by} satisfies {', '.join(sorted(asked[0]))}, expected {fault.requirement}")
     wrong += _stretch(expected, said)
     same = found.since is None if expected.since is None else _equal(found.since, expected.since)

@@ -15,10 +15,12 @@ from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field import candidates, smoother
 from trackmarshal.scenarios.field import log as logs
 from trackmarshal.scenarios.field.candidates import Braking
+from trackmarshal.scenarios.field.header import given
 from trackmarshal.scenarios.field.log import Log
 from trackmarshal.scenarios.field.mapping import Mapping
 from trackmarshal.scenarios.field.noise import Noise, estimate
 from trackmarshal.scenarios.field.smoother import Motion
+from trackmarshal.scenarios.inputs import filled
 from trackmarshal.scenarios.recording import Cycle, Recording
 
 Floats = NDArray[np.float64]
@@ -84,8 +86,9 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     recording = Recording(
         mapping.name, mapping.source, tuple(cycles), {"left": borders[0], "right": borders[1], "closed": mapping.closed},
         use=(mapping.vehicle, *mapping.use), notes=tuple(_notes(mapping, log, noise, motion, name, len(cycles))),
+        **given(mapping),
     )  # fmt: skip
-    return Drive(mapping, log, noise, motion, recording, name, _sources(mapping, log))
+    return Drive(mapping, log, noise, motion, filled(recording), name, _sources(mapping, log))
 
 
 def as_logged(log: Log) -> Motion:

@@ -15,6 +15,7 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Program
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult
 from trackmarshal.scenarios.fields import further_names
+from trackmarshal.scenarios.overrides import known_params
 from trackmarshal.scenarios.recording import CANDIDATES, Recording
 from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import cycles, shown
@@ -65,7 +66,8 @@ def judge(
 ) -> Judgement:
     """All cycles of a recording, through the door, by all rules; `watch` wraps the chunks of work."""
     tables, _ = known_tables(recording, evaluator.spec)
-    door = rulebox(evaluator, recording.params, tables).supervisor(Limits.open_loop(evaluator.spec)).door
+    params = known_params(recording, evaluator.spec)
+    door = rulebox(evaluator, params, tables).supervisor(Limits.open_loop(evaluator.spec)).door
     frames: list[Frame] = []
     faults: dict[int, str] = {}
     for place, cycle in enumerate(cycles(recording, further_names(recording, evaluator))):

@@ -8,6 +8,7 @@ from pathlib import Path
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.generate import document
 from trackmarshal.scenarios.generate.document import Item
+from trackmarshal.scenarios.inputs import not_to_be_given
 from trackmarshal.units import LENGTH as METRES
 from trackmarshal.units import NUMBER, SPEED, TIME, Dimension, over, parse_unit
 
@@ -100,6 +101,8 @@ class Mapping:
     noise: dict[str, float] = field(default_factory=dict)
     gaps: tuple[Gap, ...] = ()
     findings: tuple[Finding, ...] = ()
+    #: Inputs that the log does not have, `plan.grip`, by name: the number for all cycles, and why.
+    given: dict[str, tuple[float, str]] = field(default_factory=dict)
 
 
 def read(path: Path, shown: str | None = None) -> Mapping:
@@ -119,7 +122,7 @@ def is_mapping(data: bytes) -> bool:
 def _mapping(root: Item, folder: Path) -> Mapping:
     top = root.fields(
         ("format", "version", "name", "columns", "track", "vehicle", "plan", "emergency"),
-        ("log", "delimiter", "pose", "time", "use", "smoother", "noise", "gaps", "findings", "hold"),
+        ("log", "delimiter", "pose", "time", "use", "smoother", "noise", "gaps", "findings", "hold", "given"),
     )
     top["format"].choice((FORMAT,))
     if top["version"].count(0, 10**6) != VERSION:
@@ -145,6 +148,7 @@ def _mapping(root: Item, folder: Path) -> Mapping:
         _noise(top["noise"]) if "noise" in top else {},
         tuple(_gap(item) for item in top["gaps"].items()) if "gaps" in top else (),
         tuple(_finding(item) for item in top["findings"].items()) if "findings" in top else (),
+        _given(top["given"]) if "given" in top else {},
     )  # fmt: skip
 
 
@@ -217,6 +221,19 @@ def _span(fields: dict[str, Item]) -> tuple[float, float]:
 def _gap(item: Item) -> Gap:
     fields = item.fields(("from", "to", "because"))
     return Gap(*_span(fields), fields["because"].text())
+
+
+def _given(item: Item) -> dict[str, tuple[float, str]]:
+    found = {}
+    for name, entry in item.any_fields().items():
+        problem = not_to_be_given(name)
+        if problem:
+            raise entry.wrong(problem, "a field that a log does not have: `plan.grip`, `ego.age`")
+        fields = entry.fields(("value", "because"))
+        if not fields["because"].text().strip():
+            raise fields["because"].wrong("the reason is empty", "say where the number is from")
+        found[name] = fields["value"].number(), fields["because"].text()
+    return found
 
 
 def _finding(item: Item) -> Finding:

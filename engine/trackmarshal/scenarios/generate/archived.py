@@ -50,7 +50,8 @@ def load(path: Path, shown: str) -> Recording:
         source=shown,
         use=texts["use"],
         notes=(*recording.notes, *texts["notes"]),
-        params={name: value.number() for name, value in params.items()},
+        params={**recording.params, **{name: value.number() for name, value in params.items()}},
+        because={name: why for name, why in recording.because.items() if name not in params},
         tables={**recording.tables, **{name: value.rows() for name, value in tables.items()}},
     )
     known = Specs(specs)

@@ -17,11 +17,12 @@ STEP = 0.01
 
 
 class Braking(NamedTuple):
-    """How the emergency trajectory brakes: at most at `deceleration`, with at most `grip` in total, m/s^2."""
+    """How the emergency trajectory brakes: at most at `deceleration`, with at most `grip` of the tyres, m/s^2, which drag (1/m) helps."""
 
     points: int
     deceleration: float
     grip: float
+    drag: float = 0.0
 
 
 class Plan(NamedTuple):
@@ -65,7 +66,7 @@ def emergency(motion: Motion, t: float, braking: Braking, kappa: Callable[[float
     while v > 0.0:
         time, way, v, _ = steps[-1]
         left = braking.grip**2 - (v * v * kappa(begin + way)) ** 2
-        a = -min(braking.deceleration, math.sqrt(left)) if left > 0.0 else 0.0
+        a = -min(braking.deceleration, math.sqrt(left) + braking.drag * v * v) if left > 0.0 else 0.0
         if a > -0.1:
             message = f"no grip to brake with at t = {t + time:.2f} s: the bend takes {v * v * kappa(begin + way):.1f} m/s^2"
             raise TrackmarshalError(

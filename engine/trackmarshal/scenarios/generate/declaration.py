@@ -20,6 +20,7 @@ from trackmarshal.scenarios.generate.road import Road, Widening
 from trackmarshal.scenarios.generate.rule_truth import GivenTruth
 from trackmarshal.scenarios.generate.static_truth import Zone
 from trackmarshal.scenarios.generate.takeup_truth import Takeup
+from trackmarshal.scenarios.generate.vehicle import vehicle as read_vehicle
 
 MAX_CYCLES = 20_000
 
@@ -74,6 +75,7 @@ class Declaration:
     step: float
     age: float
     params: dict[str, float]
+    because: dict[str, str]
     tables: dict[str, list[list[float]]]
     use: tuple[str, ...]
     notes: tuple[str, ...]
@@ -88,7 +90,18 @@ def load(path: Path, shown: str) -> Declaration:
     fields = item.fields(
         ("format", "version", "name", "track", "duration", "step", "vehicle", "ego", "plan", "emergency"),
         (
-            *("notes", "others", "object_age", "params", "tables", "use", "specs", "signals", "truth"),
+            *(
+                "notes",
+                "others",
+                "object_age",
+                "params",
+                "tables",
+                "because",
+                "use",
+                "specs",
+                "signals",
+                "truth",
+            ),
             *("widenings", "obstacles", "limits", "mistakes", "pose_error", "takeup"),
         ),
     )
@@ -97,7 +110,7 @@ def load(path: Path, shown: str) -> Declaration:
     if Path(track).is_absolute() or Path(track).suffix not in (".yaml", ".yml"):
         # What comes from elsewhere does not choose any file to be opened and quoted in a message.
         raise fields["track"].wrong(f"`{track}` is no path of a track", "a .yaml file, relative to this one")
-    vehicle = _vehicle(fields["vehicle"], path.parent)
+    vehicle = read_vehicle(fields["vehicle"], path.parent)
     step = fields["step"].number(0.001, 10.0)
     count = round(fields["duration"].number(step, 36_000.0) / step) + 1
     if count > MAX_CYCLES:
@@ -136,12 +149,25 @@ def load(path: Path, shown: str) -> Declaration:
         step=step,
         age=fields["object_age"].number(0.0, 10.0) if "object_age" in fields else 0.0,
         params={name: value.number() for name, value in params.items()},
+        because=_because(fields, {*params, *tables}),
         tables={name: value.rows() for name, value in tables.items()},
         use=tuple(value.text() for value in _list(fields, "use")),
-        notes=tuple(value.text() for value in _list(fields, "notes")),
+        notes=(
+            *([f"the vehicle is that of {vehicle.spec}, whose values stand"] if vehicle.spec else []),
+            *(value.text() for value in _list(fields, "notes")),
+        ),
         specs=_specs(fields, path.parent, further, truth),
         further=further,
         truth=truth,
+    )
+
+
+def _because(fields: dict[str, Item], overridden: set[str]) -> dict[str, str]:
+    """Why parameters and tables are overridden, by name."""
+    return (
+        {name: item.text() for name, item in fields["because"].fields((), sorted(overridden)).items()}
+        if "because" in fields
+        else {}
     )
 
 
@@ -176,34 +202,6 @@ def _list(fields: dict[str, Item], name: str) -> Iterator[Item]:
         yield from fields[name].items()
 
 
-_OF_A_VEHICLE = ("length", "width", "turn_radius", "brake", "grip", "drive")
-
-
-def _vehicle(item: Item, folder: Path) -> Vehicle:
-    """A vehicle as it stands here, or of a file of its own; without `params` and `tables`, those of the shipped specs' vehicles."""
-    if item.is_map():
-        fields = item.fields(_OF_A_VEHICLE, ("params", "tables"))
-    else:
-        name = item.text()
-        if Path(name).is_absolute() or Path(name).suffix not in (".yaml", ".yml") or "\0" in name:
-            raise item.wrong(f"`{name}` is no path of a vehicle", "a .yaml file, relative to this one")
-        shown = str(Path(item.shown).parent / name)
-        own = document.read(content.read(folder / name, shown), shown)
-        fields = own.fields(("format", "version", *_OF_A_VEHICLE), ("params", "tables"))
-        road.expect(fields, "trackmarshal-vehicle")
-    params, tables = (fields[key].any_fields() if key in fields else None for key in ("params", "tables"))
-    return Vehicle(
-        length=fields["length"].number(0.1, 50.0),
-        width=fields["width"].number(0.1, 10.0),
-        turn_radius=fields["turn_radius"].number(0.1, 1000.0),
-        brake=fields["brake"].number(0.1, 100.0),
-        grip=fields["grip"].number(0.1, 100.0),
-        drive=fields["drive"].rows(),
-        own_params=None if params is None else {name: value.number() for name, value in params.items()},
-        own_tables=None if tables is None else {name: value.rows() for name, value in tables.items()},
-    )
-
-
 def _driver(item: Item, vehicle: Vehicle, folder: Path) -> Driver:
     fields = item.fields(
         ("start",), ("id", "acceleration", "moves", "oncoming", "silent", "fields", "vehicle")
@@ -211,7 +209,7 @@ def _driver(item: Item, vehicle: Vehicle, folder: Path) -> Driver:
     start = fields["start"].fields(("s", "d", "v"))
     return Driver(
         id=fields["id"].text() if "id" in fields else "ego",
-        vehicle=_vehicle(fields["vehicle"], folder) if "vehicle" in fields else vehicle,
+        vehicle=read_vehicle(fields["vehicle"], folder) if "vehicle" in fields else vehicle,
         start=(start["s"].number(), start["d"].number(-100.0, 100.0)),
         v=start["v"].number(0.5, 200.0),
         acceleration=fields["acceleration"].rows() if "acceleration" in fields else [[0.0, 0.0]],
@@ -304,4 +302,5 @@ def _braking(item: Item, vehicle: Vehicle) -> Braking:
         points=fields["points"].count(2, 1000),
         deceleration=fields["deceleration"].number(0.5, vehicle.brake),
         grip=fields["grip_share"].number(0.1, 1.0) * vehicle.grip,
+        drag=vehicle.drag,
     )

@@ -18,10 +18,11 @@ GRAVITY = 9.81
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
-    """length, width, turn_radius in m; brake (largest deceleration) and grip (in every direction) in m/s^2.
+    """length, width, turn_radius in m; brake (largest deceleration) and grip (of the tyres, in every direction) in m/s^2.
 
-    drive: rows of speed m/s and largest acceleration m/s^2, linear between them, constant beyond their ends. own_params, own_tables: what a
-    recording overrides, in the declared units, in place of what the shipped specs' vehicles are made of.
+    drive: rows of speed m/s and largest acceleration at the wheels m/s^2, linear between them, constant beyond their ends. drag: deceleration by
+    drag over the square of the speed, 1/m. own_params, own_tables: what a recording overrides, in the declared units, in place of what the
+    shipped specs' vehicles are made of. spec: path of the spec that it is read from, relative to the declaration; empty: of none.
     """
 
     length: float
@@ -32,6 +33,13 @@ class Vehicle:
     drive: list[list[float]]
     own_params: dict[str, float] | None = None
     own_tables: dict[str, list[list[float]]] | None = None
+    drag: float = 0.0
+    spec: str = ""
+
+    @property
+    def stopping(self) -> float:
+        """What it surely brakes with on a straight road, m/s^2: what brakes and tyres both do. The help of drag is left out."""
+        return min(self.brake, self.grip)
 
     @property
     def params(self) -> dict[str, float]:
@@ -63,11 +71,15 @@ class Vehicle:
         return (self.length * cos + self.width * sin) / 2.0, (self.length * sin + self.width * cos) / 2.0
 
     def demands(self, v: float, a: float, kappa: float) -> tuple[tuple[str, float, float], ...]:
-        """What one sample asks of the vehicle, and what the vehicle can do: friction, turn radius, drive and brakes."""
+        """What one sample asks of the vehicle, and what the vehicle can do: friction, turn radius, drive and brakes.
+
+        Tyres and drive also push against drag, so theirs count with it.
+        """
+        pushed = a + self.drag * v * v
         return (
-            ("total acceleration", math.hypot(a, v * v * kappa), self.grip),
+            ("total acceleration", math.hypot(pushed, v * v * kappa), self.grip),
             ("curvature", abs(kappa), 1.0 / self.turn_radius),
-            ("acceleration", a, linear(self.drive, v)),
+            ("acceleration", pushed, linear(self.drive, v)),
             ("deceleration", -a, self.brake),
         )
 

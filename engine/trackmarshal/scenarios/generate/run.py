@@ -66,6 +66,7 @@ def run(declared: Declaration, shown: str) -> Recording:
         candidates = {name: _columns(plan.columns) for name, plan in plans.items()}
         cycles.append(Cycle(t, _rounded(_ego(state, aside)), objects, candidates))
     speed = {} if declared.speed is None else {"v_max": declared.speed}
+    because = dict.fromkeys(speed, "the event's limit")
     return Recording(
         name=declared.name,
         source=shown,
@@ -83,6 +84,7 @@ def run(declared: Declaration, shown: str) -> Recording:
         },
         use=declared.use,
         notes=declared.notes,
+        because={**because, **declared.because},
     )
 
 
@@ -153,7 +155,7 @@ class _Encounter:
     def truth(self, i: int, egos: list[State]) -> bool | None:
         """Free while what is heard is old, and unsafe when the car has left the place that it is reported at."""
         ego, vehicle = self._declared.ego.vehicle, self._driver.vehicle
-        truths = [encounter(_lane(egos[i], ego), _lane(self.states[i], vehicle), ego.brake)]
+        truths = [encounter(_lane(egos[i], ego), _lane(self.states[i], vehicle), ego.stopping)]
         heard = self._heard(i)
         if heard != i:
             now, then = (
@@ -182,10 +184,11 @@ def _lane(state: State, vehicle: Vehicle) -> LaneState:
 
 
 def _ego(state: State, aside: float) -> dict[str, float]:
-    """The pose as localisation reports it, `aside` m to the left of where the car is."""
+    """The pose as localisation reports it, as of now, `aside` m to the left of where the car is."""
     ego = {name: getattr(state, name) for name in ("x", "y", "heading", "kappa", "v", "a")}
     ego["x"] -= aside * math.sin(state.heading)
     ego["y"] += aside * math.cos(state.heading)
+    ego["age"] = 0.0
     return ego
 
 
@@ -212,4 +215,6 @@ def _rounded(numbers: dict[str, float]) -> dict[str, float]:
 def _columns(plan: Columns) -> Columns:
     columns = {name: [round(x, _DECIMALS.get(name, 6)) + 0.0 for x in plan[name]] for name in COLUMNS}
     columns["heading"] = [round(wrap(value), 6) + 0.0 for value in plan["heading"]]
+    # The generated road has the vehicle's grip everywhere, and perception knows it.
+    columns["grip"] = [1.0] * len(plan["t"])
     return columns

@@ -45,7 +45,7 @@ def _saved(
         left = (share * vehicle.grip) ** 2 - (v * v * linear(bend, way)) ** 2
         if left <= 0.0:
             return False
-        a = min(share * vehicle.brake, math.sqrt(left))
+        a = min(share * vehicle.brake, math.sqrt(left) + vehicle.drag * v * v)
         h = min(STEP, v / a)
         way += h * (v - a * h / 2.0)
         v = v - a * h if h == STEP else 0.0

@@ -6,7 +6,8 @@ import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
-from trackmarshal.trace.baseline.changes import Change, changes
+from trackmarshal.trace import sections
+from trackmarshal.trace.baseline.changes import Change, Tell, changes
 from trackmarshal.trace.baseline.content import Content, Entry
 from trackmarshal.trace.baseline.file import Baseline
 from trackmarshal.trace.findings import Finding, Place
@@ -14,21 +15,24 @@ from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec, item_place
 
 _HELP = 'restore it, or accept it by name: `trackmarshal trace --accept-baseline --by "NAME" --reason "..."`'
+#: Of changes that have one finding, for so many it is told in it whether they are weaker; of all in the places beside it.
+_TOLD = 3
 #: What the kinds of entries are called.
 _CALLED = {
     "param": "parameter", "place": "place", "evidence": "evidence", "gate": "gate", "project": "project's settings",
 }  # fmt: skip
+_PLURAL = {"evidence": "evidence", "analysis": "analyses"}
 #: The codes of what is gone, and of what reads differently; T376 of hazards, goals, design, reviews and their like.
 _GONE = {
     "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "rulebook": "T372", "report": "T373",
+    "signal": "T372", "constraint": "T372", "rulebook": "T372", "report": "T373", "section": "T373",
 }  # fmt: skip
 _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
     "signal": "T372", "constraint": "T372", "rulebook": "T372", "waiver": "T377",
-    "report": "T373",
+    "report": "T373", "section": "T373",
 }  # fmt: skip
 _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
@@ -37,13 +41,18 @@ _OF_FIELD = {
 }  # fmt: skip
 
 
-def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec) -> Iterator[Finding]:
-    """What is gone, or less, or reads differently since the baseline was accepted; a note of what is new (T221 to T228, T265, T370 to T377)."""
+def check(
+    baseline: Baseline | None, now: Content, project: Project, spec: Spec, tell: Tell | None = None
+) -> Iterator[Finding]:
+    """What is gone, or less, or reads differently since the baseline was accepted; a note of what is new (T221 to T228, T265, T370 to T377).
+
+    tell: whether a rule got weaker or stronger, where that is known.
+    """
     if baseline is None:
         return
     places = _places(project, spec)
     here = Place(str(project.baseline))
-    found = list(changes(baseline.content, now))
+    found = list(changes(baseline.content, now, tell))
     lost = {change.name: change.key for change in found if not change.field and change.before}
     for code, group in _grouped(change for change in found if change.weaker):
         at = [places.get(change.key, here) for change in group]
@@ -53,6 +62,14 @@ def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec)
             _said(group[0])
             if len(group) == 1
             else f"{_said(group[0])}; so it is with {len(group) - 1} other{'s' if len(group) > 2 else ''}"
+        )
+        told = [
+            f"`{change.name}`: {change.told}" if len(group) > 1 else change.told
+            for change in group
+            if change.told
+        ]
+        message = "; ".join(
+            [message, *told[:_TOLD], *([f"and {len(told) - _TOLD} more"] if len(told) > _TOLD else [])]
         )
         about = dict.fromkeys(
             word for change in group for word in _names(change, baseline.content.get(change.key, {}))
@@ -138,7 +155,7 @@ def _said(change: Change) -> str:
         name = f'the test "{title}" of `{rule}`'
     if not change.field:
         return f"{name} is gone since the baseline" if change.before else f"{name} is new since the baseline"
-    if change.field in ("meaning", "says", "text") and not change.before:
+    if not change.what and not change.before:
         return f"{name} says something else than when the baseline was accepted"
     if change.listed:
         fewer, more = change.before, change.after
@@ -147,9 +164,7 @@ def _said(change: Change) -> str:
         if fewer and more:
             return f"{name} {had}, and now has {more}"
         return f"{name} {had if fewer else has}"
-    what = {"sha256": "contents", "recording": "contents", "evidence sha256": "evidence"}.get(
-        change.field, f"`{change.field}`"
-    )
+    what = change.what if change.what not in ("", change.field) else f"`{change.field}`"
     of = "" if change.field == "says" else f"the {what} of "
     if not (change.before or change.after):
         return f"{of}{name} changed since the baseline was accepted"
@@ -164,7 +179,7 @@ def _others(found: list[Change], place: Place) -> Iterator[Finding]:
         if not change.field and change.after
     )
     said = [
-        f"{number} {kind}{'' if number == 1 or kind == 'evidence' else 's'}"
+        f"{number} {kind if number == 1 else _PLURAL.get(kind, f'{kind}s')}"
         for kind, number in sorted(new.items())
     ]
     more = [str(change) for change in found if change.field or not change.after]
@@ -193,6 +208,7 @@ def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
     found |= {f"evidence {e.path} at {e.stage}": e.path.place for e in project.evidence}
     found |= {f"report {report.path} at {report.stage}": report.path.place for report in project.junit}
     found |= {f"waiver {w.id}": w.id.place for w in project.waivers}
+    found |= {f"section {sections.key(path, r)}": at.place for at, _, path, r in sections.allocated(project)}
     for item in spec.by_name.values():
         found[f"{'rule' if item.kind == 'rule' else 'assumption'} {item.name}"] = item_place(item)
     found |= {f"test {test.rule}: {test.title}": item_place(test) for test in spec.tests}

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from typing import TypeAlias
 
+from trackmarshal.trace import sections
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.model import Project
@@ -61,7 +62,9 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         },
     )
     for report in project.junit:
-        yield f"report {report.path} at {report.stage}", {"tool": report.tool, "names": str(report.names)}
+        yield f"report {report.path} at {report.stage}", {
+            "tool": report.tool, "names": str(report.names), "may be missing": "yes" if report.if_there else "",
+        }  # fmt: skip
     for stage in project.stages:
         once = "yes" if stage.if_any else ""
         yield f"stage {stage.id}", {
@@ -82,6 +85,10 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
                 "sha256": hashes.get(e.path) or "",
             },
         )
+    for _, element, path, requirement in sections.allocated(project):
+        yield f"section {sections.key(path, requirement)}", {
+            "of": str(element.id), "contents": hashes.get(sections.key(path, requirement)) or "",
+        }  # fmt: skip
     for w in project.waivers:
         yield f"waiver {w.id}", {
             "stages": _list(w.stages), "requirements": _list(w.requirements), "codes": _list(w.codes), "subjects": _list(w.subjects),

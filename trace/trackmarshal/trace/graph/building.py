@@ -332,10 +332,8 @@ class _Building:
             self._link(
                 "at", ("scenario", str(scenario.path)), ("stage", str(scenario.stage)), scenario.stage.place
             )
-            if any(pattern != "*" for pattern in scenario.requirements):
-                self._fitting(
-                    "shows", ("scenario", str(scenario.path)), scenario.requirements, scenario.path.place
-                )
+            named = [pattern for pattern in scenario.requirements if pattern != "*"]
+            self._fitting("shows", ("scenario", str(scenario.path)), named, scenario.path.place)
         for run in self.spec.runs.values():
             key, place = ("run", run.scenario), Place(run.scenario)
             stale = self.nodes[key].attributes["outcome"] == "stale"

@@ -141,7 +141,7 @@ LINKS = {
     "confirms": LinkKind("confirmed_by", ("external test",), ("requirement",)),
     "implements": LinkKind("implemented_by", ("code",), ("requirement",)),
     "evidence": LinkKind("evidenced_by", ("document",), ("requirement",)),
-    "backed_by": LinkKind("backs", ("assumption", "analysis", "review"), ("document",), True),
+    "backed_by": LinkKind("backs", ("assumption", "analysis", "review", "design element"), ("document",), True),
     "at": LinkKind("stage_of", ("scenario", "document"), ("stage",)),
     "excuses": LinkKind("excused_by", ("waiver",), ("requirement",)),
     "allocated_to": LinkKind("allocates", ("requirement",), ("design element",), True, _GIVEN),

@@ -39,6 +39,9 @@ def record(matrix: Matrix) -> dict[str, Any]:
             }
             for w in matrix.waivers
         ],
+        "accepted": [
+            {"on": one.on, "by": one.by, "reason": one.reason, "weaker": list(one.weaker)} for one in matrix.accepted
+        ],
         "links": _links(matrix.graph),
         "counts": dict(matrix.counts),
     }  # fmt: skip

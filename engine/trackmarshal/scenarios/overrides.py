@@ -1,0 +1,81 @@
+"""What a recording has in place of the spec's own values, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from trackmarshal.ir.spec import ParamInfo, Spec, short_name
+from trackmarshal.scenarios.recording import Recording
+from trackmarshal.units import in_full, to_si
+
+
+@dataclass(frozen=True, slots=True)
+class Override:
+    """A parameter (kind "param") or a table (kind "table") by its qualified name; in words, what counts in its place and what the spec says.
+
+    because: the recording's reason, empty where it gives none.
+    """
+
+    kind: str
+    name: str
+    value: str
+    own: str
+    because: str
+
+    def __str__(self) -> str:
+        why = f": {self.because}" if self.because else ""
+        return f"{self.name} = {self.value} in place of {self.own}{why}"
+
+
+def known_params(recording: Recording, spec: Spec) -> dict[str, float]:
+    """The recording's parameters that are in force with a spec, in declared units.
+
+    One with a reason is a property of how the recording was made, and means nothing to a spec that does not have it; one without is
+    meant for this spec, which refuses what it does not know (D203).
+    """
+    known = {name for info in spec.params.values() for name in (info.name, info.short)}
+    return {
+        name: value
+        for name, value in recording.params.items()
+        if name in known or name not in recording.because
+    }
+
+
+def unknown_params(recording: Recording, spec: Spec) -> tuple[str, ...]:
+    """Those that `known_params` leaves out."""
+    return tuple(sorted(recording.params.keys() - known_params(recording, spec).keys()))
+
+
+def overrides(recording: Recording, spec: Spec) -> Iterator[Override]:
+    """What of a spec's own values another one stands for in a replay, in the order of the recording; what is the same as the spec's is none."""
+    for name, value in known_params(recording, spec).items():
+        for info in _named(spec.params, name):
+            if to_si(value, info.unit) != info.value:
+                yield Override(
+                    "param",
+                    info.name,
+                    _shown(value, info),
+                    in_full(info.value, info.unit),
+                    recording.because.get(name, ""),
+                )
+    for name, rows in recording.tables.items():
+        for table in _named(spec.tables, name):
+            knots = tuple(tuple(to_si(x, unit) for x, unit in zip(row, table.units)) for row in rows)
+            if knots != tuple(zip(table.knots, table.values)):
+                yield Override(
+                    "table",
+                    table.name,
+                    f"{len(rows)} knots",
+                    f"{len(table.knots)} knots",
+                    recording.because.get(name, ""),
+                )
+
+
+def _named(infos: Any, name: str) -> Iterator[Any]:
+    return (info for info in infos.values() if name in (info.name, short_name(info)))
+
+
+def _shown(value: float, info: ParamInfo) -> str:
+    return in_full(to_si(value, info.unit), info.unit)

@@ -1,0 +1,109 @@
+"""Cells that are green only on a section of their own, and on analyses that leave nothing open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from golden.trace.cases import Small
+from trackmarshal import trace
+from trackmarshal.trace.sections import section
+
+DESIGN = """\
+document: design
+title: The layout
+elements:
+  - {id: DE-1, title: the watchdog, asil: D, document: docs/layout.md}
+"""
+ANALYSES = """\
+document: assurance
+title: Who did what
+persons:
+  - {id: P-1, title: the maintainers}
+  - {id: P-2, title: the safety manager}
+  - {id: P-3, title: perception}
+analyses:
+  - {id: AN-1, title: Common causes, method: dependent failures, of: [S-1-B-1], by: [P-1], made: 2026-02-01, document: docs/layout.md}
+"""
+PAGE = "# Layout\n\n## S-1-B-1: in time\n\nA timer of its own.\n\n## S-1-B-10\n\nAnother one.\n"
+
+
+def small(folder: Path, page: str = PAGE, counts: str = "design", more: str = "") -> Small:
+    """The small project, its S-1-B-1 allocated to an element with this page; S-2-A counts this."""
+    made = Small.copy(folder)
+    (made.root / "requirements" / "design.yaml").write_text(DESIGN, encoding="utf-8")
+    (made.root / "requirements" / "assurance.yaml").write_text(
+        ANALYSES.replace("document: docs/layout.md", f"document: docs/layout.md{more}"), encoding="utf-8"
+    )
+    (made.root / "docs" / "layout.md").write_text(page, encoding="utf-8")
+    made.replace(
+        "requirements/v-model.yaml",
+        "the layout, applies_to: [S-1-B-*], counts: [document]",
+        f"the layout, applies_to: [S-1-B-*], counts: [{counts}]",
+    )
+    text = (made.root / "requirements" / "criteria.yaml").read_text("utf-8")
+    head, mark, tail = text.partition("  - id: S-1-B-1\n")
+    links = "    allocated_to: [DE-1]\n    independence: [AN-1]\n"
+    (made.root / "requirements" / "criteria.yaml").write_text(head + mark + links + tail, encoding="utf-8")
+    return made
+
+
+def cell(made: Small) -> tuple[str, list[str]]:
+    row = next(row for row in made.matrix().rows if row.requirement.id == "S-1-B-1")
+    found = row.cells["S-2-A"]
+    return found.status, [f"{item.name}: {item.detail}" for item in found.items]
+
+
+@pytest.mark.parametrize(
+    ("page", "status", "detail"),
+    [
+        (PAGE, "covered", "DE-1: docs/layout.md, section S-1-B-1"),
+        (PAGE.replace("S-1-B-1:", "S-1-B-11:"), "partial", "DE-1: no section of docs/layout.md is about S-1-B-1"),
+        (PAGE.replace("A timer of its own.\n", ""), "partial", "DE-1: no section of docs/layout.md is about S-1-B-1"),
+        (f"```text\n{PAGE}```\n", "partial", "DE-1: no section of docs/layout.md is about S-1-B-1"),
+    ],
+)  # fmt: skip
+def test_a_cell_is_green_on_its_own_section_alone(
+    tmp_path: Path, page: str, status: str, detail: str
+) -> None:
+    assert cell(small(tmp_path, page)) == (status, [detail])
+
+
+def test_an_element_without_a_document_says_nothing(tmp_path: Path) -> None:
+    made = small(tmp_path)
+    made.replace("requirements/design.yaml", ", document: docs/layout.md", "")
+    assert cell(made) == ("partial", ["DE-1: no document says how it meets the requirement"])
+
+
+@pytest.mark.parametrize(
+    ("more", "status", "detail"),
+    [
+        ("", "covered", "AN-1: nothing is left open"),
+        (", open: [Both read one clock.]", "partial", "AN-1: left open: Both read one clock."),
+    ],
+)
+def test_an_analysis_that_leaves_something_open_shows_nothing(
+    tmp_path: Path, more: str, status: str, detail: str
+) -> None:
+    assert cell(small(tmp_path, counts="analysis", more=more)) == (status, [detail])
+
+
+def test_another_section_is_noticed_and_the_rest_of_the_page_is_not(tmp_path: Path) -> None:
+    made = small(tmp_path)
+    made.accept()
+    before = {finding.code for finding in trace.gate(made.matrix())}
+    made.replace("docs/layout.md", "Another one.", "Quite another one.")
+    made.replace("docs/layout.md", "A timer of its own.", "A timer\nof its own.")
+    assert {finding.code for finding in trace.gate(made.matrix())} == before
+    made.replace("docs/layout.md", "A timer\n", "The planner's timer\n")
+    found = [finding for finding in trace.gate(made.matrix()) if finding.code == "T373"]
+    assert [finding.subject for finding in found] == ["docs/layout.md#S-1-B-1"]
+
+
+def test_a_section_ends_at_the_next_heading_of_its_level() -> None:
+    text = "# A\n## R-1 and R-2\none\n### deeper\ntwo\n```\n## not a heading\n```\n## R-3\nthree\n"
+    assert section(text, "R-1") == section(text, "R-2") == "one\ndeeper\ntwo\n```\n## not a heading\n```"
+    assert section(text, "R-3") == "three"
+    assert section(text, "A") is not None
+    assert section(text, "R-4") is None

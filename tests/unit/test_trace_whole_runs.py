@@ -1,0 +1,84 @@
+"""Runs as a whole: what they show about a requirement that no rule evaluates, such as that nothing fires falsely."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from golden.trace.cases import TODAY, Small
+from trackmarshal import trace
+
+FIELD = "scenarios/field.jsonl"
+CUT_IN = "scenarios/cut_in.jsonl"
+
+
+def named(folder: Path, stage: str, scenario: str, requirements: str = '["*", S-1-B-1]') -> Small:
+    """The small project, in which a stage asks about S-1-B-1, which has no rule, and a scenario names it."""
+    small = Small.copy(folder)
+    path = small.root / "requirements" / "v-model.yaml"
+    lines = path.read_text("utf-8").splitlines()
+    for number, line in enumerate(lines):
+        if f"id: {stage}," in line:
+            lines[number] = line.replace(
+                "applies_to: [S-1-A-*, RR-*]", "applies_to: [S-1-A-*, RR-*, S-1-B-1]"
+            )
+        if f"path: {scenario}," in line:
+            lines[number] = line.replace("}", f", requirements: {requirements}}}")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return small
+
+
+def cell(small: Small, stage: str, **changed: Any) -> tuple[str, list[str]]:
+    """The cell of S-1-B-1; `changed`: fields of the runs."""
+    items, tests, results, runs = small.parts()
+    runs = [replace(run, **changed) for run in runs]
+    inputs = {run.scenario: {f"rule {item.name}": item.fingerprint for item in items} for run in runs}
+    matrix = trace.build(small.root, items, tests, results, runs, TODAY, run_inputs=inputs)
+    row = next(row for row in matrix.rows if row.requirement.id == "S-1-B-1")
+    found = row.cells[stage]
+    return found.status, [f"{item.name}: {item.detail}" for item in found.items]
+
+
+def test_nothing_fires_in_the_field(tmp_path: Path) -> None:
+    status, said = cell(named(tmp_path, "S-4-B", FIELD), "S-4-B")
+    assert status == "covered"
+    assert said[0].startswith(f"{FIELD}: nothing fired in ")
+
+
+def test_something_fires_in_the_field(tmp_path: Path) -> None:
+    assert cell(named(tmp_path, "S-4-B", FIELD), "S-4-B", fired=True)[0] == "failed"
+
+
+def test_a_recording_that_was_made_shows_it_in_part(tmp_path: Path) -> None:
+    small = named(tmp_path, "S-4-B", FIELD)
+    small.replace("requirements/v-model.yaml", "origin: field", "origin: synthetic")
+    assert cell(small, "S-4-B")[0] == "partial"
+
+
+def test_all_verdicts_together_lie_inside_the_ground_truth(tmp_path: Path) -> None:
+    status, said = cell(named(tmp_path, "S-4-A", CUT_IN), "S-4-A")
+    assert status == "covered"
+    assert "inside the ground truth (" in said[0]
+
+
+def test_without_a_ground_truth_nothing_is_shown(tmp_path: Path) -> None:
+    status, said = cell(named(tmp_path, "S-4-A", CUT_IN), "S-4-A", ground_truth={})
+    assert (status, said) == ("missing", [f"{CUT_IN}: the recording carries no ground truth"])
+
+
+def test_where_rules_are_asked_for_other_rules_stand_in_for_nothing(tmp_path: Path) -> None:
+    small = named(tmp_path, "S-4-B", FIELD)
+    small.replace(
+        "requirements/v-model.yaml",
+        "shows: its rules, applies_to: [S-1-A-*, RR-*]",
+        "shows: its rules, applies_to: [S-1-A-*, RR-*, S-1-B-1]",
+    )
+    assert cell(small, "S-4-B") == ("missing", [])
+
+
+@pytest.mark.parametrize("requirements", ['["*"]', "[S-1-A-*]"])
+def test_only_a_scenario_that_names_it_counts(tmp_path: Path, requirements: str) -> None:
+    assert cell(named(tmp_path, "S-4-B", FIELD, requirements), "S-4-B") == ("missing", [])

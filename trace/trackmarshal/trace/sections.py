@@ -1,0 +1,94 @@
+"""Sections of Markdown documents that are about one requirement: found by their headings, held by their hashes."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from trackmarshal.trace.model import Entry, Project
+from trackmarshal.trace.values import Placed
+
+_HEADING = re.compile(r"(#{1,6})[ \t]+(.*?)[ \t#]*")
+_FENCE = re.compile(r"[ ]{0,3}(```+|~~~+)")
+#: Larger documents are read by nobody; they have no sections here.
+LARGEST = 16_000_000
+
+
+def section(text: str, name: str) -> str | None:
+    """What stands below the first heading that names an id, down to the next heading of its level; None where there is none, or nothing below it.
+
+    The id stands in the heading as a word of its own. Headings in code blocks are none.
+    """
+    named = re.compile(rf"(?<![\w-]){re.escape(name)}(?![\w-])")
+    level, lines = 0, []
+    for depth, line in _headed(text):
+        if level and 0 < depth <= level:
+            break
+        if level:
+            lines.append(line)
+        elif depth and named.search(line):
+            level = depth
+    said = "\n".join(lines).strip()
+    return said or None
+
+
+def _headed(text: str) -> Iterator[tuple[int, str]]:
+    """Every line, with the level of the heading that it is, 0 for others."""
+    fence = ""
+    for line in text.splitlines():
+        mark = _FENCE.match(line)
+        if mark is not None and (not fence or mark[1].startswith(fence)):
+            fence = "" if fence else mark[1]
+        heading = None if fence else _HEADING.fullmatch(line)
+        yield (len(heading[1]), heading[2]) if heading is not None else (0, line)
+
+
+def key(path: str, requirement: str) -> str:
+    """What the section about a requirement is called, among hashes of files."""
+    return f"{path}#{requirement}"
+
+
+def allocated(project: Project) -> Iterator[tuple[Placed, Entry, str, str]]:
+    """Where a requirement is allocated to an element with a document: the place where that is said, the element, the document, the requirement's id."""
+    elements = {str(entry.id): entry for entry in reversed(project.entries) if entry.kind == "design element"}
+    for requirement in project.by_id.values():
+        for kind, target in requirement.links:
+            element = elements.get(target) if kind == "allocated_to" and requirement.demanded else None
+            for path in () if element is None else documents(element):
+                if element is not None:
+                    yield target, element, path, str(requirement.id)
+
+
+def documents(element: Entry) -> tuple[str, ...]:
+    """The files in which an element is written down."""
+    return tuple(str(path) for kind, path in element.links if kind == "backed_by")
+
+
+def hashes(root: Path, project: Project) -> dict[str, str | None]:
+    """The SHA-256 of every section that a design element is to have, however its lines are broken; None where there is none."""
+    found: dict[str, str | None] = {}
+    texts: dict[str, str] = {}
+    for _, _, path, requirement in allocated(project):
+        if path not in texts:
+            texts[path] = _read(root, path)
+        said = section(texts[path], requirement)
+        found[key(path, requirement)] = (
+            None if said is None else hashlib.sha256(" ".join(said.split()).encode()).hexdigest()
+        )
+    return found
+
+
+def _read(root: Path, path: str) -> str:
+    """The text of a document; empty where it cannot be read, which is said of the file."""
+    try:
+        whole = (root / path).resolve()
+        if not whole.is_relative_to(root.resolve()) or whole.stat().st_size > LARGEST:
+            return ""
+        return whole.read_text(encoding="utf-8")
+    except (OSError, ValueError):
+        return ""
+
+
+__all__ = ["allocated", "documents", "hashes", "key", "section"]
