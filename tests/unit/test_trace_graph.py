@@ -157,7 +157,17 @@ def test_all_kinds_of_documents_together_have_no_findings(tmp_path: Path) -> Non
     small.accept()
     matrix = small.matrix()
     assert [str(finding) for finding in matrix.findings] == []
-    engine = {"parameter", "table", "signal", "place", "constraint", "rulebook", "fault", "external test", "code"}
+    engine = {
+        "parameter",
+        "table",
+        "signal",
+        "place",
+        "constraint",
+        "rulebook",
+        "fault",
+        "external test",
+        "code",
+    }
     assert set(NODES) - engine - {"tool", "method"} == set(matrix.graph.by_kind)
     for link in matrix.graph.links:
         assert link.state == "covers", link

@@ -99,9 +99,7 @@ def assess(
     if again and project.baseline:
         found += acceptances.check(root, str(project.baseline))
     runs += _kept_runs(root, project)
-    return Assessment(
-        root, project, said, results, runs, faults, found, made.replays, made, answers, run
-    )
+    return Assessment(root, project, said, results, runs, faults, found, made.replays, made, answers, run)
 
 
 class _Making:

@@ -20,40 +20,56 @@ _SAID = re.compile(r"(?<![\w-])(?:" + "|".join(SAID) + r")(?![\w-])", re.IGNOREC
 #: Larger files, and files that are no text, are not read.
 _MOST = 1_000_000
 
-#: By path, the place where a document says so, and its words.
-Denials = Mapping[str, tuple[Place, str]]
+#: By path and assumption, the place where a document says so of it, and its words.
+Denials = Mapping[tuple[str, str], tuple[Place, str]]
 
 
 def load(root: Path, items: Iterable[SpecItem]) -> Denials:
-    """The documents that back assumptions and say that there is no evidence."""
+    """What the documents that back assumptions deny of them: where one is named, the paragraphs that name it count, else the whole document."""
+    texts: dict[str, str] = {}
     found = {}
-    for path in sorted({item.evidence for item in items if item.evidence}):
-        said = _denial(root, path)
-        if said is not None:
-            found[path] = said
+    for item in items:
+        if item.kind == "assume" and item.evidence:
+            text = texts.setdefault(item.evidence, _text(root, item.evidence))
+            for start, part in _about(text, item.name):
+                match = _SAID.search(re.sub(r"\s", " ", part))  # a sentence may go on in the next line
+                if match is not None:
+                    before = text[: start + match.start()]
+                    place = Place(item.evidence, before.count("\n") + 1, len(before) - before.rfind("\n"))
+                    found[item.evidence, item.name] = (place, match[0])
+                    break
     return found
 
 
-def _denial(root: Path, path: str) -> tuple[Place, str] | None:
+def _about(text: str, name: str) -> Iterator[tuple[int, str]]:
+    """The parts of a text that are about something, with where they begin."""
+    named = [
+        m
+        for m in re.finditer(r"(?:[^\n]|\n(?!\s*\n))+", text)
+        if re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", m[0])
+    ]
+    if not named:
+        yield 0, text
+    for paragraph in named:
+        yield paragraph.start(), paragraph[0]
+
+
+def _text(root: Path, path: str) -> str:
+    """A document's text; empty for what is no text, is too large or is not there, which is told elsewhere."""
     try:
         whole = (root / path).resolve()
         if not whole.is_relative_to(root.resolve()) or whole.stat().st_size > _MOST:
-            return None
-        text = read_regular(whole).decode("utf-8")
-    except (OSError, ValueError):  # that it is not there is told elsewhere
-        return None
-    match = _SAID.search(re.sub(r"\s", " ", text))  # a sentence may go on in the next line
-    if match is None:
-        return None
-    before = text[: match.start()]
-    return Place(path, before.count("\n") + 1, match.start() - before.rfind("\n")), match[0]
+            return ""
+        return read_regular(whole).decode("utf-8")
+    except (OSError, ValueError):
+        return ""
 
 
 def check(spec: Spec, denials: Denials) -> Iterator[Finding]:
     """T253 for every assumption that such a document is to back."""
     for item in spec.by_name.values():
-        if item.kind == "assume" and item.evidence in denials:
-            place, words = denials[item.evidence]
+        if item.kind == "assume" and (item.evidence, item.name) in denials:
+            place, words = denials[item.evidence, item.name]
             message = f'the evidence `{item.evidence}` of the assumption `{item.name}` says that there is none: "{words}"'
             help_ = "back it by a record, or have somebody answer for the gap by a waiver"
             yield Finding(

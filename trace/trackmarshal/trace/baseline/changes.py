@@ -35,7 +35,12 @@ _SILENT = {
 #: Fields that hold all that an entry says.
 SAYING = ("meaning", "says", "text")
 #: What other fields are called.
-_FIELDS = {"sha256": "contents", "recording": "contents", "of versions": "reviewed versions", "evidence sha256": "evidence"}
+_FIELDS = {
+    "sha256": "contents",
+    "recording": "contents",
+    "of versions": "reviewed versions",
+    "evidence sha256": "evidence",
+}
 
 #: Hashes of files. One that is not there is told where it is missed.
 _FILES = ("recording", "kept run", "sha256", "evidence sha256")
