@@ -66,8 +66,9 @@ def _finding(graph: Graph, link: Link, said: Said, help_: str) -> Finding:
         also = ((target.place, said.also.format(**words)),)
     subject = link.target[1] if said.of_target else link.source[1]
     return Finding(
-        said.code, "error", said.message.format(**words), link.place, help_.format(**words), subject, also
-    )
+        said.code, "error", said.message.format(**words), link.place, help_.format(**words), subject, also,
+        tuple(name for name in (link.source[1], link.target[1], words["at"]) if name),
+    )  # fmt: skip
 
 
 def _around(graph: Graph, name: str, said: Said) -> Iterator[Finding]:
