@@ -131,7 +131,9 @@ def case(
             continue
         made = SIGNALS[name](choose)
         if isinstance(made, list):
-            signals[name] = [{"id": str(k), **{field: one[field] for field in fields}} for k, one in enumerate(made)]
+            signals[name] = [
+                {"id": str(k), **{field: one[field] for field in fields}} for k, one in enumerate(made)
+            ]
         else:
             signals[name] = {field: made[field] for field in fields}
     few = (

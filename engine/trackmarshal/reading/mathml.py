@@ -143,7 +143,7 @@ def _branches(piece: at.Branches) -> str:
     rows = ""
     for one in piece.branches:
         when = (
-            "<mtext>otherwise</mtext>"
+            "<mtext>else</mtext>"
             if one.condition is None
             else f"<mrow><mtext>if&#xa0;</mtext>{element(one.condition)}</mrow>"
         )
