@@ -302,7 +302,7 @@ class Parser:
             assert word == "else if", word
 
 
-_WORDS = ("where", "then", "else", "else if", "if", "for", "otherwise", "by")
+_WORDS = ("where", "then", "else", "else if", "if", "for", "by")
 
 
 def _range(parser: Parser) -> tuple[list[str], str, Tree | None]:
@@ -315,7 +315,7 @@ def _range(parser: Parser) -> tuple[list[str], str, Tree | None]:
 
 
 def _condition(row: list[Sign]) -> Tree | None:
-    if row[0] == ("word", "otherwise"):
+    if row[0] == ("word", "else"):
         return None
     assert row[0] == ("word", "if"), row
     return ("any",) if row[1:] == [("word", "there is any")] else Parser(row[1:]).whole()

@@ -48,7 +48,7 @@ def broad(piece: Layout) -> int:
         case at.Prefix():
             return broad(piece.sign) + broad(piece.operand)
         case at.Chain():
-            return broad(piece.first) + sum(broad(one.sign) + 2 + broad(one.operand) for one in piece.rest)
+            return broad(piece.first) + sum(_between(one.sign) + broad(one.operand) for one in piece.rest)
         case at.Binder():
             where = 0 if piece.where is None else broad(piece.where) + 7
             return broad(piece.head) + where + 2 + broad(piece.body)
@@ -63,6 +63,17 @@ def broad(piece: Layout) -> int:
             )
         case _:
             assert_never(piece)
+
+
+def _between(sign: at.Sign | at.Word | at.Index) -> int:
+    """A sign with the room around it, which a product has little of."""
+    return (
+        broad(sign)
+        if isinstance(sign, at.Sign) and sign.text != "·"
+        else 2
+        if isinstance(sign, at.Sign)
+        else broad(sign) + 2
+    )
 
 
 def _small(letters: int) -> int:

@@ -123,9 +123,7 @@ def _between(sign: at.Sign | at.Word | at.Index) -> str:
 
 
 def _branch(one: at.Branch) -> str:
-    condition = (
-        'upright("otherwise")' if one.condition is None else f'upright("if ") {content(one.condition)}'
-    )
+    condition = 'upright("else")' if one.condition is None else f'upright("if ") {content(one.condition)}'
     return f"{content(one.value)} quad & {condition}"
 
 
