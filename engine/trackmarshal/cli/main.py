@@ -24,6 +24,7 @@ VERBS = {
     "compile": "generated C99 with its header and a report",
     "serve": "run a Supervisor as a process of its own",
     "explain": "what an error code means; why a rule said what it said",
+    "show": "one rule as spec, formula, in words and as C; where its limits are",
     "diff": "what an edit of specs changes on recordings",
     "trace": "traceability matrix and coverage",
     "gsn": "the argument as goal structure: pictures, gsn2x, JSON, text",

@@ -104,10 +104,10 @@ class Weakening:
             return
         with tempfile.TemporaryDirectory(prefix="trackmarshal-baseline-") as folder:
             why, left = "", dict(wanted)
-            for number, commit in enumerate(self._commits()):
-                if isinstance(commit, TrackmarshalError):
-                    why = commit.message
-                    break
+            commits = self._commits()
+            if not commits:
+                why = "git has no history of the project"
+            for number, commit in enumerate(commits):
                 if not left:
                     return
                 there = Path(folder).resolve() / str(number)
@@ -126,17 +126,16 @@ class Weakening:
             for name in left:
                 yield name, NOT_TOLD, why or "the specs that were accepted are in no commit at hand", False
 
-    def _commits(self) -> Iterator[str | TrackmarshalError]:
-        """Where the specs that were accepted may be; an error where there is no history."""
+    def _commits(self) -> list[str]:
+        """Where the specs that were accepted may be; none where there is no history."""
         from trackmarshal.cli.revisions import commit_of, last_change
 
         try:
             found = last_change(str(self._project.baseline), self._root)
             head = commit_of("HEAD", self._root)
-        except TrackmarshalError as problem:
-            yield problem
-            return
-        yield from dict.fromkeys(commit for commit in (found, head) if commit)
+        except TrackmarshalError:
+            return []
+        return [*dict.fromkeys(commit for commit in (found, head) if commit)]
 
     def _then(self, commit: str, folder: Path) -> _Then | None:
         """The project at a commit; None where it was none, or does not compile."""

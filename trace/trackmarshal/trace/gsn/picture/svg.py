@@ -177,7 +177,8 @@ def _element(case: Case, one: Shown, size: Box, at: tuple[float, float], files: 
     if split:
         top = y - size.height / 2 + PAD
     baseline = top + FONT * 0.95
-    texts = [*((line, {"font_weight": "bold"}) for line in size.name), *((line, {}) for line in size.lines)]
+    texts: list[tuple[str, dict[str, str | float]]] = [(line, {"font_weight": "bold"}) for line in size.name]
+    texts += [(line, {}) for line in size.lines]
     if size.status:
         texts.append((f"{sign} {size.status}", {"font_weight": "bold", "fill": stroke, "font_size": 9.0}))
     gap = PAD / 2 + 3 if split else 0.0
