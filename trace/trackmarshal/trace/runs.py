@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from trackmarshal.records import RunSummary, SpecItem, TruthFacts
 from trackmarshal.trace.files import Hashes
-from trackmarshal.trace.findings import Finding, error, warning
+from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Scenario
 from trackmarshal.trace.spec import Spec
 
