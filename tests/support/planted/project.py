@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import re
 import shutil
-from collections.abc import Iterator
 from datetime import date
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 from support.planted.edits import TODAY, run_git
 from support.project import command
@@ -18,42 +15,26 @@ from support.project import command
 SOURCE = Path(__file__).parents[1] / "shuttle"
 
 
-@contextlib.contextmanager
-def day(today: date) -> Iterator[None]:
-    """The command thinks that it is this day."""
-
-    class Day(date):
-        @classmethod
-        def today(cls) -> date:  # type: ignore[override]
-            return today
-
-    with mock.patch("trackmarshal.cli.assessment.date", Day), mock.patch("trackmarshal.trace.date", Day):
-        yield
-
-
 def make(folder: Path) -> Path:
     """The shuttle in a git repository of its own, its baseline accepted, its evidence in the store."""
     root = folder / "shuttle"
     shutil.copytree(SOURCE, root)
     run_git(root, "init", "-q")
-    with day(TODAY):
-        status, _, err = command(
-            root, "trace", "--accept-baseline", "--by", "Sam Safety", "--reason", "the first one"
-        )
-        assert status == 0, err
-        run_git(root, "add", ".")
-        run_git(root, "commit", "-qm", "The shuttle")
-        status, out, err = command(root, "trace", "--gate")
+    day = ("--day", TODAY.isoformat())
+    who = ("--by", "Sam Safety", "--reason", "the first one")
+    status, _, err = command(root, "trace", "--accept-baseline", *who, *day)
+    assert status == 0, err
+    run_git(root, "add", ".")
+    run_git(root, "commit", "-qm", "The shuttle")
+    status, out, err = command(root, "trace", "--gate", *day)
     assert status == 0, out + err
     return root
 
 
 def judged(root: Path, rerun: bool = False, today: date = TODAY) -> tuple[int, list[dict[str, Any]]]:
     """The gate's exit status, and all that is found."""
-    with day(today):
-        status, out, err = command(
-            root, "trace", "--gate", "--format", "json", *(["--rerun"] if rerun else [])
-        )
+    more = ("--rerun",) if rerun else ()
+    status, out, err = command(root, "trace", "--gate", "--format", "json", "--day", today.isoformat(), *more)
     try:
         return status, json.loads(out)["findings"]
     except ValueError:
