@@ -21,7 +21,7 @@ from trackmarshal.files import read_regular
 FILE = "evidence.jsonl"
 #: The largest store that is read.
 MAX_BYTES = 512_000_000
-KINDS = ("test", "run", "fault", "external")
+KINDS = ("test", "run", "fault", "external", "comparison")
 _HEAD, _ID = b'{"id": "', 64
 #: From where on a line is hashed: behind its id, the quote, comma and space after it.
 _REST = len(_HEAD) + _ID + 3

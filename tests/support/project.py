@@ -18,6 +18,7 @@ def copy_project(target: Path) -> Path:
     """A project of its own, without results."""
     for part in PARTS:
         shutil.copytree(REPOSITORY / part, target / part)
+    (target / "engine").symlink_to(REPOSITORY / "engine")  # source code that says what it implements
     return target
 
 

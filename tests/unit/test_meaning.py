@@ -14,6 +14,7 @@ from support.shared import REPOSITORY
 from trackmarshal.cli.sources import read_specs
 from trackmarshal.ir.spec import Spec
 from trackmarshal.meaning import Meaning, fingerprint_of_test, key
+from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.trace import requirements
 
 Prints = dict[tuple[str, ...], str]
@@ -133,3 +134,15 @@ def test_the_text_of_a_test_is_noticed_and_its_layout_is_not(tmp_path: Path) -> 
         text.replace(body, body.replace("\n", "\n\n", 1).replace("  given ", "    given ")), "utf-8"
     )
     assert changed(shipped()[0], prints(root)[0]) == set()
+
+
+def test_a_rule_that_reads_what_has_an_error(tmp_path: Path) -> None:
+    """Its parameter is no number of its dimension, which is said; that the rule reads it is no reason to break down."""
+    path = tmp_path / "m.spec"
+    path.write_text(
+        'module m\nsignal ego : state { v: m/s }\nparam top : m/s = 3\nrule slow "s"\n  require ego.v <= top\n',
+        "utf-8",
+    )
+    compiled = compile_paths([path], tmp_path)
+    assert [one.code for one in compiled.found if one.level == "error"] == ["E302"]
+    assert "param m.top" in Meaning(compiled.spec).rule(compiled.spec.rules[0])

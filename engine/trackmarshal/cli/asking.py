@@ -25,17 +25,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def asks(args: argparse.Namespace) -> bool:
-    """Whether a question is asked, in place of the matrix; raises T169 for half of one, and beside what a question does not do."""
+    """Whether a question is asked, in place of the matrix, that of `--impact` among them; raises T169 for half of one, and beside what a question does not do."""
     if (args.source is None) != (args.target is None):
         raise TrackmarshalError(
             "T169",
             "`--from` and `--to` belong together",
             help="`trackmarshal trace --from requirement --to test`",
         )
-    if args.source is None and not args.statistics:
+    question = args.source is not None or args.statistics
+    if not (question or args.impact is not None):
         return False
     for option, given in (
-        ("--gate", args.gate), ("--accept-baseline", args.accept_baseline), ("--rerun", args.rerun)
+        ("--gate", args.gate), ("--accept-baseline", args.accept_baseline), ("--rerun", args.rerun), ("--impact", question and args.impact is not None)
     ):  # fmt: skip
         if given:
             raise TrackmarshalError(

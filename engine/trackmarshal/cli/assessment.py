@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import cached_property
@@ -16,9 +16,11 @@ from trackmarshal.cli.sources import Sources, kept_runs
 from trackmarshal.records import FaultResult, RunSummary, TestResult
 
 if TYPE_CHECKING:
+    from trackmarshal.cli.weakening import Weakening
     from trackmarshal.evaluation import Evaluator
     from trackmarshal.scenarios.replay import Replay
-    from trackmarshal.trace import Finding, Matrix, Project
+    from trackmarshal.trace import Finding, Matrix, Project, Tell
+    from trackmarshal.trace.baseline import Content
 
 
 @dataclass(slots=True)
@@ -35,23 +37,40 @@ class Assessment:
     store_found: list[Finding]
     replays: list[tuple[RunSummary, Replay, Evaluator]]
     _making: _Making
+    _answers: Answers
+    #: Whether anything may be run.
+    _runs: bool
+    _told: Weakening | None = None
 
     @property
     def sources(self) -> Sources:
         """The project's specs, compiled."""
         return self._making.sources
 
-    def matrix(self) -> Matrix:
-        """The traceability matrix of all this; errors of specs are findings of it."""
+    def matrix(self, today: date | None = None) -> Matrix:
+        """The traceability matrix of all this on a day, that of the clock if none is given; errors of specs are findings of it."""
         from trackmarshal import trace
         from trackmarshal.meaning.tool import tool
 
         said = self.facts
         return trace.build(
-            self.root, said.items, said.tests, self.results, self.runs, date.today(), engine=tool(), run_inputs=said.run_inputs,
+            self.root, said.items, said.tests, self.results, self.runs, today or date.today(), engine=tool(), run_inputs=said.run_inputs,
             findings=[*said.findings, *self.store_found], fault_cases=said.fault_cases, fault_results=self.fault_results,
-            parts=said.parts,
+            parts=said.parts, tell=self.weakening(),
         )  # fmt: skip
+
+    def weakening(self) -> Tell:
+        """Says whether rules that are not those of the baseline got weaker; what that takes is made when it is asked."""
+
+        def tell(before: Content, keys: Sequence[str]) -> Mapping[str, str]:
+            from trackmarshal.cli.weakening import Weakening
+
+            if self._told is None:
+                sources = self._making.sources if self._runs else None
+                self._told = Weakening(self.root, self.project, self.facts, self._answers, sources)
+            return self._told(before, keys)
+
+        return tell
 
 
 def assess(
@@ -66,7 +85,7 @@ def assess(
     project = requirements.load(root, [])
     answers = Answers(root, root / project.results, again)
     made = _Making(root, project, quiet)
-    if again or replays:
+    if again:
         said = made.facts()
     else:
         folders = [*map(str, project.specs or ["specs"]), requirements.FOLDER]
@@ -78,7 +97,7 @@ def assess(
     answers.write()
     runs += _kept_runs(root, project)
     return Assessment(
-        root, project, said, results, runs, faults, _of_store(answers, root), made.replays, made
+        root, project, said, results, runs, faults, _of_store(answers, root), made.replays, made, answers, run
     )
 
 

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import tarfile
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import IO
 
@@ -26,13 +27,17 @@ CODES = {
 _SUFFIXES = (".spec", ".yaml", ".yml")
 #: The largest file that is read, in bytes; specs are far smaller.
 _MOST = 16_000_000
+#: And the largest one of other files that are named.
+_MOST_OF_ANY = 512_000_000
+#: Paths that are named to git at once.
+_CHUNK = 500
 
 
-def read(name: str, project: Path, into: Path) -> Path:
-    """A revision's specs and requirements, below `into`; the folder that stands for the project. Raises T361."""
-    folder = _git(project, "rev-parse", "--show-prefix", name=name).strip()
+def commit_of(name: str, project: Path) -> str:
+    """The commit that a name stands for; raises T361."""
+    _git(project, "rev-parse", "--show-prefix", name=name)
     try:
-        commit = _git(
+        return _git(
             project, "rev-parse", "--verify", "--quiet", "--end-of-options", f"{name}^{{commit}}", name=name
         ).strip()
     except TrackmarshalError:
@@ -45,13 +50,64 @@ def read(name: str, project: Path, into: Path) -> Path:
         raise TrackmarshalError(
             "T361", f"`{name}` is neither a file or folder here nor a revision", help=help_
         ) from None
-    command = ["git", "-C", str(project), "archive", "--format=tar", commit]
+
+
+def last_change(path: str, project: Path) -> str:
+    """The commit that changed a file of the project last, as far as the history goes; empty where none did. Raises T361."""
+    return _git(project, "log", "-1", "--format=%H", "--", path, name="HEAD").strip()
+
+
+def read(name: str, project: Path, into: Path, *, called: str = "") -> Path:
+    """A revision's specs and requirements, below `into`; the folder that stands for the project. `called`: what messages call it. Raises T361."""
+    commit = commit_of(name, project)
+    return _read(commit, called or name, project, into, (), _of_specs)
+
+
+def read_more(commit: str, project: Path, into: Path, paths: Iterable[str], *, called: str) -> None:
+    """Files and folders of a commit, by their paths from the project, below `into`; those that it does not have are left out. Raises T361."""
+    wanted = sorted({str(path) for path in paths})
+    there = [
+        path
+        for chunk in (wanted[n : n + _CHUNK] for n in range(0, len(wanted), _CHUNK))
+        for path in _git(
+            project, "ls-tree", "-r", "-z", "--name-only", commit, "--", *chunk, name=called
+        ).split("\0")
+        if path
+    ]
+    for chunk in (there[n : n + _CHUNK] for n in range(0, len(there), _CHUNK)):
+        _read(commit, called, project, into, chunk, lambda member: member.size <= _MOST_OF_ANY)
+
+
+def _of_specs(member: tarfile.TarInfo) -> bool:
+    return member.name.endswith(_SUFFIXES) and member.size <= _MOST
+
+
+def _read(
+    commit: str,
+    name: str,
+    project: Path,
+    into: Path,
+    paths: Sequence[str],
+    wanted: Callable[[tarfile.TarInfo], bool],
+) -> Path:
+    folder = _git(project, "rev-parse", "--show-prefix", name=name).strip()
+    command = [
+        "git",
+        "--literal-pathspecs",
+        "-C",
+        str(project),
+        "archive",
+        "--format=tar",
+        commit,
+        "--",
+        *paths,
+    ]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stderr is not None
         cut = ""
         try:
-            _unpack(process.stdout, into)
+            _unpack(process.stdout, into, wanted)
         except tarfile.TarError as problem:  # mostly git stopped, and says below why
             cut = str(problem)
         said = process.stderr.read().decode("utf-8", "replace").strip() or cut
@@ -64,10 +120,10 @@ def read(name: str, project: Path, into: Path) -> Path:
     return into
 
 
-def _unpack(stream: IO[bytes], into: Path) -> None:
+def _unpack(stream: IO[bytes], into: Path, wanted: Callable[[tarfile.TarInfo], bool]) -> None:
     with tarfile.open(fileobj=stream, mode="r|") as archive:
         for member in archive:
-            if member.isfile() and member.name.endswith(_SUFFIXES) and member.size <= _MOST:
+            if member.isfile() and wanted(member):
                 archive.extract(member, into, filter="data")
 
 

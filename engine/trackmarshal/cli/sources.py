@@ -48,7 +48,7 @@ class Sources:
         self.root, self.project = root, project
         self.compiled, self.prepared, self.found = read_specs(root, project)
         self.broken = any(item.level == "error" for item in self.found)
-        self._meaning = Meaning(self.compiled.spec)
+        self.meaning = Meaning(self.compiled.spec)
         self.distances = distances(project)
         self._shared: dict[object, Evaluator] = {}
 
@@ -86,7 +86,7 @@ class Sources:
         for outcome in run_tests(self.compiled.spec, chosen, distances=self.distances):
             rule = outcome.test.rule
             inputs = facts.of_test(named[rule.name, outcome.test.title])
-            yield evidence.test_result(outcome, inputs, self._meaning.fingerprint(rule))
+            yield evidence.test_result(outcome, inputs, self.meaning.fingerprint(rule))
 
     def replay(
         self, shown: str, facts: Facts, quiet: bool
@@ -105,6 +105,11 @@ class Sources:
     def put_in(self, wanted: Iterable[tuple[str, str]], quiet: bool) -> Iterable[FaultResult]:
         """What comes of these faults, by campaign and id; those that cannot be put in are left out."""
         return campaigns.run(self._campaigns, set(wanted), quiet)
+
+    @property
+    def recorded(self) -> dict[str, tuple[Recording, Evaluator]]:
+        """By scenario that is there, its recording and the rules that it is replayed with; none where the specs have errors."""
+        return self._scenarios
 
     @cached_property
     def _campaigns(self) -> list[campaigns.Prepared]:
@@ -144,7 +149,7 @@ class Sources:
         from trackmarshal.semantics.modules import from_library
 
         items, tests = (
-            evidence.spec_items(self._meaning),
+            evidence.spec_items(self.meaning),
             evidence.spec_tests(self.compiled.spec, self.prepared, self.distances),
         )
         modules = [

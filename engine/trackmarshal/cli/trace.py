@@ -4,7 +4,8 @@ Tests, scenarios and faults that the evidence store has no result of, from the s
 reads what is there, and `--rerun` runs everything again and tells what comes out differently.
 With --gate, the exit status is 1 when something that v-model.yaml demands is not covered.
 
-With --from and --to, it says over which links one thing leads to another (`trace --from S-1-A-4 --to test`).
+With --from and --to, it says over which links one thing leads to another (`trace --from S-1-A-4 --to test`); with --impact REV, what an edit
+means for the evidence.
 """
 
 from __future__ import annotations
@@ -12,18 +13,20 @@ from __future__ import annotations
 import argparse
 import sys
 
-from trackmarshal.cli import asking
+from trackmarshal.cli import asking, impact
+from trackmarshal.cli.days import day
 from trackmarshal.cli.output import say
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
 
-FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github", "junit")
+FORMATS = ("text", "json", "csv", "md", "markdown", "html", "sarif", "github", "junit")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", choices=FORMATS, default="text")
     configure_relative(parser)
     asking.configure(parser)
+    impact.configure(parser)
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--gate", action="store_true", help="exit 1 when a gap is neither covered nor waived")
     what.add_argument(
@@ -36,6 +39,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--reason", metavar="TEXT", default="", help="with --accept-baseline: why that is accepted"
+    )
+    parser.add_argument(
+        "--day",
+        metavar="DAY",
+        help="the day that waivers are held against, YYYY-MM-DD, or `commit`: that of the commit (default: today)",
     )
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--as-is", action="store_true", help="run nothing; read the evidence that is there")
@@ -60,17 +68,23 @@ def _run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.assessment import assess
 
     root = find_project(args)
+    if args.format == "markdown":
+        args.format = "md"
     if asking.asks(args):
+        if args.impact is not None:
+            return impact.answer(root, args)
         return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(), args)
     where = shown_from(args, root)
+    today = day(args.day, root)
     found = assess(root, run=not args.as_is, again=args.rerun, quiet=args.quiet)
     if args.accept_baseline:
         said = found.facts
         target, weaker = trace.accept_baseline(
-            root, said.items, said.tests, said.fault_cases, said.parts, by=args.by, reason=args.reason
-        )
+            root, said.items, said.tests, said.fault_cases, said.parts, by=args.by, reason=args.reason,
+            today=today, tell=found.weakening(),
+        )  # fmt: skip
         say(f"wrote {target}", *(f"accepted by {args.by}: {change}" for change in weaker), file=sys.stderr)
-    matrix = found.matrix()
+    matrix = found.matrix(today)
     made = trace.render(matrix, args.format, where=where)
     if args.format in ("text", "github"):
         say(*made.removesuffix("\n").split("\n"))

@@ -69,6 +69,24 @@ def compared(pairs: Sequence[Pair], renamed: Mapping[str, str] | None = None) ->
     return Comparison(tuple(rules), tuple(one for pair in pairs for one in decided(pair.old, pair.new)))
 
 
+def of_rule(pairs: Sequence[Pair], name: str, was: str = "") -> RuleChange | None:
+    """What became of one rule over those recordings whose evaluators have it, before (as `was`, if it had another name) and after; None for none."""
+    before = was or name
+    both = [pair for pair in pairs if _has(pair.old, before) and _has(pair.new, name)]
+    if not both:
+        return None
+    old, new = both[0].old.evaluator.rules, both[0].new.evaluator.rules
+    return changed(
+        old[_place(both[0].old, before)],
+        new[_place(both[0].new, name)],
+        [_column(pair, before, name) for pair in both],
+    )
+
+
+def _has(judged: Judged, name: str) -> bool:
+    return any(rule.name == name for rule in judged.evaluator.rules)
+
+
 def _same(
     old: Mapping[str, RuleInfo], new: Mapping[str, RuleInfo], renamed: Mapping[str, str]
 ) -> dict[str, str]:

@@ -23,7 +23,7 @@ def text(made: Comparison) -> list[str]:
         lines.append(f"{_name(rule)}: {_said(rule)}")
         lines += [f"  {flip}" for flip in map(_flip, rule.flips)]
         if rule.margins is not None:
-            lines.append(f"  margins {_moved(rule)}")
+            lines.append(f"  margins {moved(rule)}")
     lines += [f"decision: {_decision(one)}" for one in made.decisions]
     return [*lines, _sum(made)]
 
@@ -37,7 +37,7 @@ def markdown(made: Comparison) -> list[str]:
     for rule in differing:
         turned = "; ".join(f"{count} {_cell(way)}" for way, count in _ways(rule.flips).items()) or "none"
         lines.append(
-            f"| {_cell(_name(rule))} | {_cell(_said(rule))} | {turned} | {_cell(_moved(rule)) if rule.margins else ''} |"
+            f"| {_cell(_name(rule))} | {_cell(_said(rule))} | {turned} | {_cell(moved(rule)) if rule.margins else ''} |"
         )
     where = [f"- {_cell(rule.name)}: {_cell(_flip(flip))}" for rule in differing for flip in rule.flips]
     where += [f"- decision: {_cell(_decision(one))}" for one in made.decisions]
@@ -129,7 +129,8 @@ def _spans(spans: Sequence[tuple[float, float]]) -> str:
     return f"{shown} s" + (f" and {len(spans) - _SPANS} more times" if len(spans) > _SPANS else "")
 
 
-def _moved(rule: RuleChange) -> str:
+def moved(rule: RuleChange) -> str:
+    """How the margins of a rule moved, and where; raises ValueError where they did not, or nobody knows."""
     m = rule.margins
     if m is None:
         raise ValueError(f"{rule.name} has no margins that moved")

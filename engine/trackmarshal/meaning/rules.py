@@ -12,6 +12,9 @@ from trackmarshal.ir.spec import ConstraintInfo, ParamInfo, PlaceInfo, RuleInfo,
 from trackmarshal.meaning.inputs import Inputs, key, sha256
 from trackmarshal.node import Node
 
+#: The hash of a parameter or a table whose declaration has an error.
+_NOTHING = sha256("nothing")
+
 
 class Meaning:
     """What the rules of a spec rest on, each worked out once."""
@@ -80,8 +83,9 @@ def _inputs(spec: Spec, rule: RuleInfo) -> Inputs:
     tables = sorted({node.table for node in nodes if isinstance(node, ir.Lookup | ir.GridLookup)})
     named = {node.name for node in nodes if isinstance(node, ir.Area | ir.Line | ir.StretchRoom)}
     found = {f"rule {rule.name}": sha256(*said)}
-    found |= {f"param {name}": of(spec.params[name]) for name in params}
-    found |= {f"table {name}": of(spec.tables[name]) for name in tables}
+    # What has an error of its own is missing in the spec, which nobody evaluates: it means nothing yet.
+    found |= {f"param {name}": of(spec.params[name]) if name in spec.params else _NOTHING for name in params}
+    found |= {f"table {name}": of(spec.tables[name]) if name in spec.tables else _NOTHING for name in tables}
     found |= {f"place {name}": of(spec.places[name]) for name in sorted(named & spec.places.keys())}
     for name in sorted({signal for signal, _ in rule.reads}):
         if name in spec.signals:

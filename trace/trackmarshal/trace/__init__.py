@@ -16,6 +16,7 @@ from trackmarshal.trace import baseline as _baseline
 from trackmarshal.trace import files as _files
 from trackmarshal.trace import outside as _outside
 from trackmarshal.trace import requirements as _requirements
+from trackmarshal.trace.baseline import Tell
 from trackmarshal.trace.codes import CODES
 from trackmarshal.trace.collector import no_collection
 from trackmarshal.trace.faults import rows as fault_rows
@@ -42,12 +43,14 @@ def build(
     fault_cases: Iterable[FaultCase] = (),
     fault_results: Iterable[FaultResult] = (),
     parts: Iterable[SpecPart] = (),
+    tell: Tell | None = None,
 ) -> Matrix:
     """The matrix of a project.
 
     Results and runs that are not given count as not run. `today` (default: the clock's day) decides which waivers
     hold. Test results are stale where their inputs are not those of their rule and test, and of `engine`; runs where theirs are not those of
     `run_inputs`, by scenario what it is replayed with. Faults carry their own. `findings` are those of reading the results (`load_results`).
+    `tell` says of rules that changed since the baseline whether they got weaker, or stronger.
     What is wrong with the project becomes findings of the matrix; nothing is raised for it.
     """
     found = list(findings)
@@ -63,7 +66,14 @@ def build(
         baseline = _baseline.load(project_root, project, found)
         around = _outside.load(project_root, project, found)
         return assemble(
-            project, spec, hashes, baseline, today=today or date.today(), found=found, around=around
+            project,
+            spec,
+            hashes,
+            baseline,
+            today=today or date.today(),
+            found=found,
+            around=around,
+            tell=tell,
         )
 
 
@@ -93,6 +103,7 @@ def accept_baseline(
     by: str = "",
     reason: str = "",
     today: date | None = None,
+    tell: Tell | None = None,
 ) -> tuple[Path, list[str]]:
     """Write down what there is now as accepted; returns the baseline's path, and what became weaker by that.
 
@@ -106,7 +117,7 @@ def accept_baseline(
         )
     spec = Spec(spec_items, spec_tests, (), (), fault_cases=fault_cases, parts=parts)
     now = _baseline.content(project, spec, _files.hashes(project_root, project, spec.items))
-    return _baseline.accept(project_root, project, now, by, reason, today or date.today())
+    return _baseline.accept(project_root, project, now, by, reason, today or date.today(), tell)
 
 
 __all__ = [
@@ -117,6 +128,7 @@ __all__ = [
     "Place",
     "Project",
     "Results",
+    "Tell",
     "accept_baseline",
     "build",
     "fault_rows",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from trackmarshal.trace.documents_safety import ASSURANCE, DESIGN, HAZARDS, LINK_SCHEMA
+from trackmarshal.trace.gsn.document import ARGUMENT
 from trackmarshal.trace.shapes import (
     ASIL,
     HASH,
@@ -158,6 +159,7 @@ PROJECT = Record("project", "Settings of the project.", (
         Field("stage", STAGE_ID, "The stage that its tests are evidence at."),
         optional("tool", TEXT, "The test runner."),
         optional("names", TEXT, "A regular expression that finds ids in `suite::name` of a test, `_` standing for `-`; its first group, if it has one."),
+        optional("if_there", Flag(), "true: it is made by other commands than those of the gate, and where it is not there, its tests were not run, which is a warning."),
     )), 1), "Reports of other test runners, whose tests name requirements."),
     optional("sources", Many(PROJECT_PATH, 1), "Folders of source code with comments such as `implements S-1-B-4`."),
 ))  # fmt: skip
@@ -204,5 +206,5 @@ V_MODEL = Record("v-model", "What each stage of the development must show, and w
 
 DOCUMENTS = {
     "system-model": SYSTEM_MODEL, "requirements": REQUIREMENTS, "v-model": V_MODEL, "hazards": HAZARDS, "design": DESIGN,
-    "assurance": ASSURANCE, "link-schema": LINK_SCHEMA,
+    "assurance": ASSURANCE, "link-schema": LINK_SCHEMA, "argument": ARGUMENT,
 }  # fmt: skip

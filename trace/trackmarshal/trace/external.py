@@ -92,7 +92,8 @@ def _files(root: Path, entry: TestReport, found: list[Finding]) -> list[str]:
         help_ = "run the tests that write it, or strike the entry"
         what = "holds no report" if path.is_dir() else "is not there"
         message = f"the test report `{entry.path}` {what}, so its tests were not run"
-        found.append(error("T330", message, entry.path.place, help_, entry.path))
+        level = warning if entry.if_there else error
+        found.append(level("T330", message, entry.path.place, help_, entry.path))
     return [file.relative_to(root).as_posix() for file in files]
 
 

@@ -46,6 +46,7 @@ class Matrix:
     findings: tuple[Finding, ...]
     counts: Mapping[str, int]  #: how many rules, assumptions, tests, results and runs went in
     demands: tuple[Demand, ...] = ()  #: what the gate demands of cells
+    accepted: tuple[baselines.Acceptance, ...] = ()  #: of what became weaker, the last one last
 
     @property
     def passes(self) -> bool:
@@ -100,8 +101,12 @@ def assemble(
     today: date,
     found: Iterable[Finding] = (),
     around: Outside | None = None,
+    tell: baselines.Tell | None = None,
 ) -> Matrix:
-    """The matrix; `found` is what reading the inputs brought to light, `around` what is known from outside of specs."""
+    """The matrix; `found` is what reading the inputs brought to light, `around` what is known from outside of specs.
+
+    tell: whether rules that are not those of the baseline got weaker, or stronger.
+    """
     around = around or Outside()
     excuses = gates.Waivers(project, today)
     graph = build(project, spec, hashes, around)
@@ -114,7 +119,7 @@ def assemble(
         *people.check(graph, project, today),
         *links.check(project, spec),
         *tests.check(project, spec),
-        *baselines.check(baseline, baselines.content(project, spec, hashes), project, spec),
+        *baselines.check(baseline, baselines.content(project, spec, hashes), project, spec, tell),
         *runs.check(project, spec, hashes),
         *faults.check(project, spec, hashes),
         *files.check(project, spec, hashes),
@@ -149,6 +154,7 @@ def assemble(
         findings,
         counts,
         gates.demands(project),
+        tuple(one for one in baseline.acceptances if one.weaker) if baseline else (),
     )
 
 

@@ -59,10 +59,11 @@ class Spec:
             for id_ in dict.fromkeys(ref.id for ref in item.satisfies):
                 self.by_requirement[id_].append(item)
         self.tests_of: dict[str, list[SpecTest]] = defaultdict(list)
-        self._test: dict[tuple[str, str], SpecTest] = {}
+        #: By rule and title; of two with one title the first counts.
+        self.first_tests: dict[tuple[str, str], SpecTest] = {}
         for test in self.tests:
             self.tests_of[test.rule].append(test)
-            self._test.setdefault((test.rule, test.title), test)
+            self.first_tests.setdefault((test.rule, test.title), test)
         #: The worst of several results of one test: nothing says which of them is right.
         self.results: dict[tuple[str, str], TestResult] = {}
         for result in sorted(
@@ -88,7 +89,7 @@ class Spec:
 
     def staleness(self, result: TestResult) -> str:
         """Why a result no longer says anything about the spec as it is now; empty when it does."""
-        item, test = self.by_name.get(result.rule), self._test.get((result.rule, result.title))
+        item, test = self.by_name.get(result.rule), self.first_tests.get((result.rule, result.title))
         if item is None or test is None:
             return ""
         if not result.inputs:

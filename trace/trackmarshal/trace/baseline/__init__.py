@@ -3,9 +3,20 @@
 It is a file beside the requirements, written by `accept` only, with who accepted each weakening and why. Additions need no acceptance.
 """
 
-from trackmarshal.trace.baseline.changes import Change, changes
+from trackmarshal.trace.baseline.changes import Change, Tell, changes
 from trackmarshal.trace.baseline.check import check
 from trackmarshal.trace.baseline.content import Content, content
 from trackmarshal.trace.baseline.file import Acceptance, Baseline, accept, load
 
-__all__ = ["Acceptance", "Baseline", "Change", "Content", "accept", "changes", "check", "content", "load"]
+__all__ = [
+    "Acceptance",
+    "Baseline",
+    "Change",
+    "Content",
+    "Tell",
+    "accept",
+    "changes",
+    "check",
+    "content",
+    "load",
+]

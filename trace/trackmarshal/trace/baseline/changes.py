@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 from trackmarshal.trace.baseline.content import Content, Entry, Value
 
@@ -30,6 +31,11 @@ _SILENT = {
     ("assumption", "reads"),
 }
 
+#: Fields that hold all that an entry says.
+SAYING = ("meaning", "says", "text")
+#: What other fields are called.
+_FIELDS = {"sha256": "contents", "recording": "contents", "of versions": "reviewed versions"}
+
 #: Hashes of files. One that is not there is told where it is missed.
 _FILES = ("recording", "kept run", "sha256")
 
@@ -45,25 +51,62 @@ class Change:
     after: str
     weaker: bool  #: or not known to be none
     listed: bool = False
+    told: str = ""  #: of what rules come to: whether it got weaker or stronger, by what was recorded
 
     @property
     def key(self) -> str:
         """The entry that it is about."""
         return f"{self.kind} {self.name}".rstrip()
 
+    @property
+    def what(self) -> str:
+        """The field, as people call it; empty where it is all that the entry says."""
+        return "" if self.field in SAYING else _FIELDS.get(self.field, self.field)
+
     def __str__(self) -> str:
+        return f"{self._said()} ({self.told})" if self.told else self._said()
+
+    def _said(self) -> str:
         if not self.field:
             return f"{self.key} is {'gone' if self.before else 'new'}"
+        if not self.what:
+            was = f"{self.before or 'nothing'}, and is {self.after or 'nothing'}"
+            return (
+                f"{self.key}: it was {was}"
+                if self.before or self.after
+                else f"{self.key}: it says something else"
+            )
         if not (self.before or self.after):
-            return f"{self.key}: its {self.field} changed"
+            return f"{self.key}: its {self.what} changed"
         if self.listed:
             parts = [f"{self.before} left" * bool(self.before), f"{self.after} came" * bool(self.after)]
-            return f"{self.key}: in its {self.field} {' and '.join(part for part in parts if part)}"
-        return f"{self.key}: its {self.field} changed from {self.before or 'nothing'} to {self.after or 'nothing'}"
+            return f"{self.key}: in its {self.what} {' and '.join(part for part in parts if part)}"
+        return f"{self.key}: its {self.what} changed from {self.before or 'nothing'} to {self.after or 'nothing'}"
 
 
-def changes(before: Content, now: Content) -> Iterator[Change]:
-    """All differences, in the order of the entries. What is gone takes with it what it is made of: the tests of a rule that is gone are not told."""
+#: Says of entries of which rules come to something else now (`rule x`, `param y`) whether that is weaker or stronger: the engine can tell, not this
+#: room. Given are the baseline's content and the names of the entries.
+Tell: TypeAlias = Callable[[Content, Sequence[str]], Mapping[str, str]]
+#: Kinds of entries that it is asked about, and the fields that say what they come to.
+_COME_TO = {
+    "rule": ("meaning",), "assumption": ("meaning",), "param": ("says",), "table": ("says",), "place": ("says",), "signal": ("says",),
+}  # fmt: skip
+
+
+def changes(before: Content, now: Content, tell: Tell | None = None) -> Iterator[Change]:
+    """All differences, in the order of the entries. What is gone takes with it what it is made of: the tests of a rule that is gone are not told.
+
+    tell: asked once, and only where rules, or what they read, are other ones.
+    """
+    found = list(_changes(before, now))
+    keys = [one.key for one in found if one.field in _COME_TO.get(one.kind, ())]
+    told = tell(before, keys) if keys and tell is not None else {}
+    for one in found:
+        of_it = one.field in _COME_TO.get(one.kind, ())
+        yield replace(one, told=told.get(one.key, "")) if told and of_it else one
+
+
+def _changes(before: Content, now: Content) -> Iterator[Change]:
     renamed = _renamed(before, now)
     for key in sorted((before.keys() | now.keys()) - renamed):
         kind, _, name = key.partition(" ")
@@ -73,7 +116,7 @@ def changes(before: Content, now: Content) -> Iterator[Change]:
                 continue
             yield Change(kind, name, "", "there", "", kind != "waiver")
         elif key not in before:
-            yield Change(kind, name, "", "", "there", kind in ("waiver", "link-schema"))
+            yield Change(kind, name, "", "", "there", kind in ("waiver", "link-schema", "argument"))
         else:
             yield from _of(kind, name, before[key], now[key])
 

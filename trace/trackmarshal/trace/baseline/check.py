@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
 from trackmarshal.trace import sections
-from trackmarshal.trace.baseline.changes import Change, changes
+from trackmarshal.trace.baseline.changes import Change, Tell, changes
 from trackmarshal.trace.baseline.content import Content
 from trackmarshal.trace.baseline.file import Baseline
 from trackmarshal.trace.findings import Finding, Place
@@ -14,6 +14,8 @@ from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec, item_place
 
 _HELP = 'restore it, or accept it by name: `trackmarshal trace --accept-baseline --by "NAME" --reason "..."`'
+#: Of changes that have one finding, for so many it is told in it whether they are weaker; of all in the places beside it.
+_TOLD = 3
 #: What the kinds of entries are called.
 _CALLED = {
     "param": "parameter", "place": "place", "evidence": "evidence", "gate": "gate", "project": "project's settings",
@@ -37,18 +39,31 @@ _OF_FIELD = {
 }  # fmt: skip
 
 
-def check(baseline: Baseline | None, now: Content, project: Project, spec: Spec) -> Iterator[Finding]:
-    """What is gone, or less, or reads differently since the baseline was accepted; a note of what is new (T221 to T228, T265, T370 to T377)."""
+def check(
+    baseline: Baseline | None, now: Content, project: Project, spec: Spec, tell: Tell | None = None
+) -> Iterator[Finding]:
+    """What is gone, or less, or reads differently since the baseline was accepted; a note of what is new (T221 to T228, T265, T370 to T377).
+
+    tell: whether a rule got weaker or stronger, where that is known.
+    """
     if baseline is None:
         return
     places = _places(project, spec)
     here = Place(str(project.baseline))
-    found = list(changes(baseline.content, now))
+    found = list(changes(baseline.content, now, tell))
     for code, group in _grouped(change for change in found if change.weaker):
         at = [places.get(change.key, here) for change in group]
         also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
         name = group[0].name.partition(": ")[0] if group[0].kind == "test" else group[0].name
         message = _said(group[0]) if len(group) == 1 else f"{_said(group[0])}; so do {len(group) - 1} others"
+        told = [
+            f"`{change.name}`: {change.told}" if len(group) > 1 else change.told
+            for change in group
+            if change.told
+        ]
+        message = "; ".join(
+            [message, *told[:_TOLD], *([f"and {len(told) - _TOLD} more"] if len(told) > _TOLD else [])]
+        )
         yield Finding(code, "error", message, at[0], _HELP, name, also)
     yield from _others([change for change in found if not change.weaker], here)
 
@@ -80,7 +95,7 @@ def _said(change: Change) -> str:
         name = f'the test "{title}" of `{rule}`'
     if not change.field:
         return f"{name} is gone since the baseline" if change.before else f"{name} is new since the baseline"
-    if change.field in ("meaning", "says", "text") and not change.before:
+    if not change.what and not change.before:
         return f"{name} says something else than when the baseline was accepted"
     if change.listed:
         fewer, more = change.before, change.after
@@ -89,7 +104,7 @@ def _said(change: Change) -> str:
         if fewer and more:
             return f"{name} {had}, and now has {more}"
         return f"{name} {had if fewer else has}"
-    what = {"sha256": "contents", "recording": "contents"}.get(change.field, f"`{change.field}`")
+    what = change.what if change.what not in ("", change.field) else f"`{change.field}`"
     of = "" if change.field == "says" else f"the {what} of "
     if not (change.before or change.after):
         return f"{of}{name} changed since the baseline was accepted"

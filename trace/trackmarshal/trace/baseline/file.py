@@ -12,7 +12,7 @@ from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
-from trackmarshal.trace.baseline.changes import changes
+from trackmarshal.trace.baseline.changes import Tell, changes
 from trackmarshal.trace.baseline.content import Content
 from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.model import Project
@@ -43,11 +43,11 @@ class Baseline:
 
 
 def accept(
-    root: Path, project: Project, now: Content, by: str, reason: str, today: date
+    root: Path, project: Project, now: Content, by: str, reason: str, today: date, tell: Tell | None = None
 ) -> tuple[Path, list[str]]:
     """Write the baseline of a project anew, whole or not at all; returns its path, and what became weaker by that.
 
-    Raises T378 where something became weaker and nobody says who accepts it, or why; T220 for a baseline that cannot be read.
+    tell: whether rules got weaker or stronger, which stays in the acceptance. Raises T378 where something became weaker and nobody says who accepts it, or why; T220 for a baseline that cannot be read.
     """
     found: list[Finding] = []
     path = root / (project.baseline or DEFAULT)
@@ -58,7 +58,9 @@ def accept(
                 "T220", finding.message, file=finding.place and finding.place.file, help=finding.help
             )
     weaker = (
-        [] if before is None else [str(change) for change in changes(before.content, now) if change.weaker]
+        []
+        if before is None
+        else [str(change) for change in changes(before.content, now, tell) if change.weaker]
     )
     if weaker and not (by.strip() and reason.strip()):
         more = f", and {len(weaker) - 1} more" if len(weaker) > 1 else ""
@@ -123,7 +125,7 @@ def _checked(data: Any) -> Baseline:
     if data.get("version") != VERSION:
         raise ValueError(f"its version is not {VERSION}: restore what it guards, and accept it anew")
     content, acceptances = data.get("content"), data.get("acceptances")
-    if not (_is_content(content) and isinstance(acceptances, list) and acceptances):
+    if content is None or not (_is_content(content) and isinstance(acceptances, list) and acceptances):
         raise ValueError("it is not what `--accept-baseline` writes")
     try:
         done = tuple(Acceptance(**{**one, "weaker": tuple(one["weaker"])}) for one in acceptances)

@@ -29,7 +29,7 @@ def record(matrix: Matrix) -> dict[str, Any]:
         "reservations": list(matrix.reservations),
         "stages": [{"id": stage.id, "title": stage.title, "shows": stage.shows} for stage in matrix.stages],
         "requirements": [_row(row) for row in matrix.rows],
-        "findings": [_finding(finding) for finding in matrix.findings],
+        "findings": [finding_record(finding) for finding in matrix.findings],
         "coverage": matrix.coverage,
         "waivers": [
             {
@@ -38,6 +38,9 @@ def record(matrix: Matrix) -> dict[str, Any]:
                 "owner": w.owner, "approver": w.approver, "granted": w.granted.isoformat(), "expires": w.expires.isoformat(), "span": str(w.id.place),
             }
             for w in matrix.waivers
+        ],
+        "accepted": [
+            {"on": one.on, "by": one.by, "reason": one.reason, "weaker": list(one.weaker)} for one in matrix.accepted
         ],
         "links": _links(matrix.graph),
         "counts": dict(matrix.counts),
@@ -78,17 +81,19 @@ def _row(row: Row) -> dict[str, Any]:
 def _item(item: Item) -> dict[str, Any]:
     return {
         "kind": item.kind, "name": item.name, "title": item.title, "status": item.status, "detail": item.detail,
-        "span": _span(item.place),
+        "span": span(item.place),
     }  # fmt: skip
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def finding_record(finding: Finding) -> dict[str, Any]:
+    """A finding as plain data."""
     return {
-        "code": finding.code, "level": finding.level, "message": finding.message, "span": _span(finding.place),
+        "code": finding.code, "level": finding.level, "message": finding.message, "span": span(finding.place),
         "help": finding.help or None, "subject": finding.subject or None,
         "also": [{"span": str(place), "message": label} for place, label in finding.also],
     }  # fmt: skip
 
 
-def _span(place: Place | None) -> str | None:
+def span(place: Place | None) -> str | None:
+    """A place as text, `FILE:LINE:COLUMN`."""
     return None if place is None else str(place)

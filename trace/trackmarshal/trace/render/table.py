@@ -88,6 +88,11 @@ def render_markdown(matrix: Matrix) -> str:
         said = f"{escaped(what)}, {who}, {waiver.granted} until {waiver.expires}"
         risk = f" Residual risk: {escaped(waiver.residual_risk)}" if waiver.residual_risk else ""
         lines.append(f"- **{waiver.id}** ({said}): {escaped(waiver.justification)}{risk}")
+    if matrix.accepted:
+        lines += ["", "## Accepted by name", ""]
+    for accepted in matrix.accepted:
+        lines.append(f"- {accepted.on}, **{escaped(accepted.by)}**: {escaped(accepted.reason)}")
+        lines += [f"  - {escaped(change, code=True)}" for change in accepted.weaker]
     return "\n".join(lines) + "\n"
 
 

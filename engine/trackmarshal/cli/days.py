@@ -1,0 +1,48 @@
+"""The day that a project is held against: that of the clock, one that is named, or that of the commit, on which every later run says the same."""
+
+from __future__ import annotations
+
+import subprocess
+from datetime import date
+from pathlib import Path
+
+from trackmarshal.errors import TrackmarshalError
+
+CODES = {
+    "T348": (
+        "a day that is none",
+        "`--day` takes a day, YYYY-MM-DD, or `commit`, the day on which the commit was made that is checked out. There is no such day in the "
+        "calendar, or there is no commit: git is missing, the project is in no repository, or nothing is committed yet.",
+    ),
+}
+COMMIT = "commit"
+
+
+def day(said: str | None, root: Path) -> date:
+    """The day that `--day` says of a project in a folder; raises T348."""
+    if said is None:
+        return date.today()
+    text = _of_commit(root) if said == COMMIT else said
+    try:
+        found = date.fromisoformat(text)
+        if found.isoformat() != text:  # the calendar has other notations, which are not meant
+            raise ValueError
+        return found
+    except ValueError:
+        raise TrackmarshalError(
+            "T348", f"`{said}` is no day", help="such as `2026-01-31`, or `commit`"
+        ) from None
+
+
+def _of_commit(root: Path) -> str:
+    """The day of the checked-out commit, where its committer was."""
+    command = ["git", "-C", str(root), "show", "-s", "--no-show-signature", "--format=%cs", "HEAD"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True, timeout=20).stdout.strip()
+    except (OSError, subprocess.SubprocessError):
+        raise TrackmarshalError(
+            "T348", "there is no commit whose day it could be", help="name a day, `--day 2026-01-31`"
+        ) from None
+
+
+__all__ = ["CODES", "COMMIT", "day"]

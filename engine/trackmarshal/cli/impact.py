@@ -1,0 +1,111 @@
+"""`trace --impact`: the project as it is, held against a revision of it (docs/impact.md)."""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trackmarshal.cli.output import say
+from trackmarshal.cli.project import MARKER
+from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.trace.impact import Version
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--impact",
+        metavar="REV",
+        help="what changed since a revision of git, which evidence has to be made again, and in which order; runs nothing",
+    )
+
+
+def answer(root: Path, args: argparse.Namespace) -> int:
+    """Print the impact; raises T363 for what is here, T361 and T363 for the revision, T169 for a format that it does not have."""
+    from trackmarshal.cli.answers import commit
+    from trackmarshal.cli.revisions import commit_of
+    from trackmarshal.trace import baseline, impact
+    from trackmarshal.trace.render import impact as shown
+
+    if args.format not in shown.FORMATS:
+        raise TrackmarshalError(
+            "T169",
+            f"an impact is not written as {args.format}",
+            help="formats are " + ", ".join((*shown.FORMATS, "markdown")),
+        )
+    named = commit_of(args.impact, root)
+    now = _now(root, args.quiet)
+    with tempfile.TemporaryDirectory(prefix="trackmarshal-impact-") as folder:
+        before = _then(args.impact, named, root, Path(folder).resolve())
+    made = impact.compared(before, now, baseline.load(root, now.project, []))
+    between = shown.Between(args.impact, named, commit(root), now.project.name or root.name)
+    text = shown.render(made, between, args.format)
+    if args.format == "text":
+        say(*text.removesuffix("\n").split("\n"))
+    else:
+        print(text, end="")
+    return 0
+
+
+def _now(root: Path, quiet: bool) -> Version:
+    """The project as it is, with the results that are there."""
+    from trackmarshal.cli.assessment import assess
+    from trackmarshal.meaning import tool
+    from trackmarshal.trace import impact
+
+    there = assess(root, run=False, quiet=quiet)
+    said = there.facts
+    made = impact.version(
+        root, said.items, said.tests, said.fault_cases, said.parts, said.run_inputs, engine=tool(), results=there.results, runs=there.runs,
+        fault_results=there.fault_results, findings=said.findings,
+    )  # fmt: skip
+    if made.wrong:
+        first, place = made.wrong[0], made.wrong[0].place
+        raise TrackmarshalError(
+            "T363",
+            f"what is here has errors, so what it means is not known: {first.message} [{first.code}]",
+            file=place.file if place else None,
+            line=place.line if place else None,
+            help="mend them first: `trackmarshal check`, `trackmarshal trace --as-is`",
+        )
+    return made
+
+
+def _then(name: str, commit: str, root: Path, folder: Path) -> Version:
+    """The project as it was, read out of git into a folder."""
+    from trackmarshal.cli.revisions import read, read_more
+    from trackmarshal.cli.sources import Sources
+    from trackmarshal.meaning import tool
+    from trackmarshal.trace import Finding, impact, requirements
+    from trackmarshal.trace.findings import Place
+
+    read(commit, root, folder, called=name)
+    if not (folder / MARKER).is_file():
+        raise TrackmarshalError(
+            "T363",
+            f"`{name}` has no {MARKER.as_posix()}, so there is no project to compare with",
+            help="name a revision in which this folder is a project",
+        )
+    project = requirements.load(folder, [])
+    named = [
+        *(s.path for s in project.scenarios), *(s.kept for s in project.scenarios if s.kept), *project.campaigns, *project.sources,
+        *(e.path for e in project.evidence), *(path for e in project.entries for kind, path in e.links if kind == "backed_by"),
+    ]  # fmt: skip
+    read_more(commit, root, folder, named, called=name)
+    try:
+        sources = Sources(folder, project)
+        said = sources.facts()
+    except TrackmarshalError as problem:
+        place = Place(problem.file or "", problem.line or 0)
+        wrong = Finding(problem.code, "error", problem.message, place if problem.file else None)
+        return impact.version(folder, (), (), (), (), {}, engine=tool(), findings=[wrong])
+    read_more(commit, root, folder, [item.evidence for item in said.items if item.evidence], called=name)
+    return impact.version(
+        folder, said.items, said.tests, said.fault_cases, said.parts, said.run_inputs, engine=tool(), findings=said.findings,
+    )  # fmt: skip
+
+
+__all__ = ["answer", "configure"]

@@ -1,0 +1,109 @@
+"""The day of the gate: an old commit's waivers hold as they did then, and tests that were not run yet show nothing."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+from golden.trace.cases import HERE
+from support.project import command
+from trackmarshal.cli.days import day
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.records import ExternalTest, ResultsFile, save
+
+WAIVER = """waivers:
+  - id: W-1
+    stages: [TST-1]
+    requirements: [SYS-*, SW-*]
+    justification: The test bench is not there yet.
+    owner: P-1
+    granted: 2020-01-01
+    expires: 2020-12-31
+"""
+
+
+def git(folder: Path, *arguments: str, when: str = "2020-06-01T12:00:00 +0200") -> None:
+    given = ("-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false")
+    dated = {**os.environ, "GIT_COMMITTER_DATE": when, "GIT_AUTHOR_DATE": "2001-01-01T00:00:00 +0000"}
+    subprocess.run(["git", *given, *arguments], cwd=folder, check=True, capture_output=True, env=dated)
+
+
+@pytest.fixture
+def robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The warehouse robot, with a waiver of a year that is over."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    root = tmp_path / "repository" / "robot"
+    shutil.copytree(HERE / "warehouse", root)
+    with (root / "requirements" / "v-model.yaml").open("a", encoding="utf-8") as file:
+        file.write(WAIVER)
+    assert command(root, "trace", "--accept-baseline")[0] == 0
+    git(root.parent, "init", "-q")
+    git(root.parent, "add", "-A")
+    git(root.parent, "commit", "-qm", "first")
+    return root
+
+
+def test_the_day_of_the_commit_is_the_gate_s(robot: Path) -> None:
+    assert "T231" in command(robot, "trace", "--gate")[1]
+    assert "T231" not in command(robot, "trace", "--gate", "--day", "commit")[1]
+    git(robot, "commit", "-q", "--allow-empty", "-m", "second", when="2021-01-01T00:30:00 +0200")
+    assert "T231" in command(robot, "trace", "--gate", "--day", "commit")[1]
+    assert "T231" not in command(robot, "trace", "--gate", "--day", "2020-12-31")[1]
+
+
+def test_the_report_says_the_day(robot: Path) -> None:
+    assert command(robot, "trace", "--day", "commit")[1].startswith(
+        "traceability of warehouse robot, 2020-06-01\n"
+    )
+
+
+def test_the_clock_s_day(robot: Path) -> None:
+    assert day(None, robot) == date.today()
+
+
+@pytest.mark.parametrize("said", ["2020-02-30", "yesterday", "", "20200601", "2020-W23-1"])
+def test_what_is_no_day(said: str, robot: Path) -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        day(said, robot)
+    assert caught.value.code == "T348"
+    assert command(robot, "trace", f"--day={said}")[0] == 2
+
+
+def test_without_a_commit(robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path))
+    shutil.rmtree(robot.parent / ".git")
+    status, _, err = command(robot, "trace", "--day", "commit")
+    assert (status, "T348" in err) == (2, True)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert "T348" in command(robot, "trace", "--day", "commit")[2]
+
+
+@pytest.mark.parametrize("if_there", [True, False])
+def test_a_report_that_may_be_missing(if_there: bool, robot: Path) -> None:
+    """Its tests were not run: what else there is decides. Where it is there, what failed fails the gate."""
+    v_model = robot / "requirements" / "v-model.yaml"
+    text = (
+        v_model.read_text("utf-8")
+        .replace("counts: [test]", "counts: [test, external test]")
+        .replace(WAIVER, "")
+    )
+    entry = (
+        "  junit: [{path: out/tests.json, stage: TST-1" + (", if_there: true" if if_there else "") + "}]\n"
+    )
+    v_model.write_text(text.replace("  default_spec: specs\n", f"  default_spec: specs\n{entry}"), "utf-8")
+    assert command(robot, "trace", "--accept-baseline", "--by", "Ann", "--reason", "more is counted")[0] == 0
+    status, out, _ = command(robot, "trace", "--gate")
+    assert (status, f"{'warning' if if_there else 'error'}[T330]" in out) == (int(not if_there), True)
+    for outcome, wanted in (("passed", 0), ("failed", 1)):
+        test = ExternalTest("t", "slow", ("SW-1",), outcome)
+        save(
+            robot / "out" / "tests.json",
+            ResultsFile("external_tests", (test,), "1", "2026-01-01T00:00:00+00:00"),
+        )
+        status, out, _ = command(robot, "trace", "--gate")
+        assert (status, "T330" in out, "T337" in out) == (wanted, False, bool(wanted))

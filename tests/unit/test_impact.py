@@ -1,0 +1,280 @@
+"""`trace --impact`: what an edit means for the evidence, in a project of its own, in a folder of a repository."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from golden.trace.cases import HERE
+from support.project import command, run_command
+from trackmarshal.records import ExternalTest, ResultsFile, save
+from trackmarshal.trace.impact.resting import order
+
+GOLDEN = HERE.parent / "impact"
+PAGE = HERE.parents[2] / "docs" / "impact.md"
+UPDATE = os.environ.get("UPDATE_GOLDEN") == "1"
+
+
+def git(folder: Path, *arguments: str) -> None:
+    given = ("user.name=n", "user.email=e", "commit.gpgsign=false", "protocol.file.allow=always")
+    settings = [word for setting in given for word in ("-c", setting)]
+    subprocess.run(["git", *settings, *arguments], cwd=folder, check=True, capture_output=True)
+
+
+def committed(root: Path) -> Path:
+    """A project, in the first commit of a repository around it."""
+    (root / ".gitignore").write_text("out\n", "utf-8")
+    git(root.parent, "init", "-q")
+    git(root.parent, "add", "-A")
+    git(root.parent, "commit", "-qm", "first")
+    return root
+
+
+@pytest.fixture
+def robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The warehouse robot, whose baseline is accepted."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    root = tmp_path / "repository" / "robot"
+    shutil.copytree(HERE / "warehouse", root)
+    assert command(root, "trace", "--accept-baseline")[0] == 0
+    return committed(root)
+
+
+@pytest.fixture
+def car(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A new project, which has a run."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    root = tmp_path / "repository" / "car"
+    root.parent.mkdir()
+    assert run_command("init", str(root))[0] == 0
+    return committed(root)
+
+
+def edit(root: Path, file: str, old: str, new: str) -> None:
+    path = root / file
+    text = path.read_text("utf-8")
+    assert text.count(old) >= 1, f"{file} has no {old!r}"
+    path.write_text(text.replace(old, new), "utf-8")
+
+
+def impact(root: Path, revision: str = "HEAD") -> dict[str, Any]:
+    status, out, err = command(root, "trace", "--impact", revision, "--format", "json")
+    assert status == 0, err
+    return dict(json.loads(out))
+
+
+def named(found: dict[str, Any], which: str = "again") -> list[str]:
+    return [f"{one['kind']} {one['id']}" for one in found[which]]
+
+
+def lower(root: Path) -> None:
+    """The edit that docs/impact.md shows."""
+    edit(root, "requirements/needs.yaml", "no more than 0.3 m/s", "no more than 0.2 m/s")
+    edit(root, "specs/robot.spec", "0.3 m/s\n", "0.2 m/s\n")
+    edit(root, "specs/robot.spec", "{ v: 0.3 m/s", "{ v: 0.2 m/s")
+
+
+def without_commits(text: str) -> str:
+    return re.sub(r"\b[0-9a-f]{12}([0-9a-f]{28}\+?)?(?=\W)", "0" * 12, text)
+
+
+@pytest.mark.parametrize(
+    ("format", "file"), [("text", "impact.txt"), ("json", "impact.json"), ("markdown", "impact.md")]
+)
+def test_the_formats(format: str, file: str, robot: Path) -> None:
+    lower(robot)
+    edit(
+        robot,
+        "requirements/needs.yaml",
+        "hit a person at more than 0.3 m/s",
+        "hit a person at more than 0.2 m/s",
+    )
+    status, out, err = command(robot, "trace", "--impact", "HEAD", "--format", format)
+    assert (status, err) == (0, "")
+    if UPDATE:
+        (GOLDEN / file).write_text(without_commits(out), "utf-8")
+    assert without_commits(out) == (GOLDEN / file).read_text("utf-8")
+
+
+def test_the_page(robot: Path) -> None:
+    lower(robot)
+    (shown,) = re.findall(r"```text\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+    assert without_commits(command(robot, "trace", "--impact", "HEAD")[1]) == without_commits(shown)
+
+
+def test_what_means_the_same_has_no_impact(robot: Path) -> None:
+    edit(robot, "specs/robot.spec", "rule gentle", "-- a comment\nrule   gentle")
+    edit(robot, "requirements/needs.yaml", "title: Gentle with a load", "title: Gently with a load")
+    found = impact(robot)
+    assert (found["changed"], found["again"], found["requirements"]) == ([], [], [])
+    assert "nothing means something else" in command(robot, "trace", "--impact", "HEAD")[1]
+
+
+def test_exactly_the_tests_of_a_changed_rule(robot: Path) -> None:
+    edit(robot, "specs/robot.spec", "robot.a <= 1 m/s^2", "robot.a < 1 m/s^2")
+    found = impact(robot)
+    tests = [name for name in named(found) if name.startswith("test ")]
+    assert sorted(tests) == [
+        "test gentle: gentle",
+        "test gentle: just gentle enough",
+        "test gentle: too hard",
+    ]
+    assert found["requirements"] == ["SW-2", "SYS-2"]
+
+
+def test_a_signal_that_all_rules_read(robot: Path) -> None:
+    edit(robot, "specs/robot.spec", "{ v: m/s, a", "{ v: m/s in [0, 3], a")
+    found = impact(robot)
+    assert len([name for name in named(found) if name.startswith("test ")]) == 6
+    assert "signal robot" in named(found, "changed")
+
+
+def test_a_review_of_another_text_falls(robot: Path) -> None:
+    edit(robot, "requirements/needs.yaml", "hit a person at", "ever hit a person at")
+    found = impact(robot)
+    assert found["reviews"] == ["RV-1"]
+    assert "reviews that fall: RV-1" in command(robot, "trace", "--impact", "HEAD")[1]
+
+
+def test_what_others_rest_on_comes_first(robot: Path) -> None:
+    """A hazard above all, and a rule below: whoever follows the list never judges something before what it rests on."""
+    edit(
+        robot, "requirements/hazards.yaml", "steps out between two shelves", "steps out between three shelves"
+    )
+    lower(robot)
+    edit(robot, "requirements/needs.yaml", "hit a person at", "ever hit a person at")
+    places = {name: place for place, name in enumerate(named(impact(robot)))}
+    chain = ["safety goal SG-1", "requirement SW-1", "rule slow_near_people", "test slow_near_people: slow"]
+    assert [places[name] for name in chain] == sorted(places[name] for name in chain)
+    assert places["requirement SW-1"] < places["review RV-1"] < places["baseline requirements/baseline.json"]
+
+
+def test_results_of_what_there_is_now(robot: Path) -> None:
+    edit(robot, "specs/robot.spec", "robot.a <= 1 m/s^2", "robot.a <= 0.9 m/s^2")
+    assert not any(task["made"] for task in impact(robot)["again"])
+    command(robot, "trace")
+    assert [task["made"] for task in impact(robot)["again"] if task["kind"] == "test"] == [True] * 3
+
+
+def test_runs_and_recordings(car: Path) -> None:
+    assert impact(car)["again"] == []
+    scenario = "specs/scenarios/too_fast.yaml"
+    edit(car, "specs/speed.spec", "<=", "<")
+    kinds = {name.partition(" ")[0] for name in named(impact(car))}
+    assert {"rule", "test", "run"} <= kinds
+    git(car, "checkout", "-q", ".")
+    (car / scenario).write_text((car / scenario).read_text("utf-8") + "\n", "utf-8")
+    found = impact(car)
+    assert [name for name in named(found) if not name.startswith("baseline")] == [f"run {scenario}"]
+    assert "the recording has changed since" in found["again"][0]["why"]
+
+
+def test_since_an_older_revision(robot: Path) -> None:
+    lower(robot)
+    git(robot, "commit", "-qam", "second")
+    assert impact(robot)["changed"] == []
+    assert "rule slow_near_people" in named(impact(robot, "HEAD~1"), "changed")
+
+
+def test_a_revision_that_does_not_compile(robot: Path) -> None:
+    edit(robot, "specs/robot.spec", "robot.a <= 1 m/s^2", "robot.a <= 1 m")
+    git(robot, "commit", "-qam", "broken")
+    git(robot, "checkout", "-q", "HEAD~1", "--", ".")
+    found = impact(robot)
+    assert len([name for name in named(found) if name.startswith("test ")]) == 6
+    assert {task["why"] for task in found["again"] if task["kind"] == "test"} == {
+        "what it was made from then is not known"
+    }
+    assert "specs/robot.spec:13" in found["unknown"][0]
+    assert (
+        "everything that rests on its specs counts as changed"
+        in command(robot, "trace", "--impact", "HEAD")[1]
+    )
+    edit(robot, "specs/robot.spec", "rule gentle", "rool gentle")
+    git(robot, "commit", "-qam", "worse")
+    git(robot, "checkout", "-q", "HEAD~2", "--", ".")
+    assert impact(robot)["unknown"]
+
+
+def test_errors_in_what_is_here(robot: Path) -> None:
+    edit(robot, "specs/robot.spec", "robot.a <= 1 m/s^2", "robot.a <= 1 m")
+    status, _, err = command(robot, "trace", "--impact", "HEAD")
+    assert (status, "T363" in err, "specs/robot.spec:13" in err) == (2, True, True)
+    git(robot, "checkout", "-q", ".")
+    edit(robot, "requirements/needs.yaml", "requirements:", "<<<<<<< HEAD\nrequirements:")
+    status, _, err = command(robot, "trace", "--impact", "HEAD")
+    assert (status, "T363" in err, "requirements/needs.yaml" in err) == (2, True, True)
+
+
+@pytest.mark.parametrize("revision", ["nowhere", "-x", "", "HEAD:robot", "requirements"])
+def test_what_is_no_revision(revision: str, robot: Path) -> None:
+    status, out, err = command(robot, "trace", f"--impact={revision}")
+    assert (status, out, "T361" in err) == (2, "", True)
+
+
+def test_a_revision_without_the_project(robot: Path) -> None:
+    git(robot, "checkout", "-q", "--orphan", "other")
+    git(robot, "rm", "-rqf", "--cached", ".")
+    (robot / "a").write_text("a", "utf-8")
+    git(robot, "add", "a")
+    git(robot, "commit", "-qm", "nothing")
+    status, _, err = command(robot, "trace", "--impact", "other")
+    assert (status, "T363" in err) == (2, True)
+
+
+def test_without_git_or_history(robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    git(robot, "commit", "-q", "--allow-empty", "-m", "second")
+    git(tmp_path, "clone", "-q", "--depth", "1", f"file://{robot.parent}", "shallow")
+    assert "the clone is shallow" in command(tmp_path / "shallow" / "robot", "trace", "--impact", "HEAD~1")[2]
+    shutil.copytree(robot, tmp_path / "plain")
+    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path))
+    status, _, err = command(tmp_path / "plain", "trace", "--impact", "HEAD")
+    assert (status, "T361" in err) == (2, True)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert "git is missing" in command(robot, "trace", "--impact", "HEAD")[2]
+
+
+@pytest.mark.parametrize(
+    "more", [["--gate"], ["--accept-baseline"], ["--rerun"], ["--statistics"], ["--format", "html"], ["--from", "rule", "--to", "test"]]
+)  # fmt: skip
+def test_what_does_not_go_with_it(more: list[str], robot: Path) -> None:
+    status, _, err = command(robot, "trace", "--impact", "HEAD", *more)
+    assert (status, "T169" in err) == (2, True)
+
+
+def test_a_new_document_and_source_code(robot: Path) -> None:
+    (robot / "src").mkdir()
+    (robot / "src" / "drive.py").write_text("# implements SW-1\nspeed = 0.3\n", "utf-8")
+    test = ExternalTest("t", "slow", ("SW-1",), "passed")
+    save(robot / "tests.json", ResultsFile("external_tests", (test,), "1", "2026-01-01T00:00:00+00:00"))
+    edit(
+        robot,
+        "requirements/v-model.yaml",
+        "  default_spec: specs\n",
+        "  default_spec: specs\n  sources: [src]\n  junit: [{path: tests.json, stage: TST-1}]\n",
+    )
+    git(robot, "add", "-A")
+    git(robot, "commit", "-qm", "code")
+    assert impact(robot)["again"] == []
+    edit(robot, "src/drive.py", "0.3", "0.5")
+    found = impact(robot)
+    assert named(found, "changed") == ["code src/drive.py"]
+    assert named(found) == ["external test t: slow"]
+
+
+@pytest.mark.parametrize("size", [2, 7])
+def test_circles_have_an_order(size: int) -> None:
+    """What rests on itself, however far around, is in the order once, and so is what rests on it."""
+    keys = [("requirement", f"R-{number}") for number in range(size)]
+    below = {key: {keys[number - 1]} for number, key in enumerate(keys)}
+    below["test", "t"] = {keys[-1]}
+    places = order(below)
+    assert sorted(places.values()) == list(range(size + 1))
+    assert places["test", "t"] > places[keys[-1]]

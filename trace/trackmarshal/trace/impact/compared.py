@@ -1,0 +1,98 @@
+"""The impact of an edit: two versions of a project held against each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from trackmarshal.trace.baseline import Baseline
+from trackmarshal.trace.graph.graph import Key
+from trackmarshal.trace.impact.again import Task, tasks
+from trackmarshal.trace.impact.changed import Changed, changed
+from trackmarshal.trace.impact.resting import order, rests_on
+from trackmarshal.trace.impact.version import Version
+
+#: Kinds of what shows something about requirements, which is in doubt until it is made again. Others only have to be looked at.
+_SHOWING = frozenset({"rule", "assumption", "test", "run", "fault", "external test"})
+#: Stands for all rules and monitors, on which every fault rests.
+_RULES: Key = ("rules", "")
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """What changed; what has to be done again, first what others rest on; and the requirements that this reaches.
+
+    dark: why what the other version says is not all known, so that what rests on its specs counts as changed; empty where it is.
+    """
+
+    changed: tuple[Changed, ...]
+    tasks: tuple[Task, ...]
+    requirements: tuple[str, ...]
+    dark: tuple[str, ...] = ()
+
+    @property
+    def reviews(self) -> tuple[Task, ...]:
+        """The reviews that fall."""
+        return tuple(task for task in self.tasks if task.do == "review")
+
+
+def compared(before: Version, now: Version, baseline: Baseline | None = None) -> Impact:
+    """What became of a project between two versions; `baseline` is the one that holds now."""
+    found = changed(before, now)
+    hit = {one.key for one in found if one.how != "gone"}
+    todo = list(tasks(before, now, hit, baseline))
+    places = order(_below(now, todo))
+    todo.sort(key=lambda task: places[task.key])
+    return Impact(
+        tuple(found),
+        tuple(todo),
+        _reached(now, hit.union(task.key for task in todo if task.key[0] in _SHOWING)),
+        tuple(map(str, before.wrong)),
+    )
+
+
+def _below(now: Version, todo: Iterable[Task]) -> dict[Key, set[Key]]:
+    """By node what it rests on: by its links, by what its result is made from, and the baseline on all."""
+    graph = now.graph
+    below: dict[Key, set[Key]] = {key: set(rests_on(graph, key)) for key in graph.nodes}
+    rules = {
+        name: ("rule" if item.kind == "rule" else "assumption", name)
+        for name, item in now.spec.by_name.items()
+    }
+    below[_RULES] = set(rules.values())
+    for path, inputs in now.spec.run_inputs.items():
+        named = (name.removeprefix("rule ") for name in inputs if name.startswith("rule "))
+        below.setdefault(("run", path), set()).update(
+            {("scenario", path), *(rules[name] for name in named if name in rules)}
+        )
+    for case in now.spec.faults:
+        below.setdefault(("fault", f"{case.campaign} {case.id}"), set()).add(_RULES)
+    for task in todo:
+        if task.do == "accept":
+            below[task.key] = {other.key for other in todo if other is not task}
+        else:
+            below.setdefault(task.key, set())
+    return below
+
+
+def _reached(now: Version, keys: Iterable[Key]) -> tuple[str, ...]:
+    """The demanded requirements at or above any of these."""
+    graph = now.graph
+    there = [key for key in keys if key in graph.nodes]
+    reached = graph.reaching(there, down=True)
+    runs = {key[1] for key in there if key[0] == "run"}
+    named = {
+        name.removeprefix("rule ")
+        for path in runs
+        for name in now.spec.run_inputs.get(path, ())
+        if name.startswith("rule ")
+    }
+    for name in named & now.spec.by_name.keys():
+        reached |= {("requirement", ref.id) for ref in now.spec.by_name[name].satisfies}
+    return tuple(
+        sorted(
+            id_
+            for kind, id_ in reached
+            if kind == "requirement" and (kind, id_) in graph.nodes and graph.nodes[kind, id_].demanded
+        )
+    )

@@ -1,0 +1,75 @@
+"""A version of a project, as far as meaning goes: what its documents say, what the engine says of its specs, the hashes of its files."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from trackmarshal.files import read_regular
+from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.trace import baseline as baselines
+from trackmarshal.trace import files, outside, requirements
+from trackmarshal.trace.findings import Finding
+from trackmarshal.trace.graph.building import build
+from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.matrix import UNUSABLE
+from trackmarshal.trace.model import Project
+from trackmarshal.trace.spec import Spec
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """A project at one time. content: what its baseline would hold; code: sha256 of source files that say what they implement.
+
+    wrong: why its specs, or its documents, do not say all that they are to say; what they lack is not known then.
+    """
+
+    project: Project
+    spec: Spec
+    graph: Graph
+    content: baselines.Content
+    hashes: files.Hashes
+    code: Mapping[str, str]
+    wrong: tuple[Finding, ...]
+
+
+def version(
+    root: Path,
+    items: Iterable[SpecItem],
+    tests: Iterable[SpecTest],
+    fault_cases: Iterable[FaultCase],
+    parts: Iterable[SpecPart],
+    run_inputs: Mapping[str, Mapping[str, str]],
+    *,
+    engine: str,
+    results: Iterable[TestResult] = (),
+    runs: Iterable[RunSummary] = (),
+    fault_results: Iterable[FaultResult] = (),
+    findings: Iterable[Finding] = (),
+) -> Version:
+    """A project's version. `findings` are those of compiling its specs; results are those that are there."""
+    found: list[Finding] = []
+    project = requirements.load(root, found)
+    spec = Spec(items, tests, results, runs, engine, run_inputs, fault_cases, fault_results, parts)
+    hashes = files.hashes(root, project, spec.items)
+    around = outside.load(root, project, [])
+    code = {marker.place.file: _hash(root / marker.place.file) for marker in around.markers}
+    wrong = [
+        *(one for one in findings if one.level == "error"),
+        *(one for one in found if one.code in UNUSABLE),
+    ]
+    return Version(
+        project,
+        spec,
+        build(project, spec, hashes, around),
+        baselines.content(project, spec, hashes),
+        hashes,
+        code,
+        tuple(wrong),
+    )
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(read_regular(path)).hexdigest()
