@@ -90,12 +90,12 @@ class SpecItem:
         )  # fmt: skip
 
 
-PART_KINDS = ("param", "table", "place", "signal", "constraint")
+PART_KINDS = ("param", "table", "place", "signal", "constraint", "rulebook")
 
 
 @dataclass(frozen=True, slots=True)
 class SpecPart:
-    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text."""
+    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text; or an order of rules."""
 
     kind: str
     name: str
@@ -104,11 +104,12 @@ class SpecPart:
     file: str
     line: int
     column: int
+    of: tuple[str, ...] = ()  #: the parameters and tables that a constraint restricts
 
     def to_json(self) -> dict[str, Any]:
         return {
             "kind": self.kind, "name": self.name, "fingerprint": self.fingerprint, "shown": self.shown, "file": self.file,
-            "line": self.line, "column": self.column,
+            "line": self.line, "column": self.column, "of": list(self.of),
         }  # fmt: skip
 
     @classmethod
@@ -116,7 +117,7 @@ class SpecPart:
         f = _Fields(data, "spec part")
         return cls(
             f.word("kind", PART_KINDS), f.text("name"), f.text("fingerprint"), f.text("shown", ""), f.text("file"), f.count("line"),
-            f.count("column"),
+            f.count("column"), f.texts("of"),
         )  # fmt: skip
 
 
@@ -284,6 +285,8 @@ class RunSummary:
     overrides: tuple[str, ...] = ()
     #: `plan.grip: A-FRICTION, friction`: an input that the recording lacks, and the rules that judge the spec's default instead
     defaults: Mapping[str, str] = field(default_factory=dict)
+    #: by `signal.field`, between which values it was in the recording, in SI
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -292,7 +295,7 @@ class RunSummary:
             "ground_truth": {kind: truth.to_json() for kind, truth in self.ground_truth.items()},
             "fired": self.fired, "created": self.created, "made_from": dict(self.made_from),
             "uncovered": list(self.uncovered), "inputs": dict(self.inputs), "overrides": list(self.overrides),
-            "defaults": dict(self.defaults),
+            "defaults": dict(self.defaults), "ranges": {name: list(ends) for name, ends in self.ranges.items()},
         }  # fmt: skip
 
     @classmethod
@@ -303,7 +306,7 @@ class RunSummary:
             tuple(RuleFacts.from_json(item) for item in f.array("rules")),
             {kind: TruthFacts.from_json(item) for kind, item in f.table("ground_truth").items()},
             f.flag("fired"), f.text("created"), f.words("made_from"),
-            f.texts("uncovered"), f.words("inputs"), f.texts("overrides"), f.words("defaults"),
+            f.texts("uncovered"), f.words("inputs"), f.texts("overrides"), f.words("defaults"), f.ranges("ranges"),
         )  # fmt: skip
 
 
@@ -318,11 +321,12 @@ class FaultCase:
     line: int
     fingerprint: str  #: sha256 of all that its outcome depends on; empty when that is not known
     open: str = ""  #: why it cannot be put in
+    says: str = ""  #: sha256 of what is put in, when, and what is expected
 
     def to_json(self) -> dict[str, Any]:
         return {
             "campaign": self.campaign, "id": self.id, "title": self.title, "requirement": self.requirement, "line": self.line,
-            "fingerprint": self.fingerprint, "open": self.open,
+            "fingerprint": self.fingerprint, "open": self.open, "says": self.says,
         }  # fmt: skip
 
     @classmethod
@@ -330,7 +334,7 @@ class FaultCase:
         f = _Fields(data, "fault")
         return cls(
             f.text("campaign"), f.text("id"), f.text("title"), f.text("requirement"), f.count("line"), f.text("fingerprint"),
-            f.text("open", ""),
+            f.text("open", ""), f.text("says", ""),
         )  # fmt: skip
 
 
@@ -525,9 +529,22 @@ class _Fields:
         value: list[Any] = self._get(name, [], list, "a list")
         return value
 
-    def table(self, name: str) -> dict[str, Any]:
-        value: dict[str, Any] = self._get(name, _REQUIRED, dict, "an object")
+    def table(self, name: str, default: dict[str, Any] = _REQUIRED) -> dict[str, Any]:
+        value: dict[str, Any] = self._get(name, default, dict, "an object")
         return value
+
+    def ranges(self, name: str) -> dict[str, tuple[float, float]]:
+        """Two numbers by name, the lower one first; none where it is not there."""
+        found = {}
+        for key, ends in self.table(name, {}).items():
+            if not (
+                isinstance(ends, list)
+                and [type(end) in (int, float) for end in ends] == [True, True]
+                and ends[0] <= ends[1]
+            ):
+                raise _refused(f"{self.what}: `{name}` holds something else than ranges")
+            found[key] = (float(ends[0]), float(ends[1]))
+        return found
 
     def words(self, name: str) -> dict[str, str]:
         """Texts by name; none where it is not there."""
@@ -556,6 +573,12 @@ class _Fields:
         if not isinstance(value, kind):
             raise _refused(f"{self.what}: `{name}` must be {said}, not {_kind(value)}")
         return value
+
+
+def _texts(value: object) -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+        raise _refused("a list of texts is expected")
+    return tuple(value)
 
 
 def _kind(value: object) -> str:

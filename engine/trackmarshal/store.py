@@ -51,6 +51,7 @@ class Broken(NamedTuple):
 
     line: int
     why: str
+    subject: str = ""  #: as far as it can still be read
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +154,7 @@ def _entry(line: bytes, number: int) -> Entry | Broken:
     """A line as an entry, if its hash is the one that it is called by."""
     id_, rest = line[len(_HEAD) : len(_HEAD) + _ID], line[_REST:]
     if not line.startswith(_HEAD) or hashlib.sha256(rest).hexdigest().encode() != id_:
-        return Broken(number, "its hash is not the one that it is called by")
+        return Broken(number, "its hash is not the one that it is called by", _subject(rest))
     try:
         said = json.loads(b"{" + rest)
         entry = Entry(
@@ -178,6 +179,15 @@ def _entry(line: bytes, number: int) -> Entry | Broken:
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return Broken(number, "it is no entry of this version")
     return entry
+
+
+def _subject(rest: bytes) -> str:
+    """What a changed line says it is of; empty where that is no longer to be read."""
+    try:
+        said = json.loads(b"{" + rest)
+        return said["subject"] if isinstance(said["subject"], str) else ""
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return ""
 
 
 def _refused(path: Path, why: str) -> TrackmarshalError:

@@ -244,10 +244,10 @@ class Parser:
         if not (self._is("sign", "(") and head[0] == "name"):
             return head
         self._take()
-        given = [self.implied()]
+        given = [self._argument()]
         while self._is("sign", ","):
             self._take()
-            given.append(self.implied())
+            given.append(self._argument())
         if self._is("word", "for"):  # a sum on several lines: sum(E for o in objects)
             self._take()
             names, domain, where = _range(self)
@@ -255,6 +255,11 @@ class Parser:
             return ("fold", head[1], names, domain, where, given[0])
         self._expect("sign", ")")
         return ("called", head[1], given)
+
+    def _argument(self) -> Tree:
+        if self._is("word", "reset:", "last:"):
+            return ("named", self._take()[1], self.implied())
+        return self.implied()
 
     def _fenced(self, opening: str) -> Tree:
         if opening == "∑":
@@ -297,7 +302,7 @@ class Parser:
             assert word == "else if", word
 
 
-_WORDS = ("where", "then", "else", "else if", "if", "for", "otherwise", "by")
+_WORDS = ("where", "then", "else", "else if", "if", "for", "by")
 
 
 def _range(parser: Parser) -> tuple[list[str], str, Tree | None]:
@@ -310,7 +315,7 @@ def _range(parser: Parser) -> tuple[list[str], str, Tree | None]:
 
 
 def _condition(row: list[Sign]) -> Tree | None:
-    if row[0] == ("word", "otherwise"):
+    if row[0] == ("word", "else"):
         return None
     assert row[0] == ("word", "if"), row
     return ("any",) if row[1:] == [("word", "there is any")] else Parser(row[1:]).whole()

@@ -1,5 +1,6 @@
 """A rule evaluated as it is printed: MathML alone says what it demands, the values are those of a case.
 
+A rule over the run is evaluated in the first cycle of a run, which is its last one, too: state machines take one step, windows hold one cycle.
 Places along lines and whether what is swept lies somewhere are asked of the reference: that is geometry, not what is printed.
 """
 
@@ -40,7 +41,9 @@ class Machinery:
     undefined: whether something was undefined on the way; margins are then between two cases, which this does not follow.
     """
 
-    def __init__(self, printed: dict[str, Any], rule: RuleInfo, values: Reference, case: dict[str, Any]) -> None:
+    def __init__(
+        self, printed: dict[str, Any], rule: RuleInfo, values: Reference, case: dict[str, Any]
+    ) -> None:
         self.printed, self.rule, self.values, self.case = printed, rule, values, case
         self.undefined = False
         self.functions: dict[str, tuple[list[str], Tree]] = {}
@@ -48,8 +51,11 @@ class Machinery:
             head, _, body = Parser(read(one["mathml"])).equation()
             names = [part[1] for part in head[2]] if head[0] == "called" else []
             self.functions[head[1]] = (names, body)
-        self.params = {_short(one["name"]): one["value"] for one in printed["parameters"]} | case.get("params", {})
+        self.params = {_short(one["name"]): one["value"] for one in printed["parameters"]} | case.get(
+            "params", {}
+        )
         self.tables = {one["name"].rpartition(".")[2]: one["rows"] for one in printed["tables"]}
+        self.machines = {Parser(read(one["mathml"])).whole()[1]: one for one in printed["machines"]}
         assert rule.formula is not None
         self.nodes = list(ir.below(rule.formula))
 
@@ -83,7 +89,9 @@ class Machinery:
             case kind:
                 raise AssertionError(kind)
 
-    def _each(self, quantifier: Tree, others: Sequence[dict[str, Any]], env: dict[str, Any]) -> tuple[Said, bool]:
+    def _each(
+        self, quantifier: Tree, others: Sequence[dict[str, Any]], env: dict[str, Any]
+    ) -> tuple[Said, bool]:
         _, sign, names, domain, _, _ = quantifier
         guards = []
         while others[0]["kind"] in ("where", "except"):
@@ -125,13 +133,29 @@ class Machinery:
                 return _not(self.truth(tree[1], env))
             case "quantified":
                 _, sign, names, domain, where, body = tree
-                said = [self.truth(body, inner) for inner in self._bound(names, domain, env) if self._holds(where, inner)]
+                said = [
+                    self.truth(body, inner)
+                    for inner in self._bound(names, domain, env)
+                    if self._holds(where, inner)
+                ]
                 return _least(said) if sign == "∀" else _greatest(said)
             case "between":
                 value, lower, upper = (self.number(part, env) for part in tree[1:])
                 return _joined("∧", self._compared("≤", lower, value), self._compared("≤", value, upper))
             case "compared":
                 return self._chain(tree[1], tree[2], env)
+            case "window":
+                _, operator, lower, _, operand = tree
+                said = self.truth(operand, env)
+                if self.number(lower, env) <= 0.0:
+                    return said
+                return _least([]) if operator in ("always", "historically") else _greatest([])
+            case "step":
+                self.truth(tree[2], env)
+                return _least([]) if tree[1].startswith("weak") else _greatest([])
+            case "called" if tree[1] in ("rising", "falling"):
+                said = self.truth(tree[2][0], env)
+                return said if tree[1] == "rising" else _not(said)
             case "in zone":
                 return self._asked(ir.InArea, env)
             case "called":
@@ -160,18 +184,52 @@ class Machinery:
             return self.truth(self.functions[name][1], {"": env.get("", {})})
         value = self.case["signals"][name]
         assert isinstance(value, bool)
-        return Said(value, math.inf if value else -math.inf)
+        return _known(value)
 
     def _chain(self, operands: list[Tree], relations: list[str], env: dict[str, Any]) -> Said:
         if relations == ["⊆"]:
             return self._asked(ir.SweptInside, env)
         if relations == ["clear of"]:
             return self._asked(ir.SweptClear, env)
+        if operands[0][0] in ("called", "name") and operands[0][1] in self.machines:
+            return _known(self._state(operands[0], env)[0]["state"] == operands[1][1])
+        if relations == ["∈"]:
+            return self._in_stretch(operands[0], operands[1], env)
         if relations[0] in self.functions:  # o behind ego
             return self.truth(("called", relations[0], operands), env)
         numbers = [self.number(one, env) for one in operands]
         said = [self._compared(sign, a, b) for sign, a, b in zip(relations, numbers, numbers[1:])]
         return _least(said)
+
+    def _state(self, tree: Tree, env: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+        """In which state a machine is after the first cycle, and what its own name stands for."""
+        machine = self.machines[tree[1]]
+        inner: dict[str, Any] = {"": env.get("", {})}
+        if tree[0] == "called":
+            (own,) = Parser(read(machine["mathml"])).whole()[2]
+            inner[own[1]] = self._record(tree[2][0], env)
+        for move in machine["moves"]:
+            if machine["start"] in move["from"]:
+                said = self.truth(Parser(read(move["when"]["mathml"])).whole(), inner)
+                assert said.sat is not None
+                if said.sat:
+                    return {"state": move["to"], "kept": move["remembers"]}, inner
+        return {"state": machine["start"], "kept": []}, inner
+
+    def _kept(self, name: str, tree: Tree, env: dict[str, Any]) -> float:
+        state, inner = self._state(tree, env)
+        for one in state["kept"]:
+            head, _, body = Parser(read(one["mathml"])).equation()
+            if head == ("name", name):
+                return self.number(body, inner)
+        return math.nan
+
+    def _in_stretch(self, point: Tree, stretch: Tree, env: dict[str, Any]) -> Said:
+        line = self._line(stretch[2][0])
+        x, y = (ir.Const(float(self._field(("field", axis, point), env))) for axis in ("x", "y"))
+        ends = [ir.Const(self.number(one, env)) for one in stretch[2][1:]]
+        room = self.values.number(ir.StretchRoom(line, "", ir.Station(line, x, y), *ends), {})
+        return self._compared("≤", 0.0, room)
 
     def _compared(self, sign: str, a: float, b: float) -> Said:
         if not (math.isfinite(a) and math.isfinite(b)):
@@ -241,7 +299,7 @@ class Machinery:
             return float(known)
         if name in self.functions:
             return self.number(self.functions[name][1], {"": env.get("", {})})
-        return math.pi if name == "π" or name == "pi" else float(self.params[name])
+        return math.pi if name == "pi" else float(self.params[name])
 
     def _record(self, tree: Tree, env: dict[str, Any]) -> Element:
         assert tree[0] == "name", tree
@@ -256,6 +314,8 @@ class Machinery:
         return Element(name, 0)
 
     def _field(self, tree: Tree, env: dict[str, Any]) -> Any:
+        if tree[2][0] == "called":
+            return self._kept(tree[1], tree[2], env)
         record = self._record(tree[2], env)
         signal = self.case["signals"][record.signal]
         if isinstance(signal, list):
@@ -268,7 +328,9 @@ class Machinery:
         names, _ = self.functions[tree[1]]
         inner: dict[str, Any] = {"": env.get("", {})}
         for name, part in zip(names, tree[2], strict=True):
-            record = part[0] == "name" and (isinstance(env.get(part[1]), Element) or part[1].partition(".")[0] in self.case["signals"])
+            record = part[0] == "name" and (
+                isinstance(env.get(part[1]), Element) or part[1].partition(".")[0] in self.case["signals"]
+            )
             inner[name] = self._record(part, env) if record else self.number(part, env)
         return inner
 
@@ -276,6 +338,11 @@ class Machinery:
         _, name, given = tree
         if name in self.functions:
             return self.number(self.functions[name][1], self._given(tree, env))
+        if name == "time_in":
+            self._state(given[0], env)
+            return 0.0
+        if name == "count":  # of one cycle; whether it is counted anew from there makes no difference
+            return float(self.truth(given[0], env).sat is True)
         if name in self.tables:
             return _read(self.tables[name], self.number(given[0], env))
         if name in ("station", "offset", "direction", "distance_to"):
@@ -288,12 +355,22 @@ class Machinery:
 
     def _on_line(self, name: str, point: Tree, line: Tree, env: dict[str, Any]) -> float:
         x, y = (ir.Const(float(self._field(("field", axis, point), env))) for axis in ("x", "y"))
-        kinds = {"station": ir.Station, "offset": ir.Offset, "direction": ir.Direction, "distance_to": ir.Distance}
+        kinds = {
+            "station": ir.Station,
+            "offset": ir.Offset,
+            "direction": ir.Direction,
+            "distance_to": ir.Distance,
+        }
         return self.values.number(kinds[name](self._line(line), x, y), {})
 
     def _line(self, tree: Tree) -> ir.Line:
         """A line by its name: of all lines of the rule the one that is called so."""
-        found = [node for node in self.nodes if isinstance(node, ir.Line) and tree == ("name", node.name)]
+        name, field = (tree[2][1], tree[1]) if tree[0] == "field" else (tree[1], "")
+        found = [
+            node
+            for node in self.nodes
+            if isinstance(node, ir.Line) and (node.name, node.field) == (name, field)
+        ]
         assert len(set(map(str, found))) == 1, (tree, found)
         return found[0]
 
@@ -333,6 +410,10 @@ class Machinery:
 
 def _short(name: str) -> str:
     return name.rpartition(".")[2]
+
+
+def _known(sat: bool) -> Said:
+    return Said(sat, math.inf if sat else -math.inf)
 
 
 def _not(said: Said) -> Said:

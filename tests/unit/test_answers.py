@@ -48,7 +48,7 @@ def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def gate(*more: str) -> tuple[int, str]:
-    status, out, err = run_command("trace", "--gate", *more)
+    status, out, err = run_command("trace", "--gate", "--verbose", *more)
     return status, out + err
 
 

@@ -118,6 +118,28 @@ def test_defeaters_answered_upheld_and_open(tmp_path: Path) -> None:
     assert statuses == {"open": (RESERVED, RESERVED), "answered": (SUPPORTED, RESERVED), "upheld": (UNSUPPORTED, UNSUPPORTED)}  # fmt: skip
 
 
+def test_the_baseline_knows_defeaters_and_templates(tmp_path: Path) -> None:
+    entry = "{id: D-1, challenges: S-1-A-2, text: Maps are old., owner: Ada Reader, state: open}"
+    small = argued(
+        tmp_path, f"edit requirements/argument.yaml\n- top: top\n+ defeaters:\n+   - {entry}\n+ top: top\n"
+    )
+    small.accept()
+    assert not [f for f in small.matrix().findings if f.code == "T376"]
+    answered = entry.replace("state: open", "state: answered, answer: They are not.")
+    for old, new, said in (
+        (entry, answered, "of the defeater `D-1` changed since the baseline was accepted"),
+        (f"defeaters:\n  - {answered}\n", "", "the defeater `D-1` is gone"),
+        (
+            'text: "{summary}."',
+            "text: It was seen.",
+            "the `templates` of the argument changed since the baseline was accepted",
+        ),
+    ):
+        small.replace("requirements/argument.yaml", old, new)
+        told = [f.message for f in small.matrix().findings if f.code == "T376"]
+        assert any(said in message for message in told), told
+
+
 def test_a_project_without_hazards_begins_at_requirements(tmp_path: Path) -> None:
     small = argued(tmp_path)
     (small.root / "requirements" / "hazards.yaml").unlink()

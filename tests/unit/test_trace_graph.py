@@ -157,7 +157,17 @@ def test_all_kinds_of_documents_together_have_no_findings(tmp_path: Path) -> Non
     small.accept()
     matrix = small.matrix()
     assert [str(finding) for finding in matrix.findings] == []
-    engine = {"parameter", "table", "signal", "place", "constraint", "fault", "external test", "code"}
+    engine = {
+        "parameter",
+        "table",
+        "signal",
+        "place",
+        "constraint",
+        "rulebook",
+        "fault",
+        "external test",
+        "code",
+    }
     assert set(NODES) - engine - {"tool", "method"} == set(matrix.graph.by_kind)
     for link in matrix.graph.links:
         assert link.state == "covers", link
@@ -330,7 +340,7 @@ def test_a_name_is_a_kind_or_an_id_or_both() -> None:
 
 def test_the_default_schema_asks_what_it_is_said_to_ask() -> None:
     asked = {(need.kind, str(need.code) or "T150") for need in default().needs}
-    assert {code for _, code in asked} == {"T134", "T139", "T150", "T202", "T207"}
+    assert {code for _, code in asked} == {"T134", "T139", "T150", "T171", "T172", "T202", "T207"}
     assert default() is default()
 
 

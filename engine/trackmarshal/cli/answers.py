@@ -13,6 +13,8 @@ from typing import Any
 from trackmarshal.cli.evidence import now
 from trackmarshal.store import Entry, Store
 
+#: What results of earlier versions do not say.
+_LATER = ("ranges",)
 #: What says where something stands or when it was made, and not what came out.
 _APART = ("file", "line", "created")
 
@@ -47,7 +49,7 @@ class Answers:
         if before is not None:
             unlike = [
                 name for name in sorted({*before.result, *result})
-                if name not in _APART and before.result.get(name) != result.get(name)
+                if name not in _APART and not (name in _LATER and name not in before.result) and before.result.get(name) != result.get(name)
             ]  # fmt: skip
             if not unlike:
                 return

@@ -9,7 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.cli import evidence
+from trackmarshal.cli import acceptances, evidence
 from trackmarshal.cli.answers import Answers
 from trackmarshal.cli.facts import Facts, facts
 from trackmarshal.cli.sources import Sources, kept_runs
@@ -33,7 +33,7 @@ class Assessment:
     results: list[TestResult]
     runs: list[RunSummary]
     fault_results: list[FaultResult]
-    #: What is wrong with the evidence store.
+    #: What is wrong with the evidence store, and with the history of the baseline.
     store_found: list[Finding]
     replays: list[tuple[RunSummary, Replay, Evaluator]]
     _making: _Making
@@ -85,7 +85,7 @@ def assess(
     project = requirements.load(root, [])
     answers = Answers(root, root / project.results, again)
     made = _Making(root, project, quiet)
-    if again or replays:
+    if again:
         said = made.facts()
     else:
         folders = [*map(str, project.specs or ["specs"]), requirements.FOLDER]
@@ -95,10 +95,11 @@ def assess(
     runs = list(_runs(answers, said, made if run else None, replays))
     faults = list(_faults(answers, said, made if run else None))
     answers.write()
+    found = _of_store(answers, root)
+    if again and project.baseline:
+        found += acceptances.check(root, str(project.baseline))
     runs += _kept_runs(root, project)
-    return Assessment(
-        root, project, said, results, runs, faults, _of_store(answers, root), made.replays, made, answers, run
-    )
+    return Assessment(root, project, said, results, runs, faults, found, made.replays, made, answers, run)
 
 
 class _Making:
@@ -186,8 +187,8 @@ def _of_store(answers: Answers, root: Path) -> list[Finding]:
     shown = path.relative_to(root).as_posix() if path.is_relative_to(root) else str(path)
     found = [
         error("T293", f"an entry of the evidence store was changed or cut: {why}", Place(shown, line),
-              "remove the line, and what it was the evidence of is run again")
-        for line, why in answers.store.broken
+              "remove the line, and what it was the evidence of is run again", subject)
+        for line, why, subject in answers.store.broken
     ]  # fmt: skip
     for entry, what in answers.unlike:
         message = f"the {entry.kind} `{entry.subject}` was run again from the same inputs, and its `{what}` is not what the evidence store says"

@@ -76,7 +76,7 @@ def prepare(root: Path, project: Project, broken: bool, shared: dict[object, Eva
 def cases(prepared: list[Prepared]) -> list[FaultCase]:
     """Every declared fault."""
     return [
-        FaultCase(each.shown, fault.id, fault.title, fault.requirement, fault.line, each.fingerprint(number), fault.open)
+        FaultCase(each.shown, fault.id, fault.title, fault.requirement, fault.line, each.fingerprint(number), fault.open, fault.says)
         for each in prepared
         for number, fault in enumerate(each.campaign.faults)
     ]  # fmt: skip

@@ -43,7 +43,8 @@ def now() -> str:
 
 
 def spec_items(meaning: Meaning) -> list[SpecItem]:
-    """Rules and assumptions as the matrix sees them."""
+    """Rules and assumptions as the matrix sees them; those that read what has an error of its own are left out, as those with one are."""
+    from trackmarshal.meaning import whole
     from trackmarshal.testing.run import has_boundary
 
     return [
@@ -53,12 +54,13 @@ def spec_items(meaning: Meaning) -> list[SpecItem]:
             rule.formula is not None, has_boundary(rule), meaning.rule(rule),
         )
         for rule in meaning.spec.rules
+        if whole(meaning.spec, rule)
     ]  # fmt: skip
 
 
 def spec_parts(spec: Spec, items: Iterable[SpecItem]) -> list[SpecPart]:
     """What rules and assumptions read, and all constraints, as the matrix sees them."""
-    from trackmarshal.meaning import of
+    from trackmarshal.meaning import of, restricted
     from trackmarshal.units import in_full
 
     read = {name for item in items for name in item.inputs}
@@ -80,10 +82,25 @@ def spec_parts(spec: Spec, items: Iterable[SpecItem]) -> list[SpecPart]:
     for constraint in spec.constraints:
         text = " ".join(constraint.span.text.partition(" because ")[0].split()).removeprefix("constrain ")
         used.append(("constraint", text, constraint, ""))
+    used += [("rulebook", book.name, book, _order(book.relations)) for book in spec.rulebooks]
     return [
-        SpecPart(kind, name, of(info), shown, info.span.file.path, info.span.line, info.span.column)
+        SpecPart(
+            kind,
+            name,
+            of(info),
+            shown,
+            info.span.file.path,
+            info.span.line,
+            info.span.column,
+            restricted(info) if kind == "constraint" else (),
+        )
         for kind, name, info, shown in used
     ]
+
+
+def _order(relations: Iterable[tuple[str, str, str]]) -> str:
+    """What a rulebook says, on one line."""
+    return ", ".join(" ".join(relation) for relation in relations)
 
 
 def _refs(pairs: Iterable[tuple[str, Any]]) -> tuple[Ref, ...]:
@@ -138,6 +155,7 @@ def run_inputs(evaluator: Evaluator, recording: str | None) -> dict[str, str]:
 
 def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: str) -> RunSummary:
     """A replay as a record; `shown` is the scenario's path from the project."""
+    from trackmarshal.cli import operating
     from trackmarshal.scenarios.inputs import defaulted
     from trackmarshal.scenarios.labels import judged_by, label
     from trackmarshal.scenarios.overrides import overrides
@@ -179,6 +197,7 @@ def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: 
         now(),
         uncovered=outcome.uncovered,
         inputs=inputs,
+        ranges=operating.ranges(outcome.recording, evaluator.spec),
         overrides=tuple(map(str, overrides(outcome.recording, evaluator.spec))),
         defaults={
             name: ", ".join(rules)

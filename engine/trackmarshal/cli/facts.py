@@ -143,7 +143,7 @@ def _keep(path: Path, root: Path, folders: list[str], files: list[str], made: Fa
         "files": files, "state": _state(root, folders, files), "items": [item.to_json() for item in made.items],
         "parts": [part.to_json() for part in made.parts], "tests": [test.to_json() for test in made.tests], "run_inputs": made.run_inputs,
         "fault_cases": [case.to_json() for case in made.fault_cases],
-        "findings": [[f.code, f.level, f.message, f.place, f.help, f.subject, f.also] for f in made.findings],
+        "findings": [[f.code, f.level, f.message, f.place, f.help, f.subject, f.also, f.about] for f in made.findings],
     }  # fmt: skip
     content = json.dumps(said).encode()
     replace(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
@@ -167,8 +167,8 @@ def _kept(path: Path, root: Path, folders: list[str]) -> Facts | None:
             said["run_inputs"],
             [FaultCase.from_json(case) for case in said["fault_cases"]],
             [
-                Finding(code, level, message, place and Place(*place), help_, subject, tuple((Place(*p), label) for p, label in also))
-                for code, level, message, place, help_, subject, also in said["findings"]
+                Finding(code, level, message, place and Place(*place), help_, subject, tuple((Place(*p), label) for p, label in also), tuple(about))
+                for code, level, message, place, help_, subject, also, about in said["findings"]
             ],
         )  # fmt: skip
     except (OSError, ValueError, KeyError, TypeError, TrackmarshalError):

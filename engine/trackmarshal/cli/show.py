@@ -23,7 +23,8 @@ from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
     from trackmarshal.ir.spec import RuleInfo, Spec
-    from trackmarshal.reading.sheet import Limit, Sheet
+    from trackmarshal.reading.sheet import Sheet
+    from trackmarshal.testing.cases import PreparedTest
 
 FORMS = ("spec", "formula", "english", "c")
 #: Forms that speak of a rule's condition, which an assumption without a monitor has none of.
@@ -65,12 +66,13 @@ def run(args: argparse.Namespace) -> int:
     declared = load(paths, [], project) if settings else spec
     rule = _rule(args.rule, spec)
     forms = args.forms or ([] if args.solve else _all(rule, args.format))
-    sheet = _sheet(rule, spec, declared, forms, args)
+    tests = _tests(paths, project) if args.solve else ()
+    sheet = _sheet(rule, spec, declared, forms, tests, args)
     match args.format:
         case "text":
             from trackmarshal.reading.text import lines
 
-            say(*lines(sheet, single=len(forms) + bool(sheet.limits) == 1))
+            say(*lines(sheet, single=bool(args.forms or args.solve) and len(forms) + bool(sheet.limits) == 1))
         case "html":
             from trackmarshal.reading.html import page
 
@@ -102,10 +104,16 @@ def _rule(name: str, spec: Spec) -> RuleInfo:
 
 
 def _sheet(
-    rule: RuleInfo, spec: Spec, declared: Spec, forms: Sequence[str], args: argparse.Namespace
+    rule: RuleInfo,
+    spec: Spec,
+    declared: Spec,
+    forms: Sequence[str],
+    tests: Sequence[PreparedTest],
+    args: argparse.Namespace,
 ) -> Sheet:
     from trackmarshal.reading.rule import read
     from trackmarshal.reading.sheet import Sheet, spec_text
+    from trackmarshal.reading.solving import solve
     from trackmarshal.reading.telling import tell
     from trackmarshal.reading.words.english import ENGLISH
 
@@ -121,7 +129,7 @@ def _sheet(
         read(rule, spec, declared, args.expand) if "formula" in forms else None,
         tell(rule, spec, ENGLISH) if "english" in forms else None,
         _c(rule, spec, bool(args.forms)) if "c" in forms else None,
-        tuple(limit for name in args.solve for limit in _solved(rule, spec, name)),
+        tuple(limit for name in args.solve for limit in solve(rule, spec, tests, name, ENGLISH)),
     )  # fmt: skip
 
 
@@ -138,7 +146,9 @@ def _c(rule: RuleInfo, spec: Spec, asked: bool) -> str:
     return next(code.text for code in source.rules if code.rule.name == rule.name).rstrip()
 
 
-def _solved(rule: RuleInfo, spec: Spec, name: str) -> Sequence[Limit]:
-    from trackmarshal.reading.solving import solve
+def _tests(paths: Sequence[Path], project: Path | None) -> Sequence[PreparedTest]:
+    """The tests of the specs: where a rule is not solved, its boundary is looked for in their inputs."""
+    from trackmarshal.semantics.compile import compile_paths
+    from trackmarshal.testing.cases import prepare
 
-    return solve(rule, spec, name)
+    return prepare(compile_paths(paths, project))[0]

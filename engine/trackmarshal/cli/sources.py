@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
@@ -39,14 +40,23 @@ def read_specs(root: Path, project: Project) -> tuple[Compiled, list[PreparedTes
     return compiled, prepared, [*compiled.found, *found, *unconstrained(compiled)]
 
 
+#: What a place in a spec belongs to: a declaration by its name, a test by its rule and title.
+_MODULE = re.compile(r"^module[ \t]+([\w.]+)", re.MULTILINE)
+_DECLARATION = re.compile(
+    r'^(constrain|assume|rule|test|param|table|signal|define|predicate|rulebook|zone|line|state|event)[ \t]+([\w.-]+)(?:[ \t]+"([^"\n]*)")?',
+    re.MULTILINE,
+)
+
+
 class Sources:
     """Everything that results are made from. Specs with errors are not replayed: what would run is not what the project demands."""
 
     def __init__(self, root: Path, project: Project) -> None:
-        from trackmarshal.meaning import Meaning
+        from trackmarshal.meaning import Meaning, whole
 
         self.root, self.project = root, project
-        self.compiled, self.prepared, self.found = read_specs(root, project)
+        self.compiled, prepared, self.found = read_specs(root, project)
+        self.prepared = [test for test in prepared if whole(self.compiled.spec, test.rule)]
         self.broken = any(item.level == "error" for item in self.found)
         self.meaning = Meaning(self.compiled.spec)
         self.distances = distances(project)
@@ -196,6 +206,21 @@ def _finding(item: Diagnostic) -> Finding:
     from trackmarshal.trace import Finding, Place
 
     span = item.span
+    before = span.file.text[: span.file.text.find("\n", span.start) + 1 or None]
+    declared = _DECLARATION.findall(before)
+    names: list[str] = []
+    subject = ""
+    if declared:
+        kind, name, title = declared[-1]
+        if kind == "test":
+            names += [f"{name}: {title}", name]
+        elif kind != "rulebook":
+            subject = name
+            module = _MODULE.search(before)
+            names += [] if module is None else [f"{module[1]}.{name}"]  # as parameters and tables are called
+    if span.text.replace("-", "_").isidentifier():  # such as what there is not
+        names.append(span.text)
+    place = Place(span.file.path, span.line, span.column)
     return Finding(
-        item.code, item.level, item.message, Place(span.file.path, span.line, span.column), item.help
+        item.code, item.level, item.message, place, item.help, subject, about=tuple(dict.fromkeys(names))
     )

@@ -12,12 +12,16 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import TYPE_CHECKING
 
 from trackmarshal.cli import asking, impact
 from trackmarshal.cli.days import day
 from trackmarshal.cli.output import say
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
+
+if TYPE_CHECKING:
+    from trackmarshal.trace import Finding, Matrix
 
 FORMATS = ("text", "json", "csv", "md", "markdown", "html", "sarif", "github", "junit")
 
@@ -40,6 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--reason", metavar="TEXT", default="", help="with --accept-baseline: why that is accepted"
     )
+    parser.add_argument("--verbose", action="store_true", help="list what follows from each finding, too")
     parser.add_argument(
         "--day",
         metavar="DAY",
@@ -85,14 +90,23 @@ def _run(args: argparse.Namespace) -> int:
         )  # fmt: skip
         say(f"wrote {target}", *(f"accepted by {args.by}: {change}" for change in weaker), file=sys.stderr)
     matrix = found.matrix(today)
-    made = trace.render(matrix, args.format, where=where)
+    made = trace.render(matrix, args.format, where=where, verbose=args.verbose)
     if args.format in ("text", "github"):
         say(*made.removesuffix("\n").split("\n"))
     else:
         print(made, end="")
     gaps = trace.gate(matrix) if args.gate else []
     if args.gate and args.format == "text" and not args.quiet:
-        print(f"gate: {len(gaps)} gaps" if gaps else "gate: passed", file=sys.stderr)
+        print(f"gate: {_gaps(gaps, matrix)}" if gaps else "gate: passed", file=sys.stderr)
     if matrix.unusable:
         return 2
     return 1 if gaps else 0
+
+
+def _gaps(gaps: list[Finding], matrix: Matrix) -> str:
+    """How many findings fail the gate: those that stand for themselves, and those that follow from them."""
+    following = sum(finding in matrix.causes for finding in gaps)
+    own = len(gaps) - following
+    return f"{own} gap{'' if own == 1 else 's'}" + (
+        f", and {following} that follow{'s' if following == 1 else ''}" if following else ""
+    )

@@ -5,8 +5,11 @@ from __future__ import annotations
 from trackmarshal.ir import nodes as ir
 
 
-def describe(root: ir.IR) -> str:
-    """A formula's structure as text, each shared node once: equal texts, equal meanings."""
+def describe(root: ir.IR, names: bool = True) -> str:
+    """A formula's structure as text, each shared node once: equal texts, equal meanings.
+
+    names: with what its variables are called, which reports name; without, another name says the same.
+    """
     numbers: dict[int, int] = {}
     lines: list[str] = []
 
@@ -19,7 +22,7 @@ def describe(root: ir.IR) -> str:
             said = {**said, **dict(zip(("op", "left", "right"), node.written))}
         for name in node.compared:
             value = said[name]
-            if name in ("shown", "turned"):
+            if name in ("shown", "turned") or (name == "names" and not names):
                 continue  # how a comparison is shown is no part of what a formula means
             if isinstance(node, ir.Axis) and name in ("forget", "capacity"):
                 if value:  # most sets remember nothing of what is absent, and say nothing of it

@@ -8,7 +8,16 @@ from typing import assert_never
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.description import describe
 from trackmarshal.ir.margins import SCALED
-from trackmarshal.ir.spec import ConstraintInfo, ParamInfo, PlaceInfo, RuleInfo, SignalType, Spec, TableInfo
+from trackmarshal.ir.spec import (
+    ConstraintInfo,
+    ParamInfo,
+    PlaceInfo,
+    RulebookInfo,
+    RuleInfo,
+    SignalType,
+    Spec,
+    TableInfo,
+)
 from trackmarshal.meaning.inputs import Inputs, key, sha256
 from trackmarshal.node import Node
 
@@ -38,11 +47,33 @@ class Meaning:
         return {**{f"rule {rule.name}": self.fingerprint(rule) for rule in rules}, **others}
 
 
-def of(info: ParamInfo | TableInfo | PlaceInfo | SignalType | ConstraintInfo) -> str:
+def whole(spec: Spec, rule: RuleInfo) -> bool:
+    """Whether everything that a rule reads is declared; what has an error of its own is not."""
+    formulas = [formula for formula in (rule.formula, rule.active) if formula is not None]
+    nodes = [node for formula in formulas for node in ir.below(formula)]
+    params = {node.name for node in nodes if isinstance(node, ir.Param)}
+    tables = {node.table for node in nodes if isinstance(node, ir.Lookup | ir.GridLookup)}
+    return params <= spec.params.keys() and tables <= spec.tables.keys()
+
+
+def restricted(constraint: ConstraintInfo) -> tuple[str, ...]:
+    """The parameters and tables that a constraint is about."""
+    nodes = list(ir.below(constraint.formula))
+    params = {node.name for node in nodes if isinstance(node, ir.Param)}
+    return tuple(
+        sorted(params | {node.table for node in nodes if isinstance(node, ir.Lookup | ir.GridLookup)})
+    )
+
+
+def of(info: ParamInfo | TableInfo | PlaceInfo | SignalType | ConstraintInfo | RulebookInfo) -> str:
     """The hash of a declaration: what it is called and says, not where it stands, nor where a value comes from."""
     match info:
         case ConstraintInfo():
             return sha256(describe(info.formula))
+        case RulebookInfo():
+            return sha256(
+                *sorted(info.rules), "", *(" ".join(relation) for relation in sorted(info.relations))
+            )
         case ParamInfo():
             return sha256(_told(ParamInfo(**{**info.__dict__, "source": None})))
         case TableInfo() | PlaceInfo() | SignalType():
@@ -74,7 +105,7 @@ def _inputs(spec: Spec, rule: RuleInfo) -> Inputs:
         rule.kind,
         "advisory" if rule.advisory else "",
         repr(rule.along and (rule.along.signal, rule.along.kind, rule.along.width)),
-        *(describe(formula) for formula in formulas),
+        *(describe(formula, names=False) for formula in formulas),
         repr(rule.active is None),
         repr(rule.course),
         repr(spec.scales) if rule.unit == SCALED else "",

@@ -48,7 +48,7 @@ def broad(piece: Layout) -> int:
         case at.Prefix():
             return broad(piece.sign) + broad(piece.operand)
         case at.Chain():
-            return broad(piece.first) + sum(broad(one.sign) + 2 + broad(one.operand) for one in piece.rest)
+            return broad(piece.first) + sum(_between(one.sign) + broad(one.operand) for one in piece.rest)
         case at.Binder():
             where = 0 if piece.where is None else broad(piece.where) + 7
             return broad(piece.head) + where + 2 + broad(piece.body)
@@ -65,8 +65,26 @@ def broad(piece: Layout) -> int:
             assert_never(piece)
 
 
+def _between(sign: at.Sign | at.Word | at.Index) -> int:
+    """A sign with the room around it, which a product has little of."""
+    return (
+        broad(sign)
+        if isinstance(sign, at.Sign) and sign.text != "·"
+        else 2
+        if isinstance(sign, at.Sign)
+        else broad(sign) + 2
+    )
+
+
 def _small(letters: int) -> int:
     return -(-letters * 2 // 3)
+
+
+def _with_sign(piece: Layout) -> Layout:
+    """A fraction whose bar would be too wide."""
+    assert isinstance(piece, at.Fraction)
+    over, under = at.Fence("(", piece.over), at.Fence("(", piece.under)
+    return at.Chain(over, (at.Joined(at.Sign("/"), under),))
 
 
 class _Breaking:
@@ -99,8 +117,7 @@ class _Breaking:
                     return [Line(indent, (piece,))]
                 return self._fenced((piece.head, at.Sign("(")), piece.arguments, ")", indent)
             case at.Fraction():
-                over, under = at.Fence("(", piece.over), at.Fence("(", piece.under)
-                return self.lines(at.Fence("(", at.Chain(over, (at.Joined(at.Sign("/"), under),))), indent)
+                return self.lines(at.Fence("(", _with_sign(piece)), indent)
             case at.Root():
                 return self.lines(at.Call(at.Word("sqrt"), (piece.inside,)), indent)
             case at.Power():
@@ -146,7 +163,8 @@ class _Breaking:
     ) -> list[Line]:
         made = [Line(indent, tuple(before))]
         for number, part in enumerate(inside):
-            below = self.lines(part, indent + 1)
+            fits = not isinstance(part, at.Fraction) or self._fits(part, indent + 1)
+            below = self.lines(part if fits else _with_sign(part), indent + 1)
             if number < len(inside) - 1:
                 below[-1] = Line(below[-1].indent, (*below[-1].parts, at.Sign(",")))
             made += below

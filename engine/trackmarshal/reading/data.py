@@ -6,7 +6,7 @@ from typing import Any
 
 from trackmarshal.reading import mathml, typst
 from trackmarshal.reading.layout import Layout
-from trackmarshal.reading.sheet import Sheet, about, bounds, equation, grid, origin, value
+from trackmarshal.reading.sheet import Sheet, about, beside, bounds, equation, grid, origin, value
 from trackmarshal.reading.terminal import text
 
 
@@ -41,14 +41,14 @@ def _reading(sheet: Sheet) -> dict[str, Any]:
     assert reading is not None
     return {
         "clauses": [
-            {"kind": one.kind, "depth": one.depth, "said": one.said, **_printed(one.formula)} for one in reading.clauses
+            {"kind": one.kind, "depth": one.depth, "said": beside(one, words), **_printed(one.formula)} for one in reading.clauses
         ],
         "definitions": [
             {"name": one.symbol.qualified, **_printed(equation(one.head, one.sign, one.body))} for one in reading.definitions
         ],
         "machines": [
             {
-                "name": text(one.head), "states": list(one.states), "start": one.start,
+                **_printed(one.head), "states": list(one.states), "start": one.start,
                 "moves": [
                     {"from": list(move.sources), "to": move.target, "when": _printed(move.guard), "remembers": [_printed(kept) for kept in move.kept]}
                     for move in one.moves

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.reading import mathml
 from trackmarshal.reading.layout import Layout
-from trackmarshal.reading.sheet import Sheet, about, bounds, equation, grid, origin, placed, value
+from trackmarshal.reading.sheet import Sheet, about, beside, bounds, equation, grid, origin, placed, value
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -44,6 +44,13 @@ def _environment() -> Environment:
     )
     made.filters.update(math=math, inline=inline)
     made.globals.update(
-        about=about, bounds=bounds, equation=equation, grid=grid, origin=origin, placed=placed, value=value
+        about=about,
+        beside=beside,
+        bounds=bounds,
+        equation=equation,
+        grid=grid,
+        origin=origin,
+        placed=placed,
+        value=value,
     )
     return made

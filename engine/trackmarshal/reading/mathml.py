@@ -17,6 +17,8 @@ _APPLY = "<mo>&#x2061;</mo>"
 _THIN = '<mspace width="0.18em"></mspace>'
 #: Signs that a name follows.
 _BEFORE = ("∀", "∃")
+#: Parentheses that stand alone where a formula is broken.
+_FENCES = "()[]{}|⌊⌋⌈⌉"
 _SPACE = '<mspace width="0.28em"></mspace>'
 
 
@@ -53,7 +55,8 @@ def element(piece: Layout) -> str:
         case at.Word():
             return f"<mtext>{_text(piece.text)}</mtext>"
         case at.Sign():
-            sign = f"<mo>{escape(piece.text)}</mo>"
+            alone = ' stretchy="false"' if piece.text in _FENCES else ""  # what it holds is on other lines
+            sign = f"<mo{alone}>{escape(piece.text)}</mo>"
             return f"{sign}{_THIN}" if piece.text in _BEFORE else sign
         case at.Row():
             return f"<mrow>{''.join(map(element, piece.parts))}</mrow>"
@@ -143,7 +146,7 @@ def _branches(piece: at.Branches) -> str:
     rows = ""
     for one in piece.branches:
         when = (
-            "<mtext>otherwise</mtext>"
+            "<mtext>else</mtext>"
             if one.condition is None
             else f"<mrow><mtext>if&#xa0;</mtext>{element(one.condition)}</mrow>"
         )

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Literal, assert_never
 
 from trackmarshal import typed
+from trackmarshal.ir.nodes import JudgedAt
 from trackmarshal.ir.spec import FieldType, ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo
 from trackmarshal.node import Node
 from trackmarshal.reading.formulas import Formulas
@@ -17,12 +18,13 @@ Kind = Literal["along", "whenever", "within", "each", "where", "except", "let", 
 
 
 class Shown(Node):
-    """A clause: what it is, how far it is moved in, its formula, and an author's words on it ("": none)."""
+    """A clause: what it is, how far it is moved in, its formula, an author's words on it ("": none), and at which sample a rule along a timeline is judged."""
 
     kind: Kind
     depth: int
     formula: Layout
     said: str = ""
+    judged: JudgedAt | None = None
 
 
 class Definition(Node):
@@ -101,7 +103,7 @@ def _clauses(rule: typed.Rule, writing: Formulas) -> Iterator[Shown]:
         match clause:
             case typed.Along():
                 writing.keep(clause.range)
-                yield Shown("along", depth, writing.ranged(clause.range), clause.place)
+                yield Shown("along", depth, writing.ranged(clause.range), "", clause.place)
                 depth += 1
             case typed.Whenever():
                 yield Shown("whenever", depth, writing.formula(clause.condition))

@@ -401,10 +401,12 @@ class Sentences(Phrases):
         self, quantifier: str, range_: typed.Range, where: typed.Formula | None, by: typed.Number | None
     ) -> str:
         """`for every sample p of plan for which ..`."""
-        words, ranged = self.words, self._where(self.ranged(range_), where)
+        words = self.words
         if by is not None:
             said = words.nearest if quantifier == "for all" else words.some_nearest
-            return said.format(a=ranged, b=self.atom(by))
+            made = said.format(a=self.ranged(range_), b=self.atom(by))
+            return made if where is None else words.of_those.format(a=made, b=self.formula(where, TOGETHER))
+        ranged = self._where(self.ranged(range_), where)
         some = words.some if len(range_.names) == 1 else words.some_several
         return (words.every if quantifier == "for all" else some).format(a=ranged)
 

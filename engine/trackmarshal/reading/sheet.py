@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from trackmarshal.ir.spec import PlaceInfo, RuleInfo, TableInfo
 from trackmarshal.node import Node
 from trackmarshal.reading.layout import Chain, Joined, Layout, Sign
-from trackmarshal.reading.rule import Reading, Setting
+from trackmarshal.reading.rule import Reading, Setting, Shown
 from trackmarshal.reading.telling import Told
 from trackmarshal.reading.words import Words
 from trackmarshal.source import SourceFile
@@ -50,6 +50,17 @@ def about(rule: RuleInfo, words: Words) -> Iterator[tuple[str, str]]:
         yield labels["assuming"], words.comma.join(name for name, _ in rule.assuming)
     if rule.because:
         yield labels["because"], rule.because
+
+
+def beside(clause: Shown, words: Words) -> str:
+    """What stands beside a clause: an author's reason, or where a rule along a timeline is judged; "" for most."""
+    return (
+        words.judged[clause.judged]
+        if clause.judged is not None
+        else f"“{clause.said}”"
+        if clause.said
+        else ""
+    )
 
 
 def value(setting: Setting) -> str:

@@ -7,6 +7,7 @@ from typing import assert_never
 from trackmarshal.reading import layout as at
 from trackmarshal.reading.breaking import STEP, lines
 from trackmarshal.reading.layout import Layout
+from trackmarshal.reading.units import factors
 
 #: Signs with a space after them alone.
 _BEFORE = ("∀", "∃")
@@ -21,7 +22,7 @@ def text(piece: Layout) -> str:
     """A piece as text that can be read in one way only."""
     match piece:
         case at.Digits():
-            return f"{piece.text} {piece.unit}" if piece.unit else piece.text
+            return f"{piece.text} {_unit(piece.unit)}" if piece.unit else piece.text
         case at.Name() | at.Word():
             return piece.text
         case at.Sign():
@@ -95,6 +96,11 @@ def _beside(parts: tuple[Layout, ...]) -> str:
             shown = f" {shown} " if made else f"{shown} "
         made += shown.lstrip() if made.endswith((" ", "(")) else shown
     return made.strip()
+
+
+def _unit(unit: str) -> str:
+    """`m/s²`."""
+    return "".join(sign + name + exponent.translate(_RAISED) for sign, name, exponent in factors(unit))
 
 
 def _sign(sign: str) -> str:

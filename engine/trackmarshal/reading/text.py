@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from trackmarshal.reading.breaking import STEP
 from trackmarshal.reading.layout import Layout
 from trackmarshal.reading.rule import MachineShown, Reading, Setting
-from trackmarshal.reading.sheet import Sheet, about, bounds, equation, grid, origin, placed, value
+from trackmarshal.reading.sheet import Sheet, about, beside, bounds, equation, grid, origin, placed, value
 from trackmarshal.reading.telling import Told
 from trackmarshal.reading.terminal import block, text
 from trackmarshal.reading.words import Words
@@ -63,12 +63,12 @@ def _formula(reading: Reading, words: Words) -> Iterator[str]:
     for clause in reading.clauses:
         word = words.clauses[clause.kind]
         made = block(clause.formula, WIDTH - STEP * clause.depth - len(word))
-        said = f'  "{clause.said}"' if clause.said else ""
+        said = beside(clause, words)
         moved = " " * STEP * clause.depth
         yield f"{moved}{word} {made[0]}".rstrip() if word else f"{moved}{made[0]}"
         yield from (f"{moved}{' ' * (len(word) + 1 if word else 0)}{line}" for line in made[1:])
         if said:
-            yield f"{moved}  {said}"
+            yield f"{moved}{' ' * (len(word) + 1)}{said}"
     if reading.definitions or reading.machines:
         yield words.labels["definitions"]
     for one in reading.definitions:

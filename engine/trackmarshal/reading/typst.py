@@ -123,9 +123,7 @@ def _between(sign: at.Sign | at.Word | at.Index) -> str:
 
 
 def _branch(one: at.Branch) -> str:
-    condition = (
-        'upright("otherwise")' if one.condition is None else f'upright("if ") {content(one.condition)}'
-    )
+    condition = 'upright("else")' if one.condition is None else f'upright("if ") {content(one.condition)}'
     return f"{content(one.value)} quad & {condition}"
 
 
@@ -136,5 +134,5 @@ def unit(text: str) -> str:
         shown = f"upright({string(name)})"
         if exponent:
             shown = f"attach({shown}, t: {string(exponent)})"
-        made.append({"": "", "/": "slash ", "·": "dot.op "}[sign] + shown)
+        made.append({"": "", "/": 'class("normal", slash) ', "·": "dot.op "}[sign] + shown)
     return " ".join(made)

@@ -64,7 +64,7 @@ def build(
             **_files.hashes(project_root, project, spec.items),
         }
         baseline = _baseline.load(project_root, project, found)
-        around = _outside.load(project_root, project, found)
+        around = _outside.load(project_root, project, spec.items, found)
         return assemble(
             project,
             spec,

@@ -205,6 +205,8 @@ def _assumption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof
             lacks.append("no evidence")
         elif ground.hashes.get(item.evidence) is None:
             lacks.append(f"`{item.evidence}` is not there")
+        elif (item.evidence, item.name) in ground.outside.denials:
+            lacks.append(f"`{item.evidence}` says that there is no evidence")
         return ("partial", ", ".join(lacks)) if lacks else ("covered", f"{item.owner}; {item.evidence}")
 
     return _linked(ground, requirement, "assumption", "assumptions", judge)

@@ -83,6 +83,7 @@ REQUIREMENT = Record("requirement", "One requirement.", (
     optional("achieves", Many(REQUIREMENT_ID, 1), "The safety goals that it serves."),
     optional("allocated_to", Many(REQUIREMENT_ID, 1), "The design elements that meet it."),
     optional("verified_by", Many(REQUIREMENT_ID, 1), "The declared methods that show that it is met."),
+    optional("not_verified_by", Pairs(), "Declared methods that are not used for it although its ASIL asks for them, each with the reason."),
     optional("independence", Many(REQUIREMENT_ID, 1), "For a requirement whose ASIL is decomposed among those that refine it: the analyses that argue that they are independent."),
     optional("owner", TEXT, "Who answers for it; where persons are declared, one of them, by id or name."),
     optional("adopted", TEXT, "For a requirement with neither interface nor parent: why it stands all the same."),

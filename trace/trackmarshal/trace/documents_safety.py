@@ -30,12 +30,21 @@ PLAIN_LEVEL = Word(
     {"QM": "no safety goal is needed", "A": "the lowest", "B": "", "C": "", "D": "the highest"}
 )
 INTERVAL = Text(r"[0-9]+(\.[0-9]+)? (ms|s|min|h)", "a time with its unit, such as `300 ms`")
+_END = Text(
+    r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]+)?( [A-Za-z%1][A-Za-z0-9%*/^²³·-]*)?",
+    "a number with its unit, such as `12 m/s`",
+)
 PERSONS = Many(ANY_ID, 1)
 
 DOMAIN = Record("domain", "Conditions under which the vehicle is meant to drive.", (
     Field("id", ANY_ID, "Unique, such as `ODD-1`."),
     Field("title", TEXT, "A few words."),
     Field("description", TEXT, "Roads, weather, speeds, other road users: what belongs to it, and what does not."),
+    optional("ranges", Many(Record("range", "Between which values a quantity may be; the recordings of the project reach both ends.", (
+        Field("quantity", Text(r"[^\W\d]\w*\.[^\W\d]\w*", "a signal and a field of it, such as `ego.v`"), "A field of a record, or of the elements of a set."),
+        Field("from", _END, "The least value."),
+        Field("to", _END, "The greatest value."),
+    )), 1), "Ranges that are claimed, as far as signals tell."),
     optional("source", TEXT, "Where it is written."),
 ))  # fmt: skip
 
@@ -123,6 +132,19 @@ ASSURANCE = Record("assurance", "Who did what: persons, tools, analyses, reviews
         optional("confidence", Word({"TCL1": "no qualification needed", "TCL2": "qualification of medium rigour", "TCL3": "qualification of high rigour"}),
                  "The tool confidence level."),
     )), 1), "Tools."),
+    optional("indicators", Many(Record("indicator", "A number that shows in operation whether what is claimed still holds.", (
+        Field("id", ANY_ID, "Unique, such as `SPI-1`."),
+        Field("title", TEXT, "What is counted or measured."),
+        Field("threshold", Text(r"(at most|at least) [0-9].*", "such as `at most 1 in 1000 km`"), "From where on somebody has to act."),
+        Field("data", TEXT, "Where the data comes from: which log, which signal, how often."),
+        Field("claims", Many(NODE, 1), "The goals, requirements or assumptions that it is about."),
+        optional("owner", TEXT, "Who looks at it; where persons are declared, one of them, by id or name."),
+    )), 1), "Performance indicators in operation."),
+    optional("works", Many(Record("work", "What rules cite as their source.", (
+        Field("id", ANY_ID, "Unique, such as `WK-1`."),
+        Field("title", TEXT, "The text of the `reference` by which specs cite it."),
+        optional("equations", Count(), "How many numbered equations it has: a rule that cites another one cites nothing."),
+    )), 1), "Works that rules cite: papers, regulations, concepts."),
     optional("analyses", Many(Record("analysis", "An argument over something, made by somebody.", (
         Field("id", ANY_ID, "Unique, such as `AN-1`."),
         Field("title", TEXT, "A few words."),
@@ -159,6 +181,8 @@ WAY = Record("way", "One way to meet a need: links, a field, or something that i
     optional("kinds", Many(Word(dict.fromkeys(NODES, "")), 1), "With `link`: only nodes of these kinds count."),
     optional("where", _WHERE, "Only nodes count of which all of this is true."),
     optional("at_least", Count(), "How many are needed; 1 if not given."),
+    optional("every", TEXT, "With `link`: an attribute of nodes at its other end that is an ASIL; every node of which it is no higher than that of the node itself is wanted."),
+    optional("unless", TEXT, "With `every`: an attribute of the node that lists those that are not wanted."),
     optional("at_most", Count(), "More than so many are a finding of their own."),
 ))  # fmt: skip
 

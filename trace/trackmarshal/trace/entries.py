@@ -12,12 +12,12 @@ from trackmarshal.trace.values import Placed, Table
 LISTS = {
     "hazards": (("domains", "operational design domain"), ("hazards", "hazard"), ("safety_goals", "safety goal")),
     "design": (("elements", "design element"), ("methods", "method")),
-    "assurance": (("persons", "person"), ("tools", "tool"), ("analyses", "analysis"), ("reviews", "review")),
+    "assurance": (("persons", "person"), ("tools", "tool"), ("analyses", "analysis"), ("reviews", "review"), ("works", "work"), ("indicators", "indicator")),
 }  # fmt: skip
 #: Fields that are links, and their kinds.
 _LINKS = {
     "arises_from": "arises_from", "operates_in": "operates_in", "prevents": "prevents", "part_of": "part_of", "used_for": "used_for",
-    "of": "examines", "by": "made_by", "document": "backed_by", "owner": "owned_by",
+    "of": "examines", "by": "made_by", "document": "backed_by", "owner": "owned_by", "claims": "indicates",
 }  # fmt: skip
 #: Fields of requirements that are links beside those that the matrix has always known.
 OF_REQUIREMENTS = ("achieves", "allocated_to", "verified_by", "independence")
@@ -36,12 +36,20 @@ def _entry(table: Table, kind: str) -> model.Entry:
     attributes: dict[str, str] = {}
     links: list[tuple[str, Placed]] = []
     versions: list[tuple[Placed, str]] = []
+    ranges: list[tuple[Placed, str, str]] = []
     for name, value in table.items():
         if name in ("id", "title", "made"):
             continue
         if name == "of" and kind == "review":
             versions = [(t.text("id"), t.text("fingerprint")) for t in value if t.text("id")]
             links += [("reviews", id_) for id_, _ in versions]
+        elif name == "ranges":
+            ranges = [
+                (t.text("quantity"), str(t.text("from")), str(t.text("to")))
+                for t in value
+                if t.text("from") and t.text("to")
+            ]
+            attributes |= {f"range of {quantity}": f"{low} to {high}" for quantity, low, high in ranges}
         elif name in _LINKS:
             links += [(_LINKS[name], target) for target in (value if isinstance(value, list) else [value])]
         elif isinstance(value, list):
@@ -52,7 +60,9 @@ def _entry(table: Table, kind: str) -> model.Entry:
     if isinstance(made, date):
         attributes["made"] = made.isoformat()
     title = table.text("title") or f"review of {', '.join(id_ for id_, _ in versions)}"
-    return model.Entry(kind, table.text("id"), title, attributes, tuple(links), made, tuple(versions))
+    return model.Entry(
+        kind, table.text("id"), title, attributes, tuple(links), made, tuple(versions), tuple(ranges)
+    )
 
 
 def of_requirement(table: Table) -> tuple[tuple[str, Placed], ...]:
@@ -88,7 +98,7 @@ def _need(kind: str, t: Table) -> model.Need:
 def _way(t: Table) -> model.Way:
     return model.Way(
         t.place, t.text("link"), t.text("reaches"), t.text("field"), t.texts("kinds"), _where(t.tables("where")),
-        t.get("at_least", 1), t.get("at_most"),
+        t.get("at_least", 1), t.get("at_most"), t.text("every"), t.text("unless"),
     )  # fmt: skip
 
 

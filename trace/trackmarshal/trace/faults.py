@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from trackmarshal.records import FaultCase, FaultResult
 from trackmarshal.trace.files import Hashes
-from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
+from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec
 
@@ -104,10 +104,35 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
         requirement = project.by_id.get(case.requirement)
         if requirement is None or not requirement.demanded:
             message = f"the fault `{case.id}` is to violate `{case.requirement}`, which is not demanded"
-            yield error("T263", message, place, did_you_mean(case.requirement, project.by_id), case.id)
+            help_ = did_you_mean(case.requirement, project.by_id)
+            yield Finding(
+                "T263",
+                "error",
+                message,
+                place,
+                help_,
+                case.id,
+                about=(case.requirement, f"{case.campaign} {case.id}"),
+            )
         status, detail = verdict(case, spec)
         if status == "failed":
-            yield error("T260", f"the fault `{case.id}` ({case.title}): {detail}", place, "", case.id)
+            # What is found of it may change with any rule, and with the recording.
+            rests_on = (
+                case.campaign,
+                f"{case.campaign} {case.id}",
+                case.requirement,
+                *spec.by_name,
+                *(str(s.path) for s in project.scenarios),
+            )
+            yield Finding(
+                "T260",
+                "error",
+                f"the fault `{case.id}` ({case.title}): {detail}",
+                place,
+                "",
+                case.id,
+                rests_on=rests_on,
+            )
         elif status == "stale":
             stale.append(case)
         elif status == "missing" and not case.open:
@@ -119,10 +144,7 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
         if found:
             message = one if len(found) == 1 else more.format(len(found))
             place = Place(found[0].campaign, found[0].line)
-            yield warning(
-                code,
-                f"{message}, which counts as not covered",
-                place,
-                "run `trackmarshal assess`",
-                found[0].id,
-            )
+            others = tuple(case.id for case in found[1:])
+            yield Finding(
+                code, "warning", f"{message}, which counts as not covered", place, "run `trackmarshal assess`", found[0].id, about=others
+            )  # fmt: skip

@@ -26,7 +26,10 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One error, warning or note. `subject` is the name that it is about, which waivers refer to."""
+    """One error, warning or note. `subject` is the name that it is about, which waivers refer to.
+
+    about: what else it is about, such as the other end of a link. rests_on: by what it may have come about, such as the items of a cell.
+    """
 
     code: str
     level: str
@@ -35,6 +38,9 @@ class Finding:
     help: str = ""
     subject: str = ""
     also: tuple[tuple[Place, str], ...] = ()  #: further places, each with what is there
+    about: tuple[str, ...] = ()
+    rests_on: tuple[str, ...] = ()
+    gone: bool = False  #: whether it says that something is not there any more
     excused: bool = False  #: an error that a waiver made a note
 
     def __str__(self) -> str:

@@ -7,12 +7,12 @@ from dataclasses import replace
 from datetime import date
 
 from trackmarshal.trace.cells import Cell, Item
-from trackmarshal.trace.findings import Finding, error, warning
-from trackmarshal.trace.model import Demand, Project, Requirement, Stage, matches
+from trackmarshal.trace.findings import Finding, error
+from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, matches
 from trackmarshal.trace.values import Placed
 
 #: Findings that somebody may answer for. All others are mistakes, to be mended.
-WAIVABLE = frozenset({"T207", "T208", "T211", "T212", "T252"})
+WAIVABLE = frozenset({"T207", "T208", "T211", "T212", "T252", "T253", "T254"})
 #: Cells that a waiver may excuse. What failed, or is stale, is never excused.
 GAPS = frozenset({"missing", "partial"})
 
@@ -51,7 +51,7 @@ class Waivers:
                 return replace(found, level="note", message=message, excused=True)
         return found
 
-    def check(self) -> Iterator[Finding]:
+    def check(self, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[Finding]:
         """What is wrong with the waivers themselves (T231 to T233)."""
         for waiver in self._all:
             place, name = waiver.id.place, str(waiver.id)
@@ -69,17 +69,25 @@ class Waivers:
                     name,
                 )
             elif waiver.id not in self._used:
-                yield warning(
-                    "T232",
-                    f"the waiver `{name}` excuses nothing",
-                    place,
-                    "strike it: the gap is closed",
-                    name,
-                )
+                yield Finding(
+                    "T232", "warning", f"the waiver `{name}` excuses nothing", place, "strike it: the gap is closed", name,
+                    rests_on=tuple(dict.fromkeys(_excused(waiver, cells))),
+                )  # fmt: skip
             for code in waiver.codes:
                 if code not in WAIVABLE:
                     help_ = "findings that can be waived: " + ", ".join(sorted(WAIVABLE))
                     yield error("T233", f"`{code}` cannot be waived", code.place, help_, name)
+
+
+def _excused(waiver: Waiver, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[str]:
+    """What a waiver is about: the items of its cells, or its subjects."""
+    yield from map(str, (*waiver.subjects, *(f"at {stage}" for stage in waiver.stages)))
+    for id_, row in cells.items():
+        if matches(id_, waiver.requirements):
+            yield id_
+            yield from (
+                item.name for stage, cell in row.items() if stage in waiver.stages for item in cell.items
+            )
 
 
 def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[Finding]:
@@ -90,7 +98,16 @@ def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator
         for name, cell in cells.get(requirement.id, {}).items():
             message = falls_short(requirement, stages[name], cell, wanted_of)
             if message:
-                yield error("T230", message, requirement.place, "", requirement.id)
+                items = (item.name for item in cell.items if item.status not in ("covered", "waived"))
+                excused = (
+                    w.id
+                    for w in project.waivers
+                    if name in w.stages and matches(requirement.id, w.requirements)
+                )
+                rests_on = tuple(dict.fromkeys(map(str, (*items, *excused, f"at {name}"))))
+                yield Finding(
+                    "T230", "error", message, requirement.place, "", str(requirement.id), rests_on=rests_on
+                )
 
 
 def demands(project: Project) -> tuple[Demand, ...]:

@@ -42,7 +42,16 @@ def _decided(requirement: Requirement, spec: Spec) -> Iterator[Finding]:
         message = f"`{requirement.id}` has ASIL {requirement.asil}, and is covered by {said} alone"
         help_ = f"give `{items[0].name}` another severity, or write a rule that decides"
         also = tuple((item_place(item), f"`{item.name}` is advisory") for item in items)
-        yield Finding("T219", "error", message, requirement.place, help_, str(requirement.id), also)
+        yield Finding(
+            "T219",
+            "error",
+            message,
+            requirement.place,
+            help_,
+            str(requirement.id),
+            also,
+            tuple(item.name for item in items),
+        )
 
 
 __all__ = ["check"]

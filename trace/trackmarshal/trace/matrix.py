@@ -4,15 +4,28 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import date
 
 from trackmarshal.trace import baseline as baselines
-from trackmarshal.trace import consistency, cycles, faults, files, gates, links, outside, runs, tests, waivers
+from trackmarshal.trace import (
+    causes,
+    consistency,
+    cycles,
+    faults,
+    files,
+    gates,
+    links,
+    outside,
+    runs,
+    tests,
+    vacuous,
+    waivers,
+)
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
-from trackmarshal.trace.graph import checks, integrity, people, schema
+from trackmarshal.trace.graph import checks, conditions, integrity, people, schema, works
 from trackmarshal.trace.graph.building import build
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, matches
@@ -47,6 +60,8 @@ class Matrix:
     counts: Mapping[str, int]  #: how many rules, assumptions, tests, results and runs went in
     demands: tuple[Demand, ...] = ()  #: what the gate demands of cells
     accepted: tuple[baselines.Acceptance, ...] = ()  #: of what became weaker, the last one last
+    #: By finding that follows from another one, that one; those that stand for themselves are not in it.
+    causes: Mapping[Finding, Finding] = field(default_factory=dict)
 
     @property
     def passes(self) -> bool:
@@ -74,6 +89,15 @@ class Matrix:
             (warnings, "{} warning should be looked at", "{} warnings should be looked at"),
         )
         return tuple((one if n == 1 else more).format(n) for n, one, more in said if n)
+
+    @property
+    def standing(self) -> tuple[Finding, ...]:
+        """The findings that stand for themselves: causes, and notes."""
+        return tuple(finding for finding in self.findings if finding not in self.causes)
+
+    def following(self, finding: Finding) -> tuple[Finding, ...]:
+        """What follows from a finding, in order."""
+        return tuple(other for other in self.findings if self.causes.get(other) is finding)
 
     @property
     def unusable(self) -> bool:
@@ -117,17 +141,20 @@ def assemble(
         *schema.check(graph, project, project.schema or schema.default()),
         *integrity.check(graph),
         *people.check(graph, project, today),
+        *works.check(graph),
+        *conditions.check(graph, project, spec),
+        *vacuous.check(project, spec),
         *links.check(project, spec),
         *tests.check(project, spec),
         *baselines.check(baseline, baselines.content(project, spec, hashes), project, spec, tell),
         *runs.check(project, spec, hashes),
         *faults.check(project, spec, hashes),
         *files.check(project, spec, hashes),
-        *outside.check(project, around),
+        *outside.check(project, spec, around),
         *waivers.check(project),
     ]
     judged = [excuses.finding(finding) for finding in loose]
-    findings = in_order([*found, *judged, *gates.check(project, cells), *excuses.check()])
+    findings = in_order([*found, *judged, *gates.check(project, cells), *excuses.check(cells)])
     rows = tuple(
         Row(requirement, depth, cells[requirement.id]) for requirement, depth in _in_order(project, graph)
     )
@@ -155,6 +182,7 @@ def assemble(
         counts,
         gates.demands(project),
         tuple(one for one in baseline.acceptances if one.weaker) if baseline else (),
+        causes.causes(findings, graph),
     )
 
 

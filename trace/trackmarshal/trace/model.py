@@ -82,6 +82,7 @@ class Requirement:
     source: str
     owner: str = ""
     links: tuple[tuple[str, Placed], ...] = ()  #: further ones, with their kinds
+    not_verified_by: tuple[tuple[str, str], ...] = ()  #: methods that are not used, and why
 
     @property
     def place(self) -> Place:
@@ -103,6 +104,7 @@ class Entry:
     links: tuple[tuple[str, Placed], ...]  #: with their kinds
     made: date | None = None
     versions: tuple[tuple[Placed, str], ...] = ()  #: of what a review is, and the fingerprint that it had
+    ranges: tuple[tuple[Placed, str, str], ...] = ()  #: of a domain: signal and field, from, to
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +127,8 @@ class Way:
     where: tuple[Condition, ...]
     at_least: int = 1
     at_most: int | None = None
+    every: str = ""  #: an attribute of what is linked: the integrity level from which on all nodes of the kind are wanted
+    unless: str = ""  #: an attribute that lists those that are not
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from trackmarshal.trace import external, sources
+from trackmarshal.records import SpecItem
+from trackmarshal.trace import denials, external, sources
+from trackmarshal.trace.denials import Denials
 from trackmarshal.trace.external import External
 from trackmarshal.trace.findings import Finding
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.sources import Marker
+from trackmarshal.trace.spec import Spec
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,11 +23,12 @@ class Outside:
 
     tests: tuple[External, ...] = ()
     markers: tuple[Marker, ...] = ()
+    denials: Denials = field(default_factory=dict)  #: evidence that says that there is none
     tests_of: dict[str, list[External]] = field(default_factory=dict, repr=False, compare=False)
     markers_of: dict[str, list[Marker]] = field(default_factory=dict, repr=False, compare=False)
 
 
-def load(root: Path, project: Project, found: list[Finding]) -> Outside:
+def load(root: Path, project: Project, items: Iterable[SpecItem], found: list[Finding]) -> Outside:
     """What the project's settings name; what is wrong with reading it goes to `found`."""
     tests, markers = external.load(root, project, found), sources.load(root, project, found)
     tests_of: dict[str, list[External]] = defaultdict(list)
@@ -34,10 +38,11 @@ def load(root: Path, project: Project, found: list[Finding]) -> Outside:
     markers_of: dict[str, list[Marker]] = defaultdict(list)
     for marker in markers:
         markers_of[marker.requirement].append(marker)
-    return Outside(tests, markers, tests_of, markers_of)
+    return Outside(tests, markers, denials.load(root, items), tests_of, markers_of)
 
 
-def check(project: Project, outside: Outside) -> Iterator[Finding]:
-    """Loose ends of both (T336 to T339, T342)."""
+def check(project: Project, spec: Spec, outside: Outside) -> Iterator[Finding]:
+    """Loose ends of all of these (T253, T336 to T339, T342)."""
+    yield from denials.check(spec, outside.denials)
     yield from external.check(project, outside.tests)
     yield from sources.check(project, outside.markers)

@@ -147,7 +147,7 @@ def _requirement(t: Table) -> model.Requirement:
     return model.Requirement(
         t.text("id"), t.text("title"), t.text("statement"), t.text("rationale"), t.texts("derived_from"), t.texts("refines"),
         t.text("adopted"), t.text("status"), t.text("asil"), t.texts("verification"), t.texts("metrics"), t.texts("assumptions"),
-        t.text("source"), t.text("owner"), entries.of_requirement(t),
+        t.text("source"), t.text("owner"), entries.of_requirement(t), tuple(sorted(t.get("not_verified_by", {}).items())),
     )  # fmt: skip
 
 

@@ -206,11 +206,19 @@ def _quiet(scenario: Scenario, run: RunSummary) -> str:
     return ", ".join(quiet) if quiet else "" if run.fired else "the Supervisor"
 
 
-def _outside(path: str, place: Place, run: RunSummary) -> Iterator[Finding]:
+def _of_run(code: str, message: str, scenario: Scenario, run: RunSummary) -> Finding:
+    """A finding about what a run came to, which rests on the rules that it was evaluated with."""
+    rules = tuple(facts.rule for facts in run.rules)
+    return Finding(code, "error", message, scenario.path.place, "", str(scenario.path), rests_on=rules)
+
+
+def _outside(scenario: Scenario, run: RunSummary) -> Iterator[Finding]:
     """T243 for each kind of rules that the ground truth of the recording contradicts."""
     for kind, truth in sorted(run.ground_truth.items()):
         if not truth.inside:
-            yield error("T243", f"the run of `{path}` is {_contradiction(kind, truth)}", place, "", path)
+            yield _of_run(
+                "T243", f"the run of `{scenario.path}` is {_contradiction(kind, truth)}", scenario, run
+            )
 
 
 def _by_default(run: RunSummary, spec: Spec, path: str, place: Place | None) -> Iterator[Finding]:
@@ -267,7 +275,7 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 path,
             )
         elif scenario.expect == "ground_truth":
-            yield from _outside(path, place, run)
+            yield from _outside(scenario, run)
             if not run.ground_truth:
                 message = (
                     f"the run of `{path}` is to lie within the ground truth, but the recording carries none"
@@ -275,13 +283,13 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 yield error("T246", message, place, "label it, or expect something else of it", path)
         elif scenario.expect == "no_fire":
             if run.fired:
-                yield error("T244", f"in `{path}` nothing may fire, but it {_fired(run)}", place, "", path)
+                yield _of_run("T244", f"in `{path}` nothing may fire, but it {_fired(run)}", scenario, run)
             else:
-                yield from _outside(path, place, run)
+                yield from _outside(scenario, run)
         elif scenario.expect == "fire":
             quiet = _quiet(scenario, run)
             if quiet:
-                yield error("T245", f"in `{path}`, {quiet} did not fire", place, "", path)
+                yield _of_run("T245", f"in `{path}`, {quiet} did not fire", scenario, run)
         else:
             raise ValueError(f"unknown expectation {scenario.expect!r}")
         if not stale:

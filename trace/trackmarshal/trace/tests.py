@@ -28,8 +28,8 @@ def check(project: Project, spec: Spec) -> Iterator[Finding]:
             also = ((item_place(first[key]), "the other one"),)
             message = f'two tests of `{test.rule}` are called "{test.title}"; a result of one cannot be told from the other\'s'
             yield Finding(
-                "T214", "error", message, item_place(test), "give it a title of its own", test.rule, also
-            )
+                "T214", "error", message, item_place(test), "give it a title of its own", test.rule, also, (f"{test.rule}: {test.title}",)
+            )  # fmt: skip
         elif key not in spec.results:
             not_run.append(test)
         first.setdefault(key, test)
@@ -103,8 +103,9 @@ def _results(spec: Spec, known: set[tuple[str, str]]) -> Iterator[Finding]:
         elif result.outcome in ("failed", "error"):
             came = "failed" if result.outcome == "failed" else "could not be run"
             why = f": {result.message}" if result.message else ""
-            yield error(
-                "T215", f'the test "{result.title}" of `{result.rule}` {came}{why}', place, "", result.rule
+            message = f'the test "{result.title}" of `{result.rule}` {came}{why}'
+            yield Finding(
+                "T215", "error", message, place, "", result.rule, about=(f"{result.rule}: {result.title}",)
             )
         elif result.outcome != "passed":
             raise ValueError(f"unknown outcome {result.outcome!r}")

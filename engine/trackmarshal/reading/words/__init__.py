@@ -74,6 +74,7 @@ class Words(Node):
     some_several: str
     nearest: str
     some_nearest: str
+    of_those: str
     sample: str
     samples: str
     element: str
@@ -102,6 +103,8 @@ class Words(Node):
     swept: str
     machine: str
     along: Mapping[JudgedAt, str]
+    #: At which sample a rule along a timeline is judged, beside its formula.
+    judged: Mapping[JudgedAt, str]
     whenever: str
     deadline: str
     except_for: str
@@ -116,6 +119,15 @@ class Words(Node):
     starts: str
     becomes: str
     remembers: str
+    #: What was solved for a number, why it was not, and what was found on the evaluator instead: in which ranges the rule holds.
+    solved: str
+    unsolved: str
+    reasons: Mapping[str, str]
+    found: str
+    nowhere: str
+    everywhere: str
+    interval: str
+    untested: str
     #: Fields whose meaning is plain from their name and dimension.
     fields_: Mapping[tuple[str, Dimension], str]
     #: Headings and labels of what is shown.

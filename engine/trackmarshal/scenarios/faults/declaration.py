@@ -49,6 +49,7 @@ class Fault:
     open: str
     line: int
     digest: str  #: sha256 of what is declared
+    says: str = ""  #: sha256 of that without its title, and without what it is evidence for
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,9 +97,15 @@ def _fault(item: Item) -> Fault:
         changes = tuple(change(each) for each in fields["change"].items())
         expected = _expected(fields["expect"])
     texts = [fields[name].text() for name in named]
-    digest = hashlib.sha256(json.dumps(item.plain()).encode()).hexdigest()
+    plain = item.plain()
+    digest = _hash(plain)
+    says = (
+        _hash({name: value for name, value in plain.items() if name not in named})
+        if isinstance(plain, dict)
+        else digest
+    )
     text = fields["open"].text() if "open" in fields else ""
-    return Fault(texts[0], texts[1], texts[2], begin, end, changes, expected, text, item.line, digest)
+    return Fault(texts[0], texts[1], texts[2], begin, end, changes, expected, text, item.line, digest, says)
 
 
 def _expected(item: Item) -> Expected | None:
@@ -118,3 +125,7 @@ def _expected(item: Item) -> Expected | None:
     lost = fields["lost"].choice(LOSSES) if "lost" in fields else ""
     first, last = fields["first"].number(), fields["last"].number()
     return Expected(fields["by"].text(), first, last, driven, since, lost, lost_at)
+
+
+def _hash(plain: object) -> str:
+    return hashlib.sha256(json.dumps(plain).encode()).hexdigest()

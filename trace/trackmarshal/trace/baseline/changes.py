@@ -19,7 +19,7 @@ _FEWER = {
 }  # fmt: skip
 #: Fields of which an element more is a weakening: each is one more thing that is excused.
 _MORE = {
-    ("waiver", "stages"), ("waiver", "requirements"), ("waiver", "codes"), ("waiver", "subjects"),
+    ("requirement", "not_verified_by"), ("waiver", "stages"), ("waiver", "requirements"), ("waiver", "codes"), ("waiver", "subjects"),
 }  # fmt: skip
 #: Fields that say nothing by themselves: what others come to, or how something is shown.
 _SILENT = {
@@ -27,6 +27,7 @@ _SILENT = {
     ("table", "shown"),
     ("place", "shown"),
     ("signal", "shown"),
+    ("rulebook", "shown"),
     ("rule", "reads"),
     ("assumption", "reads"),
 }
@@ -34,10 +35,17 @@ _SILENT = {
 #: Fields that hold all that an entry says.
 SAYING = ("meaning", "says", "text")
 #: What other fields are called.
-_FIELDS = {"sha256": "contents", "recording": "contents", "of versions": "reviewed versions"}
+_FIELDS = {
+    "sha256": "contents",
+    "recording": "contents",
+    "of versions": "reviewed versions",
+    "evidence sha256": "evidence",
+}
 
 #: Hashes of files. One that is not there is told where it is missed.
-_FILES = ("recording", "kept run", "sha256")
+_FILES = ("recording", "kept run", "sha256", "evidence sha256")
+#: What earlier baselines did not hold: that it is held from now on is no weakening.
+_LATER = ("evidence sha256", "put in")
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +151,7 @@ def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
         if old == new or (kind, field) in _SILENT or (field in _FILES and not new):
             continue
         shown = ("", "")
-        if kind in ("param", "table", "place", "signal") and field == "says":
+        if kind in ("param", "table", "place", "signal", "rulebook") and field == "says":
             shown = (_text(before.get("shown", "")), _text(now.get("shown", "")))
             shown = ("", "") if shown[0] == shown[1] else shown
         elif isinstance(old, list) or isinstance(new, list):
@@ -165,6 +173,8 @@ def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
         return ASILS.index(new) < ASILS.index(old)
     if field.endswith(" tests a rule"):
         return int(_text(new) or 0) < int(_text(old) or 0)
+    if field in _LATER and not old:
+        return False
     if field == "boundary":
         return not new
     if (kind, field) == ("waiver", "expires"):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
 from trackmarshal.trace import sections
 from trackmarshal.trace.baseline.changes import Change, Tell, changes
-from trackmarshal.trace.baseline.content import Content
+from trackmarshal.trace.baseline.content import Content, Entry
 from trackmarshal.trace.baseline.file import Baseline
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.model import Project
@@ -25,17 +26,18 @@ _PLURAL = {"evidence": "evidence", "analysis": "analyses"}
 _GONE = {
     "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "report": "T373", "section": "T373",
+    "signal": "T372", "constraint": "T372", "rulebook": "T372", "report": "T373", "section": "T373",
 }  # fmt: skip
 _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "waiver": "T377",
+    "signal": "T372", "constraint": "T372", "rulebook": "T372", "waiver": "T377",
     "report": "T373", "section": "T373",
 }  # fmt: skip
 _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
     ("rule", "satisfies"): "T227", ("assumption", "satisfies"): "T227",
+    ("assumption", "evidence sha256"): "T373", ("analysis", "evidence sha256"): "T373", ("review", "evidence sha256"): "T373",
 }  # fmt: skip
 
 
@@ -51,11 +53,16 @@ def check(
     places = _places(project, spec)
     here = Place(str(project.baseline))
     found = list(changes(baseline.content, now, tell))
+    lost = {change.name: change.key for change in found if not change.field and change.before}
     for code, group in _grouped(change for change in found if change.weaker):
         at = [places.get(change.key, here) for change in group]
         also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
         name = group[0].name.partition(": ")[0] if group[0].kind == "test" else group[0].name
-        message = _said(group[0]) if len(group) == 1 else f"{_said(group[0])}; so do {len(group) - 1} others"
+        message = (
+            _said(group[0])
+            if len(group) == 1
+            else f"{_said(group[0])}; so it is with {len(group) - 1} other{'s' if len(group) > 2 else ''}"
+        )
         told = [
             f"`{change.name}`: {change.told}" if len(group) > 1 else change.told
             for change in group
@@ -64,18 +71,71 @@ def check(
         message = "; ".join(
             [message, *told[:_TOLD], *([f"and {len(told) - _TOLD} more"] if len(told) > _TOLD else [])]
         )
-        yield Finding(code, "error", message, at[0], _HELP, name, also)
+        about = dict.fromkeys(
+            word for change in group for word in _names(change, baseline.content.get(change.key, {}))
+        )
+        about |= {
+            name: None
+            for change in group
+            if change.name in lost
+            for name in _linked(baseline.content.get(change.key, {})) & lost.keys()
+        }
+        gone = all(
+            (not change.field and bool(change.before)) or change.after == "obsolete" for change in group
+        )
+        rests_on = tuple(
+            dict.fromkeys(name for change in group for name in _around(baseline.content, change))
+        )
+        yield Finding(code, "error", message, at[0], _HELP, name, also, tuple(about), rests_on, gone)
     yield from _others([change for change in found if not change.weaker], here)
 
 
+def _names(change: Change, before: Entry) -> Iterator[str]:
+    """What a change is about: the entry, of tests also the rule, of what shows something also the stage, and of lists what left or came."""
+    yield change.name
+    first, _, last = change.name.partition(
+        {"test": ": ", "gate": ", ", "evidence": " at ", "report": " at "}.get(change.kind, "\0")
+    )
+    yield first
+    stage = before.get("stage", "") or (
+        last if change.kind in ("evidence", "report") else first if change.kind in ("gate", "stage") else ""
+    )
+    if stage:
+        yield f"at {stage}"
+    if change.kind == "fault":
+        yield from change.name.rsplit(" ", 1)
+    if change.kind == "rulebook":
+        yield from re.findall(r"[\w-]+", f"{change.before} {change.after}")
+    if change.listed:
+        yield from re.findall("`([^`]*)`", f"{change.before} {change.after}")
+
+
+def _linked(entry: Entry) -> set[str]:
+    """The things that an entry names."""
+    return {name for value in entry.values() if isinstance(value, list) for name in value}
+
+
+def _around(before: Content, change: Change) -> Iterator[str]:
+    """Of a parameter, a table, a place or a signal, the rules and assumptions that read it; of a rule that is gone, what it read."""
+    for key, entry in before.items():
+        if change.key in entry.get("reads", ()):
+            yield key.partition(" ")[2]
+    if not change.field:
+        yield from (name.partition(" ")[2] for name in before.get(change.key, {}).get("reads", ()))
+
+
 def _grouped(found: Iterable[Change]) -> Iterator[tuple[str, list[Change]]]:
-    """Changes by code, those together that one edit of a shared definition, or of what tests are given, makes."""
+    """Changes by code, those together that one edit makes: of a shared definition, of what tests are given, of a hazard that levels follow."""
     groups: dict[tuple[str, str], list[Change]] = defaultdict(list)
     for change in found:
         code = _code(change)
         one = "" if code == "T370" and change.field == "meaning" else change.key
-        if code == "T374":
+        if code in ("T374", "T221"):
             one = change.name.partition(": ")[0]
+        elif change.field == "asil":
+            one = "asil"
+        elif change.kind == "gate" and not change.field:
+            one = "gate"
         groups[code, one].append(change)
     for (code, _), group in groups.items():
         yield code, group

@@ -24,23 +24,24 @@ Content: TypeAlias = dict[str, Entry]
 def content(project: Project, spec: Spec, hashes: Hashes) -> Content:
     """All of it as it is now, in an order of its own."""
     found: Content = {}
-    for key, entry in (*_documents(project), *_v_model(project, hashes), *_specs(spec)):
+    for key, entry in (*_documents(project, hashes), *_v_model(project, hashes), *_specs(spec, hashes)):
         found.setdefault(key, {name: value for name, value in entry.items() if value})
     return dict(sorted(found.items()))
 
 
-def _documents(project: Project) -> Iterator[tuple[str, Entry]]:
+def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
     for r in project.requirements:
         yield f"requirement {r.id}", {
             "statement": _hash(r.statement), "asil": str(r.asil), "status": r.status, "derived_from": _list(r.derived_from),
             "refines": _list(r.refines), "verification": _list(r.verification), "metrics": _list(r.metrics),
-            "assumptions": _list(r.assumptions), **_linked(r.links),
+            "assumptions": _list(r.assumptions), **_linked(r.links), "not_verified_by": _list(name for name, _ in r.not_verified_by),
         }  # fmt: skip
     for entry in project.entries:
         said = {name: _hash(text) if " " in text else text for name, text in entry.attributes.items()}
         versions = [f"{of} {fingerprint}" for of, fingerprint in entry.versions]
         yield f"{entry.kind.replace(' ', '-')} {entry.id}", {
             **said, **_linked(entry.links), "of versions": _list(versions),
+            "evidence sha256": "".join(hashes.get(path) or "" for kind, path in entry.links if kind == "backed_by"),
         }  # fmt: skip
     if project.schema is not None:
         yield "link-schema", {"says": _hash(repr(_said(project.schema)))}
@@ -106,11 +107,12 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         }  # fmt: skip
 
 
-def _specs(spec: Spec) -> Iterator[tuple[str, Entry]]:
+def _specs(spec: Spec, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
     for name, item in spec.by_name.items():
         yield f"{'rule' if item.kind == 'rule' else 'assumption'} {name}", {
             "satisfies": _list(ref.id for ref in item.satisfies), "assuming": _list(ref.id for ref in item.assuming),
             "severity": item.severity, "owner": item.owner, "evidence": item.evidence,
+            "evidence sha256": hashes.get(item.evidence) or "" if item.evidence else "",
             "meaning": item.inputs.get(f"rule {name}") or item.fingerprint, "reads": _list(set(item.inputs) - {f"rule {name}", "constraints"}),
         }  # fmt: skip
     for test in spec.tests:
@@ -130,6 +132,7 @@ def _specs(spec: Spec) -> Iterator[tuple[str, Entry]]:
             {
                 "requirement": case.requirement,
                 "not put in": _hash(case.open) if case.open else "",
+                "put in": "" if case.open else case.says,
             },
         )
 

@@ -12,6 +12,7 @@ from trackmarshal.trace import faults
 from trackmarshal.trace.external import External
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
+from trackmarshal.trace.graph import works
 from trackmarshal.trace.graph.graph import Graph, Key, Link, Node
 from trackmarshal.trace.graph.kinds import LINKS, NODES
 from trackmarshal.trace.model import Project, Requirement, matches
@@ -27,6 +28,7 @@ _USED = {
     "place": "place",
     "signal": "signal",
     "constraint": "constraint",
+    "rulebook": "rulebook",
 }
 
 
@@ -60,6 +62,7 @@ class _Building:
         #: Of links to anything: by id, the kinds that have it; and persons by name.
         self._kinds_of: dict[str, list[str]] = defaultdict(list)
         self._persons: dict[str, str] = {}
+        self._works: list[Node] = []
         self._double = False
         self._known: dict[Key, Key] = {}
         #: By interface, the requirements that its issues lead to.
@@ -79,6 +82,7 @@ class _Building:
             self._kinds_of[node.id].append(node.kind)
             if node.kind == "person":
                 self._persons.setdefault(node.title, node.id)
+        self._works = [node for node in self.nodes.values() if node.kind == "work"]
         self._links()
         places = {("requirement", str(r.id)): r.asil.place for r in self.project.by_id.values()}
         return Graph(self.nodes, self.found, places)
@@ -127,6 +131,7 @@ class _Building:
             attributes = {
                 "status": str(r.status), "asil": str(r.asil), "verification": ", ".join(r.verification), "adopted": str(r.adopted),
                 "source": str(r.source), "owner": str(r.owner), "statement": str(r.statement),
+                "not_verified_by": " ".join(method for method, _ in r.not_verified_by),
             }  # fmt: skip
             self._node("requirement", r.id, r.title, r.place, attributes)
 
@@ -313,9 +318,20 @@ class _Building:
         if item.evidence:
             self._link("backed_by", key, ("document", item.evidence), item_place(item))
         self._owner(key, item.owner, item_place(item))
+        for work in works.cited(item.source, self._works):
+            self._link("cites", key, ("work", work), item_place(item))
 
     def _links_of_evidence(self) -> None:
         self._double = False
+        for part in self.spec.parts:
+            for name in part.of:
+                kind = "table" if ("table", name) in self.nodes else "parameter"
+                self._link(
+                    "restricts",
+                    (_USED[part.kind], part.name),
+                    (kind, name),
+                    Place(part.file, part.line, part.column),
+                )
         for test in self.spec.tests:
             item = self.spec.by_name.get(test.rule)
             target = ("rule" if item is None else _KIND[item.kind], test.rule)
@@ -331,11 +347,11 @@ class _Building:
             named = [pattern for pattern in scenario.requirements if pattern != "*"]
             self._fitting("shows", ("scenario", str(scenario.path)), named, scenario.path.place)
         for run in self.spec.runs.values():
-            key, place = ("run", run.scenario), Place(run.scenario)
-            stale = self.nodes[key].attributes["outcome"] == "stale"
+            ran, place = ("run", run.scenario), Place(run.scenario)
+            stale = self.nodes[ran].attributes["outcome"] == "stale"
             self._link(
                 "replays",
-                key,
+                ran,
                 ("scenario", run.scenario),
                 place,
                 "outdated" if stale and ("scenario", run.scenario) in self.nodes else "",
@@ -344,11 +360,13 @@ class _Building:
                 item = self.spec.by_name.get(facts.rule)
                 if item is not None and facts.number("satisfied", "violated"):
                     self._link(
-                        "evaluates", key, (_KIND[item.kind], item.name), place, "outdated" if stale else ""
+                        "evaluates", ran, (_KIND[item.kind], item.name), place, "outdated" if stale else ""
                     )
         for case in self.spec.faults:
-            key = ("fault", f"{case.campaign} {case.id}")
-            self._link("challenges", key, ("requirement", case.requirement), Place(case.campaign, case.line))
+            put_in = ("fault", f"{case.campaign} {case.id}")
+            self._link(
+                "challenges", put_in, ("requirement", case.requirement), Place(case.campaign, case.line)
+            )
         for external in self.around.tests:
             for id_ in external.test.requirements:
                 self._link("confirms", _external(external), ("requirement", id_), external.place)

@@ -104,7 +104,16 @@ def _at_asil(graph: Graph, code: str, message: str, node: Node, above: Node, hel
         if above.place is None
         else ((graph.asil_places.get(above.key, above.place), f"ASIL of `{above.id}`"),)
     )
-    return Finding(code, "error", message, graph.asil_places.get(node.key, node.place), help_, node.id, also)
+    place = graph.asil_places.get(node.key, node.place)
+    return Finding(code, "error", message, place, help_, node.id, also, (above.id,))
+
+
+def _of_parts(graph: Graph, message: str, parent: Node, help_: str) -> Finding:
+    """T161, which is about the parts too, and about what was one."""
+    parts = (link.source[1] for link in graph.into(parent.key) if link.kind == "refines")
+    return Finding(
+        "T161", "error", message, parent.place, help_, parent.id, about=tuple(dict.fromkeys(parts))
+    )
 
 
 def _decomposed(graph: Graph, nodes: Sequence[Node]) -> Iterator[Finding]:
@@ -140,11 +149,11 @@ def _adds_up(graph: Graph, parent: Node, parts: Sequence[Node]) -> Iterator[Find
     )
     if len(parts) == 1 and total < own:
         message = f"the ASIL of `{parent.id}`, {written}, is decomposed into {said} alone"
-        yield error("T161", message, parent.place, "a decomposition has at least two parts", parent.id)
+        yield _of_parts(graph, message, parent, "a decomposition has at least two parts")
     elif total < own:
         message = f"the ASIL of `{parent.id}`, {written}, is decomposed into {said}, which is too little"
         help_ = f"with QM 0, A 1, B 2, C 3 and D 4, the parts make {total}, and {written.partition('(')[0]} is {own}"
-        yield error("T161", message, parent.place, help_, parent.id)
+        yield _of_parts(graph, message, parent, help_)
     if not any(link.kind == "independence" for link in graph.out_of(parent.key)):
         message = (
             f"the ASIL of `{parent.id}` is decomposed, and no analysis argues that the parts are independent"

@@ -24,6 +24,7 @@ NODES = {
     "table": "a table of rules",
     "signal": "an input of rules",
     "place": "a zone or a line of rules",
+    "rulebook": "an order of rules",
     "test": "a test written in a spec",
     "result": "what a test came to",
     "scenario": "a recording that is replayed",
@@ -32,6 +33,8 @@ NODES = {
     "external test": "a test of another runner",
     "code": "a file of source code that says what it implements",
     "document": "a file that is evidence",
+    "indicator": "a number that shows in operation whether a claim holds",
+    "work": "what rules cite as their source: a paper, a regulation",
     "analysis": "an argument made by somebody",
     "review": "a second person's reading",
     "waiver": "a gap that somebody answers for",
@@ -150,11 +153,14 @@ LINKS = {
     "reviews": LinkKind("reviewed_by", ("review",), ANY, False, _MANY),
     "used_for": LinkKind("made_with", ("tool",), ANY, False, _MANY),
     "made_by": LinkKind("made", ("analysis", "review"), ("person",), True, _GIVEN),
-    "owned_by": LinkKind("owns", ("requirement", "hazard", "safety goal", "design element", "assumption", "waiver"), ("person",), True, {
+    "owned_by": LinkKind("owns", ("requirement", "hazard", "safety goal", "design element", "assumption", "indicator", "waiver"), ("person",), True, {
         **_GIVEN,
         "orphaned": Said("T153", "{it} belongs to `{target}`, who is none of the persons of the project",
                          "name a person by id or by name; they are declared under `persons`"),
     }),
+    "indicates": LinkKind("indicated_by", ("indicator",), ANY, False, _MANY),
+    "restricts": LinkKind("restricted_by", ("constraint",), ("parameter", "table")),
+    "cites": LinkKind("cited_by", ("rule", "assumption"), ("work",)),
     "approved_by": LinkKind("approves", ("waiver",), ("person",), True, {
         **_GIVEN,
         "orphaned": Said("T153", "{it} is approved by `{target}`, who is none of the persons of the project",

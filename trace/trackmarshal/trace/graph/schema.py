@@ -19,7 +19,7 @@ from trackmarshal.trace.values import Reader
 
 DEFAULT = Path(__file__).with_name("links.yaml")
 #: Codes that an unmet need may have: each says that something is not linked.
-CODES = ("T134", "T139", "T150", "T202", "T207")
+CODES = ("T134", "T139", "T150", "T171", "T172", "T202", "T207")
 
 
 @cache
@@ -65,16 +65,17 @@ class _Asking:
                 continue  # as nearly all of them
             numbers = [self._number(node, way) for way in need.any_of]
             if not any(number >= way.at_least for number, way in zip(numbers, need.any_of)):
-                lacks = " and ".join(_lack(number, way) for number, way in zip(numbers, need.any_of))
-                message = _filled(need.says or f"{{it}} has {lacks}", node)
-                yield Finding(
-                    str(need.code) or "T150",
-                    need.level,
-                    message,
-                    node.place,
-                    _filled(need.help, node),
-                    node.id,
+                lacks = " and ".join(
+                    _lack(number, way) for number, way in zip(numbers, need.any_of) if not way.every
                 )
+                every = ", ".join(
+                    f"`{name}`" for way in need.any_of if way.every for name in self._wanted(node, way)
+                )
+                message = _filled(need.says or f"{{it}} has {lacks or every}", node).replace("{every}", every)
+                missing = tuple(name for way in need.any_of if way.every for name in self._wanted(node, way))
+                yield Finding(
+                    str(need.code) or "T150", need.level, message, node.place, _filled(need.help, node), node.id, about=missing
+                )  # fmt: skip
             for number, way in zip(numbers, need.any_of):
                 if way.at_most is not None and number > way.at_most:
                     message = f"{called(node.key)} has {_count(number, way)}, at most {way.at_most} may be"
@@ -93,6 +94,8 @@ class _Asking:
         if way.reaches:
             return int(node.key in self._below(str(way.reaches), way.where))
         kind, outward = WAYS[way.link]
+        if way.every:
+            return int(not self._wanted(node, way))
         if outward:  # as they are written: what is wrong with one of them is told of it
             ends = [
                 link.target
@@ -112,6 +115,20 @@ class _Asking:
             other.demanded and (not way.kinds or other.kind in way.kinds) and fits(other, way.where)
             for other in others
         )
+
+    def _wanted(self, node: Node, way: Way) -> list[str]:
+        """Nodes that a way with `every` asks for, and that a node is not linked with; of which no integrity level is given, none is."""
+        kind, outward = WAYS[way.link]
+        own = asil(node, -1)
+        links = self._graph.out_of(node.key) if outward else self._graph.into(node.key)
+        there = {(link.target if outward else link.source)[1] for link in links if link.kind == kind}
+        there.update(node.attributes.get(way.unless, "").split())
+        return [
+            other.id
+            for name in (LINKS[kind].targets if outward else LINKS[kind].sources)
+            for other in self._graph.by_kind.get(name, ())
+            if other.id not in there and LEVEL.get(other.attributes.get(way.every, ""), own + 1) <= own
+        ]
 
     def _below(self, kind: str, where: tuple[Condition, ...]) -> frozenset[Key]:
         """All nodes that have such a node below them."""
@@ -172,6 +189,13 @@ def _of_schema(need: Need, project: Project) -> Iterator[Finding]:
                 )
         if way.at_least == 0 and way.at_most is None:
             yield error("T156", "`at_least: 0` is always met", way.place, "strike it, or say `at_most`")
+        if (way.every or way.unless) and not (way.every and way.link):
+            yield error(
+                "T156",
+                "`every` and `unless` ask for links, and which is not said",
+                way.place,
+                "give `link` and `every`",
+            )
         if way.at_least > 1 and not way.link:
             yield error("T156", "`at_least` counts links, and there are none here", way.place, "strike it")
     if need.code and need.code not in CODES:

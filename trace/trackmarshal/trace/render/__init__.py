@@ -10,9 +10,14 @@ FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github", "junit")
 
 
 def render(
-    matrix: Matrix, format: str = "text", *, colour: bool = False, where: Callable[[str], str] | None = None
+    matrix: Matrix,
+    format: str = "text",
+    *,
+    colour: bool = False,
+    where: Callable[[str], str] | None = None,
+    verbose: bool = False,
 ) -> str:
-    """The matrix in one of FORMATS; `colour` is for text on a terminal, `where` what paths are called in SARIF, annotations and JUnit.
+    """The matrix in one of FORMATS; `colour` and `verbose` (what follows from findings, too) are for text on a terminal, `where` what paths are called in SARIF, annotations and JUnit.
 
     Raises ValueError for another format.
     """
@@ -21,7 +26,7 @@ def render(
         case "text":
             from trackmarshal.trace.render import text
 
-            return text.render(matrix, colour=colour)
+            return text.render(matrix, colour=colour, verbose=verbose)
         case "json":
             from trackmarshal.trace.render import data
 

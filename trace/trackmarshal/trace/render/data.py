@@ -29,7 +29,7 @@ def record(matrix: Matrix) -> dict[str, Any]:
         "reservations": list(matrix.reservations),
         "stages": [{"id": stage.id, "title": stage.title, "shows": stage.shows} for stage in matrix.stages],
         "requirements": [_row(row) for row in matrix.rows],
-        "findings": [finding_record(finding) for finding in matrix.findings],
+        "findings": _findings(matrix),
         "coverage": matrix.coverage,
         "waivers": [
             {
@@ -83,6 +83,19 @@ def _item(item: Item) -> dict[str, Any]:
         "kind": item.kind, "name": item.name, "title": item.title, "status": item.status, "detail": item.detail,
         "span": span(item.place),
     }  # fmt: skip
+
+
+def _findings(matrix: Matrix) -> list[dict[str, Any]]:
+    """All of them, each with its number, and the number of the one that it follows from."""
+    numbers = {finding: number for number, finding in enumerate(matrix.findings, 1)}
+    return [
+        {
+            "id": number,
+            "cause": numbers[matrix.causes[finding]] if finding in matrix.causes else None,
+            **finding_record(finding),
+        }
+        for finding, number in numbers.items()
+    ]
 
 
 def finding_record(finding: Finding) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 from urllib.parse import quote
 
@@ -11,7 +11,7 @@ import trackmarshal
 from trackmarshal.trace.codes import CODES
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.matrix import Matrix
-from trackmarshal.trace.render.words import tally
+from trackmarshal.trace.render.words import follows, tally
 
 _COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 
@@ -23,7 +23,10 @@ def render_sarif(matrix: Matrix, where: Callable[[str], str] = str) -> str:
     run = {
         "tool": {"driver": {"name": "trackmarshal", "version": trackmarshal.__version__, "rules": rules}},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(finding, codes.index(finding.code), where) for finding in matrix.findings],
+        "results": [
+            _result(finding, codes.index(finding.code), where, matrix.causes.get(finding))
+            for finding in matrix.findings
+        ],
         "properties": {"verdict": matrix.verdict, "coverage": matrix.coverage},
     }
     log = {"$schema": "https://json.schemastore.org/sarif-2.1.0.json", "version": "2.1.0", "runs": [run]}
@@ -37,7 +40,9 @@ def _rule(code: str) -> dict[str, Any]:
     return {"id": code, "shortDescription": {"text": title}, "fullDescription": {"text": explanation}}
 
 
-def _result(finding: Finding, index: int, where: Callable[[str], str]) -> dict[str, Any]:
+def _result(
+    finding: Finding, index: int, where: Callable[[str], str], cause: Finding | None
+) -> dict[str, Any]:
     text = finding.message + (f"\nhelp: {finding.help}" if finding.help else "")
     result: dict[str, Any] = {
         "ruleId": finding.code,
@@ -45,6 +50,8 @@ def _result(finding: Finding, index: int, where: Callable[[str], str]) -> dict[s
         "level": finding.level,
         "message": {"text": text},
     }
+    if cause is not None:
+        result["properties"] = {"followsFrom": f"{cause.code}: {cause.message}"}
     if finding.place is not None:
         result["locations"] = [{"physicalLocation": _location(finding.place, where)}]
     if finding.also:
@@ -66,14 +73,14 @@ def _location(place: Place, where: Callable[[str], str]) -> dict[str, Any]:
 
 
 def render_github(matrix: Matrix, where: Callable[[str], str] = str) -> str:
-    """One workflow command a finding, and the verdict at the end."""
-    lines = [_command(finding, where) for finding in matrix.findings]
+    """One workflow command a finding that stands for itself, since few are shown, and the verdict at the end."""
+    lines = [_command(finding, where, matrix.following(finding)) for finding in matrix.standing]
     level = "notice" if matrix.passes else "error"
     lines.append(f"::{level} title=traceability::{_data(f'{matrix.verdict}: {tally(matrix)}')}")
     return "\n".join(lines) + "\n"
 
 
-def _command(finding: Finding, where: Callable[[str], str]) -> str:
+def _command(finding: Finding, where: Callable[[str], str], following: Sequence[Finding]) -> str:
     properties: dict[str, object] = {}
     if finding.place is not None:
         properties["file"] = where(finding.place.file)
@@ -83,7 +90,13 @@ def _command(finding: Finding, where: Callable[[str], str]) -> str:
             properties["col"] = finding.place.column
     properties["title"] = f"{finding.code} {CODES.get(finding.code, ('',))[0]}".rstrip()
     shown = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
-    text = "\n".join([finding.message, *([f"help: {finding.help}"] if finding.help else [])])
+    text = "\n".join(
+        [
+            finding.message,
+            *([f"help: {finding.help}"] if finding.help else []),
+            *filter(None, [follows(following)]),
+        ]
+    )
     return f"::{_COMMANDS[finding.level]} {shown}::{_data(text)}"
 
 

@@ -12,7 +12,7 @@ from trackmarshal.trace.codes import CODES
 from trackmarshal.trace.findings import LEVELS
 from trackmarshal.trace.matrix import Matrix, Row
 from trackmarshal.trace.model import Stage
-from trackmarshal.trace.render.words import MEANINGS, SIGNS, inputs, tally
+from trackmarshal.trace.render.words import MEANINGS, SIGNS, follows, inputs, tally
 
 #: The colours of a verdict, which are those of a status of cells.
 _LOOKS = {verdict.PASS: "covered", verdict.RESERVED: "waived", verdict.FAIL: "failed"}
@@ -54,7 +54,8 @@ def render(matrix: Matrix) -> str:
         inputs=inputs(matrix),
         signs=SIGNS,
         meanings=MEANINGS,
-        levels=[(level, [f for f in matrix.findings if f.level == level]) for level in LEVELS],
+        levels=[(level, [f for f in matrix.standing if f.level == level]) for level in LEVELS],
+        follows=follows,
         titles={code: title for code, (title, _) in CODES.items()},
         cells=cells,
         groups=groups,

@@ -7,7 +7,7 @@ import io
 
 from trackmarshal.trace.cells import Item
 from trackmarshal.trace.matrix import Matrix
-from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally
+from trackmarshal.trace.render.words import SIGNS, follows, inputs, printable, tally
 
 
 def render_csv(matrix: Matrix) -> str:
@@ -70,12 +70,15 @@ def render_markdown(matrix: Matrix) -> str:
     lines += [f"- {stage.id}, {escaped(stage.title)}: {escaped(stage.shows)}" for stage in matrix.stages]
     if matrix.findings:
         lines += ["", "## Findings", ""]
-    for finding in matrix.findings:
+    for finding in matrix.standing:
         place = f" `{finding.place}`" if finding.place else ""
         help_ = f" *{escaped(finding.help)}*" if finding.help else ""
         lines.append(
             f"- **{finding.level} {finding.code}**{place}: {escaped(finding.message, code=True)}{help_}"
         )
+        following = matrix.following(finding)
+        if following:
+            lines.append(f"  - {follows(following)}")
     if matrix.waivers:
         lines += ["", "## Waivers", ""]
     for waiver in matrix.waivers:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from trackmarshal.trace.cells import Cell
+from trackmarshal.trace.findings import Finding
 from trackmarshal.trace.matrix import Matrix, Row
-from trackmarshal.trace.render.words import SIGNS, inputs, printable, tally
+from trackmarshal.trace.render.words import SIGNS, follows, inputs, printable, tally
 from trackmarshal.trace.verdict import FAIL, PASS, RESERVED
 
 _COLOURS = {"covered": "32", "waived": "36", "partial": "33", "missing": "33", "stale": "35", "failed": "31"}
@@ -15,9 +16,9 @@ _VERDICTS = {PASS: "1;32", RESERVED: "1;36", FAIL: "1;31"}
 _TITLE = 34
 
 
-def render(matrix: Matrix, *, colour: bool = False) -> str:
-    """Verdict, table, what is open, findings."""
-    return "\n".join(_lines(matrix, _Paint(colour))) + "\n"
+def render(matrix: Matrix, *, colour: bool = False, verbose: bool = False) -> str:
+    """Verdict, table, what is open, findings; those that follow from others are counted, or with `verbose` listed."""
+    return "\n".join(_lines(matrix, _Paint(colour), verbose)) + "\n"
 
 
 class _Paint:
@@ -28,7 +29,7 @@ class _Paint:
         return f"\033[{code}m{text}\033[0m" if self._colour and code else text
 
 
-def _lines(matrix: Matrix, paint: _Paint) -> Iterator[str]:
+def _lines(matrix: Matrix, paint: _Paint, verbose: bool) -> Iterator[str]:
     word = matrix.verdict
     yield f"traceability of {printable(matrix.project) or 'a project without a name'}, {matrix.today.isoformat()}"
     yield paint(_VERDICTS[word], f"{word.upper()}") + f": {tally(matrix)}"
@@ -52,13 +53,22 @@ def _lines(matrix: Matrix, paint: _Paint) -> Iterator[str]:
     if matrix.findings:
         yield ""
         yield "findings:"
-    for finding in matrix.findings:
-        where = f"{finding.place}: " if finding.place else ""
-        yield f"{where}{paint(_LEVELS[finding.level], f'{finding.level}[{finding.code}]')}: {printable(finding.message)}"
+    for finding in matrix.standing:
+        yield _said(finding, paint)
         for place, label in finding.also:
             yield f"    {place}: {printable(label)}"
         if finding.help:
             yield f"    help: {printable(finding.help)}"
+        following = matrix.following(finding)
+        if following:
+            yield f"    {follows(following)}" + ("" if verbose else "; --verbose lists them")
+        for other in following if verbose else ():
+            yield f"      {_said(other, paint)}"
+
+
+def _said(finding: Finding, paint: _Paint) -> str:
+    where = f"{finding.place}: " if finding.place else ""
+    return f"{where}{paint(_LEVELS[finding.level], f'{finding.level}[{finding.code}]')}: {printable(finding.message)}"
 
 
 def _table(matrix: Matrix, paint: _Paint) -> Iterator[str]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from trackmarshal.trace.findings import LEVELS
+from collections import Counter
+from collections.abc import Sequence
+
+from trackmarshal.trace.findings import LEVELS, Finding
 from trackmarshal.trace.matrix import Matrix
 
 #: Beside the word, never instead of it; from best to worst.
@@ -24,6 +27,15 @@ def tally(matrix: Matrix) -> str:
     said = ", ".join(f"{count} {level}{'' if count == 1 else 's'}" for level, count in number.items())
     held = [what for what in matrix.reservations if "should be looked at" not in what]
     return f"{said}; {', '.join(held)}" if held and matrix.passes else said
+
+
+def follows(found: Sequence[Finding]) -> str:
+    """How many findings follow from another one, by their codes; empty for none."""
+    codes = Counter(finding.code for finding in found)
+    said = ", ".join(
+        code if number == 1 else f"{code} {number} times" for code, number in sorted(codes.items())
+    )
+    return f"and {len(found)} that follow{'s' if len(found) == 1 else ''} from it: {said}" if found else ""
 
 
 def inputs(matrix: Matrix) -> str:

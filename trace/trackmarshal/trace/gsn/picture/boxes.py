@@ -17,7 +17,7 @@ DIAMOND = 14.0
 #: The most lines of text in an element; the whole text is its title.
 LINES = 9
 #: ... and in an oval one, which grows in both directions.
-FEWER = 6
+FEWER = 5
 #: What a line of an id, and one of a status, takes beside the text.
 ROUND = frozenset({"solution", "counter solution"})
 OVAL = frozenset({"assumption", "justification"})

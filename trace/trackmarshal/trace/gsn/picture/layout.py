@@ -17,6 +17,8 @@ from trackmarshal.trace.gsn.picture.content import Content
 
 PROGRAM = "graphviz-pure"
 INCH = 72.0
+#: The room between rows, in inches.
+APART = 0.48
 #: No picture takes this long (s).
 PATIENCE = 600
 
@@ -30,11 +32,16 @@ class Placed(NamedTuple):
     curves: Mapping[tuple[str, str], Sequence[tuple[float, float]]]
 
 
-def laid_out(pictures: Sequence[tuple[Content, Mapping[str, Box]]]) -> list[Placed]:
-    """Positions in each of some pictures, all in one call of the engine. Raises T424 where there is none, T425 where it does not answer."""
+def laid_out(
+    pictures: Sequence[tuple[Content, Mapping[str, Box]]], one_row: int = ONE_ROW, apart: float = APART
+) -> list[Placed]:
+    """Positions in each of some pictures, all in one call of the engine. Raises T424 where there is none, T425 where it does not answer.
+
+    one_row: where more elements than this are below one, they stand in two rows. apart: the room between rows, in inches.
+    """
     if not pictures:
         return []
-    asked = "\n".join(_graph(content, boxes) for content, boxes in pictures)
+    asked = "\n".join(_graph(content, boxes, one_row, apart) for content, boxes in pictures)
     answers = list(_answers(_run(_engine(), asked)))
     if len(answers) != len(pictures):
         raise _failed(f"{len(answers)} positions for {len(pictures)} pictures")
@@ -68,10 +75,10 @@ def _failed(why: str) -> TrackmarshalError:
     return TrackmarshalError("T425", f"`{PROGRAM}` failed: {why}", help="install the version that constraints.txt names")  # fmt: skip
 
 
-def _graph(content: Content, boxes: Mapping[str, Box]) -> str:
+def _graph(content: Content, boxes: Mapping[str, Box], one_row: int, apart: float) -> str:
     """A picture in the DOT language, with numbers for names, so that no text of a project is in it."""
     number = {id_: f"n{index}" for index, id_ in enumerate(content.shown)}
-    lines = ['digraph { graph [nodesep=0.22, ranksep=0.48, ordering=out, splines=polyline]; node [label="", fixedsize=true, shape=box]; edge [arrowsize=0.9];']  # fmt: skip
+    lines = [f'digraph {{ graph [nodesep=0.22, ranksep={apart}, ordering=out, splines=polyline]; node [label="", fixedsize=true, shape=box]; edge [arrowsize=0.9];']  # fmt: skip
     for id_, shown in content.shown.items():
         size = boxes[id_]
         high = size.height + (DIAMOND if shown.element.undeveloped else 0)
@@ -79,7 +86,7 @@ def _graph(content: Content, boxes: Mapping[str, Box]) -> str:
         lines.append(
             f"{number[id_]} [width={size.width / INCH:.4f}, height={high / INCH:.4f}, shape={form}];"
         )
-    lines += _supports(content, number)
+    lines += _supports(content, number, one_row)
     lines += _beside(content, number)
     return "\n".join([*lines, "}"])
 
@@ -108,7 +115,7 @@ def _beside(content: Content, number: Mapping[str, str]) -> Iterator[str]:
             yield f"subgraph cluster_{number[holder]} {{peripheries=0; margin=0; {{rank=same; {' '.join(own)}}}}}"
 
 
-def _supports(content: Content, number: Mapping[str, str]) -> Iterator[str]:
+def _supports(content: Content, number: Mapping[str, str], one_row: int) -> Iterator[str]:
     """Links of support; what stands side by side in large number stands in two rows, the second below all that is under the first."""
     below: dict[str, list[str]] = {}
     for link in content.links:
@@ -117,11 +124,11 @@ def _supports(content: Content, number: Mapping[str, str]) -> Iterator[str]:
     depth: dict[str, int] = {}
     for id_ in _deepest_first(below):
         depth[id_] = 1 + max((depth.get(t, 0) for t in below.get(id_, ())), default=0)
-        depth[id_] += max((depth.get(t, 0) for t in below[id_][::2]), default=0) if len(below.get(id_, ())) > ONE_ROW else 0  # fmt: skip
+        depth[id_] += max((depth.get(t, 0) for t in below[id_][::2]), default=0) if len(below.get(id_, ())) > one_row else 0  # fmt: skip
     for source, targets in below.items():
         first = max(depth.get(target, 1) for target in targets[::2])
         for index, target in enumerate(targets):
-            second = len(targets) > ONE_ROW and index % 2 == 1
+            second = len(targets) > one_row and index % 2 == 1
             yield f"{number[source]}:s -> {number[target]}:n [minlen={1 + first if second else 1}];"
 
 
@@ -186,4 +193,4 @@ def _placed(answer: list[list[str]], content: Content, boxes: Mapping[str, Box])
     return Placed(width, height, centres, curves)
 
 
-__all__ = ["PROGRAM", "Placed", "laid_out"]
+__all__ = ["APART", "PROGRAM", "Placed", "laid_out"]

@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from html import escape
 
 from trackmarshal.trace.gsn.case import RESERVED, SUPPORTED, UNSUPPORTED, UPHELD, Case, Element, Module
+from trackmarshal.trace.gsn.modules import ONE_ROW
 from trackmarshal.trace.gsn.picture.boxes import FONT, LINE, PAD, Box, box
 from trackmarshal.trace.gsn.picture.content import Content, Shown, content
-from trackmarshal.trace.gsn.picture.layout import Placed, laid_out
+from trackmarshal.trace.gsn.picture.layout import APART, Placed, laid_out
 from trackmarshal.trace.gsn.picture.outlines import INK, cross, link, outline
 from trackmarshal.trace.gsn.picture.wrapping import width, wrapped
 from trackmarshal.trace.gsn.statuses import defeated
@@ -29,6 +30,8 @@ LONG, SHORT, MM = 277.0, 190.0, 25.4 / 72
 _TOO_SMALL = 420.0
 #: What strikes out a defeated element: dark enough to be seen in grey, light enough to read over.
 STRUCK = "#e08a92"
+#: Where letters would be smaller than this on A4, in points, it is tried with rows of fewer elements, and less room between rows.
+SMALL, CLOSER = 7.0, ((ONE_ROW, 0.3), (3, APART), (3, 0.3), (2, 0.3))
 #: So much evidence is listed where a pointer rests on a solution; all of it is in the export as JSON.
 LISTED = 12
 
@@ -38,14 +41,17 @@ def pictures(case: Case, modules: Sequence[Module], files: Mapping[str, str]) ->
     contents = [content(case, module) for module in modules]
     boxes = [{id_: box(shown) for id_, shown in c.shown.items()} for c in contents]
     placed = laid_out(list(zip(contents, boxes)))
+    for one_row, apart in CLOSER:
+        small = [n for n, p in enumerate(placed) if _scale(*_size(p)) * FONT < SMALL]
+        for n, other in zip(small, laid_out([(contents[n], boxes[n]) for n in small], one_row, apart)):
+            placed[n] = max(placed[n], other, key=lambda p: _scale(*_size(p)))
     return [_picture(case, c, b, p, files) for c, b, p in zip(contents, boxes, placed)]
 
 
 def _picture(
     case: Case, shown: Content, boxes: Mapping[str, Box], placed: Placed, files: Mapping[str, str]
 ) -> str:
-    wide = max(placed.width + 2 * MARGIN, _TOO_SMALL)
-    high = placed.height + 2 * MARGIN + HEAD + FOOT
+    wide, high = _size(placed)
     dx, dy = (wide - placed.width) / 2, MARGIN + HEAD
     lines = [
         part for one in shown.links for part in _link(one.kind, placed.curves.get((one.source, one.target)))
@@ -66,13 +72,24 @@ def _picture(
         ),
         *_foot(wide, high),
     ]
-    scale = min(1.0, max(min(LONG / (wide * MM), SHORT / (high * MM)), min(SHORT / (wide * MM), LONG / (high * MM))))  # fmt: skip
+    scale = _scale(wide, high)
     opening = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{short(wide * MM * scale)}mm" height="{short(high * MM * scale)}mm" '
         f'viewBox="0 0 {short(wide)} {short(high)}" role="group" aria-labelledby="name said" font-family="{escape(FAMILY)}" font-size="{FONT}">'
     )
     named = [tag("title", escape(_text(name)), id="name"), tag("desc", escape(_text(said)), id="said")]
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', opening, *named, *body, "</svg>"]) + "\n"
+
+
+def _size(placed: Placed) -> tuple[float, float]:
+    """The size of a picture with its head, foot and margins, in points."""
+    return max(placed.width + 2 * MARGIN, _TOO_SMALL), placed.height + 2 * MARGIN + HEAD + FOOT
+
+
+def _scale(wide: float, high: float) -> float:
+    """How much smaller than it is drawn a picture has to be to fit on A4, lying or standing; 1 at most."""
+    lying, standing = min(LONG / wide, SHORT / high), min(SHORT / wide, LONG / high)
+    return min(1.0, max(lying, standing) / MM)
 
 
 def _heading(case: Case, shown: Content) -> str:
@@ -160,7 +177,8 @@ def _element(case: Case, one: Shown, size: Box, at: tuple[float, float], files: 
     if split:
         top = y - size.height / 2 + PAD
     baseline = top + FONT * 0.95
-    texts = [*((line, {"font_weight": "bold"}) for line in size.name), *((line, {}) for line in size.lines)]
+    texts: list[tuple[str, dict[str, str | float]]] = [(line, {"font_weight": "bold"}) for line in size.name]
+    texts += [(line, {}) for line in size.lines]
     if size.status:
         texts.append((f"{sign} {size.status}", {"font_weight": "bold", "fill": stroke, "font_size": 9.0}))
     gap = PAD / 2 + 3 if split else 0.0

@@ -1,0 +1,141 @@
+"""The baseline through version control: acceptances are added, never rewritten.
+
+Who edits what the baseline holds, and makes its hash again, leaves no trace in the file. The versions that git has of it show that: each has
+the acceptances of the one before, and what it holds differs only where one was added.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from trackmarshal.trace import Finding
+
+CODES = {
+    "T380": (
+        "acceptances were rewritten",
+        "Acceptances of the baseline are only ever added to, by `--accept-baseline`, with who accepted what. Between two versions that git has of the file, or "
+        "between the last one and that in the folder, something else was changed: what is held became another thing without an acceptance, or an earlier "
+        "acceptance reads differently, or is gone. `--rerun` looks for that, back to the last version with a proper acceptance.",
+    ),
+    "T381": (
+        "nobody knows who accepted the baseline",
+        "People sign acceptances through version control, and it cannot be asked: the project is not in a git repository, or its history is cut before the last "
+        "acceptance (a shallow clone, as continuous integration often makes one).",
+    ),
+}  # fmt: skip
+#: So many versions are looked at.
+_MOST = 200
+
+
+def check(root: Path, baseline: str) -> Iterator[Finding]:
+    """T380 and T381 for the baseline of a project, whose path is relative to its folder. Nothing where there is no baseline: that is told elsewhere."""
+    from trackmarshal.trace.findings import Place, error, warning
+
+    path = root / baseline
+    if not path.is_file():
+        return
+    place = Place(baseline)
+    try:
+        commits = _git(
+            root, "log", "--first-parent", f"--max-count={_MOST}", "--format=%H", "--", baseline
+        ).split()
+        cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
+        versions = [
+            ("", path.read_bytes()),
+            *((commit, _version(root, commit, baseline)) for commit in commits),
+        ]
+    except (OSError, subprocess.SubprocessError):
+        yield warning(
+            "T381",
+            "who accepted the baseline is not known: the project is in no git repository",
+            place,
+            "put it under version control",
+        )
+        return
+    if not commits:
+        yield warning(
+            "T381", "who accepted the baseline is not known: it was never committed", place, "commit it"
+        )
+        return
+    number = 0
+    while number + 1 < len(versions):
+        commit, newer = versions[number]
+        same = [n for n in range(number + 1, len(versions)) if versions[n][1] == newer]
+        if same:  # restored: what was in between does not count any more
+            number = same[-1]
+            continue
+        before, after = _held(versions[number + 1][1]), _held(newer)
+        if before is None:
+            return  # of another version of the program, or none: what is here was accepted anew
+        why = "it cannot be read" if after is None else _rewritten(before, after)
+        if why is None:
+            return
+        at = f"in commit {commit[:12]}" if commit else "since the last commit"
+        message = f"the baseline was changed {at} without an acceptance: {why}"
+        help_ = f"restore it: `git checkout {versions[number + 1][0][:12]} -- {baseline}`, and accept what is there now"
+        yield error("T380", message, place, help_)
+        return
+    if cut:
+        yield warning(
+            "T381",
+            "who accepted the baseline is not known: the history of the clone is cut",
+            place,
+            "`git fetch --unshallow`",
+        )
+
+
+def _version(root: Path, commit: str, baseline: str) -> bytes:
+    done = subprocess.run(
+        ["git", "-C", str(root), "show", f"{commit}:./{baseline}"],
+        capture_output=True,
+        check=False,
+        timeout=60,
+    )
+    return done.stdout if done.returncode == 0 else b""  # where the file was removed
+
+
+def _git(root: Path, *words: str) -> str:
+    done = subprocess.run(
+        ["git", "-C", str(root), *words], capture_output=True, text=True, check=True, timeout=60
+    )
+    return done.stdout
+
+
+def _held(data: bytes) -> tuple[Any, list[Any]] | None:
+    """What a version holds, and its acceptances; None for what is no baseline of today's format."""
+    from trackmarshal.trace.baseline.file import FORMAT, VERSION
+
+    try:
+        said = json.loads(data)
+        if (said["format"], said["version"]) != (FORMAT, VERSION) or not isinstance(
+            said["acceptances"], list
+        ):
+            return None
+        return said["content"], said["acceptances"]
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return None
+
+
+def _rewritten(before: tuple[Any, list[Any]], after: tuple[Any, list[Any]]) -> str | None:
+    """How a version does not come of the one before; None where it has one acceptance more, of what it holds."""
+    (held, old), (holds, new) = before, after
+    if new[: len(old)] != old:
+        return "an earlier acceptance reads differently, or is gone"
+    if len(new) == len(old):
+        return (
+            "it holds something else than before"
+            if held != holds
+            else "something beside what it holds was changed"
+        )
+    said = json.dumps(holds, sort_keys=True, ensure_ascii=False).encode()
+    last = new[-1].get("after") if isinstance(new[-1], dict) else None
+    return None if last == hashlib.sha256(said).hexdigest() else "what it holds is not what was accepted last"
+
+
+__all__ = ["CODES", "check"]

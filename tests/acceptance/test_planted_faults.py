@@ -1,0 +1,127 @@
+"""Faults that are planted into a small complete project are found, each as one cause; edits that mean nothing are not.
+
+One in five is planted every day, all of them at length.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from support.length import shared_out
+from support.planted import documents, evidence, harmless, specs
+from support.planted.edits import BASELINE, STORE, Fault, Harmless, all_of, committed, put, run_git, swap
+from support.planted.project import causes, judged, make
+
+FAULTS = [*documents.FAULTS, *specs.FAULTS, *evidence.FAULTS]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The project as it was accepted, with its evidence."""
+    return make(tmp_path_factory.mktemp("planted"))
+
+
+@pytest.fixture
+def project(made: Path, tmp_path: Path) -> Iterator[Path]:
+    """A copy to edit."""
+    yield shutil.copytree(made, tmp_path / "elsewhere" / made.name)
+    shutil.rmtree(tmp_path)
+
+
+def test_the_table_is_long_enough() -> None:
+    assert len(FAULTS) >= 120
+    assert len(harmless.EDITS) >= 40
+    twice = [
+        name for name, number in Counter(e.name for e in (*FAULTS, *harmless.EDITS)).items() if number > 1
+    ]
+    assert twice == []
+
+
+def test_as_it_is_the_gate_passes(project: Path) -> None:
+    assert judged(project) == (0, [])
+    assert judged(project, rerun=True) == (0, [])
+
+
+@pytest.mark.parametrize("fault", shared_out(FAULTS, 5), ids=lambda fault: fault.name)
+def test_a_planted_fault_is_one_cause(fault: Fault, project: Path) -> None:
+    fault.edit(project)
+    status, found = judged(project, fault.rerun, fault.today)
+    assert causes(found) == [(fault.code, fault.subject)], found
+    assert status == fault.status
+
+
+@pytest.mark.parametrize("edit", shared_out(harmless.EDITS, 5), ids=lambda edit: edit.name)
+def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
+    """What is new is told as a note, since its removal would go unnoticed."""
+    edit.edit(project)
+    status, found = judged(project)
+    assert [(f["code"], f["message"]) for f in found if f["level"] != "note"] == []
+    assert {f["code"] for f in found} <= {"T226"}
+    assert status == 0
+
+
+def test_two_faults_are_two_causes(project: Path) -> None:
+    """What they have in common, an open cell, hides neither."""
+    swap("specs/rules.spec", "expect violated, margin -1 m/s^2", "expect satisfied")(project)
+    swap("requirements/requirements.yaml", "no faster than 12 m/s", "no faster than 13 m/s")(project)
+    put("docs/planner.md", b"x")(project)
+    status, found = judged(project)
+    assert sorted(causes(found)) == [
+        ("T225", "S-1"),
+        ("T373", "docs/planner.md at S-2-A"),
+        ("T374", "braking"),
+    ]
+    assert status == 1
+
+
+def test_results_edited_by_hand_are_found_only_by_running_again(project: Path) -> None:
+    """That is what the page on evidence says of hashes that were made again: it is not claimed to be noticed without."""
+    fault = next(f for f in evidence.FAULTS if f.name == "a run that did not fire, its hash made again")
+    fault.edit(project)
+    assert judged(project)[0] == 0
+    assert judged(project, rerun=True)[0] == 1
+
+
+@pytest.mark.parametrize("how", ["a shallow clone", "no git", "never committed"])
+def test_whoever_accepted_the_baseline_is_not_known(how: str, project: Path, tmp_path: Path) -> None:
+    """A warning of `--rerun`: nothing is wrong, and nothing shows that all is well."""
+    match how:
+        case "a shallow clone":
+            (project / "docs" / "notes.md").write_text("# Notes\n", "utf-8")
+            run_git(project, "add", ".")
+            run_git(project, "commit", "-qm", "notes")
+            run_git(tmp_path, "clone", "-q", "--depth", "1", f"file://{project}", "shallow")
+            shutil.copytree(project / "out", tmp_path / "shallow" / "out", dirs_exist_ok=True)
+            project = tmp_path / "shallow"
+        case "no git":
+            shutil.rmtree(project / ".git")
+        case _:
+            shutil.rmtree(project / ".git")
+            run_git(project, "init", "-q")
+    status, found = judged(project, rerun=True)
+    assert causes(found) == [("T381", "")]
+    assert (status, found[0]["level"]) == (0, "warning")
+
+
+def test_a_baseline_restored_is_as_it_was(project: Path) -> None:
+    """What was in between does not count any more, and what is accepted later counts."""
+    before = (project / BASELINE).read_bytes()
+    fault = next(
+        f for f in evidence.FAULTS if f.name == "an entry of the baseline removed, its hash made again"
+    )
+    fault.edit(project)
+    assert ("T380", "") in causes(judged(project, rerun=True)[1])
+    all_of(put(BASELINE, before), committed("restored"))(project)
+    assert judged(project, rerun=True) == (0, [])
+
+
+def test_nothing_is_written_but_results(project: Path) -> None:
+    """A gate that changes what it judges would be none."""
+    (project / STORE).unlink()
+    judged(project)
+    assert run_git(project, "status", "--porcelain").split() in ([], ["M", STORE])

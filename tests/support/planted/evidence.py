@@ -1,0 +1,154 @@
+"""Faults in what shows that demands are met, and in what guards them: the V-model, recordings, results, documents, the baseline."""
+
+from __future__ import annotations
+
+from datetime import date
+from typing import Any
+
+from support.planted.edits import (
+    BASELINE,
+    STORE,
+    Fault,
+    accepted,
+    add,
+    all_of,
+    committed,
+    cut,
+    entry,
+    gone,
+    put,
+    remade,
+    swap,
+)
+
+V, F, A = "requirements/v-model.yaml", "specs/scenarios/faults.yaml", "requirements/assurance.yaml"
+HURRY, CALM = "specs/scenarios/hurry.tmrec.jsonl", "specs/scenarios/calm.tmrec.jsonl"
+SCENARIO = "A planner in a hurry, stage: S-4-A, expect: ground_truth, origin: synthetic}"
+DRIVE = "A calm drive, stage: S-4-B, expect: no_fire, origin: synthetic, requirements: [S-1]}"
+
+
+def _of(*path: str, to: Any) -> Any:
+    """A change of one value of nested tables."""
+
+    def change(said: dict[str, Any]) -> None:
+        for name in path[:-1]:
+            said = said[name]
+        said[path[-1]] = to
+
+    return change
+
+
+def _without(*path: str) -> Any:
+    def change(said: dict[str, Any]) -> None:
+        for name in path[:-1]:
+            said = said[name]
+        del said[path[-1]]
+
+    return change
+
+
+def _rules_of_run(said: dict[str, Any]) -> None:
+    for facts in said["result"]["rules"]:
+        facts["counts"] = {candidate: {"satisfied": 11} for candidate in facts["counts"]}
+
+
+def _tool(said: dict[str, Any]) -> None:
+    said["tool"] = "trackmarshal 0.0.1"
+    said["inputs"]["engine"] = "0" * 64
+
+
+# fmt: off
+FAULTS = [
+    # the gate and its stages
+    Fault("the gate cut to one stage", cut(V, "  - {stage: S-2-A, requirements: [S-31]}\n", "waivers:"), "T371", "S-2-A, covered"),
+    Fault("a stage left out of the gate", swap(V, "  - {stage: S-4-B, requirements: [S-1]}\n", ""), "T371", "S-4-B, covered"),
+    Fault("a requirement left out of the gate", swap(V, "{stage: S-4-A, requirements: [S-32, S-4], at_least: partial}", "{stage: S-4-A, requirements: [S-32], at_least: partial}"), "T371", "S-4-A, partial"),
+    Fault("less at least", swap(V, "{stage: S-4-A, requirements: [S-1]}", "{stage: S-4-A, requirements: [S-1], at_least: partial}"), "T371", "S-4-A, covered"),
+    Fault("a stage struck", all_of(swap(V, "  - {id: S-2-C, title: assumptions, shows: what it takes for granted, applies_to: [S-4], counts: [assumption]}\n", ""), swap(V, "  - {stage: S-2-C, requirements: [S-4]}\n", "")), "T371", "S-2-C, covered"),
+    Fault("a stage for fewer", swap(V, "shows: that tests pass and faults are found, applies_to: [S-1, S-2, S-32, S-4]", "shows: that tests pass and faults are found, applies_to: [S-1, S-2, S-32]"), "T371", "S-3-B"),
+    Fault("a stage that counts less", swap(V, "counts: [test, fault]", "counts: [test]"), "T371", "S-3-B"),
+    Fault("a stage that asks only where there is something", swap(V, "counts: [assumption]}", "counts: [assumption], if_any: true}"), "T371", "S-2-C"),
+    Fault("no tests needed", swap(V, "{satisfied: 1, violated: 1, boundary: 1}", "{satisfied: 0, violated: 0, boundary: 0}"), "T371"),
+    Fault("no boundary needed", swap(V, "boundary: 1", "boundary: 0"), "T371"),
+    Fault("fewer specs", swap(V, "  specs: [specs]", "  specs: [specs/rules.spec]"), "T371"),
+    Fault("no campaign", swap(V, "  campaigns: [specs/scenarios/faults.yaml]\n", ""), "T371"),
+    Fault("another schema of links", put("requirements/links.yaml", b"document: link-schema\ntitle: None\nnodes: []\n"), "T376"),
+    Fault("no baseline any more", swap(V, "  baseline: requirements/baseline.json\n", ""), "T220"),
+    Fault("the baseline removed", gone(BASELINE), "T220"),
+    Fault("the baseline cut off", remade(BASELINE, lambda data: data[: len(data) // 2]), "T220"),
+    Fault("a conflict in the baseline", remade(BASELINE, lambda data: data.replace(b' "version"', b'<<<<<<< ours\n "version"', 1)), "T220"),
+    Fault("an entry of the baseline removed", accepted(_without("content", "rule braking"), rehash=False), "T379"),
+    Fault("an ASIL of the baseline lowered", accepted(_of("content", "requirement S-1", "asil", to="QM"), rehash=False), "T379"),
+    Fault("an ASIL and that of the baseline lowered", all_of(accepted(_of("content", "requirement S-31", "asil", to="QM(C)"), rehash=False), swap("requirements/requirements.yaml", "asil: A(C)", "asil: QM(C)"), swap("requirements/requirements.yaml", "asil: B(C)", "asil: C(C)")), "T379"),
+    Fault("an entry of the baseline removed, its hash made again", all_of(accepted(_without("content", "waiver W-1"), rehash=True), committed("tidy")), "T380", rerun=True),
+    Fault("a reason rewritten", all_of(accepted(lambda held: held["acceptances"][0].update(reason="as always"), rehash=False), committed("tidy")), "T380", rerun=True),
+    Fault("acceptances struck", all_of(accepted(lambda held: held["acceptances"].insert(0, {**held["acceptances"][0], "by": "Somebody"}), rehash=False), committed("tidy")), "T380", rerun=True),
+    # waivers
+    Fault("a waiver until 9999", swap(V, "expires: 2026-12-31", "expires: 9999-12-31"), "T235", "W-1"),
+    Fault("a waiver for everything by x", add(V, "  - {id: W-2, stages: [S-1-A, S-2-A, S-2-B, S-2-C, S-3-B, S-4-A, S-4-B], requirements: ['*'], justification: none, residual_risk: none, owner: x, approver: Sam Safety, granted: 2026-01-01, expires: 9999-12-31}\n"), "T153", "W-2"),
+    Fault("a waiver for more", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: [S-4-B, S-4-A]\n    requirements: [S-1]"), "T377", "W-1"),
+    Fault("a waiver for other requirements", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: [S-4-B]\n    requirements: [S-1, S-2]"), "T377", "W-1"),
+    Fault("another reason for a waiver", swap(V, "The shuttle has not been on the avenue yet.", "It is fine."), "T377", "W-1"),
+    Fault("another owner of a waiver", swap(V, "owner: Dana Driver", "owner: Ola Observer"), "T377", "W-1"),
+    Fault("another approver of a waiver", swap(V, "approver: Sam Safety", "approver: Vera Verifier"), "T377", "W-1"),
+    Fault("another residual risk of a waiver", swap(V, "residual_risk: Something", "residual_risk: Nothing"), "T377", "W-1"),
+    Fault("a waiver approved by its owner", swap(V, "approver: Sam Safety", "approver: P-1"), "T234", "W-1"),
+    Fault("a waiver approved by x", swap(V, "approver: Sam Safety", "approver: x"), "T153", "W-1"),
+    Fault("a waiver for all requirements", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: [S-4-B]\n    requirements: ['*']"), "T236", "W-1"),
+    Fault("a waiver that nobody approved", swap(V, "    approver: Sam Safety\n", ""), "T120"),
+    Fault("a waiver that holds longer", swap(V, "granted: 2026-01-01\n    expires: 2026-12-31", "granted: 2026-03-01\n    expires: 2027-02-28"), "T377", "W-1"),
+    Fault("a waiver that has expired", swap(V, "expires: 2026-12-31", "expires: 2026-05-31"), "T231", "W-1"),
+    Fault("the day after the waiver", lambda root: None, "T231", "W-1", today=date(2027, 1, 1)),
+    Fault("a waiver from tomorrow", swap(V, "granted: 2026-01-01", "granted: 2026-06-03"), "T231", "W-1"),
+    Fault("a waiver struck", cut(V, "waivers:", ""), "T230", "S-1"),
+    Fault("a waiver of what cannot be waived", add(V, "  - {id: W-2, codes: [T215], subjects: [braking], justification: none, residual_risk: none, owner: Dana Driver, approver: Sam Safety, granted: 2026-01-01, expires: 2026-12-31}\n"), "T233", "W-2"),
+    Fault("a waiver of nobody's", swap(V, "    owner: Dana Driver\n", ""), "T120"),
+    # scenarios and recordings
+    Fault("a scenario struck", swap(V, "    - {path: specs/scenarios/hurry.tmrec.jsonl, title: " + SCENARIO + "\n", ""), "T228", HURRY),
+    Fault("synthetic made field", swap(V, DRIVE, DRIVE.replace("synthetic", "field")), "T375", CALM),
+    Fault("a scenario that is to show less", swap(V, SCENARIO, SCENARIO.replace("expect: ground_truth", "expect: fire, by: [speed_limit]")), "T375", HURRY),
+    Fault("a scenario that may not fire, and does", swap(V, SCENARIO, SCENARIO.replace("expect: ground_truth", "expect: no_fire")), "T375", HURRY),
+    Fault("a scenario for fewer requirements", swap(V, SCENARIO, SCENARIO.replace("}", ", requirements: [S-1]}")), "T375", HURRY),
+    Fault("a scenario at another stage", swap(V, SCENARIO, SCENARIO.replace("stage: S-4-A", "stage: S-4-B")), "T375", HURRY),
+    Fault("a recording that is not there", gone(HURRY), "T240", HURRY),
+    Fault("a recording truncated by a line", remade(CALM, lambda data: data[: data.rstrip().rindex(b"\n") + 1]), "T375", CALM),
+    Fault("a recording truncated in a line", remade(CALM, lambda data: data[:-100]), "D140", status=2),
+    Fault("a speed of a recording changed", remade(HURRY, lambda data: data.replace(b'"v":11.0,"length"', b'"v":10.9,"length"', 1)), "T375", HURRY),
+    Fault("the ground truth of a recording changed", remade(HURRY, lambda data: data.replace(b'"rule speed_limit":false', b'"rule speed_limit":true', 1)), "T375", HURRY),
+    Fault("no ground truth in a recording", remade(HURRY, lambda data: data.replace(b'"ground_truth"', b'"notes_"')), "D141", status=2),
+    Fault("a recording that is none", put(HURRY, b"hello\n"), "D140", status=2),
+    # faults
+    Fault("a fault struck", cut(F, "  - id: F-2\n", ""), "T265", "specs/scenarios/faults.yaml F-2"),
+    Fault("a fault put in no longer", all_of(cut(F, "    begin: 0.1\n    end: 0.2\n    change:\n      - {place", ""), add(F, "    open: there is no time\n")), "T265", "specs/scenarios/faults.yaml F-2"),
+    Fault("a fault of another requirement", swap(F, "requirement: S-32", "requirement: S-1"), "T265", "specs/scenarios/faults.yaml F-2"),
+    Fault("a fault of no requirement", swap(F, "requirement: S-32", "requirement: S-77"), "T263", "F-2"),
+    Fault("a fault that is not found", swap(F, "set: -8", "set: -3"), "T265", F + " F-1"),
+    Fault("a fault that is expected to be harmless", swap(F, "    expect: {by: braking, first: 0.1, last: 0.2, driven: previous_emergency, from: 0}", "    expect: {}"), "T265", F + " F-1"),
+    Fault("a fault made harmless, and expected to be", all_of(swap(F, "set: -8", "set: -3"), swap(F, "    expect: {by: braking, first: 0.1, last: 0.2, driven: previous_emergency, from: 0}", "    expect: {}")), "T265", F + " F-1"),
+    Fault("a campaign that is not there", gone(F), "T264", F),
+    # documents
+    Fault("evidence replaced by x", put("docs/planner.md", b"x"), "T373", "docs/planner.md at S-2-A"),
+    Fault("evidence that is not there", gone("docs/planner.md"), "T250", "docs/planner.md"),
+    Fault("evidence of an assumption that is not there", gone("docs/sensors.md"), "T252", "A-SEEN"),
+    Fault("evidence of an assumption replaced by x", put("docs/sensors.md", b"x"), "T373", "A-SEEN"),
+    Fault("evidence that says that there is none", put("docs/sensors.md", b"# Sensors\n\nThere is no evidence for this yet.\n"), "T253", "A-SEEN"),
+    Fault("an argument that is not there", gone("docs/independence.md"), "T250", "docs/independence.md"),
+    Fault("an argument replaced by x", put("docs/independence.md", b"x"), "T373", "AN-1"),
+    Fault("evidence for fewer", cut(V, "evidence:\n", "gate:"), "T373", "docs/planner.md at S-2-A"),
+    Fault("evidence that is empty", put("docs/planner.md", b""), "T373", "docs/planner.md at S-2-A"),
+    # results, edited by hand
+    Fault("a result of a test edited", entry("test", "braking: harder", _of("result", "message", to="all is well"), rehash=False), "T293", "braking: harder"),
+    Fault("a result of a run edited", entry("run", HURRY, _of("result", "fired", to=False), rehash=False), "T293", HURRY),
+    Fault("a result of a fault edited", entry("fault", F + " F-1", _of("result", "first", to=0.2), rehash=False), "T293", F + " F-1"),
+    Fault("a store cut in a line", remade(STORE, lambda data: data[:-20]), "T293"),
+    Fault("a store that is no store", put(STORE, b"{}\n"), "T293"),
+    Fault("a result of a test edited, its hash made again", entry("test", "braking: harder", _of("result", "message", to="all is well"), rehash=True), "T294", "braking: harder", rerun=True),
+    Fault("counts of a run edited, its hash made again", entry("run", HURRY, _rules_of_run, rehash=True), "T294", HURRY, rerun=True),
+    Fault("cycles of a run edited, its hash made again", entry("run", HURRY, _of("result", "cycles", to=9999), rehash=True), "T294", HURRY, rerun=True),
+    Fault("ground truth of a run edited, its hash made again", entry("run", HURRY, _of("result", "ground_truth", to={}), rehash=True), "T294", HURRY, rerun=True),
+    Fault("a run that did not fire, its hash made again", entry("run", HURRY, _of("result", "fired", to=False), rehash=True), "T294", HURRY, rerun=True),
+    Fault("a result of a fault edited, its hash made again", entry("fault", F + " F-1", _of("result", "first", to=0.0), rehash=True), "T294", F + " F-1", rerun=True),
+]
+# fmt: on
+#: Results of another version of the tool are made again, and say nothing of themselves.
+OTHER_VERSION = entry("test", "braking: harder", _tool, rehash=True)

@@ -1,0 +1,270 @@
+"""Cause and consequence: of findings that one edit brings about, which one is to be mended, and which follow from it.
+
+A finding follows from another one where it is about the same thing, or about something that rests on it by the links of the graph, and where what
+it says comes later: that a cell is open comes after the test that failed, that after the rule that was changed, and that after the file that
+cannot be read. Nothing is taken away by this: what follows is a finding as before, and fails the gate as before.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+
+from trackmarshal.trace.findings import LEVELS, Finding, Place
+from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.graph.kinds import LINKS
+
+#: Steps of what comes from what, from first to last.
+(
+    UNREADABLE,
+    DOUBLE,
+    UNUSABLE,
+    DEMANDS,
+    GONE,
+    LOOSE,
+    ONE_SIDED,
+    WRONG,
+    CHANGED,
+    UNREAD,
+    FORGED,
+    LACKING,
+    OUTCOME,
+    OPEN,
+) = range(14)
+_STEPS = {
+    UNREADABLE: "T101 T102 T103 T104 T105 T106 T107 T108 T109 T110 T111 T113 T220 T379 T380",
+    UNUSABLE: "T112 T120 T121 T122 T123 T124 T125 T126 T127 T128 T129 T148 T240 T250 T264",
+    DOUBLE: "T130 T131 T209",
+    DEMANDS: "T371",
+    LOOSE: "T132 T133 T134 T137 T138 T142 T145 T146 T147 T151 T152 T153 T155 T156 T157 T201 T203 T204 T205 T210 T213 T263 T336 T342",
+    ONE_SIDED: "T135 T136 T206",
+    CHANGED: "T221 T222 T223 T224 T225 T227 T228 T265 T370 T372 T373 T374 T375 T376 T377",
+    FORGED: "T293 T294",
+    LACKING: "T139 T144 T149 T150 T171 T172 T154 T202 T207 T211 T212 T217",
+    OUTCOME: "T141 T229 T249 T167 T168 T215 T216 T218 T241 T242 T243 T244 T245 T246 T247 T260 T261 T262 T337 T338",
+    OPEN: "T230 T232",
+}
+_STEP_OF = {code: step for step, codes in _STEPS.items() for code in codes.split()}
+#: What these say may come of anything that was not read: a thing is not there, or nothing was run.
+_OF_ABSENCE = frozenset(
+    [
+        "T112",
+        "T132",
+        "T134",
+        "T135",
+        "T136",
+        "T137",
+        "T139",
+        "T144",
+        "T145",
+        "T146",
+        "T148",
+        "T149",
+        "T150",
+        "T151",
+        "T153",
+        "T201",
+        "T202",
+        "T204",
+        "T205",
+        "T206",
+        "T207",
+        "T208",
+        "T211",
+        "T212",
+        "T213",
+        "T217",
+        "T230",
+        "T232",
+        "T241",
+        "T262",
+        "T263",
+    ]
+)
+#: What something came to when it was run, and of findings of documents those that change that: a page that is not there does not make a test fail.
+_CAME_OUT = frozenset({"T215", "T229", "T249", "T243", "T244", "T245", "T260"})
+_BEFORE = frozenset(["T214", "T222", "T228", "T240", "T263", "T264", "T265", "T370", "T372", "T374", "T375"])
+#: Nothing was run.
+_NOT_RUN = frozenset({"T241", "T262"})
+#: So many links away something is looked for that a finding may rest on: a run rests on rules, and these on parameters.
+_FAR = 2
+#: Steps of which two findings about one thing are told as one.
+_TOGETHER = frozenset({DEMANDS, GONE, LOOSE, ONE_SIDED, CHANGED, LACKING})
+#: What these say is said of the record in which they stand, beside their subject.
+_OF_RECORD = frozenset({"T148"})
+#: Links whose source rests on its target although it lies below it.
+_UPWARD = frozenset({"tests", "evaluates", "replays", "reviews", "examines", "used_for"})
+
+
+def causes(findings: Sequence[Finding], graph: Graph) -> dict[Finding, Finding]:
+    """By finding that follows from another one, the one that it follows from in the end. Notes and forged results are neither."""
+    apart = _STEPS[FORGED].split()  # whoever changes results does so beside whatever else was changed
+    return _Folding([f for f in findings if f.level != "note" and f.code not in apart], graph).done()
+
+
+class _Folding:
+    def __init__(self, findings: Sequence[Finding], graph: Graph) -> None:
+        self._graph = graph
+        #: What a place in a document belongs to: by file, where things begin there.
+        self._records: dict[str, list[tuple[Place, str]]] = defaultdict(list)
+        for node in graph.nodes.values():
+            if node.place is not None:
+                self._records[node.place.file].append((node.place, node.id))
+        for places in self._records.values():
+            places.sort()
+        self._about = {finding: self._subjects(finding) for finding in findings}
+        gone = {name for finding in findings if finding.gone for name in self._about[finding]}
+        self._key = {f: (_step(f, gone), number) for number, f in enumerate(findings)}
+        self._found = sorted(findings, key=self._key.__getitem__)
+        self._by_name: dict[str, list[Finding]] = defaultdict(list)
+        for finding in self._found:
+            for name in self._about[finding]:
+                self._by_name[name].append(finding)
+        self._below: dict[str, list[str]] | None = None
+        self._cause: dict[Finding, Finding] = {}
+
+    def done(self) -> dict[Finding, Finding]:
+        if len(self._found) < 2:
+            return {}
+        again = True
+        while again:  # what follows from something may itself be what something else follows from
+            again = False
+            for finding in self._found:
+                if finding not in self._cause:
+                    cause = self._of(finding)
+                    if cause is not None:
+                        self._cause[finding] = cause
+                        again = True
+        return {finding: self._root(finding) for finding in self._cause}
+
+    def _root(self, finding: Finding) -> Finding:
+        while finding in self._cause:
+            finding = self._cause[finding]
+        return finding
+
+    def _subjects(self, finding: Finding) -> tuple[str, ...]:
+        """What a finding is about: by name, or by its place in a document."""
+        names = [name for name in (finding.subject, *finding.about) if name]
+        if finding.place is not None and (not names or finding.code in _OF_RECORD):
+            line = finding.place.line
+            before = [name for place, name in self._records.get(finding.place.file, ()) if place.line <= line]
+            names += (finding.place.file, *before[-1:])
+        return tuple(dict.fromkeys(names))
+
+    def _of(self, finding: Finding) -> Finding | None:
+        """What a finding follows from: the nearest that comes earlier, and of those the first."""
+        seen: set[Finding] = set()
+        step = self._key[finding][0]
+        for own, names in self._nearer(finding):
+            best = None
+            for name in names:
+                for other in self._by_name.get(name, ()):
+                    root = self._root(other)
+                    if (
+                        root is finding
+                        or root in seen
+                        or (step == OPEN == self._key[other][0] and name not in finding.rests_on)
+                    ):
+                        continue
+                    seen.add(root)
+                    if self._precedes(root, finding, own) and (
+                        best is None or self._key[root] < self._key[best]
+                    ):
+                        best = root
+            if best is not None:
+                return best
+        return self._unread(finding)
+
+    def _precedes(self, other: Finding, finding: Finding, same_thing: bool) -> bool:
+        """Whether a finding may be the cause of another one, which is about the same thing or rests on it."""
+        before, own = self._key[other], self._key[finding]
+        if LEVELS.index(other.level) > LEVELS.index(finding.level):
+            return False  # no error hides behind a warning
+        if finding.code in _CAME_OUT and other.code.startswith("T") and other.code not in _BEFORE:
+            return False
+        if before[0] != own[0]:
+            return before < own
+        if not same_thing:
+            return own[0] == OPEN and other.subject != finding.subject  # what is open below is open above
+        if own[0] == UNUSABLE and not (other.code.startswith("T") or finding.code.startswith("T")):
+            return before < own  # one declaration that is not sound makes others so
+        same = (other.code, other.subject) == (finding.code, finding.subject) != (finding.code, "")
+        return before < own and (same or own[0] in _TOGETHER)
+
+    def _nearer(self, finding: Finding) -> Iterator[tuple[bool, Sequence[str]]]:
+        """Names that a finding is about (True) or rests on, the nearest first."""
+        step, own = self._key[finding][0], self._about[finding]
+        if step != OPEN:
+            yield True, own
+        if step == LACKING or finding.code[:3] in ("T16", "T14"):
+            yield True, self._neighbours(finding.subject)
+        if step == ONE_SIDED:
+            yield True, [name for end in own for name in self._neighbours(end)]
+        if finding.rests_on or step >= OUTCOME:
+            yield False, finding.rests_on
+            for names in self._resting((*finding.rests_on, *(() if step == OPEN else own))):
+                yield False, names
+        if step == OPEN:
+            yield False, own
+            yield False, self._neighbours(finding.subject)
+
+    def _unread(self, finding: Finding) -> Finding | None:
+        """What was not read, where that explains that something is not there."""
+        if finding.code in _NOT_RUN:  # specs with errors are not run, whatever the errors come of
+            broken = next((other for other in self._found if not other.code.startswith("T")), None)
+            if broken is not None:
+                return self._root(broken)
+        for judge in self._found[:2]:  # against what nobody accepted, differences say little
+            if judge.code in ("T379", "T380") and self._key[finding][0] in (DEMANDS, GONE, CHANGED, UNREAD):
+                return judge
+        if not (finding.gone or finding.code in _OF_ABSENCE):
+            return None
+        for first in self._found[
+            :2
+        ]:  # a file that cannot be read comes first; else that fewer specs are read
+            read = self._key[first][0] <= UNUSABLE or (
+                finding.gone and first.code == "T371" and not first.subject
+            )
+            if read and self._key[first][0] < self._key[finding][0]:
+                return first
+        return None
+
+    def _neighbours(self, name: str) -> list[str]:
+        """What a thing is linked with, whether the links hold or not."""
+        keys = [node.key for node in self._graph.by_id.get(name, ())]
+        links = [link for key in keys for link in (*self._graph.out_of(key), *self._graph.into(key))]
+        return list(dict.fromkeys(end[1] for link in links for end in (link.source, link.target)))
+
+    def _resting(self, names: Sequence[str]) -> Iterator[Sequence[str]]:
+        """What these rest on, a step further each time."""
+        if self._below is None:
+            self._below = defaultdict(list)
+            for link in self._graph.links:
+                up, down = link.source[1], link.target[1]
+                if not (LINKS[link.kind].down or link.kind in _UPWARD):
+                    up, down = down, up
+                self._below[up].append(down)
+        seen, now = set(names), list(names)
+        for _ in range(_FAR):
+            following = [down for name in now for down in self._below.get(name, ()) if down not in seen]
+            seen.update(following)
+            now = list(dict.fromkeys(following))
+            yield now
+
+
+def _step(finding: Finding, gone: set[str]) -> int:
+    """How early a finding comes. What else is found in a spec comes first, but where it misses what the baseline says is gone."""
+    known = _STEP_OF.get(finding.code)
+    if finding.gone and finding.code not in ("T371", "T221"):
+        return UNREAD if finding.code == "T372" else GONE
+    if known is not None:
+        return known
+    if finding.code.startswith(("E0", "E1")):
+        return UNREADABLE
+    if not finding.code.startswith("T"):
+        missed = {name for name in finding.about if name.rpartition(".")[2] != finding.subject}
+        return LACKING if gone & missed else UNUSABLE
+    return WRONG
+
+
+__all__ = ["causes"]

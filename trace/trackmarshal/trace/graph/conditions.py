@@ -1,0 +1,59 @@
+"""Operating conditions that are claimed, held against what recordings have of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from trackmarshal.records import RunSummary
+from trackmarshal.trace.findings import Finding
+from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.graph.said import called
+from trackmarshal.trace.model import Project
+from trackmarshal.trace.spec import Spec
+from trackmarshal.units import from_si, to_si
+
+#: Two numbers that differ by less than this share of the range are the same: recordings are written with so many digits.
+_SAME = 1e-6
+
+
+def check(graph: Graph, project: Project, spec: Spec) -> Iterator[Finding]:
+    """T254 for every range of a domain that no recording reaches both ends of."""
+    declared = {str(scenario.path) for scenario in project.scenarios}
+    runs = [run for path, run in sorted(spec.runs.items()) if path in declared]
+    for entry in project.entries:
+        for quantity, low, high in entry.ranges:
+            message = _short(runs, quantity, low, high) if runs else ""
+            if message:
+                node = graph.nodes[entry.kind, str(entry.id)]
+                help_ = "record or generate a scenario there, or claim less"
+                rests_on = (
+                    *sorted(declared),
+                    *(f"at {stage.id}" for stage in project.stages if "run" in stage.counts),
+                )
+                yield Finding(
+                    "T254", "error", f"{called(node.key)} claims `{quantity}` from {low} to {high}, {message}", quantity.place, help_, node.id,
+                    rests_on=rests_on,
+                )  # fmt: skip
+
+
+def _short(runs: list[RunSummary], quantity: str, low: str, high: str) -> str:
+    """How far the recordings fall short of a claimed range; empty where they do not."""
+    seen = [run.ranges[quantity] for run in runs if quantity in run.ranges]
+    if not seen:
+        return "and no recording has it"
+    least, most = min(one for one, _ in seen), max(other for _, other in seen)
+    (start, unit), (end, other_unit) = _split(low), _split(high)
+    begin, finish = to_si(start, unit), to_si(end, other_unit)
+    slack = _SAME * max(abs(begin), abs(finish), abs(finish - begin))
+    if least <= begin + slack and most >= finish - slack:
+        return ""
+    return f"and the recordings have it from {from_si(least, unit):.6g} to {from_si(most, other_unit):.6g} {other_unit}".rstrip()
+
+
+def _split(text: str) -> tuple[float, str]:
+    """Number and unit."""
+    number, _, unit = text.partition(" ")
+    return float(number), unit or "1"
+
+
+__all__ = ["check"]
