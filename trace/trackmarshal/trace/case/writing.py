@@ -51,7 +51,7 @@ class Writing:
                 made.append(Fixed(text))
             if place is not None:
                 piece = pieces[place]
-                made += piece if type(piece) is tuple else (piece,)  # type: ignore[arg-type, list-item]
+                made += piece if type(piece) is tuple else (piece,)  # type: ignore[arg-type]
         return tuple(made)
 
     def paragraph(self, name: str, /, **pieces: Piece | Line) -> Paragraph:

@@ -84,7 +84,9 @@ def undeveloped(writing: Writing) -> Block | None:
     if not open_:
         return None
     columns = (("column.id", 2.5), ("column.claim", 6.0), ("column.module", 2.0))
-    rows = [[(Code(e.id),), (Made(e.text),), (writing.ref(("module", e.module)),)] for e in open_]
+    rows: list[list[Line]] = [
+        [(Code(e.id),), (Made(e.text),), (writing.ref(("module", e.module)),)] for e in open_
+    ]
     return writing.named("open.undeveloped", [writing.table(columns, rows)])
 
 

@@ -147,7 +147,9 @@ def _stale(writing: Writing) -> Iterator[tuple[str, str, str]]:
 
 
 def _listed(writing: Writing, stale: list[tuple[str, str, str]]) -> Table:
-    rows = [[(Given(kind),), (Code(name),), (Status(outcome),)] for kind, name, outcome in stale]
+    rows: list[list[Line]] = [
+        [(Given(kind),), (Code(name),), (Status(outcome),)] for kind, name, outcome in stale
+    ]
     return writing.table((("column.kind", 1.5), ("column.name", 6.0), ("column.status", 1.5)), rows)
 
 

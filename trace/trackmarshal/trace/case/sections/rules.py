@@ -96,7 +96,7 @@ def _formula(writing: Writing, shown: Mapping[str, Any]) -> Iterator[Block]:
         states = joined([given(state) for state in machine["states"]])
         yield Paragraph(
             writing.line(
-                "rules.machine", name=Code(machine["name"]), states=states, start=Given(machine["start"])
+                "rules.machine", name=Code(machine["text"]), states=states, start=Given(machine["start"])
             )
         )
         yield writing.table((("column.becomes", 1.5), ("column.from", 1.5), ("column.when", 6.0)), (

@@ -175,14 +175,14 @@ def people(writing: Writing) -> Section | None:
             [(writing.ref(n.key),), given(n.title), given(n.attributes.get("role", "")), given(n.attributes.get("organisation", ""))] for n in persons
         ), [n.key for n in persons]))  # fmt: skip
     if reviews:
-        columns = (
+        about = (
             ("column.id", 1.0),
             ("column.of_what", 4.0),
             ("column.by", 2.0),
             ("column.made", 1.6),
             ("column.outcome", 1.4),
         )
-        blocks.append(writing.named("people.reviews", [writing.table(columns, (
+        blocks.append(writing.named("people.reviews", [writing.table(about, (
             [
                 (writing.ref(n.key),), writing.refs(k.target for k in writing.graph.out_of(n.key) if k.kind == "reviews"),
                 writing.refs(p.key for p in writing.beyond(n.key, "made_by")), given(n.attributes.get("made", "")), (Status(n.attributes.get("outcome", "open")),),
