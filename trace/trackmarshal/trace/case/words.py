@@ -53,6 +53,7 @@ ENGLISH: Mapping[str, str] = {
     "open.no_cells": "Every cell is covered or waived.",
     "open.nothing": "nothing that counts here is there",
     "open.undeveloped": "Undeveloped in the argument",
+    "open.follows": "What follows from the findings above",
     "open.argument": "Wrong with the argument",
     "open.stale": "Stale evidence",
     "open.no_stale": "No evidence is stale.",

@@ -60,7 +60,7 @@ def open_points(writing: Writing) -> Section:
     matrix = writing.given.matrix
     blocks: list[Block] = []
     for level in LEVELS:
-        found = [finding for finding in matrix.findings if finding.level == level]
+        found = [finding for finding in matrix.standing if finding.level == level]
         if found:
             blocks.append(writing.named(f"open.{level}", [_findings(writing, found)]))
     gaps = [
@@ -87,6 +87,9 @@ def open_points(writing: Writing) -> Section:
     open_claims = undeveloped(writing)
     if open_claims is not None:
         blocks.append(open_claims)
+    follows = [finding for finding in matrix.findings if finding in matrix.causes]
+    if follows:
+        blocks.append(writing.named("open.follows", [_findings(writing, follows)]))
     lacking = [kind for kind in EXPECTED if not writing.of_kind(kind)]
     if lacking:
         blocks.append(
