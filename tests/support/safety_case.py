@@ -1,11 +1,21 @@
-"""The document of the safety case read back: its visible texts, its numbers with their ids, its places and links."""
+"""The document of the safety case read back: its visible texts, its numbers with their ids, its places and links; and a small project that has one."""
 
 from __future__ import annotations
 
+import json
 import re
+import shutil
+from collections import Counter
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
+from pathlib import Path
 
+import yaml
+
+from support.project import command
+
+WAREHOUSE = Path(__file__).parents[1] / "golden" / "trace" / "warehouse"
+DAY = "2026-06-02"
 #: Elements of HTML that have no end.
 VOID = {"meta", "br", "hr", "img", "input", "link"}
 NUMBER = re.compile(r"[0-9]+(?:[.,][0-9]+)*")
@@ -60,3 +70,59 @@ class Page(HTMLParser):
     def first(self) -> str:
         """What stands before the table of contents."""
         return self.html.partition("<nav")[0]
+
+
+def made_ready(folder: Path) -> Path:
+    """The warehouse, accepted, with its evidence."""
+    project = folder / "warehouse"
+    shutil.copytree(WAREHOUSE, project)
+    status, _, err = command(
+        project, "trace", "--accept-baseline", "--by", "Maria Motor", "--reason", "the first one", "--quiet"
+    )
+    assert status == 0, err
+    return project
+
+
+def html(project: Path, *arguments: str, expect: int | None = None) -> Page:
+    out = project / "out" / "case"
+    status, _, err = command(project, "case", "--out", str(out), "--day", DAY, "--format", "html", *arguments)
+    assert expect is None or status == expect, err
+    assert status in (0, 1), err
+    return Page((out / "safety-case.html").read_text("utf-8"))
+
+
+def edit(project: Path, file: str, old: str, new: str) -> None:
+    path = project / file
+    text = path.read_text("utf-8")
+    assert text.count(old) == 1, f"{old!r} is {text.count(old)} times in {file}"
+    path.write_text(text.replace(old, new), "utf-8")
+
+
+def graph_numbers(project: Path) -> dict[str, str]:
+    """Numbers under the ids of the document, counted here from what `trace --format json` says."""
+    _, out, _ = command(project, "trace", "--as-is", "--format", "json", "--day", DAY)
+    said = json.loads(out)
+    found = Counter[str]()
+    for stage, counts in said["coverage"].items():
+        for what, number in counts.items():
+            found[f"stages/{stage}/{'all' if what == 'of' else what}"] = number
+    for finding in said["findings"]:
+        found[f"findings/{finding['level']}/all"] += 1
+    documents = [
+        yaml.safe_load(path.read_text("utf-8")) for path in (project / "requirements").glob("*.yaml")
+    ]
+    found["nodes/requirement/all"] = sum(
+        len(one.get("requirements", ())) for one in documents
+    )  # obsolete ones too
+    for kind, name in (
+        ("rule", "rules"),
+        ("test", "tests"),
+        ("assumption", "assumptions"),
+        ("result", "test_results"),
+    ):
+        found[f"nodes/{kind}/all"] = said["counts"][name]
+    found["nodes/test/passed"] = sum(
+        1 for link in said["links"] if link["kind"] == "result" and link["source"] == "passed"
+    )
+    found["nodes/stage/all"] = len(said["stages"])
+    return {id_: str(number) for id_, number in found.items()}

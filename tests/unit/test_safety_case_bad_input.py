@@ -1,0 +1,113 @@
+"""What the document of the safety case does with markup in titles, missing extras, long formulas and many requirements."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from support.project import command
+from support.safety_case import DAY, edit, html, made_ready
+from trackmarshal.trace.case.typst import string as typst_string
+
+STRING = re.compile(r'"(?:[^"\\]|\\.)*"', re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return made_ready(tmp_path_factory.mktemp("ready"))
+
+
+@pytest.fixture
+def warehouse(ready: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
+
+
+NASTY = """<script>alert(1)</script> & "quoted" #eval("1 + 1") $x^2$ \\input{passwd} [link] *bold* `raw` // {{ 7 * 7 }} {% x %} \u202e </style>"""
+
+
+def test_nothing_that_an_author_wrote_is_markup(warehouse: Path) -> None:
+    for file, old in (
+        ("requirements/needs.yaml", "title: Nobody is hit"), ("requirements/hazards.yaml", "title: A person is hit"),
+        ("requirements/design.yaml", None), ("requirements/hazards.yaml", 'title: the hall'),
+    ):  # fmt: skip
+        if old is not None:
+            edit(warehouse, file, old, f"title: {json.dumps(NASTY)}")
+    edit(warehouse, "specs/robot.spec", '"Within 2 m of a person, no more than 0.3 m/s"', json.dumps("<b>#panic()</b> $ \\ ${", ensure_ascii=False).replace("\\\\", "/"))  # fmt: skip
+    page = html(warehouse)
+    assert "script" not in page.tags
+    assert "b" not in page.tags
+    assert "<script" not in page.html
+    assert any("<script>alert(1)</script>" in text for text in page.texts)
+    assert any("{{ 7 * 7 }}" in text for text in page.texts)
+    typst = pytest.importorskip("typst", reason="sets the PDF")
+    assert typst is not None
+    status, _, err = command(
+        warehouse, "case", "--out", str(warehouse / "pdf"), "--day", DAY, "--format", "pdf"
+    )
+    assert status == 1, err
+    assert (warehouse / "pdf" / "safety-case.pdf").stat().st_size > 10_000
+
+
+@given(st.text())
+def test_a_text_is_one_string_of_typst(text: str) -> None:
+    made = typst_string(text)
+    assert STRING.fullmatch(made)
+    inside = re.sub(r"\\(.)", lambda match: "\n" if match[1] == "n" else match[1], made[1:-1])
+    assert inside == "".join(c if c.isprintable() or c in "\n\u200b" else "\ufffd" for c in text)
+
+
+def test_without_typst_the_page_comes_all_the_same(warehouse: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "typst", None)
+    status, _, err = command(warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY, "--quiet")
+    assert status == 0
+    assert "error[T432]: there is no PDF, as typst is not installed" in err
+    assert "pip install 'trackmarshal[pdf]'" in err
+    assert (warehouse / "out" / "safety-case.html").is_file()
+    assert not (warehouse / "out" / "safety-case.pdf").exists()
+    status, _, _ = command(
+        warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY, "--format", "pdf"
+    )
+    assert status == 2
+
+
+def test_without_a_layout_engine_the_argument_comes_in_words(
+    warehouse: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from trackmarshal.trace.gsn.picture import layout
+
+    monkeypatch.setattr(layout, "PROGRAM", "no-such-engine")
+    out = warehouse / "words"
+    status, _, err = command(warehouse, "case", "--out", str(out), "--day", DAY, "--format", "html")
+    assert status == 0
+    assert "T424" in err
+    assert "It is not drawn here" in (out / "safety-case.html").read_text("utf-8")
+
+
+def test_large_rules_and_bare_requirements(warehouse: Path) -> None:
+    """A formula of three hundred symbols, a rule that calls forty definitions, five hundred requirements, one without anything."""
+    definitions = "\n".join(
+        f"define d{n}(x: m/s) = {f'd{n - 1}(x)' if n else 'x'} + {n} m/s" for n in range(40)
+    )
+    long = " + ".join(f"{n} * robot.v" for n in range(1, 76))
+    with (warehouse / "specs/robot.spec").open("a", encoding="utf-8") as file:
+        file.write(
+            f'\n{definitions}\n\nrule many "Many"\n  satisfies SW-1\n  require d39(robot.v) <= 9 m/s\n'
+        )
+        file.write(f'\nrule long "Long"\n  satisfies SW-1\n  require {long} <= 1 m/s\n')
+    with (warehouse / "requirements/needs.yaml").open("a", encoding="utf-8") as file:
+        for number in range(500):
+            file.write(
+                f"  - {{id: X-{number}, title: T, statement: The robot shall be safe., rationale: R, status: draft, asil: QM, verification: [test], source: S}}\n"
+            )
+    page = html(warehouse, expect=1)
+    assert sum('id="requirement-X-' in line for line in page.html.splitlines()) == 500
+    assert "no stage asks anything of it" in page.html or "missing" in page.html
+    assert len(page.formulas) > 40
+    assert len(re.findall(r'<div class="formula" style="--depth: 1">', page.html)) >= 40
