@@ -82,7 +82,11 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = root / "specs" / "scenarios" / "faults.yaml"
     text = path.read_text("utf-8")
     path.write_text(text[: text.index("  - id: F-09\n")], encoding="utf-8")
-    status, out, err = command(root, "trace", "--accept-baseline", "--gate")
+    status, out, err = command(
+        root, "trace", "--accept-baseline", "--by", "somebody", "--reason", "eight faults are enough here"
+    )
+    assert status == 0, out + err
+    status, out, err = command(root, "trace", "--gate")
     assert status == 0, out + err
     return root
 

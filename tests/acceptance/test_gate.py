@@ -126,10 +126,21 @@ def test_without_an_interface_in_the_system_model(edited: Path) -> None:
     assert gate(edited) == 1
 
 
+def test_nothing_is_wrong_with_the_argument(project: Path) -> None:
+    status, out, err = command(project, "gsn", "--gate")
+    assert status == 0, err
+    assert err == "gate: passed\n"
+    assert "G-Top: trackmarshal operates safely" in out
+
+
 def test_a_failing_test_fails_the_gate(edited: Path) -> None:
-    """Only it is run; the evidence of before is there for the spec of before."""
+    """Only it is run; the evidence of before is there for the spec of before. The argument says so up to its top goal."""
     path = edited / "specs" / "supervisor" / "conduct.spec"
     path.write_text(
         path.read_text("utf-8").replace("expect violated", "expect satisfied", 1), encoding="utf-8"
     )
     assert command(edited, "trace", "--gate")[0] == 1
+    status, out, err = command(edited, "gsn", "--gate", "--module", "G-Top")
+    assert status == 1
+    assert "error[T413]" in err
+    assert "✗ G-Top" in out

@@ -228,6 +228,8 @@ def test_rules_by_themselves_are_saved_in_the_middle() -> None:
     found.append({rule: told(about) for rule, about in run.end().items()})
     assert found == whole
     for place in range(1, len(lines)):
+        line, middle = lines[place], len(lines[place]) // 2
+        other = line[:middle] + ("1" if line[middle] != "1" else "2") + line[middle + 1 :]
         with pytest.raises(TrackmarshalError) as caught:
-            evaluator.over_run([*lines[:place], lines[place].replace("0", "1", 1) + " ", *lines[place + 1 :]])
+            evaluator.over_run([*lines[:place], other, *lines[place + 1 :]])
         assert caught.value.code == "D163"

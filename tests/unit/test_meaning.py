@@ -70,6 +70,9 @@ def test_a_changed_rule_makes_stale_its_own_tests(name: str, tmp_path: Path) -> 
     if compared:
         other = {"<=": "<", ">=": ">", "<": "<=", ">": ">="}[compared[1]]
         rest = rest[: compared.start()] + f" {other} " + rest[compared.end() :]
+    elif " in [" in rest:
+        where, _, ends = rest.partition(" in [")
+        rest = f"not ({where} in [" + ends.replace("]", "])", 1)
     else:  # one that asks where something is
         rest = re.sub(r"((?:\w|[.])+\([^()]*(?:\([^()]*\)[^()]*)*\)[^\n]*)", r"not (\1)", rest, count=1)
     replaced(path, rule.text, head + found + rest)

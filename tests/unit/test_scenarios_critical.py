@@ -132,13 +132,13 @@ def test_shipped_scenarios_validate_shipped_values(name: str) -> None:
     """But for the limit of an event, which is the event's to say; and what assumptions watch is in every cycle."""
     (path,) = FOLDER.rglob(f"{name}.tmrec.jsonl*")
     recording = scenarios.load(path)
-    event = {"overreach": {"v_max": 38.0}}.get(name, {})
+    event = {"overreach": {"v_event": 38.0}}.get(name, {})
     assert (recording.params, recording.tables) == (event, {})
     assert recording.because.keys() == event.keys()
     spec = load([SPECS / "supervisor"], [], SPECS.parent)
     assert inputs.defaulted(recording, spec, spec.rules) == {}
     assert [one.name for one in overrides.overrides(recording, spec)] == [
-        f"vehicles.devbot.{key}" for key in event
+        f"supervisor.conduct.{key}" for key in event
     ]
 
 
@@ -207,7 +207,7 @@ def test_overreach_asks_too_much_of_one_thing_after_the_other(recordings: dict[s
     def grip(v: float, a: float, kappa: float) -> float:
         return math.hypot(a + DRAG * v * v, v * v * kappa)
 
-    assert recording.params == {"v_max": 38.0}
+    assert recording.params == {"v_event": 38.0}
     assert min(worst(1.0, 1.5, lambda v, a, k: v)) > 38.5
     assert max(worst(1.0, 1.5, grip)) < 13.0
     assert min(worst(3.0, 3.5, lambda v, a, k: a)) > 8.0

@@ -42,7 +42,7 @@ def test_every_file_of_it_counts(project: Path) -> None:
     for name, old, new in (
         ("specs/speed.spec", "satisfies R-1", ""),
         ("specs/speed.spec", "expect violated", "expect satisfied"),
-        ("specs/speed.spec", "p.v <= v_max", "p.v <= 2 * v_max"),
+        ("specs/speed.spec", "p.v <= v_event", "p.v <= 2 * v_event"),
         ("requirements/requirements.yaml", "metrics: [speed_limit]", "metrics: [other]"),
         ("specs/scenarios/too_fast.yaml", "acceleration: [[0, 3]]", "acceleration: [[0, 0]]"),
     ):

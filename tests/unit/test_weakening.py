@@ -110,6 +110,27 @@ def test_it_is_told_once_and_kept(car: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert findings(car, "T370") == first == findings(car, "T370", "--as-is")
 
 
+def test_another_rule_is_one_more_reason_to_compare(car: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is driven is decided by all rules: what a comparison came to holds for these rules only."""
+    compared: list[list[str]] = []
+    whole = Weakening._compared
+
+    def listening(self, wanted):  # type: ignore[no-untyped-def]
+        compared.append([*wanted])
+        return whole(self, wanted)
+
+    monkeypatch.setattr(Weakening, "_compared", listening)
+    rule(car, "p.v <= v_max + slack + 2 m/s")
+    for _ in range(2):
+        assert findings(car, "T370")
+    assert compared == [["speed_limit"]]
+    path = car / "specs" / "speed.spec"
+    more = '\nrule slow "Slower"\n  satisfies R-1\n  for all   p in plan\n  require   p.v <= 99 m/s\n'
+    path.write_text(path.read_text("utf-8") + more, "utf-8")
+    assert findings(car, "T370")
+    assert compared == [["speed_limit"]] * 2
+
+
 def test_where_nothing_changed_nothing_is_asked(car: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object) -> None:
         raise AssertionError("asked")
@@ -161,8 +182,7 @@ def test_without_git(car: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shutil.rmtree(car.parent / ".git")
     slack(car, "3")
     (message,) = findings(car, "T372")
-    assert "; not told: " in message
-    assert "repository" in message
+    assert message.endswith("; not told: git has no history of the project")
 
 
 def test_in_a_shallow_clone(car: Path, tmp_path: Path) -> None:

@@ -85,7 +85,7 @@ def assess(
     project = requirements.load(root, [])
     answers = Answers(root, root / project.results, again)
     made = _Making(root, project, quiet)
-    if again or replays:
+    if again:
         said = made.facts()
     else:
         folders = [*map(str, project.specs or ["specs"]), requirements.FOLDER]

@@ -49,3 +49,10 @@ def project_of(folder: Path) -> Path | None:
     """The project that a folder is in, or None."""
     here = folder.resolve()
     return next((folder for folder in (here, *here.parents) if (folder / MARKER).is_file()), None)
+
+
+def spec_folders(project: Path) -> list[Path]:
+    """The folders that the project names as its specs: those of which `assess` and `trace` ask for tests."""
+    from trackmarshal.trace import requirements
+
+    return [project / str(path) for path in requirements.load(project, []).specs] or [project / "specs"]

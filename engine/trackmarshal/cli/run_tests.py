@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from trackmarshal.cli import tests_shown
 from trackmarshal.cli.output import say, table
 from trackmarshal.cli.places import configure_relative, shown_from
-from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.cli.project import find_project, optional_project, spec_folders
 
 if TYPE_CHECKING:
     from trackmarshal.testing.boundary import Distances
@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
 
     project = optional_project(args)
     where = shown_from(args, project, ("json", "github", "junit"))
-    paths = [Path(p) for p in args.paths] or _folders(find_project(args))
+    paths = [Path(p) for p in args.paths] or spec_folders(find_project(args))
     compiled = compile_paths(paths, project)
     compiled.raise_errors()
     tests, found = prepare(compiled)
@@ -82,13 +82,6 @@ def run(args: argparse.Namespace) -> int:
             f"{len(outcomes) - len(bad)} passed, {len(bad)} failed; {len(covered) - len(partial)} of {len(covered)} rules covered"
         )
     return 1 if bad or found or partial else 0
-
-
-def _folders(root: Path) -> list[Path]:
-    """The folders that the project names as its specs: those of which `assess` and `trace` ask for tests."""
-    from trackmarshal.trace import requirements
-
-    return [root / str(path) for path in requirements.load(root, []).specs] or [root / "specs"]
 
 
 def _distances(project: Path | None) -> Distances:

@@ -50,7 +50,8 @@ class Weakening:
         """By name of an entry (`rule x`, `param y`), what is told of it."""
         rules = {key: [item.name for item in self._of(key) if _kind(item) in before] for key in keys}
         wanted = {name: _accepted(before, self._items[name]) for names in rules.values() for name in names}
-        self._tell({name: inputs for name, inputs in wanted.items() if name not in self._told})
+        left = {name: inputs for name, inputs in wanted.items() if name not in self._told}
+        self._tell(left, _all_rules(before))
         return {
             key: _together([(name, *self._told[name]) for name in names])
             for key, names in rules.items()
@@ -64,7 +65,8 @@ class Weakening:
             return [self._items[name]] if name in self._items else []
         return [item for item in self._items.values() if key in item.inputs]
 
-    def _tell(self, wanted: Mapping[str, Mapping[str, str]]) -> None:
+    def _tell(self, wanted: Mapping[str, Mapping[str, str]], others: str) -> None:
+        """others: a hash of all rules that were accepted, since what is driven, and what rules over the run remember of it, is decided by all."""
         from trackmarshal.meaning import key, sha256, tool
 
         recorded = sha256(
@@ -73,11 +75,13 @@ class Weakening:
                 for path, inputs in sorted(self._facts.run_inputs.items())
             )
         )
+        rules = sha256(others, *(item.fingerprint for item in self._items.values()))
         left: dict[str, dict[str, str]] = {}
         for name, accepted in wanted.items():
             inputs = {
                 "before": key(accepted),
                 "rule": self._items[name].fingerprint,
+                "rules": rules,
                 "recording": recorded,
                 "engine": tool(),
             }
@@ -104,10 +108,10 @@ class Weakening:
             return
         with tempfile.TemporaryDirectory(prefix="trackmarshal-baseline-") as folder:
             why, left = "", dict(wanted)
-            for number, commit in enumerate(self._commits()):
-                if isinstance(commit, TrackmarshalError):
-                    why = commit.message
-                    break
+            commits = self._commits()
+            if not commits:
+                why = "git has no history of the project"
+            for number, commit in enumerate(commits):
                 if not left:
                     return
                 there = Path(folder).resolve() / str(number)
@@ -126,17 +130,16 @@ class Weakening:
             for name in left:
                 yield name, NOT_TOLD, why or "the specs that were accepted are in no commit at hand", False
 
-    def _commits(self) -> Iterator[str | TrackmarshalError]:
-        """Where the specs that were accepted may be; an error where there is no history."""
+    def _commits(self) -> list[str]:
+        """Where the specs that were accepted may be; none where there is no history."""
         from trackmarshal.cli.revisions import commit_of, last_change
 
         try:
             found = last_change(str(self._project.baseline), self._root)
             head = commit_of("HEAD", self._root)
-        except TrackmarshalError as problem:
-            yield problem
-            return
-        yield from dict.fromkeys(commit for commit in (found, head) if commit)
+        except TrackmarshalError:
+            return []
+        return [*dict.fromkeys(commit for commit in (found, head) if commit)]
 
     def _then(self, commit: str, folder: Path) -> _Then | None:
         """The project at a commit; None where it was none, or does not compile."""
@@ -213,6 +216,14 @@ def _accepted(before: Content, item: SpecItem) -> dict[str, str]:
         name: str(before.get(name, {}).get("says", ""))
         for name in ([reads] if isinstance(reads, str) else reads)
     }
+
+
+def _all_rules(before: Content) -> str:
+    """One hash of all that rules came to when they were accepted."""
+    from trackmarshal.meaning import sha256
+
+    said = {key: entry.get("meaning") or entry.get("says") for key, entry in before.items()}
+    return sha256(*(f"{key} {value}" for key, value in sorted(said.items()) if value))
 
 
 def _said(name: str, pairs: Sequence[Pair], lacking: int) -> tuple[str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from trackmarshal.trace.documents_safety import ASSURANCE, DESIGN, HAZARDS, LINK_SCHEMA
+from trackmarshal.trace.gsn.document import ARGUMENT
 from trackmarshal.trace.shapes import (
     ASIL,
     HASH,
@@ -206,5 +207,5 @@ V_MODEL = Record("v-model", "What each stage of the development must show, and w
 
 DOCUMENTS = {
     "system-model": SYSTEM_MODEL, "requirements": REQUIREMENTS, "v-model": V_MODEL, "hazards": HAZARDS, "design": DESIGN,
-    "assurance": ASSURANCE, "link-schema": LINK_SCHEMA,
+    "assurance": ASSURANCE, "link-schema": LINK_SCHEMA, "argument": ARGUMENT,
 }  # fmt: skip

@@ -26,7 +26,7 @@ def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
     paths |= {str(s.kept) for s in project.scenarios if s.kept} | set(map(str, project.campaigns))
     paths |= {str(path) for _, path in _written_down(project)}
     paths |= {item.evidence for item in items if item.evidence}
-    return {**{path: _hash(root, path) for path in sorted(paths)}, **sections.hashes(root, project)}
+    return {**{path: sha256(root, path) for path in sorted(paths)}, **sections.hashes(root, project)}
 
 
 def _written_down(project: Project) -> Iterator[tuple[Entry, Placed]]:
@@ -41,14 +41,15 @@ def sources(root: Path, project: Project, runs: Iterable[RunSummary]) -> Hashes:
     """The hashes of what kept runs were made from, also out of the project: logs that are not part of it are there named by path."""
     kept = {str(scenario.path) for scenario in project.scenarios if scenario.kept}
     return {
-        path: _hash(root, path, outside=True)
+        path: sha256(root, path, outside=True)
         for run in runs
         if run.scenario in kept
         for path in run.made_from
     }
 
 
-def _hash(root: Path, path: str, outside: bool = False) -> str | None:
+def sha256(root: Path, path: str, outside: bool = False) -> str | None:
+    """The sha256 of a file, None where there is none; `outside`: it may be out of the project."""
     try:
         whole = (root / path).resolve()
         if not (outside or whole.is_relative_to(root.resolve())) or not whole.is_file():

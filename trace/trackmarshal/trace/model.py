@@ -7,9 +7,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import date
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.values import Placed
+
+if TYPE_CHECKING:
+    from trackmarshal.trace.gsn.document import Argument
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,6 +271,7 @@ class Project:
     place: Place | None = None  #: where its settings are
     entries: tuple[Entry, ...] = ()  #: hazards, goals, design, persons, reviews and their like
     schema: Schema | None = None  #: the project's own, where it has one
+    argument: Argument | None = None  #: its own templates, and what people say against the argument
     modelled: Place | None = None  #: where the system model is, if there is one
     by_id: dict[str, Requirement] = field(default_factory=dict, repr=False, compare=False)
 

@@ -14,6 +14,7 @@ from trackmarshal.trace import entries, model, tree
 from trackmarshal.trace.collector import no_collection
 from trackmarshal.trace.documents import DOCUMENTS
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
+from trackmarshal.trace.gsn import document as gsn
 from trackmarshal.trace.values import Placed, Reader, Table
 
 FOLDER = "requirements"
@@ -68,7 +69,7 @@ def _project(files: Bytes, found: list[Finding]) -> model.Project:
         read = _document(data, shown, found)
         if read is not None:
             tables[read[0]].append(read[1])
-    for kind in ("system-model", "v-model", "link-schema"):
+    for kind in ("system-model", "v-model", "link-schema", "argument"):
         for extra in tables[kind][1:]:
             message = f"a second {kind}; the first is {tables[kind][0].place.file}"
             found.append(error("T129", message, extra.place, "merge the two"))
@@ -87,7 +88,10 @@ def _project(files: Bytes, found: list[Finding]) -> model.Project:
     )
     beside = tuple(entry for kind in entries.LISTS for entry in entries.entries(tables[kind], kind))
     schema = entries.schema(tables["link-schema"][0]) if tables["link-schema"] else None
-    project = replace(project, requirements=requirements, entries=beside, schema=schema, by_id={})
+    argument = gsn.argument(tables["argument"][0]) if tables["argument"] else None
+    project = replace(
+        project, requirements=requirements, entries=beside, schema=schema, argument=argument, by_id={}
+    )
     for requirement in requirements:
         project.by_id.setdefault(str(requirement.id), requirement)
     return _with_model(project, tables["system-model"][0]) if tables["system-model"] else project

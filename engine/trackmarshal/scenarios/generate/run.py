@@ -65,7 +65,7 @@ def run(declared: Declaration, shown: str) -> Recording:
         objects = [other.reported(i) for other in others]
         candidates = {name: _columns(plan.columns) for name, plan in plans.items()}
         cycles.append(Cycle(t, _rounded(_ego(state, aside)), objects, candidates))
-    speed = {} if declared.speed is None else {"v_max": declared.speed}
+    speed = {} if declared.speed is None else {"v_event": declared.speed}
     because = dict.fromkeys(speed, "the event's limit")
     return Recording(
         name=declared.name,

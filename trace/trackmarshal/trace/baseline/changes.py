@@ -124,7 +124,7 @@ def _changes(before: Content, now: Content) -> Iterator[Change]:
                 continue
             yield Change(kind, name, "", "there", "", kind != "waiver")
         elif key not in before:
-            yield Change(kind, name, "", "", "there", kind in ("waiver", "link-schema"))
+            yield Change(kind, name, "", "", "there", kind in ("waiver", "link-schema", "argument"))
         else:
             yield from _of(kind, name, before[key], now[key])
 

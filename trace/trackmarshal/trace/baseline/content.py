@@ -45,6 +45,15 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         }  # fmt: skip
     if project.schema is not None:
         yield "link-schema", {"says": _hash(repr(_said(project.schema)))}
+    if project.argument is not None:
+        made = project.argument
+        yield "argument", {"templates": _hash(repr(_said((made.top, made.groups, made.templates))))}
+        for d in made.defeaters:
+            said = {"challenges": str(d.challenges), "state": d.state, "owner": d.owner}
+            yield (
+                f"defeater {d.id}",
+                {**said, "text": _hash(d.text), "answer": _hash(d.answer) if d.answer else ""},
+            )
     for i in project.interfaces:
         yield f"interface {i.id}", {"leads_to": _list(i.leads_to)}
 

@@ -125,7 +125,7 @@ def _checked(data: Any) -> Baseline:
     if data.get("version") != VERSION:
         raise ValueError(f"its version is not {VERSION}: restore what it guards, and accept it anew")
     content, acceptances = data.get("content"), data.get("acceptances")
-    if not (_is_content(content) and isinstance(acceptances, list) and acceptances):
+    if content is None or not (_is_content(content) and isinstance(acceptances, list) and acceptances):
         raise ValueError("it is not what `--accept-baseline` writes")
     try:
         done = tuple(Acceptance(**{**one, "weaker": tuple(one["weaker"])}) for one in acceptances)

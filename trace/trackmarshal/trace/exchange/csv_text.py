@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from trackmarshal.trace.exchange.content import BETWEEN, FIELDS, Document, Draft, Item, Value, attributes
 from trackmarshal.trace.exchange.refused import Refused, decoded
+from trackmarshal.trace.values import Table
 
 #: Columns that say of which document a row is; a document without requirements has a row without an id.
 OF_DOCUMENT = ("document", "document_title", "document_source")
@@ -76,8 +77,8 @@ def read(data: bytes, shown: str) -> list[Draft]:
                 line,
                 "cells with commas, quotes or line breaks stand in double quotes",
             )
-        said: dict[str, Value] = dict(zip(names, map(_text, cells)))
-        name, title, source = (str(said.pop(column, "")).strip() for column in OF_DOCUMENT)
+        told: dict[str, Value] = dict(zip(names, map(_text, cells)))
+        name, title, source = (str(told.pop(column, "")).strip() for column in OF_DOCUMENT)
         draft = drafts.setdefault(name, Draft(name, title or name or "Requirements", source))
         if title not in ("", draft.title) or source not in ("", draft.source):
             raise Refused(
@@ -87,8 +88,8 @@ def read(data: bytes, shown: str) -> list[Draft]:
                 line,
                 "keep one of them",
             )
-        if any(value for value in said.values()):
-            draft.items.append(Item(said, line))
+        if any(value for value in told.values()):
+            draft.items.append(Item(told, line))
     return list(drafts.values())
 
 
@@ -124,6 +125,6 @@ def _text(cell: str) -> str:
     return cell[1:] if cell.startswith("'") and cell[1:].startswith(_FORMULAS) else cell
 
 
-_NOTHING: dict[str, str] = {}
+_NOTHING = Table()  # a document without requirements has a line all the same
 
-__all__: Iterable[str] = ("OF_DOCUMENT", "read", "write")
+__all__ = ("OF_DOCUMENT", "read", "write")

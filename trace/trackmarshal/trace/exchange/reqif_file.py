@@ -200,7 +200,7 @@ class _Reading:
         self._words = {
             word.identifier: word.long_name or word.key for kind in content.data_types or () for word in getattr(kind, "values", None) or ()
         }  # fmt: skip
-        self._objects = {}
+        self._objects: dict[Any, Any] = {}
         for one in content.spec_objects or ():
             if one.identifier in self._objects:
                 raise Refused(

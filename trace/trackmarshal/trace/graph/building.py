@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
-from trackmarshal.records import SpecItem
+from trackmarshal.records import ExternalTest, FaultResult, RunSummary, SpecItem, TestResult
 from trackmarshal.trace import faults
 from trackmarshal.trace.external import External
 from trackmarshal.trace.files import Hashes
@@ -45,6 +46,12 @@ def fingerprint(node: Node) -> str:
     texts = (said.get(name, "") for name in ("statement", "situation", "description"))
     text = next(filter(None, texts), node.title)
     return said.get("fingerprint") or hashlib.sha256(" ".join(text.split()).encode()).hexdigest()
+
+
+def _record(said: TestResult | RunSummary | FaultResult | ExternalTest, *apart: str) -> str:
+    """The sha256 of a result as it is recorded, but for where it stands and when it was made."""
+    data = {name: value for name, value in said.to_json().items() if name not in apart}
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
 class _Building:
@@ -161,8 +168,9 @@ class _Building:
         for result in self.spec.results.values():
             place = Place(result.file, result.line)
             self._node(
-                "result", f"{result.rule}: {result.title}", result.message, place, {"outcome": result.outcome}
-            )
+                "result", f"{result.rule}: {result.title}", result.message, place,
+                {"outcome": result.outcome, "sha256": _record(result, "file", "line")},
+            )  # fmt: skip
 
     def _runs(self) -> None:
         for scenario in self.project.scenarios:
@@ -178,11 +186,15 @@ class _Building:
                 "fired": "yes" if run.fired else "no",
                 "cycles": str(run.cycles),
                 "outcome": "stale" if stale else "run",
+                "sha256": _record(run, "created"),
             }
             self._node("run", run.scenario, "", None, attributes)
         for case in self.spec.faults:
             status, _ = faults.verdict(case, self.spec)
             attributes = {"campaign": case.campaign, "outcome": "open" if case.open else status}
+            put_in = self.spec.fault_results.get((case.campaign, case.id))
+            if put_in is not None:
+                attributes["sha256"] = _record(put_in)
             self._node(
                 "fault", f"{case.campaign} {case.id}", case.title, Place(case.campaign, case.line), attributes
             )
@@ -192,7 +204,7 @@ class _Building:
             test = external.test
             attributes = {
                 "outcome": test.outcome, "stage": str(external.stage), "tool": test.tool, "created": test.created,
-                "report": test.report,
+                "report": test.report, "sha256": _record(test, "file", "line", "report_line", "created", "duration"),
             }  # fmt: skip
             self._node(*_external(external), test.message, external.place, attributes)
         for marker in self.around.markers:
@@ -335,11 +347,11 @@ class _Building:
             named = [pattern for pattern in scenario.requirements if pattern != "*"]
             self._fitting("shows", ("scenario", str(scenario.path)), named, scenario.path.place)
         for run in self.spec.runs.values():
-            key, place = ("run", run.scenario), Place(run.scenario)
-            stale = self.nodes[key].attributes["outcome"] == "stale"
+            ran, place = ("run", run.scenario), Place(run.scenario)
+            stale = self.nodes[ran].attributes["outcome"] == "stale"
             self._link(
                 "replays",
-                key,
+                ran,
                 ("scenario", run.scenario),
                 place,
                 "outdated" if stale and ("scenario", run.scenario) in self.nodes else "",
@@ -348,11 +360,13 @@ class _Building:
                 item = self.spec.by_name.get(facts.rule)
                 if item is not None and facts.number("satisfied", "violated"):
                     self._link(
-                        "evaluates", key, (_KIND[item.kind], item.name), place, "outdated" if stale else ""
+                        "evaluates", ran, (_KIND[item.kind], item.name), place, "outdated" if stale else ""
                     )
         for case in self.spec.faults:
-            key = ("fault", f"{case.campaign} {case.id}")
-            self._link("challenges", key, ("requirement", case.requirement), Place(case.campaign, case.line))
+            put_in = ("fault", f"{case.campaign} {case.id}")
+            self._link(
+                "challenges", put_in, ("requirement", case.requirement), Place(case.campaign, case.line)
+            )
         for external in self.around.tests:
             for id_ in external.test.requirements:
                 self._link("confirms", _external(external), ("requirement", id_), external.place)

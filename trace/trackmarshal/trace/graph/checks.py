@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from trackmarshal.trace import cycles
-from trackmarshal.trace.findings import Finding, did_you_mean, error, warning
+from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
 from trackmarshal.trace.graph.graph import Graph, Link
 from trackmarshal.trace.graph.kinds import LINKS, Said
 from trackmarshal.trace.graph.said import called
@@ -61,7 +61,7 @@ def _finding(graph: Graph, link: Link, said: Said, help_: str) -> Finding:
         "targets": " or ".join(LINKS[link.kind].targets) or "thing",
         "at": "" if source is None else source.attributes.get("interface", ""),
     }  # fmt: skip
-    also = ()
+    also: tuple[tuple[Place, str], ...] = ()
     if said.also and target is not None and target.place is not None:
         also = ((target.place, said.also.format(**words)),)
     subject = link.target[1] if said.of_target else link.source[1]

@@ -23,7 +23,7 @@ def asil(node: Node) -> int | None: ...
 def asil(node: Node, otherwise: int) -> int: ...
 def asil(node: Node, otherwise: int | None = None) -> int | None:
     """The integrity level of a node, of a decomposed one what is left to it: QM 0 to D 4; `otherwise` where it has none."""
-    return LEVEL.get(node.attributes.get("asil", "").partition("(")[0], otherwise)  # type: ignore[arg-type]
+    return LEVEL.get(node.attributes.get("asil", "").partition("(")[0], otherwise)
 
 
 __all__ = ["LEVEL", "asil", "called"]

@@ -54,7 +54,7 @@ def version(
     project = requirements.load(root, found)
     spec = Spec(items, tests, results, runs, engine, run_inputs, fault_cases, fault_results, parts)
     hashes = files.hashes(root, project, spec.items)
-    around = outside.load(root, project, [])
+    around = outside.load(root, project, spec.items, [])
     code = {marker.place.file: _hash(root / marker.place.file) for marker in around.markers}
     wrong = [
         *(one for one in findings if one.level == "error"),

@@ -81,7 +81,7 @@ def _row(row: Row) -> dict[str, Any]:
 def _item(item: Item) -> dict[str, Any]:
     return {
         "kind": item.kind, "name": item.name, "title": item.title, "status": item.status, "detail": item.detail,
-        "span": _span(item.place),
+        "span": span(item.place),
     }  # fmt: skip
 
 
@@ -92,19 +92,21 @@ def _findings(matrix: Matrix) -> list[dict[str, Any]]:
         {
             "id": number,
             "cause": numbers[matrix.causes[finding]] if finding in matrix.causes else None,
-            **_finding(finding),
+            **finding_record(finding),
         }
         for finding, number in numbers.items()
     ]
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def finding_record(finding: Finding) -> dict[str, Any]:
+    """A finding as plain data."""
     return {
-        "code": finding.code, "level": finding.level, "message": finding.message, "span": _span(finding.place),
+        "code": finding.code, "level": finding.level, "message": finding.message, "span": span(finding.place),
         "help": finding.help or None, "subject": finding.subject or None,
         "also": [{"span": str(place), "message": label} for place, label in finding.also],
     }  # fmt: skip
 
 
-def _span(place: Place | None) -> str | None:
+def span(place: Place | None) -> str | None:
+    """A place as text, `FILE:LINE:COLUMN`."""
     return None if place is None else str(place)

@@ -1,0 +1,154 @@
+"""One rule for readers: its spec, its formula, in words, and its C function, with the parameters in force.
+
+trackmarshal show friction
+trackmarshal show friction --as formula --expand
+trackmarshal show friction --format html > friction.html
+trackmarshal show friction --solve v
+
+Without --as: the spec, the formula and the words; as html and json, the C function too. What a formula calls is listed below it, or written out in
+its place (--expand). With --solve, up to which value of a number the rule holds.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trackmarshal.cli.options import configure_with
+from trackmarshal.cli.output import dump, plain, say
+from trackmarshal.cli.project import find_project, optional_project, spec_folders
+from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.ir.spec import RuleInfo, Spec
+    from trackmarshal.reading.sheet import Sheet
+    from trackmarshal.testing.cases import PreparedTest
+
+FORMS = ("spec", "formula", "english", "c")
+#: Forms that speak of a rule's condition, which an assumption without a monitor has none of.
+_OF_CONDITIONS = ("formula", "english", "c")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("rule", metavar="RULE", help="a rule, or an assumption")
+    parser.add_argument(
+        "--as",
+        dest="forms",
+        action="append",
+        choices=FORMS,
+        help="a form (repeatable; default: all, in text without C)",
+    )
+    parser.add_argument("--expand", action="store_true", help="write definitions out in the formula")
+    parser.add_argument(
+        "--solve",
+        action="append",
+        default=[],
+        metavar="V",
+        help="a number to solve for: a field or a parameter (repeatable)",
+    )
+    parser.add_argument("--format", choices=("text", "html", "json"), default="text")
+    parser.add_argument(
+        "--json", action="store_const", const="json", dest="format", help="the same as --format json"
+    )
+    parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: all of the project)")
+    configure_with(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    from trackmarshal.evaluation import load
+
+    project = optional_project(args)
+    paths = [Path(args.spec)] if args.spec is not None else spec_folders(find_project(args))
+    settings = [Path(one) for one in args.settings]
+    spec = load(paths, settings, project)
+    declared = load(paths, [], project) if settings else spec
+    rule = _rule(args.rule, spec)
+    forms = args.forms or ([] if args.solve else _all(rule, args.format))
+    tests = _tests(paths, project) if args.solve else ()
+    sheet = _sheet(rule, spec, declared, forms, tests, args)
+    match args.format:
+        case "text":
+            from trackmarshal.reading.text import lines
+
+            say(*lines(sheet, single=bool(args.forms or args.solve) and len(forms) + bool(sheet.limits) == 1))
+        case "html":
+            from trackmarshal.reading.html import page
+
+            print("\n".join(plain(line) for line in page([sheet]).splitlines()))
+        case "json":
+            from trackmarshal.reading.data import data
+
+            print(dump(data(sheet)))
+        case _:
+            raise AssertionError(f"unknown format {args.format}")
+    return 0
+
+
+def _all(rule: RuleInfo, format_: str) -> Sequence[str]:
+    if rule.typed is None:
+        return ("spec",)
+    return FORMS[:3] if format_ == "text" else FORMS
+
+
+def _rule(name: str, spec: Spec) -> RuleInfo:
+    from trackmarshal.diagnostics.base import close_matches
+
+    rule = spec.rule(name)
+    if rule is None:
+        known = [one.name for one in spec.rules]
+        help_ = close_matches(name, known) or ", ".join(known) or "it has none"
+        raise TrackmarshalError("E401", f"the spec has no rule `{name}`", help=help_)
+    return rule
+
+
+def _sheet(
+    rule: RuleInfo,
+    spec: Spec,
+    declared: Spec,
+    forms: Sequence[str],
+    tests: Sequence[PreparedTest],
+    args: argparse.Namespace,
+) -> Sheet:
+    from trackmarshal.reading.rule import read
+    from trackmarshal.reading.sheet import Sheet, spec_text
+    from trackmarshal.reading.solving import solve
+    from trackmarshal.reading.telling import tell
+    from trackmarshal.reading.words.english import ENGLISH
+
+    missing = [form for form in forms if form in _OF_CONDITIONS]
+    if rule.typed is None and (missing or args.solve):
+        raise TrackmarshalError(
+            "E404", f"`{rule.name}` has no condition to show", file=str(rule.span.file.path), line=rule.span.line,
+            help="add a `monitor` to the assumption, or show it --as spec",
+        )  # fmt: skip
+    return Sheet(
+        rule, ENGLISH,
+        spec_text(rule) if "spec" in forms else None,
+        read(rule, spec, declared, args.expand) if "formula" in forms else None,
+        tell(rule, spec, ENGLISH) if "english" in forms else None,
+        _c(rule, spec, bool(args.forms)) if "c" in forms else None,
+        tuple(limit for name in args.solve for limit in solve(rule, spec, tests, name, ENGLISH)),
+    )  # fmt: skip
+
+
+def _c(rule: RuleInfo, spec: Spec, asked: bool) -> str:
+    """The C function of a rule; where none can be had and nobody asked for it by name, why that is so."""
+    from trackmarshal.backends.c.source import generate
+
+    try:
+        source = generate(spec, [rule], "supervisor")
+    except TrackmarshalError as error:
+        if asked:
+            raise
+        return f"/* {error.message} [{error.code}] */"
+    return next(code.text for code in source.rules if code.rule.name == rule.name).rstrip()
+
+
+def _tests(paths: Sequence[Path], project: Path | None) -> Sequence[PreparedTest]:
+    """The tests of the specs: where a rule is not solved, its boundary is looked for in their inputs."""
+    from trackmarshal.semantics.compile import compile_paths
+    from trackmarshal.testing.cases import prepare
+
+    return prepare(compile_paths(paths, project))[0]

@@ -1,0 +1,161 @@
+"""A rule in sentences: what it demands, what the letters in it mean, and each definition that it calls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import assert_never
+
+from trackmarshal import typed
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.node import Node
+from trackmarshal.reading.phrases import called, parameters_of, plain
+from trackmarshal.reading.sentences import ADDED, OPEN, SINGLE, TOGETHER, Sentences
+from trackmarshal.reading.words import Words
+from trackmarshal.syntax import ast
+
+
+class Told(Node):
+    """A rule in words: paragraphs of what it demands, and of what it calls."""
+
+    demand: tuple[str, ...]
+    definitions: tuple[str, ...]
+
+
+def tell(rule: RuleInfo, spec: Spec, words: Words) -> Told:
+    """A rule with a condition, in words."""
+    assert rule.typed is not None, "a rule without a condition says nothing"
+    reached = list(typed.below(rule.typed))
+    said = Sentences(words, spec.params, frozenset(_names(reached)))
+    demand = tuple(_demand(rule.typed, said))
+    return Told(demand, (*_events(reached, said), *_definitions(reached, said), *_machines(reached, said)))
+
+
+def _names(reached: Sequence[typed.Typed]) -> Iterator[str]:
+    """All that an author called by a name."""
+    for node in reached:
+        match node:
+            case (
+                typed.Parameter()
+                | typed.CalledNumber()
+                | typed.CalledFormula()
+                | typed.TableValue()
+                | typed.Event()
+                | typed.Machine()
+            ):
+                yield node.symbol.name
+            case typed.Variable() | typed.Field() | typed.Let():
+                yield node.name
+            case _:
+                yield str(node.__dict__.get("name", ""))
+
+
+def _demand(rule: typed.Rule, said: Sentences) -> Iterator[str]:
+    """One sentence of all clauses, and another one of what is called how in it."""
+    words, heads, meant = said.words, list[str](), list[str]()
+    body, existing = "", False
+    for clause in rule.clauses:
+        match clause:
+            case typed.Along():
+                heads.append(
+                    words.along[clause.place].format(
+                        a=clause.range.names[0], b=said.signal(clause.range.domain)
+                    )
+                )
+            case typed.Whenever():
+                heads.append(words.whenever.format(a=said.formula(clause.condition, TOGETHER)))
+            case typed.Deadline():
+                heads.append(words.deadline.format(a=said.number(clause.limit, ADDED)))
+            case typed.ForEach():
+                heads.append(said.quantifier(clause.quantifier, clause.range, clause.where, clause.by))
+                existing = clause.quantifier == "exists"
+            case typed.Except():
+                heads.append(
+                    words.except_why.format(a=said.formula(clause.condition, SINGLE), b=clause.reason)
+                )
+            case typed.Let():
+                meant.append(_let(clause, said))
+            case typed.Require():
+                body = said.formula(clause.condition)
+            case _:
+                assert_never(clause)
+    head = words.comma.join(heads)
+    whole = body if not heads else (words.existing if existing else words.colon).format(a=head, b=body)
+    yield _sentence(whole)
+    meant += said.meanings()
+    if meant:
+        yield _here(meant, said)
+
+
+def _let(clause: typed.Let, said: Sentences) -> str:
+    """What a name stands for."""
+    value, words = clause.value, said.words
+    if isinstance(value, typed.FormulaNode):
+        return words.if_.format(a=f"“{plain(clause.name)}”", b=said.formula(value))
+    shown = said.number(value) if isinstance(value, typed.NumberNode) else said.value(value)
+    return words.is_.format(a=called(clause.name), b=shown)
+
+
+def _here(meant: Sequence[str], said: Sentences) -> str:
+    return said.words.here.format(a="; ".join(meant))
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:] + "."
+
+
+def _definitions(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[str]:
+    seen = set()
+    words = said.words
+    for node in reached:
+        if not isinstance(node, typed.CalledNumber | typed.CalledFormula) or node.symbol.qualified in seen:
+            continue
+        seen.add(node.symbol.qualified)
+        given = parameters_of(node.symbol)
+        if isinstance(node, typed.CalledNumber):
+            name = called(node.symbol.name)
+            head = words.of.format(a=name, b=said.listed(given)) if given else name
+            text = words.is_.format(a=head, b=said.number(node.body))
+        else:
+            name = plain(node.symbol.name)
+            head = (
+                words.holds_for[0].format(a=name, b=said.listed(given))
+                if given
+                else words.holds[0].format(a=name)
+            )
+            text = words.when.format(
+                a=head, b=said.formula(node.body, SINGLE if _conditional(node.body) else OPEN)
+            )
+        yield _with_meanings(_sentence(text), said)
+
+
+def _conditional(node: typed.Formula) -> bool:
+    """Whether a sentence begins with `if`, or has one in it that would be taken for that of a definition."""
+    return isinstance(node, typed.Connective) and node.op in ("implies", "iff", "xor")
+
+
+def _events(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[str]:
+    """What an author says that an event of the input means."""
+    seen = set()
+    for node in reached:
+        if isinstance(node, typed.Event) and node.symbol.qualified not in seen:
+            seen.add(node.symbol.qualified)
+            assert isinstance(node.symbol.item, ast.Event)
+            if node.symbol.item.text:
+                yield said.words.event.format(a=plain(node.symbol.name), b=node.symbol.item.text)
+
+
+def _machines(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[str]:
+    seen = set()
+    for node in reached:
+        if not isinstance(node, typed.Machine) or node.symbol.qualified in seen:
+            continue
+        seen.add(node.symbol.qualified)
+        parts = [said.starts(node)]
+        for one in node.transitions:
+            parts += [said.becomes(one), *said.kept(one)]
+        yield _with_meanings(" ".join(parts), said)
+
+
+def _with_meanings(text: str, said: Sentences) -> str:
+    meant = said.meanings()
+    return f"{text} {_here(meant, said)}" if meant else text

@@ -1,0 +1,298 @@
+"""Formulas and sentences: every node in every form, the order of operations, long lines, names that are markup."""
+
+from __future__ import annotations
+
+import inspect
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any, get_args
+from xml.etree import ElementTree
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from support.mathml import Parser
+from support.mathml import read as signs
+from support.reading import RULES, demanded, examples, rule_of, spec_of
+from trackmarshal import reading, typed
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import load
+from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.reading import layout as at
+from trackmarshal.reading import mathml, terminal, typst
+from trackmarshal.reading.breaking import broad, lines
+from trackmarshal.reading.data import data
+from trackmarshal.reading.formulas import Formulas
+from trackmarshal.reading.html import page
+from trackmarshal.reading.rule import read
+from trackmarshal.reading.sentences import Sentences
+from trackmarshal.reading.sheet import Sheet
+from trackmarshal.reading.telling import tell
+from trackmarshal.reading.terminal import block, text
+from trackmarshal.reading.words.english import ENGLISH
+from trackmarshal.semantics.compile import compile_paths
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@cache
+def shipped() -> Spec:
+    return load([ROOT / "specs"], [], ROOT)
+
+
+def sheet(rule: RuleInfo, spec: Spec, expand: bool = False) -> Sheet:
+    return Sheet(rule, ENGLISH, None, read(rule, spec, None, expand), tell(rule, spec, ENGLISH), None, ())
+
+
+def printed(made: Any) -> list[dict[str, str]]:
+    """All that is printed of formulas in a rule's data."""
+    if isinstance(made, dict):
+        own = [made] if "mathml" in made else []
+        return [*own, *(one for value in made.values() for one in printed(value))]
+    return [one for value in made for one in printed(value)] if isinstance(made, list) else []
+
+
+def test_every_node_of_the_typed_tree_is_shown_in_every_form(tmp_path: Path) -> None:
+    """Of the shipped rules, of the examples of the pages, and of a spec with the rest; what is printed is XML, and reads back."""
+    made = spec_of(tmp_path, RULES)
+    specs = [shipped(), made]
+    schema = Draft202012Validator(
+        json.loads(Path(reading.__file__).with_name("show.schema.json").read_text("utf-8"))
+    )
+    for number, example in enumerate(examples()):
+        path = tmp_path / f"example{number}.spec"
+        path.write_text(example, "utf-8")
+        specs.append(compile_paths([path], ROOT).spec)
+    seen: set[type] = set()
+    for spec in specs:
+        for rule in spec.rules:
+            if rule.typed is None:
+                continue
+            seen |= {type(node) for node in typed.below(rule.typed)}
+            for expand in (
+                (False, True) if spec is not shipped() else (False,)
+            ):  # those are read back, written out: test_printed_formulas
+                whole = data(sheet(rule, spec, expand))
+                schema.validate(whole)
+                for one in printed(whole):
+                    ElementTree.fromstring(one["mathml"])
+                    assert one["typst"].startswith("$ ")
+                    assert one["text"]
+    nodes = {
+        *get_args(typed.Value),
+        *get_args(typed.Clause),
+        typed.Range,
+        typed.Window,
+        typed.Machine,
+        typed.Transition,
+        typed.Keep,
+    }
+    assert {node.__name__ for node in nodes - seen} == set()
+
+
+@pytest.mark.parametrize(
+    ("condition", "shown"),
+    [
+        ("ego.v - (top - ego.v) <= top", "v_ego − (top − v_ego) ≤ top"),
+        ("ego.v - top - ego.v <= top", "v_ego − top − v_ego ≤ top"),
+        ("ego.v + (top + ego.v) <= top", "v_ego + (top + v_ego) ≤ top"),
+        ("ego.v * (2 * 3) <= top", "v_ego · (2 · 3) ≤ top"),
+        ("ego.v / (2 / 3) <= top", "v_ego/(2/3) ≤ top"),
+        ("2 * (ego.v / 3) <= top", "2 · (v_ego/3) ≤ top"),
+        ("-(ego.v + top) * 2 <= -top", "−(v_ego + top) · 2 ≤ −top"),
+        ("ego.v - (-top) <= top", "v_ego − (−top) ≤ top"),
+        ("(ego.v / top)^2 * (-2)^3 <= 1", "(v_ego/top)² · (−2)³ ≤ 1"),
+        ("abs(-(ego.v)) <= 60 km/h", "|−v_ego| ≤ 60 km/h"),
+        ("ego.wet and (blue_flag or ego.v < top)", "wet_ego ∧ (b_flag ∨ v_ego < top)".replace("b_flag", "blue_flag")),
+        ("(ego.wet and blue_flag) or ego.v < top", "wet_ego ∧ blue_flag ∨ v_ego < top"),
+        ("not (ego.v < top) implies (ego.wet implies blue_flag)", "¬(v_ego < top) ⇒ (wet_ego ⇒ blue_flag)"),
+        ("(for all o in objects: o.v < top) and ego.wet", "(∀ o ∈ objects: v_o < top) ∧ wet_ego"),
+        ("exists o in objects where (exists p in plan: p.v < o.v): o.v < top", "∃ o ∈ objects where (∃ p ∈ plan: v_p < v_o): v_o < top"),
+        ("ego.v <= (if ego.wet then top else 10 m/s)", "v_ego ≤ (if wet_ego then top else 10 m/s)"),
+        ("sum(o.v + top for o in objects where o.v > top) <= top", "∑_{o ∈ objects: v_o > top} (v_o + top) ≤ top"),
+        ("plan.first.v <= plan.last.v", "v_plan.first ≤ v_plan.last"),
+        ("kappa * 100 m <= plan.first.kappa * 1 m", "κ · 100 m ≤ κ_plan.first · 1 m"),
+        ("0 m/s <= ego.v < top", "0 m/s ≤ v_ego < top"),
+        ("ego.v in [0 m/s, top + 1 m/s]", "v_ego ∈ [0 m/s, top + 1 m/s]"),
+    ],
+)  # fmt: skip
+def test_parentheses_stand_where_the_order_of_operations_takes_them(
+    condition: str, shown: str, tmp_path: Path
+) -> None:
+    assert demanded(tmp_path, condition) == shown
+
+
+def test_what_is_written_out_keeps_variables_apart(tmp_path: Path) -> None:
+    rule, spec = rule_of(
+        tmp_path,
+        'predicate nobody(v: m/s) = not (exists o in objects: o.v > v)\nrule r "r"\n  for all o in objects\n  require nobody(o.v)\n',
+    )
+    (_, demand) = read(rule, spec, None, True).clauses
+    assert text(demand.formula) == "¬(∃ o′ ∈ objects: v_o′ > v_o)"
+
+
+def test_one_sign_is_one_thing() -> None:
+    """What a definition of another module is given has a prime where the spec's own parameter goes by the same name."""
+    rule = shipped().rule("safe_gap")
+    assert rule is not None
+    heads = {one.symbol.name: text(one.head) for one in read(rule, shipped()).definitions}
+    assert heads["rss_lateral_path"] == "rss_lateral_path(approach, response′, acceleration, braking)"
+    assert heads["half_extent"] == "half_extent(length′, width′, angle)"
+
+
+def test_a_formula_of_300_signs_has_lines(tmp_path: Path) -> None:
+    terms = " + ".join(f"plan.first.v^2 / ({k} m/s + abs(ego.v - {k} m/s))" for k in range(1, 60))
+    rule, spec = rule_of(tmp_path, f'rule r "r"\n  require sqrt(({terms}) * top) <= top and ego.v < top\n')
+    (demand,) = read(rule, spec).clauses
+    for width in (40, 60, 100):
+        assert max(map(len, block(demand.formula, width))) <= width
+        made = lines(demand.formula, width, broad)
+        assert len(made) > 10
+        assert all(sum(map(broad, line.parts)) <= max(width - 2 * line.indent, 24) + 6 for line in made)
+    whole = Parser(signs(mathml.formula(demand.formula, 10_000))).whole()
+    assert Parser(signs(mathml.formula(demand.formula, 60))).whole() == whole
+
+
+def test_a_rule_with_40_definitions(tmp_path: Path) -> None:
+    chain = "".join(f"define d{k}(v: m/s) -> m/s = d{k - 1}(v) + {k} m/s\n" for k in range(1, 41))
+    rule, spec = rule_of(
+        tmp_path, f'define d0(v: m/s) -> m/s = v\n{chain}rule r "r"\n  require d40(ego.v) <= top\n'
+    )
+    assert len(read(rule, spec).definitions) == 41
+    assert len(tell(rule, spec, ENGLISH).definitions) == 41
+    (demand,) = read(rule, spec, None, True).clauses
+    assert text(demand.formula).count(" m/s") == 40
+    assert "d40" in page([sheet(rule, spec)])
+
+
+def test_what_grows_without_end_is_refused_and_not_written_out(tmp_path: Path) -> None:
+    chain = "".join(f"define d{k}(v: m/s) -> m/s = d{k - 1}(v) + d{k - 1}(v)\n" for k in range(1, 12))
+    rule, spec = rule_of(
+        tmp_path, f'define d0(v: m/s) -> m/s = v\n{chain}rule r "r"\n  require d11(ego.v) <= top\n'
+    )
+    assert len(read(rule, spec).definitions) == 12
+    with pytest.raises(TrackmarshalError) as caught:
+        read(rule, spec, None, True)
+    assert caught.value.code == "E490"
+    assert caught.value.line is not None
+
+
+EVIL = '</code><script>alert(1)</script> $ #panic("x") \\input{/etc/passwd} {{ 7 * 7 }} %n ”'
+
+
+def test_markup_in_titles_is_text(tmp_path: Path) -> None:
+    written = EVIL.replace('"', "'").replace("\\", "\\\\")
+    rule, spec = rule_of(
+        tmp_path,
+        f'param size : m/s = 1 m/s source "{written}"\nrule r "{written}"\n  because "{written}"\n  for all o in objects\n'
+        f'    except o.v > top "{written}"\n  require o.v <= size\n',
+    )
+    made = page([sheet(rule, spec)])
+    assert "<script" not in made
+    assert "&lt;script&gt;" in made
+    assert "49" not in made
+    assert made.count("<html") == 1
+
+
+def test_names_beyond_ascii_are_shown_and_escaped() -> None:
+    for piece in (at.Name('a"#b\\'), at.Word('"; #panic() //'), at.Index(at.Name("<b>"), at.Name("$x$"))):
+        made = typst.formula(piece)
+        assert made.count("$") == 2 + made.count('"$x$"') * 2
+        inside = made.replace("\\\\", "").replace('\\"', "")
+        assert inside.count('"') % 2 == 0
+        assert all("#" not in part for part in inside.split('"')[::2])
+        ElementTree.fromstring(mathml.formula(piece))
+    assert "&lt;b&gt;" in mathml.formula(at.Name("<b>"))
+
+
+def test_greek_letters_and_units_of_the_spec(tmp_path: Path) -> None:
+    rule, spec = rule_of(
+        tmp_path, 'param μ : 1 = 1.5\nrule r "ünïcödé – 速度"\n  require ego.v ≤ μ · 10 m/s²·1 s\n'
+    )
+    assert text(read(rule, spec).clauses[0].formula) == "v_ego ≤ μ · 10 m/s² · 1 s"
+    assert '<mi mathvariant="normal">s</mi><mn>2</mn></msup>' in mathml.formula(
+        read(rule, spec).clauses[0].formula
+    )
+    assert "ünïcödé – 速度" in page([sheet(rule, spec)])
+
+
+def test_units_are_upright_and_letters_are_not() -> None:
+    made = mathml.element(at.Digits("10", "m/s^2"))
+    assert "<mn>10</mn>" in made
+    assert made.count('mathvariant="normal"') == 2
+    assert "mathvariant" not in mathml.element(at.Name("m"))
+    assert (
+        typst.content(at.Digits("10", "m/s^2"))
+        == '"10" thin upright("m") class("normal", slash) attach(upright("s"), t: "2")'
+    )
+
+
+def test_whatever_is_no_node_is_refused(tmp_path: Path) -> None:
+    """The unions are closed for mypy; at run time, what is not in them raises, in every backend."""
+
+    class Other(typed.NumberNode):
+        """A node that nobody knows."""
+
+    class OtherFormula(typed.FormulaNode):
+        """Another one."""
+
+    number: Any = Other((0, 0, 0), "")
+    formula: Any = OtherFormula()
+    for refuse in (
+        lambda: Formulas().number(number), lambda: Formulas().formula(formula),
+        lambda: Sentences(ENGLISH, {}, frozenset()).number(number), lambda: Sentences(ENGLISH, {}, frozenset()).formula(formula),
+        lambda: mathml.element(number), lambda: typst.content(number), lambda: terminal.text(number), lambda: broad(number),
+    ):  # fmt: skip
+        with pytest.raises((AssertionError, AttributeError)):
+            refuse()
+
+
+def test_every_phrase_has_the_places_that_are_filled() -> None:
+    """A phrase that forgets a part of what it says would say something else."""
+    filled = {
+        "comparisons": 0,
+        "functions": 1,
+        "temporal": 1,
+        "until": 2,
+        "steps": 1,
+        "weak_steps": 1,
+        "edges": 1,
+        "folds": 1,
+        "more": 1,
+        "along": 2,
+    }
+    for name, least in filled.items():
+        for phrases in getattr(ENGLISH, name).values():
+            for phrase in phrases if isinstance(phrases, tuple) else (phrases,):
+                assert phrase.count("{") >= least, phrase
+    assert all(
+        inspect.cleandoc(value) == value
+        for value in vars(ENGLISH).values()
+        if isinstance(value, str) and not value.endswith(" ")
+    )
+
+
+def test_sentences_say_what_could_be_heard_in_two_ways_by_letters(tmp_path: Path) -> None:
+    rule, spec = rule_of(
+        tmp_path,
+        'rule r "r"\n  require (ego.v + top) * 2 - (top - ego.v) <= top and (ego.wet or not blue_flag)\n',
+    )
+    assert tell(rule, spec, ENGLISH).demand == (
+        "A times 2 minus B is at most top (180 km/h) and condition C holds.",
+        "Here, A is the speed of ego plus top; B is top minus the speed of ego; condition C is that either “wet” holds for ego or “blue flag” does not hold.",
+    )
+
+
+def test_a_table_a_zone_and_a_state_are_listed() -> None:
+    made = read(shipped().rule("zone_speed_limit") or pytest.fail("the rule is gone"), shipped())
+    assert [place.name for place in made.places] == ["tracks.modena.pit_lane"]
+    made = read(shipped().rule("drive_acceleration") or pytest.fail("the rule is gone"), shipped())
+    assert [info.name for _, info in made.tables] == ["vehicles.devbot.ax_max"]
+    made = read(shipped().rule("one_move") or pytest.fail("the rule is gone"), shipped())
+    (machine,) = made.machines
+    assert (machine.states, machine.start, len(machine.moves)) == (
+        ("neutral", "offence", "defence"),
+        "neutral",
+        5,
+    )

@@ -1,0 +1,162 @@
+"""Limits solved: what is claimed is so, what is not so is not claimed, and the rest is found on the evaluator."""
+
+from __future__ import annotations
+
+import math
+import random
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+sympy = pytest.importorskip("sympy")
+
+from support.reading import rule_of  # noqa: E402
+from trackmarshal.evaluation import Evaluator, load  # noqa: E402
+from trackmarshal.ir.spec import RuleInfo, Spec  # noqa: E402
+from trackmarshal.reading.solving import claims, solve  # noqa: E402
+from trackmarshal.reading.solving.algebra import Place, Unsolvable  # noqa: E402
+from trackmarshal.reading.solving.boundaries import boundary  # noqa: E402
+from trackmarshal.reading.terminal import text  # noqa: E402
+from trackmarshal.reading.words.english import ENGLISH  # noqa: E402
+from trackmarshal.semantics.compile import compile_paths  # noqa: E402
+from trackmarshal.testing.cases import PreparedTest, prepare  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@cache
+def shipped() -> tuple[Spec, list[PreparedTest]]:
+    compiled = compile_paths([ROOT / "specs"], ROOT)
+    return compiled.spec, prepare(compiled)[0]
+
+
+def shipped_rule(name: str) -> RuleInfo:
+    rule = shipped()[0].rule(name)
+    assert rule is not None
+    return rule
+
+
+def said(name: str, number: str) -> list[str]:
+    return [
+        " | ".join(map(text, one.formulas)) or one.said
+        for one in solve(shipped_rule(name), shipped()[0], shipped()[1], number, ENGLISH)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("rule", "number", "wanted"),
+    [
+        ("speed_limit", "v", ["v_p ≤ v_max"]),
+        ("no_reversing", "v", ["v_p ≥ 0"]),
+        ("turn_radius", "kappa", ["|κ_p| ≤ 1/R_min"]),
+        ("braking_limit", "a", ["a_p ≥ −b_max"]),
+        ("drive_acceleration", "a", ["a_p ≤ ax_max(v_p) · drive_factor − (drag · v_p²)/mass", "a_p ≤ ax_max(v_p) · drive_factor | where drag = 0"]),
+        ("A-PERCEPTION", "oldest_object", ["oldest_object ≥ age_o"]),
+    ],
+)  # fmt: skip
+def test_shipped_limits(rule: str, number: str, wanted: list[str]) -> None:
+    assert said(rule, number) == wanted
+
+
+def test_the_friction_circle_solved_for_speed() -> None:
+    """Without drag the limit of the paper, ((mu g)^2 - a^2)^(1/4) / sqrt(|kappa|); with drag where braking at rest is possible at all."""
+    whole, simple = said("friction", "v")
+    assert simple == "|v_p| ≤ ((μ² · grip_p² · g² − a_p²)/κ_p²)^(1/4) | where drag = 0"
+    assert whole.startswith("|v_p| ≤ √")
+    assert whole.endswith(" | where μ · grip_p · g ≥ |a_p|")
+
+
+def test_the_solution_is_the_evaluators_own() -> None:
+    """By other inputs than those that the claim was held against, and by a formula that is written here."""
+    evaluator = Evaluator(shipped()[0], ["friction"], "reference")
+    choose = random.Random(5)
+    for _ in range(50):
+        a, kappa, grip = (
+            choose.uniform(-10.0, 10.0),
+            choose.choice((-1, 1)) * choose.uniform(0.002, 0.2),
+            choose.uniform(0.9, 1.2),
+        )
+        limit = ((1.524 * 9.81 * grip) ** 2 - a * a) ** 0.25 / math.sqrt(abs(kappa))
+        for factor, verdict in ((1.0 - 1e-9, "satisfied"), (1.0 + 1e-9, "violated")):
+            plan = {"a": [a, a], "kappa": [kappa, kappa], "grip": [grip, grip], "v": [limit * factor] * 2}
+            case = {"signals": {"plan": plan}, "params": {"vehicles.devbot.drag": 0.0}}
+            if limit < 150.0:
+                assert evaluator.case(case).rules["friction"].verdict == verdict
+
+
+def test_a_wrong_solution_is_not_claimed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What algebra says a thousandth beside the boundary, the reference denies."""
+    right = claims.zeros
+    monkeypatch.setattr(
+        claims,
+        "zeros",
+        lambda difference, x: [root * sympy.Rational(1001, 1000) for root in right(difference, x)],
+    )
+    solver = claims.Solver(shipped_rule("speed_limit"), shipped()[0], Place("p", "plan", 0, "v"))
+    assert list(solver.claims()) == []
+    (first, *_) = said("speed_limit", "v")
+    assert first.startswith(
+        "For p.v: not solved, because of no formula that the reference evaluator says the same as"
+    )
+
+
+def test_a_claim_on_part_of_the_inputs_says_which(tmp_path: Path) -> None:
+    rule, spec = rule_of(
+        tmp_path, 'rule r "r"\n  for all p in plan\n  require (p.v - 20 m/s)^2 <= 10 m * p.a\n'
+    )
+    (made,) = solve(rule, spec, (), "v", ENGLISH)
+    assert "wherever both sides are real numbers" in made.said
+    (demand,) = made.formulas
+    assert text(demand).count("v_p") == 1
+
+
+@pytest.mark.parametrize(
+    ("condition", "reason"),
+    [
+        ("p.v * sin(p.v / top) < top", "polynomial"), ("(p.v / top)^5 + p.v / top < 2", "degree"), ("min(p.v, top) < 3 m/s", "polynomial"),
+        ("p.v == top", "equality"), ("p.v < top or p.hot", "comparison"), ("ax_max(p.v) < 3 m/s^2", "table"),
+        ("p.v < top and p.a < 1 m/s^2", "beside"), ("(if p.hot then p.v else top) < top", "choice"), ("p.v < plan.last.v", "sample"),
+        ("distance_to(p, border) < p.v * 1 s", "line"), ("sqrt(p.v / top) + sqrt(p.v / top + 1) < 3", "roots"),
+    ],
+)  # fmt: skip
+def test_what_is_not_solved_says_why(condition: str, reason: str, tmp_path: Path) -> None:
+    rule, spec = rule_of(tmp_path, f'rule r "r"\n  for all p in plan\n  require {condition}\n')
+    with pytest.raises(Unsolvable) as caught:
+        list(claims.Solver(rule, spec, Place("p", "plan", 0, "v")).claims())
+    assert caught.value.reason in (reason, "lines")
+    assert caught.value.reason in ENGLISH.reasons
+
+
+def test_every_reason_has_words() -> None:
+    from typing import get_args
+
+    from trackmarshal.reading.solving.algebra import Reason
+
+    assert set(ENGLISH.reasons) == set(get_args(Reason))
+
+
+def test_a_boundary_is_found_where_a_test_puts_it() -> None:
+    """The test of a track exactly as wide as the car: there the width is at its boundary, 2.8 m."""
+    spec, tests = shipped()
+    (exact,) = (
+        one
+        for one in tests
+        if one.rule.name == "static_collision" and one.title == "a track exactly as wide as the car"
+    )
+    found = boundary(exact.rule, spec, exact, Place("", "", 0, "vehicles.devbot.width"), (0.5, 5.0))
+    assert found is not None
+    ((low, high),) = found.holds
+    assert (low, high) == (0.5, pytest.approx(2.8, abs=1e-9))
+
+
+def test_what_a_rule_does_not_have_is_refused() -> None:
+    from trackmarshal.errors import TrackmarshalError
+
+    with pytest.raises(TrackmarshalError) as caught:
+        list(solve(shipped_rule("friction"), shipped()[0], (), "y", ENGLISH))
+    assert caught.value.code == "E491"
+
+
+def test_the_spec_is_loaded_as_others_load_it() -> None:
+    assert load([ROOT / "specs"], [], ROOT).fingerprint == shipped()[0].fingerprint
