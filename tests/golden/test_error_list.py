@@ -33,7 +33,7 @@ GROUPS = (
     ("T1", "Requirements"),
     ("T2", "Links, coverage and evidence"),
     ("T3", "The link graph, the baseline, other test runners and tools"),
-    ("T4", "The argument as goal structure"),
+    ("T4", "The argument as goal structure, and the safety case"),
 )
 HEAD = """# Errors
 

@@ -28,6 +28,7 @@ VERBS = {
     "diff": "what an edit of specs changes on recordings",
     "trace": "traceability matrix and coverage",
     "gsn": "the argument as goal structure: pictures, gsn2x, JSON, text",
+    "case": "the safety case as a document, HTML and PDF",
     "assess": "all of it: check, test, replay, evidence, matrix, report",
     "scenario": "generate a recording from its declaration",
     "import": "a vehicle's log as a recording, with what the rules say of it; requirements from another tool",

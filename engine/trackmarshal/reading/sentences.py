@@ -28,7 +28,8 @@ class Sentences(Phrases):
     def __init__(self, words: Words, params: Mapping[str, ParamInfo], taken: frozenset[str]) -> None:
         super().__init__(words)
         self._params = params
-        self._free = [one for one in _letters() if one not in taken]
+        self._free: list[str] = []
+        self._more = (one for one in _letters() if one not in taken)  # most rules take a few of thousands
         self._said: set[str] = set()
         self._lettered: dict[tuple[bool, str], str] = {}
         self._waiting: list[tuple[str, typed.Number | typed.Formula]] = []
@@ -52,6 +53,8 @@ class Sentences(Phrases):
         )  # one text is one thing where both stand
         known = self._lettered.get(key)
         if known is None:
+            if len(self._free) == len(self._lettered):
+                self._free.append(next(self._more))
             known = self._lettered[key] = self._free[len(self._lettered)]
             self._waiting.append((known, node))
         return known

@@ -163,6 +163,7 @@ PROJECT = Record("project", "Settings of the project.", (
         optional("if_there", Flag(), "true: it is made by other commands than those of the gate, and where it is not there, its tests were not run, which is a warning."),
     )), 1), "Reports of other test runners, whose tests name requirements."),
     optional("sources", Many(PROJECT_PATH, 1), "Folders of source code with comments such as `implements S-1-B-4`."),
+    optional("case_templates", PROJECT_PATH, "A folder with templates of the safety case in place of those that come with the program."),
 ))  # fmt: skip
 
 V_MODEL = Record("v-model", "What each stage of the development must show, and what the gate demands.", (

@@ -265,6 +265,7 @@ class Project:
     campaigns: tuple[Placed, ...] = ()
     junit: tuple[TestReport, ...] = ()
     sources: tuple[Placed, ...] = ()  #: folders of code that says what it implements
+    case_templates: Placed | None = None  #: the folder of its own templates of the safety case
     evidence: tuple[Evidence, ...] = ()
     gate: tuple[Demand, ...] = ()
     waivers: tuple[Waiver, ...] = ()

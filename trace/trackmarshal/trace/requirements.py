@@ -198,6 +198,7 @@ def _settings(t: Table) -> model.Project:
             if j.text("path") and j.text("stage")
         ),
         sources=settings.texts("sources"),
+        case_templates=settings.text("case_templates") or None,
         evidence=tuple(_evidence(e) for e in t.tables("evidence") if e.text("path") and e.text("stage")),
         gate=tuple(
             model.Demand(d.text("stage"), d.texts("requirements"), d.text("at_least") or "covered")

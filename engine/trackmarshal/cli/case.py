@@ -1,0 +1,204 @@
+"""The safety case as a document, HTML and PDF: the verdict and what is open, requirements, rules, evidence, matrix; from the evidence that is there.
+
+trackmarshal case --out DIR
+trackmarshal case --out DIR --day 2026-11-30 --templates OWN
+
+Nothing is run: `trackmarshal assess` brings the evidence up to date. The exit status is 1 when the gate fails. The PDF needs the extra `pdf`; without
+it, the HTML is written all the same.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trackmarshal.cli.answers import commit
+from trackmarshal.cli.days import COMMIT, day
+from trackmarshal.cli.output import print_problem, say
+from trackmarshal.cli.project import find_project, spec_folders
+from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.cli.assessment import Assessment
+    from trackmarshal.ir.spec import Spec
+    from trackmarshal.records import SpecItem
+    from trackmarshal.trace.case.inputs import Inputs
+    from trackmarshal.trace.case.model import Document
+
+NAME = "safety-case"
+#: What is said where an extra is not installed: the document comes without what it is for.
+EXTRAS = frozenset({"T424", "T432"})
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--out", metavar="DIR", required=True, help=f"the folder of {NAME}.html and {NAME}.pdf"
+    )
+    parser.add_argument(
+        "--day",
+        "--today",
+        metavar="DAY",
+        help="the day as of which it is judged: YYYY-MM-DD, or `commit` (default, where there is one)",
+    )
+    parser.add_argument(
+        "--templates", metavar="DIR", help="templates in place of ours (default: as v-model.yaml says)"
+    )
+    parser.add_argument("--format", choices=("both", "html", "pdf"), default="both")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Write the document; 1 where the gate fails, 2 where a document cannot be read. Raises T430, T431 and T433."""
+    from trackmarshal import trace
+    from trackmarshal.cli.assessment import assess
+    from trackmarshal.trace.case import html, typst
+
+    root = find_project(args)
+    found = assess(root, run=False, quiet=args.quiet)
+    given = _inputs(found, root, _day(args.day, root))
+    folder = _templates(args.templates, found, root)
+    problems: list[TrackmarshalError] = []
+    document = _drawn(given, problems)
+    made: dict[str, bytes] = {}
+    if args.format in ("both", "html"):
+        # Lone surrogates (from odd paths) have no encoding; a page must not fail on them.
+        made[f"{NAME}.html"] = html.render(document, folder).encode("utf-8", "replace")
+    if args.format in ("both", "pdf"):
+        source = typst.source(document, folder)
+        try:
+            made[f"{NAME}.pdf"] = typst.pdf(source, document.day)
+        except TrackmarshalError as missing:
+            problems.append(missing)
+            if missing.code == "T433":
+                made[f"{NAME}.typ"] = source.encode("utf-8", "replace")
+    _write(Path(args.out), made)
+    for problem in problems:
+        print_problem(problem)
+    matrix = given.matrix
+    lapsed = [] if args.day is not None else list(_lapsed(given))
+    for name, expired in lapsed:
+        say(
+            f"the waiver `{name}` expired on {expired}, after the commit; `--day` judges as of another day",
+            file=sys.stderr,
+        )
+    gaps = [*trace.gate(matrix), *(one for one in given.argument.findings if one.level == "error")]
+    if not args.quiet:
+        say(
+            *(str(Path(args.out) / name) for name in made),
+            f"{matrix.project}: {matrix.verdict}",
+            file=sys.stderr,
+        )
+    lacking = [
+        one for one in problems if one.code not in EXTRAS or (one.code == "T432" and args.format == "pdf")
+    ]
+    if matrix.unusable or lacking:
+        return 2
+    return 1 if gaps or lapsed else 0
+
+
+def _inputs(found: Assessment, root: Path, as_of: date) -> Inputs:
+    from trackmarshal import __version__, trace
+    from trackmarshal.evaluation import load
+    from trackmarshal.meaning.tool import tool
+    from trackmarshal.trace.case.inputs import Inputs
+    from trackmarshal.trace.gsn.building import build
+
+    said = found.facts
+    matrix = found.matrix(as_of)
+    broken = any(finding.level == "error" for finding in said.findings)
+    # Of specs with errors, the matrix says what is wrong; their rules are named there, and not explained.
+    spec = None if broken else load(spec_folders(root), [], root)
+    return Inputs(
+        matrix, build(matrix, found.project, root), found.project, said.items, said.tests, found.results, found.runs, found.fault_results,
+        trace.fault_rows(said.fault_cases, found.fault_results), {} if spec is None else dict(_sheets(spec, said.items)), commit(root),
+        f"trackmarshal {__version__}", tool(), "" if spec is None else spec.fingerprint, _hashes(root, found.project.baseline),
+    )  # fmt: skip
+
+
+def _sheets(spec: Spec, items: Iterable[SpecItem]) -> Iterable[tuple[str, Mapping[str, Any]]]:
+    """By rule, what `show` says of it."""
+    from trackmarshal.reading.data import data
+    from trackmarshal.reading.rule import read
+    from trackmarshal.reading.sheet import Sheet, spec_text
+    from trackmarshal.reading.telling import tell
+    from trackmarshal.reading.words.english import ENGLISH
+
+    for item in items:
+        rule = spec.rule(item.name)
+        if rule is not None:
+            has = rule.typed is not None
+            sheet = Sheet(
+                rule, ENGLISH, spec_text(rule), read(rule, spec) if has else None, tell(rule, spec, ENGLISH) if has else None, None, ()
+            )  # fmt: skip
+            yield item.name, data(sheet)
+
+
+def _drawn(given: Inputs, problems: list[TrackmarshalError]) -> Document:
+    """The document with the argument drawn; in words where the engine that lays it out is not installed."""
+    from trackmarshal.trace.case.content import content
+
+    try:
+        return content(given)
+    except TrackmarshalError as missing:
+        if missing.code not in EXTRAS:
+            raise
+        problems.append(missing)
+        return content(replace(given, draw=False))
+
+
+def _day(said: str | None, root: Path) -> date:
+    """The day that is said, or that of the project's commit; the clock's where neither is. Raises T348."""
+    if said is None and not commit(root):
+        return date.today()
+    return day(COMMIT if said is None else said, root)
+
+
+def _lapsed(given: Inputs) -> Iterable[tuple[str, date]]:
+    """Waivers that held on the day of the commit, and hold no longer."""
+    now = date.today()
+    for waiver in given.matrix.waivers:
+        if waiver.granted <= given.matrix.today <= waiver.expires < now:
+            yield str(waiver.id), waiver.expires
+
+
+def _templates(named: str | None, found: Assessment, root: Path) -> Path | None:
+    """The folder of the project's own templates; raises T431."""
+    declared = found.project.case_templates
+    if named is None and not declared:
+        return None
+    folder = Path(named) if named is not None else root / str(declared)
+    if not folder.is_dir():
+        file, line = (
+            (None, None)
+            if named is not None or declared is None
+            else (declared.place.file, declared.place.line)
+        )
+        raise TrackmarshalError(
+            "T431", f"there is no folder {folder}", file=file, line=line, help="name a folder with templates"
+        )
+    return folder
+
+
+def _hashes(root: Path, baseline: object) -> dict[str, str]:
+    """sha256 of the files below `requirements/`, and of the baseline."""
+    from trackmarshal.cli.evidence import file_hash
+    from trackmarshal.files import below
+    from trackmarshal.trace.requirements import FOLDER
+
+    files, _ = below(root / FOLDER, (".yaml", ".yml"))
+    paths = [*files, *([root / str(baseline)] if baseline and (root / str(baseline)).is_file() else [])]
+    return {path.relative_to(root).as_posix(): file_hash(path) for path in paths}
+
+
+def _write(folder: Path, made: Mapping[str, bytes]) -> None:
+    """Each file whole or not at all."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, data in made.items():
+        draft = folder / f".{name}.{os.getpid()}"
+        draft.write_bytes(data)
+        draft.replace(folder / name)

@@ -1,0 +1,1 @@
+"""The sections of the document, one module a subject; `content` puts them in their order."""

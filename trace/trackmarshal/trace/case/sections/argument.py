@@ -1,0 +1,106 @@
+"""The argument as goal structure: a picture a module, in the order from the top goal down."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from trackmarshal.trace.case.model import (
+    Block,
+    Code,
+    Figure,
+    Fixed,
+    Given,
+    Line,
+    Made,
+    Section,
+    Status,
+    Verbatim,
+)
+from trackmarshal.trace.case.writing import Writing
+from trackmarshal.trace.graph.graph import Key
+from trackmarshal.trace.gsn import outline
+from trackmarshal.trace.gsn.case import Case, Module
+
+#: A millimetre in points.
+_MM = 72 / 25.4
+_SIZE = re.compile(r'<svg [^>]*?width="([0-9.]+)mm" height="([0-9.]+)mm"')
+_OPENING = '<?xml version="1.0" encoding="UTF-8"?>\n'
+
+
+def argument(writing: Writing) -> Section:
+    """Each module drawn; where nothing can be drawn, in words."""
+    case = writing.given.argument
+    pictures = drawn(case, writing.anchors) if writing.given.draw else None
+    blocks: list[Block] = [writing.paragraph("argument.how")]
+    if pictures is None:
+        blocks.append(writing.missing("argument.undrawn"))
+    for number, module in enumerate(case.modules):
+        status = case.elements[module.root].status
+        title: Line = (Code(module.name), Fixed(" "), *((Status(status),) if status else ()))
+        shown: Block
+        if pictures is None:
+            shown = Verbatim(outline.render(case, [module]).rstrip())
+        else:
+            shown = Figure(pictures[number], module.title, *_size(pictures[number]))
+        blocks.append(writing.part(title, [shown], ("module", module.name), level=3))
+    return writing.section("argument", blocks)
+
+
+def drawn(case: Case, anchors: Mapping[Key, str]) -> list[str]:
+    """The pictures of all modules, for a page that holds all of them: elements from elsewhere lead to their module's place there. Raises T424, T425."""
+    from trackmarshal.trace.gsn.picture.svg import pictures
+
+    modules: Sequence[Module] = case.modules
+    places = {module.name: f"#{anchors['module', module.name]}" for module in modules}
+    return [_inside(svg, number) for number, svg in enumerate(pictures(case, modules, places))]
+
+
+def _inside(svg: str, number: int) -> str:
+    """A picture inside a page: without what begins a file, and with ids that no other picture there has."""
+    said = svg.removeprefix(_OPENING)
+    for alone, one_of_many in (
+        ('aria-labelledby="name said"', f'aria-labelledby="name-{number} said-{number}"'),
+        ('<title id="name">', f'<title id="name-{number}">'),
+        ('<desc id="said">', f'<desc id="said-{number}">'),
+    ):
+        if said.count(alone) != 1:
+            raise ValueError(f"a picture without one {alone}")
+        said = said.replace(alone, one_of_many)
+    return said
+
+
+def _size(svg: str) -> tuple[float, float]:
+    """Width and height in points."""
+    found = _SIZE.search(svg)
+    if found is None:
+        raise ValueError("a picture without a size")
+    return float(found[1]) * _MM, float(found[2]) * _MM
+
+
+def undeveloped(writing: Writing) -> Block | None:
+    """The elements of the argument that nobody has argued for yet; None where there are none."""
+    open_ = [element for element in writing.given.argument.elements.values() if element.undeveloped]
+    if not open_:
+        return None
+    columns = (("column.id", 2.5), ("column.claim", 6.0), ("column.module", 2.0))
+    rows: list[list[Line]] = [
+        [(Code(e.id),), (Made(e.text),), (writing.ref(("module", e.module)),)] for e in open_
+    ]
+    return writing.named("open.undeveloped", [writing.table(columns, rows)])
+
+
+def wrong(writing: Writing) -> Block | None:
+    """What is wrong with the argument; None where nothing is."""
+    found = writing.given.argument.findings
+    if not found:
+        return None
+    columns = (("column.code", 1.0), ("column.finding", 6.0), ("column.place", 3.0))
+    rows = [
+        [(Code(f.code), Fixed(" "), Given(f.level)), (Made(f.message),), (Code(str(f.place or "")),)]
+        for f in found
+    ]
+    return writing.named("open.argument", [writing.table(columns, rows)])
+
+
+__all__ = ["argument", "drawn", "undeveloped", "wrong"]

@@ -1,0 +1,195 @@
+"""What shows it: coverage of the stages, tests, scenarios, faults, tests of other runners; and why the tools are believed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from trackmarshal.records import RunSummary
+from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Made, Part, Section, Status
+from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined
+from trackmarshal.trace.cells import STATUSES
+from trackmarshal.trace.model import Scenario
+
+
+def verification(writing: Writing) -> Section:
+    """Figures first, then what they count."""
+    return writing.section("verification", [
+        writing.named("verification.stages", [_coverage(writing)]),
+        writing.named("verification.tests", [_tests(writing)]),
+        writing.named("verification.scenarios", list(_scenarios(writing))),
+        writing.named("verification.faults", list(_faults(writing))),
+        writing.named("verification.others", [_others(writing)]),
+    ])  # fmt: skip
+
+
+def _coverage(writing: Writing) -> Block:
+    """How many requirements each stage asks of, and how many cells have each status."""
+    order = ("covered", *(status for status in reversed(STATUSES) if status != "covered"))
+    columns = [("column.stage", 3.0), ("column.of", 1.0), *((f"status.{status}", 1.0) for status in order)]
+    rows: list[list[Line]] = []
+    for stage in writing.given.matrix.stages:
+        id_ = str(stage.id)
+        counted: list[Line] = [(writing.number("stages", id_, status),) for status in order]
+        rows.append(
+            [
+                (writing.ref(("stage", id_)), Fixed(" "), Given(stage.title)),
+                (writing.number("stages", id_),),
+                *counted,
+            ]
+        )
+    return writing.table(columns, rows)
+
+
+def _tests(writing: Writing) -> Block:
+    outcomes = ("passed", "failed", "error", "stale", "not run")
+    return writing.facts([
+        ("label.tests", (writing.number("nodes", "test"),)),
+        *((f"label.tests_{outcome.replace(' ', '_')}", (writing.number("nodes", "test", outcome),)) for outcome in outcomes),
+        ("label.rules_number", (writing.number("nodes", "rule"),)),
+        ("label.assumptions_number", (writing.number("nodes", "assumption"),)),
+    ])  # fmt: skip
+
+
+def _scenarios(writing: Writing) -> Iterator[Block]:
+    """Each recording with what its replay showed."""
+    scenarios, runs = writing.given.project.scenarios, {run.scenario: run for run in writing.given.runs}
+    if not scenarios:
+        yield writing.missing("verification.no_scenarios")
+    for one in scenarios:
+        yield _scenario(writing, one, runs.get(str(one.path)))
+
+
+def _scenario(writing: Writing, one: Scenario, run: RunSummary | None) -> Part:
+    key = ("scenario", str(one.path))
+    node = writing.graph.nodes.get(("run", str(one.path)))
+    facts: list[tuple[str, Line]] = [
+        ("label.stage", given(str(one.stage))),
+        ("label.expect", writing.line(f"expect.{one.expect}")),
+        ("label.origin", given(one.origin)),
+    ]
+    if run is None or node is None:
+        return writing.part(
+            (Given(one.title or str(one.path)),),
+            [writing.facts(facts), writing.missing("verification.not_run")],
+            key,
+            level=3,
+        )
+    facts += [
+        ("label.outcome", (Status("stale" if node.attributes["outcome"] == "stale" else "run"),)),
+        ("label.cycles", (writing.said_number(node, "cycles"),)),
+        ("label.fired", writing.line(f"fired.{node.attributes['fired']}")),
+        ("label.evaluated", writing.refs(n.key for n in writing.beyond(node.key, "evaluates"))),
+        ("label.truth", _truth(writing, run)),
+        ("label.recording", (Code(run.source_hash),)),
+    ]
+    return writing.part(
+        (Given(one.title or str(one.path)), Fixed(" "), Code(str(one.path))),
+        [writing.facts(facts)],
+        key,
+        level=3,
+    )
+
+
+def _truth(writing: Writing, run: RunSummary) -> Line:
+    """By each ground truth, whether all verdicts lie within it, and where they do not."""
+    lines: list[Line] = []
+    for kind, truth in run.ground_truth.items():
+        state = Status(
+            "covered" if truth.inside else "failed",
+            writing.words["truth.inside" if truth.inside else "truth.outside"],
+        )
+        said = joined([(Made(one),) for one in truth.violations], "; ")
+        lines.append((Given(kind), Fixed(" "), state, *((Fixed(": "), *said) if said else EMPTY)))
+    return joined(lines) or writing.line("truth.none")
+
+
+def _faults(writing: Writing) -> Iterator[Block]:
+    rows = writing.given.faults
+    if not rows:
+        yield writing.missing("verification.no_faults")
+        return
+    columns = (
+        ("column.fault", 3.6), ("column.requirement", 1.3), ("column.found_by", 2.4), ("column.when_found", 1.0), ("column.driven", 2.2), ("column.status", 1.2),
+    )  # fmt: skip
+    yield writing.table(columns, (
+        [
+            (Code(row["id"]), Fixed(" "), Given(row["title"])), (writing.ref(("requirement", row["requirement"])),), given(row["by"]),
+            given(row["cycle"]), given(row["driven"]), (Status(row["status"]), *((Fixed(": "), Made(row["detail"])) if row["detail"] else EMPTY)),
+        ]
+        for row in rows
+    ))  # fmt: skip
+
+
+def _others(writing: Writing) -> Block:
+    """Tests of other runners that name a requirement."""
+    nodes = writing.of_kind("external test")
+    if not nodes:
+        return writing.missing("verification.no_others")
+    columns = (
+        ("column.test", 5.0),
+        ("column.tool", 1.2),
+        ("column.requirements", 2.0),
+        ("column.outcome", 1.4),
+    )
+    return writing.table(columns, (
+        [
+            (Code(node.id),), given(node.attributes.get("tool", "")), writing.refs(n.key for n in writing.beyond(node.key, "confirms")),
+            (Status(node.attributes["outcome"]), *((Fixed(": "), Made(node.title)) if node.title else EMPTY)),
+        ]
+        for node in nodes
+    ))  # fmt: skip
+
+
+def tools(writing: Writing) -> Section:
+    """The tools that are declared, with what they are used for and the confidence that is claimed; what there is as evidence of it."""
+    blocks: list[Block] = []
+    for node in writing.of_kind("tool"):
+        said = node.attributes
+        blocks.append(writing.part(writing.titled(node), [writing.facts([
+            ("label.version", given(said.get("version", ""))),
+            ("label.used_for", writing.refs(n.key for n in writing.beyond(node.key, "used_for"))),
+            ("label.confidence", given(said.get("confidence", "")) or writing.line("tools.no_confidence")),
+            ("label.examined", writing.refs(n.key for n in writing.before(node.key, "examines")) or writing.line("tools.unargued")),
+            ("label.review", writing.review(node.key)),
+        ])], node.key, level=3))  # fmt: skip
+    if not blocks:
+        blocks.append(writing.missing("tools.none"))
+    blocks.append(writing.paragraph("tools.engine", engine=Code(writing.given.engine)))
+    return writing.section("tools", blocks)
+
+
+def people(writing: Writing) -> Section | None:
+    """Who answers, and what was reviewed by whom; None where nobody is declared."""
+    persons, reviews = writing.of_kind("person"), writing.of_kind("review")
+    if not persons and not reviews:
+        return None
+    blocks: list[Block] = []
+    if persons:
+        columns = (
+            ("column.id", 1.0),
+            ("column.name", 3.0),
+            ("column.role", 3.0),
+            ("column.organisation", 3.0),
+        )
+        blocks.append(writing.table(columns, (
+            [(writing.ref(n.key),), given(n.title), given(n.attributes.get("role", "")), given(n.attributes.get("organisation", ""))] for n in persons
+        ), [n.key for n in persons]))  # fmt: skip
+    if reviews:
+        about = (
+            ("column.id", 1.0),
+            ("column.of_what", 4.0),
+            ("column.by", 2.0),
+            ("column.made", 1.6),
+            ("column.outcome", 1.4),
+        )
+        blocks.append(writing.named("people.reviews", [writing.table(about, (
+            [
+                (writing.ref(n.key),), writing.refs(k.target for k in writing.graph.out_of(n.key) if k.kind == "reviews"),
+                writing.refs(p.key for p in writing.beyond(n.key, "made_by")), given(n.attributes.get("made", "")), (Status(n.attributes.get("outcome", "open")),),
+            ]
+            for n in reviews
+        ), [n.key for n in reviews])]))  # fmt: skip
+    return writing.section("people", blocks)
+
+
+__all__ = ["people", "tools", "verification"]

@@ -1,0 +1,175 @@
+"""The document as Typst's source, and as PDF. Every text goes in as a string of Typst, so that nothing that an author wrote is code."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.trace.case.html import there
+from trackmarshal.trace.case.making import guarded, unknown
+from trackmarshal.trace.case.model import (
+    Code,
+    Document,
+    Fixed,
+    Given,
+    Inline,
+    Line,
+    Made,
+    Number,
+    Piece,
+    Ref,
+    Status,
+    Written,
+)
+from trackmarshal.trace.case.templates import loader, section_template
+from trackmarshal.trace.case.words import LIKE
+from trackmarshal.trace.render.words import SIGNS
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+#: Letters of a name or a hash in a row after which it may be broken, and signs of paths after which it may.
+_RUN = 12
+_BREAK = re.compile(r"(?<=[/_.:\-])(?=\w)")
+#: Foreground and ground of statuses, as in the style of the page.
+COLOURS = {
+    "covered": ("#0b6b3a", "#dff3e6"), "waived": ("#1f5673", "#dcedf6"), "partial": ("#7a5200", "#fdf0cf"), "missing": ("#7a3d00", "#fce3cf"),
+    "stale": ("#6a3d86", "#f0e4f7"), "failed": ("#a11220", "#fbdfe1"),
+}  # fmt: skip
+
+
+def source(document: Document, folder: Path | None = None) -> str:
+    """What Typst sets. folder: templates of the project, in place of ours. Raises T430 for a template that cannot be used."""
+    from jinja2 import Environment, StrictUndefined
+    from markupsafe import Markup
+
+    printing = Printing(document)
+
+    def finalize(value: Any) -> Markup:
+        """Whatever a template writes is a string of Typst, unless it is Typst already."""
+        return value if isinstance(value, Markup) else Markup(string(str(value)))
+
+    with guarded(folder is not None):
+        environment = Environment(
+            loader=loader(folder), autoescape=True, finalize=finalize, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+        )  # fmt: skip
+        environment.filters.update(line=printing.line, ready=Markup, plain=plain, pieces=broken)
+        environment.globals.update(
+            words=document.words, signs=SIGNS, like=LIKE, colours=COLOURS, unknown=unknown, anchors=printing.there,
+            template_of=lambda section: section_template(environment, section, "typ"),
+        )  # fmt: skip
+        return environment.get_template("document.typ.j2").render(document=document).rstrip() + "\n"
+
+
+def pdf(text: str, day: str) -> bytes:
+    """The PDF of a source; day: the one that it says it was made on. Raises T432 where typst is not installed, T433 where it refuses."""
+    try:
+        import typst
+    except ImportError as missing:
+        raise TrackmarshalError(
+            "T432", "there is no PDF, as typst is not installed", help="pip install 'trackmarshal[pdf]'"
+        ) from missing
+    from datetime import UTC, datetime
+
+    try:
+        made = typst.compile(
+            text.encode(), ignore_system_fonts=True, timestamp=datetime.fromisoformat(day).replace(tzinfo=UTC)
+        )
+    except RuntimeError as refused:
+        said = " ".join(str(getattr(refused, "message", "") or refused).split())
+        raise TrackmarshalError("T433", f"typst refuses the document: {said}") from refused
+    if not isinstance(made, bytes):
+        raise TypeError(f"typst made {type(made).__name__} of one document")
+    return made
+
+
+def string(text: str) -> str:
+    """A string of Typst, which is shown as it is; characters that no font shows are replaced."""
+    shown = "".join(char if char.isprintable() or char in "\n\u200b" else "\ufffd" for char in text)
+    return '"' + shown.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
+
+
+def plain(line: Line) -> str:
+    """A line's words alone, for headings in the table of contents."""
+    return "".join(
+        "" if isinstance(piece, Inline) else piece.word if isinstance(piece, Status) else _words(piece)
+        for piece in line
+    )
+
+
+def _words(piece: Piece) -> str:
+    if isinstance(piece, Number):
+        return piece.value
+    if isinstance(piece, Fixed | Given | Written | Made | Code | Ref):
+        return piece.text
+    raise TypeError(f"unknown piece {piece!r}")
+
+
+def broken(text: str) -> str:
+    """A name with places at which a line may end: after the signs of paths, and within long runs of letters."""
+    parts = _BREAK.split(text)
+    return "\u200b".join(
+        "\u200b".join(part[at : at + _RUN] for at in range(0, len(part), _RUN)) for part in parts
+    )
+
+
+class Printing:
+    """Pieces as Typst, each a call or a string in code."""
+
+    def __init__(self, document: Document) -> None:
+        self._anchors: Mapping[tuple[str, str], str] = document.anchors
+        self.there = there(document)
+
+    def line(self, line: Line) -> Markup:
+        """An expression of Typst."""
+        from markupsafe import Markup
+
+        return Markup("{" + "; ".join(map(self._piece, line)) + "}") if line else Markup("[]")
+
+    def _piece(self, piece: Piece) -> str:
+        match piece:
+            case Fixed():
+                return string(piece.text)
+            case Given():
+                return string(broken_long(piece.text))
+            case Written():
+                place = f"; place({string(broken(piece.place))})" if piece.place else ""
+                return f"people({string('✎ ' + piece.text)}){place}"
+            case Made():
+                return marked(piece.text)
+            case Code():
+                return f"code({string(broken(piece.text))})"
+            case Number():
+                return string(piece.value)
+            case Status():
+                look = LIKE[piece.word]
+                return f"chip({string(look)}, {string(SIGNS[look] + ' ' + (piece.text or piece.word))})"
+            case Ref():
+                anchor = self._anchors.get(piece.key, "")
+                text = string(broken_long(piece.text))
+                return f"to({string(anchor)}, {text})" if anchor in self.there else text
+            case Inline():
+                return f"[{piece.typst}]".replace("[$ ", "[$").replace(" $]", "$]")
+            case _:
+                raise TypeError(f"unknown piece {piece!r}")
+
+
+def broken_long(text: str) -> str:
+    """Text in which only words that are too long for a column of a table may be broken."""
+    return " ".join(broken(word) if len(word) > _RUN else word for word in text.split(" "))
+
+
+def marked(text: str) -> str:
+    """Text of the program, with what stands between backquotes as code."""
+    parts = text.split("`")
+    if len(parts) % 2 == 0:
+        return string(broken_long(text))
+    return "; ".join(
+        f"code({string(broken(part))})" if number % 2 else string(broken_long(part)) for number, part in enumerate(parts) if part
+    ) or '""'  # fmt: skip
+
+
+__all__ = ["pdf", "source", "string"]
