@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 from hypothesis import given, settings
@@ -163,8 +164,17 @@ def test_the_program_s_templates_are_those_of_a_project_without_its_own(tmp_path
 FOUND = (Evidence("test", "a: b", "covered", "0" * 64, None),)
 
 
+class Drawn(NamedTuple):
+    """A case that says little of itself: hypothesis prints what it draws."""
+
+    case: Case
+
+    def __repr__(self) -> str:
+        return "; ".join(f"{link.source} {link.kind} {link.target}" for link in self.case.links)[:4000]
+
+
 @st.composite
-def cases(draw: st.DrawFn) -> Case:
+def cases(draw: st.DrawFn) -> Drawn:
     number = draw(st.integers(1, 120))
     kinds = ["goal", *(draw(st.lists(st.sampled_from(["goal", "goal", "strategy", "solution", "context"]), min_size=number, max_size=number)))]  # fmt: skip
     elements = {
@@ -179,7 +189,7 @@ def cases(draw: st.DrawFn) -> Case:
             at = above[draw(st.integers(0, max(0, min(len(above), narrow) - 1)))] if above else 0
             kind = "in_context_of" if kinds[n] == "context" else "supported_by"
             links[Link(kind, f"E{at}", f"E{n}", None)] = None
-    return Case("any", elements, tuple(links))
+    return Drawn(Case("any", elements, tuple(links)))
 
 
 def leaves(case: Case, top: str) -> dict[str, str]:
@@ -199,7 +209,8 @@ def leaves(case: Case, top: str) -> dict[str, str]:
 
 @settings(max_examples=60, deadline=None)
 @given(cases())
-def test_modules_fit_into_pictures_and_change_nothing(case: Case) -> None:
+def test_modules_fit_into_pictures_and_change_nothing(drawn: Drawn) -> None:
+    case = drawn.case
     whole = with_statuses(case)
     made = with_statuses(in_modules(case, "", {f"E{n}" for n in range(0, 120, 7)}))
     top = "E0"
@@ -218,6 +229,30 @@ def test_modules_fit_into_pictures_and_change_nothing(case: Case) -> None:
         assert all(one.element.public for one in shown.values() if one.away and one.element.kind == "goal")
     again = with_statuses(in_modules(case, "", {f"E{n}" for n in range(0, 120, 7)}))
     assert (made.elements, made.links, made.modules) == (again.elements, again.links, again.modules)
+
+
+def test_a_goal_put_over_a_strategy_fits_with_it() -> None:
+    """Strategies cannot be cited; each of these fits into a picture by itself, and not with a goal above it."""
+    elements = {"E0": Element("E0", "goal", "A text.", None, None)}
+    links = []
+    for s in range(3):
+        elements[f"S{s}"] = Element(f"S{s}", "strategy", "A text.", None, None)
+        links.append(Link("supported_by", "E0", f"S{s}", None))
+        for g in range(6):
+            elements[f"G{s}{g}"] = Element(f"G{s}{g}", "goal", "A text.", None, None)
+            links.append(Link("supported_by", f"S{s}", f"G{s}{g}", None))
+            for n in range(3):
+                id_ = f"Sn{s}{g}{n}"
+                elements[id_] = Element(
+                    id_, "solution", "A text.", None, None, leaf=SUPPORTED, evidence=FOUND
+                )
+                links.append(Link("supported_by", f"G{s}{g}", id_, None))
+        for c in range(17):
+            elements[f"C{s}{c}"] = Element(f"C{s}{c}", "context", "A text.", None, None)
+            links.append(Link("in_context_of", f"S{s}", f"C{s}{c}", None))
+    made = in_modules(Case("strategies", elements, tuple(links)), "", ())
+    assert max(len(content(made, module).shown) for module in made.modules) <= LIMIT
+    assert with_statuses(made).elements["E0"].status == SUPPORTED
 
 
 def chain(number: int) -> Case:

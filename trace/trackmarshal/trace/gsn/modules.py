@@ -146,7 +146,11 @@ class _Cutting:
             return True
         if self._size[id_] <= LIMIT:
             return False  # wide or deep, and nothing to be done about it
-        strategies = [link for link in self._supports[id_] if self._elements[link.target].kind == "strategy"]
+        # Over one that stands alone, another goal would take nothing out.
+        strategies = [
+            link for link in self._supports[id_]
+            if self._elements[link.target].kind == "strategy" and self._size[id_] > 1 + self._size.get(link.target, 1)
+        ]  # fmt: skip
         if not strategies:
             return False
         self._put_between(id_, max(strategies, key=lambda link: self._size.get(link.target, 1)))
@@ -162,6 +166,8 @@ class _Cutting:
         own[own.index(link)] = link._replace(target=goal.id)
         self._cut.add(goal.id)
         self._measure(goal.id)
+        while not self._fits(goal.id) and self._one_more(goal.id):  # it is one element more than the strategy
+            self._again(goal.id)
 
 
 def _from(top: str, supports: dict[str, list[Link]]) -> Iterator[str]:
