@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from string import Formatter
 
+from trackmarshal.records import SpecTest, TestResult
 from trackmarshal.trace.case.inputs import Inputs
 from trackmarshal.trace.case.model import (
     Block,
@@ -103,6 +104,21 @@ class Writing:
     def said_number(self, node: Node, attribute: str) -> Number:
         """A number that a node of the graph has as an attribute."""
         return Number(f"node/{node.kind}/{node.id}/{attribute}", node.attributes[attribute])
+
+    # Tests, by their rules.
+
+    @cached_property
+    def tests_of(self) -> Mapping[str, Sequence[SpecTest]]:
+        """The tests of each rule, in the order in which they stand."""
+        found: dict[str, list[SpecTest]] = {}
+        for test in self.given.tests:
+            found.setdefault(test.rule, []).append(test)
+        return found
+
+    @cached_property
+    def result_of(self) -> Mapping[tuple[str, str], TestResult]:
+        """By rule and title, what a test came to."""
+        return {(result.rule, result.title): result for result in self.given.results}
 
     # Things of the graph.
 

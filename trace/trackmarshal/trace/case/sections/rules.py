@@ -19,6 +19,7 @@ from trackmarshal.trace.case.model import (
     Part,
     Section,
     Status,
+    Table,
     Verbatim,
 )
 from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, written
@@ -75,7 +76,7 @@ def _item(writing: Writing, item: SpecItem) -> Part:
         blocks.append(
             writing.named("rules.parameters", [_settings(writing, sheet["formula"]["parameters"])], level=4)
         )
-    tests = [test for test in writing.given.tests if test.rule == item.name]
+    tests = writing.tests_of.get(item.name, ())
     if tests or item.monitored or item.kind == "rule":
         shown = [_tests(writing, tests)] if tests else [writing.missing("rules.no_tests")]
         blocks.append(writing.named("rules.tests", shown, level=4))
@@ -115,8 +116,6 @@ def _formula(writing: Writing, shown: Mapping[str, Any]) -> Iterator[Block]:
 
 
 def _grid(writing: Writing, rows: Sequence[Sequence[str]]) -> Block:
-    from trackmarshal.trace.case.model import Table
-
     width = len(rows[0])
     return Table(
         tuple(rows[0]), tuple(tuple(given(cell) for cell in row) for row in rows[1:]), (1.0,) * width
@@ -131,11 +130,10 @@ def _settings(writing: Writing, parameters: Sequence[Mapping[str, Any]]) -> Bloc
 
 def _tests(writing: Writing, tests: Sequence[SpecTest]) -> Block:
     """Each test with what it expects; those on the boundary with how near they stand, and how far the limit moves before they fail."""
-    known = {(result.rule, result.title): result for result in writing.given.results}
     rows: list[list[Line]] = []
     for test in tests:
         node = writing.graph.nodes["test", f"{test.rule}: {test.title}"]
-        result = known.get((test.rule, test.title))
+        result = writing.result_of.get((test.rule, test.title))
         margin = EMPTY
         if test.boundary:
             margin = writing.line("tests.boundary", within=Given(test.within), distance=Given(test.distance))
