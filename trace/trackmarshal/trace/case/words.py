@@ -55,6 +55,7 @@ ENGLISH: Mapping[str, str] = {
     "open.undeveloped": "Undeveloped in the argument",
     "open.follows": "What follows from the findings above",
     "open.argument": "Wrong with the argument",
+    "open.more": "; and more",
     "open.stale": "Stale evidence",
     "open.no_stale": "No evidence is stale.",
     "open.waivers": "Waivers",

@@ -28,6 +28,8 @@ from trackmarshal.trace.model import Stage, Waiver
 EXPECTED = (
     "operational design domain", "hazard", "safety goal", "design element", "analysis", "review", "person", "tool", "method",
 )  # fmt: skip
+#: So many things are named that keep one cell from being covered; all of them are in the matrix.
+NAMED = 4
 
 
 def cover(writing: Writing) -> Section:
@@ -121,10 +123,18 @@ def _cells(writing: Writing, gaps: list[tuple[Row, Stage, Cell]]) -> Table:
         [
             (*writing.titled(writing.graph.nodes["requirement", str(row.requirement.id)]),),
             (Given(str(stage.id)), Fixed(" "), Given(stage.title)), (Status(cell.status),),
-            joined([_item(item) for item in cell.items if item.status not in ("covered", "waived")], "; ") or writing.line("open.nothing"),
+            _why(writing, cell),
         ]
         for row, stage, cell in gaps
     ))  # fmt: skip
+
+
+def _why(writing: Writing, cell: Cell) -> Line:
+    """The first of what keeps a cell from being covered, worst first: one cause may have hundreds of consequences in one cell."""
+    lacking = [item for item in cell.items if item.status not in ("covered", "waived")]
+    lacking.sort(key=lambda item: STATUSES.index(item.status))
+    said = joined([_item(item) for item in lacking[:NAMED]], "; ") or writing.line("open.nothing")
+    return (*said, *writing.line("open.more")) if len(lacking) > NAMED else said
 
 
 def _item(item: Item) -> Line:

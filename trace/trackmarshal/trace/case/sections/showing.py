@@ -109,7 +109,7 @@ def _faults(writing: Writing) -> Iterator[Block]:
         yield writing.missing("verification.no_faults")
         return
     columns = (
-        ("column.fault", 3.6), ("column.requirement", 1.3), ("column.found_by", 2.4), ("column.when_found", 1.0), ("column.driven", 2.2), ("column.status", 1.2),
+        ("column.fault", 3.2), ("column.requirement", 1.3), ("column.found_by", 2.4), ("column.when_found", 1.0), ("column.driven", 2.2), ("column.status", 2.4),
     )  # fmt: skip
     yield writing.table(columns, (
         [
