@@ -92,6 +92,29 @@ def test_words_are_in_one_place_and_without_numbers() -> None:
         assert not NUMBER.search(text), name
         assert all(field is None or field for _, field, _, _ in string.Formatter().parse(text)), name
     assert {f"{name}.title" for name in NAMES} <= words.ENGLISH.keys()
+    room = Path(words.__file__).parent
+    source = "".join(
+        path.read_text("utf-8")
+        for path in room.rglob("*")
+        if path.suffix in (".py", ".j2") and path.name != "words.py"
+    )
+    made = (
+        "lacking.",
+        "status.",
+        "level.",
+        "expect.",
+        "fired.",
+        "review.",
+        "clause.",
+        "label.tests_",
+        "open.",
+    )  # of names of the graph
+    unused = [
+        n
+        for n in words.ENGLISH
+        if f'"{n}"' not in source and not n.startswith(made) and not n.endswith(".title")
+    ]
+    assert unused == []
 
 
 def test_every_link_has_its_place(warehouse: Path) -> None:

@@ -114,7 +114,7 @@ def _inputs(found: Assessment, root: Path, as_of: date) -> Inputs:
     # Of specs with errors, the matrix says what is wrong; their rules are named there, and not explained.
     spec = None if broken else load(spec_folders(root), [], root)
     return Inputs(
-        matrix, build(matrix, found.project, root), found.project, said.items, said.tests, found.results, found.runs, found.fault_results,
+        matrix, build(matrix, found.project, root), found.project, said.items, said.tests, found.results, found.runs,
         trace.fault_rows(said.fault_cases, found.fault_results), {} if spec is None else dict(_sheets(spec, said.items)), commit(root),
         f"trackmarshal {__version__}", tool(), "" if spec is None else spec.fingerprint, _hashes(root, found.project.baseline),
     )  # fmt: skip

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from trackmarshal.records import FaultResult, RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
 from trackmarshal.trace.gsn.case import Case
 from trackmarshal.trace.matrix import Matrix
 from trackmarshal.trace.model import Project
@@ -27,7 +27,6 @@ class Inputs:
     tests: Sequence[SpecTest]
     results: Sequence[TestResult]
     runs: Sequence[RunSummary]
-    fault_results: Sequence[FaultResult]
     faults: Sequence[Mapping[str, str]]
     sheets: Mapping[str, Mapping[str, Any]]
     commit: str

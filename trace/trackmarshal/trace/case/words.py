@@ -8,7 +8,6 @@ ENGLISH: Mapping[str, str] = {
     "language": "en",
     "document": "Safety case",
     "contents": "Contents",
-    "page": "page",
     "none": "none",
     "people": "written by people",
     # Titles of sections.
