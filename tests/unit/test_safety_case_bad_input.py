@@ -111,3 +111,19 @@ def test_large_rules_and_bare_requirements(warehouse: Path) -> None:
     assert "no stage asks anything of it" in page.html or "missing" in page.html
     assert len(page.formulas) > 40
     assert len(re.findall(r'<div class="formula" style="--depth: 1">', page.html)) >= 40
+
+
+def test_an_argument_of_very_many_modules_is_drawn_in_part_and_named_whole(
+    warehouse: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from trackmarshal.trace.case.sections import argument
+
+    whole = html(warehouse)
+    monkeypatch.setattr(argument, "SHOWN", 1)
+    page = html(warehouse)
+    modules = {id_ for id_ in whole.ids if id_.startswith("module-")}
+    assert len(modules) > 1
+    assert page.html.count("<svg") < whole.html.count("<svg")
+    assert modules == {id_ for id_ in page.ids if id_.startswith("module-")}
+    inside = re.findall(r'<a href="#([^"]*)"', page.html)
+    assert set(inside) <= set(page.ids)

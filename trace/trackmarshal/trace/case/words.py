@@ -216,6 +216,7 @@ ENGLISH: Mapping[str, str] = {
     "decomposition.level": "(ASIL {asil})",
     "decomposition.unargued": "nobody argues for it",
     "argument.how": "Made of the link graph by templates: each goal is supported as far as the worst of what supports it. What a dashed element stands for is in the module that it leads to.",
+    "argument.rest": "Further modules, which the command gsn draws",
     "argument.undrawn": "It is not drawn here, as there is no layout engine; these are its modules in words.",
     "requirements.none": "There are no requirements.",
     "requirements.no_rule": "none",

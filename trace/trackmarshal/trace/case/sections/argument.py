@@ -22,6 +22,8 @@ from trackmarshal.trace.graph.graph import Key
 from trackmarshal.trace.gsn import outline
 from trackmarshal.trace.gsn.case import Case, Module
 
+#: So many modules are shown, from the top goal down: more pictures than that nobody looks through, and `trackmarshal gsn --out` has all.
+SHOWN = 200
 #: A millimetre in points.
 _MM = 72 / 25.4
 _SIZE = re.compile(r'<svg [^>]*?width="([0-9.]+)mm" height="([0-9.]+)mm"')
@@ -35,7 +37,7 @@ def argument(writing: Writing) -> Section:
     blocks: list[Block] = [writing.paragraph("argument.how")]
     if pictures is None:
         blocks.append(writing.missing("argument.undrawn"))
-    for number, module in enumerate(case.modules):
+    for number, module in enumerate(case.modules[:SHOWN]):
         status = case.elements[module.root].status
         title: Line = (Code(module.name), Fixed(" "), *((Status(status),) if status else ()))
         shown: Block
@@ -44,15 +46,28 @@ def argument(writing: Writing) -> Section:
         else:
             shown = Figure(pictures[number], module.title, *_size(pictures[number]))
         blocks.append(writing.part(title, [shown], ("module", module.name), level=3))
+    if case.modules[SHOWN:]:
+        blocks.append(writing.named("argument.rest", [_rest(writing, case.modules[SHOWN:])]))
     return writing.section("argument", blocks)
 
 
+def _rest(writing: Writing, modules: Sequence[Module]) -> Block:
+    """Modules that are only named, with how far each is supported."""
+    elements = writing.given.argument.elements
+    rows: list[list[Line]] = []
+    for module in modules:
+        status = elements[module.root].status  # what stands beside the argument has none
+        rows.append([(Code(module.name),), (Status(status),) if status else (), (Made(module.title),)])
+    columns = (("column.module", 2.0), ("column.status", 1.5), ("column.claim", 6.0))
+    return writing.table(columns, rows, [("module", module.name) for module in modules])
+
+
 def drawn(case: Case, anchors: Mapping[Key, str]) -> list[str]:
-    """The pictures of all modules, for a page that holds all of them: elements from elsewhere lead to their module's place there. Raises T424, T425."""
+    """The pictures of the modules that are shown, for a page that holds all of them: elements from elsewhere lead to their module's place there. Raises T424, T425."""
     from trackmarshal.trace.gsn.picture.svg import pictures
 
-    modules: Sequence[Module] = case.modules
-    places = {module.name: f"#{anchors['module', module.name]}" for module in modules}
+    places = {module.name: f"#{anchors['module', module.name]}" for module in case.modules}
+    modules = case.modules[:SHOWN]
     return [_inside(svg, number) for number, svg in enumerate(pictures(case, modules, places))]
 
 
