@@ -236,7 +236,7 @@ def _limits() -> dict[str, float]:
         ({"limits": {"apart": math.nan}}, "limit `apart`"),
         ({"params": {"vehicles.devbot.mass": 1.0}}, "parameter `vehicles.devbot.mass`"),
         ({"params": {"vehicles.devbot.mass": math.nan}}, "parameter `vehicles.devbot.mass`"),
-        ({"params": {"supervisor.collision.b_rear": 40.0}}, "constraint `specs/supervisor/collision.spec:30"),
+        ({"params": {"supervisor.collision.b_rear": 40.0}}, "constraint `specs/supervisor/collision.spec:"),
         ({"tables": {"vehicles.devbot.ax_max": ((1.0, 1.0), (2.0, 3.0))}}, "table `vehicles.devbot.ax_max`"),
         ({"tables": {"vehicles.devbot.ax_max": ((), ())}}, "table `vehicles.devbot.ax_max`"),
         (

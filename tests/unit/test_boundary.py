@@ -155,7 +155,7 @@ def test_the_gate_asks_for_it(tmp_path: Path) -> None:
     assert command(project(tmp_path), "trace", "--accept-baseline")[0] == 0
     assert command(tmp_path, "trace", "--gate")[0] == 0
     project(tmp_path, v="8", within="1000")
-    status, out, _ = command(tmp_path, "trace", "--gate")
+    status, out, _ = command(tmp_path, "trace", "--gate", "--verbose")
     assert status == 1
     assert '`slow` has no test exactly on its boundary; "at it" takes any margin within 1000 m/s' in out
     assert command(tmp_path, "test")[1].splitlines()[-2].startswith('slow: "at it" takes any margin')

@@ -21,7 +21,9 @@ WAIVER = """waivers:
     stages: [TST-1]
     requirements: [SYS-*, SW-*]
     justification: The test bench is not there yet.
+    residual_risk: None, as nothing is sold before it is there.
     owner: P-1
+    approver: P-2
     granted: 2020-01-01
     expires: 2020-12-31
 """

@@ -13,7 +13,7 @@ from support.project import command, run_command
 from trackmarshal.cli.weakening import Weakening
 from trackmarshal.store import FILE
 
-RULE = "  require   p.v <= v_max\n"
+RULE = "  require   p.v <= v_event\n"
 SLACK = 'param slack : m/s = 0 m/s in [-50, 50]  source "of nobody"\n'
 
 
@@ -29,7 +29,7 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("repository") / "car"
     assert run_command("init", str(root))[0] == 0
     spec = root / "specs" / "speed.spec"
-    text = spec.read_text("utf-8").replace(RULE, "  require   p.v <= v_max + slack\n")
+    text = spec.read_text("utf-8").replace(RULE, "  require   p.v <= v_event + slack\n")
     spec.write_text(text.replace("rule speed_limit", SLACK + "\nrule speed_limit"), "utf-8")
     assert command(root, "trace", "--accept-baseline", "--by", "Ann", "--reason", "a parameter")[0] == 0
     git(root.parent, "init", "-q")
@@ -48,8 +48,8 @@ def car(template: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path
 def rule(car: Path, limit: str) -> None:
     path = car / "specs" / "speed.spec"
     text = path.read_text("utf-8")
-    assert "p.v <= v_max + slack\n" in text
-    path.write_text(text.replace("p.v <= v_max + slack\n", f"{limit}\n"), "utf-8")
+    assert "p.v <= v_event + slack\n" in text
+    path.write_text(text.replace("p.v <= v_event + slack\n", f"{limit}\n"), "utf-8")
 
 
 def slack(car: Path, value: str) -> None:
@@ -66,10 +66,10 @@ def findings(car: Path, code: str, *more: str) -> list[str]:
 @pytest.mark.parametrize(
     ("limit", "told"),
     [
-        ("p.v <= v_max + slack + 9 m/s", "; weaker: 62 of 62 recorded cycles differ, violated is satisfied in "),
-        ("p.v <= v_max + slack - 9 m/s", "; stronger: 62 of 62 recorded cycles differ, satisfied is violated in "),
-        ("2 * p.v <= v_max + slack + 30 m/s", "; both weaker and stronger: "),
-        ("p.v <= slack + v_max", "; not told: no recorded cycle of 62 tells the two apart"),
+        ("p.v <= v_event + slack + 9 m/s", "; weaker: 62 of 62 recorded cycles differ, violated is satisfied in "),
+        ("p.v <= v_event + slack - 9 m/s", "; stronger: 62 of 62 recorded cycles differ, satisfied is violated in "),
+        ("2 * p.v <= v_event + slack + 30 m/s", "; both weaker and stronger: "),
+        ("p.v <= slack + v_event", "; not told: no recorded cycle of 62 tells the two apart"),
     ],
 )  # fmt: skip
 def test_a_changed_rule(limit: str, told: str, car: Path) -> None:
@@ -82,7 +82,7 @@ def test_a_changed_rule(limit: str, told: str, car: Path) -> None:
 
 
 def test_margins_are_those_of_the_edit(car: Path) -> None:
-    rule(car, "p.v <= v_max + slack + 2 m/s")
+    rule(car, "p.v <= v_event + slack + 2 m/s")
     assert "margins move by +2 m/s" in findings(car, "T370")[0]
 
 
@@ -97,7 +97,7 @@ def test_a_moved_threshold(value: str, word: str, car: Path) -> None:
 
 
 def test_it_is_told_once_and_kept(car: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    rule(car, "p.v <= v_max + slack + 2 m/s")
+    rule(car, "p.v <= v_event + slack + 2 m/s")
     first = findings(car, "T370")
     kept = [json.loads(line) for line in (car / "out" / "results" / FILE).read_text("utf-8").splitlines()]
     (entry,) = [one for one in kept if one["kind"] == "comparison"]
@@ -120,7 +120,7 @@ def test_another_rule_is_one_more_reason_to_compare(car: Path, monkeypatch: pyte
         return whole(self, wanted)
 
     monkeypatch.setattr(Weakening, "_compared", listening)
-    rule(car, "p.v <= v_max + slack + 2 m/s")
+    rule(car, "p.v <= v_event + slack + 2 m/s")
     for _ in range(2):
         assert findings(car, "T370")
     assert compared == [["speed_limit"]]
@@ -142,12 +142,12 @@ def test_where_nothing_changed_nothing_is_asked(car: Path, monkeypatch: pytest.M
 
 
 def test_as_is_runs_nothing(car: Path) -> None:
-    rule(car, "p.v <= v_max + slack + 2 m/s")
+    rule(car, "p.v <= v_event + slack + 2 m/s")
     assert "; not told: nothing is run" in findings(car, "T370", "--as-is")[0]
 
 
 def test_it_stays_in_the_acceptance_and_in_reports(car: Path) -> None:
-    rule(car, "p.v <= v_max + slack + 2 m/s")
+    rule(car, "p.v <= v_event + slack + 2 m/s")
     refused = command(car, "trace", "--accept-baseline")
     assert (refused[0], "(weaker: 62 of 62 recorded cycles differ" in refused[2]) == (2, True)
     assert command(car, "trace", "--accept-baseline", "--by", "Ann", "--reason", "wider by 2 m/s")[0] == 0
@@ -162,7 +162,7 @@ def test_it_stays_in_the_acceptance_and_in_reports(car: Path) -> None:
 
 def test_specs_that_were_not_accepted_are_not_compared(car: Path) -> None:
     """An edit that was committed without the baseline is no version of what was accepted; the commit of the baseline is."""
-    rule(car, "p.v <= v_max + slack + 1 m/s")
+    rule(car, "p.v <= v_event + slack + 1 m/s")
     git(car, "commit", "-qam", "wider, and nobody accepted it")
     rule_text = car / "specs" / "speed.spec"
     rule_text.write_text(rule_text.read_text("utf-8").replace("+ 1 m/s", "+ 2 m/s"), "utf-8")
@@ -170,7 +170,7 @@ def test_specs_that_were_not_accepted_are_not_compared(car: Path) -> None:
 
 
 def test_a_baseline_that_is_in_no_commit(car: Path) -> None:
-    rule(car, "p.v <= v_max + slack + 1 m/s")
+    rule(car, "p.v <= v_event + slack + 1 m/s")
     assert command(car, "trace", "--accept-baseline", "--by", "Ann", "--reason", "wider")[0] == 0
     rule_text = car / "specs" / "speed.spec"
     rule_text.write_text(rule_text.read_text("utf-8").replace("+ 1 m/s", "+ 2 m/s"), "utf-8")
@@ -187,7 +187,7 @@ def test_without_git(car: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_in_a_shallow_clone(car: Path, tmp_path: Path) -> None:
     """The commit of the baseline is out of reach: what is there is compared only if it is what was accepted."""
-    rule(car, "p.v <= v_max + slack + 1 m/s")
+    rule(car, "p.v <= v_event + slack + 1 m/s")
     git(car, "commit", "-qam", "wider, and nobody accepted it")
     git(tmp_path, "clone", "-q", "--depth", "1", f"file://{car.parent}", "shallow")
     assert "; not told: " in findings(tmp_path / "shallow" / "car", "T370")[0]

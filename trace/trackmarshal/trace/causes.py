@@ -32,7 +32,7 @@ from trackmarshal.trace.graph.kinds import LINKS
     OPEN,
 ) = range(14)
 _STEPS = {
-    UNREADABLE: "T101 T102 T103 T104 T105 T106 T107 T108 T109 T110 T111 T113 T220 T379 T380",
+    UNREADABLE: "T101 T102 T103 T104 T105 T106 T107 T108 T109 T110 T111 T113 T379 T380",
     UNUSABLE: "T112 T120 T121 T122 T123 T124 T125 T126 T127 T128 T129 T148 T240 T250 T264",
     DOUBLE: "T130 T131 T209",
     DEMANDS: "T371",
@@ -97,8 +97,9 @@ _UPWARD = frozenset({"tests", "evaluates", "replays", "reviews", "examines", "us
 
 
 def causes(findings: Sequence[Finding], graph: Graph) -> dict[Finding, Finding]:
-    """By finding that follows from another one, the one that it follows from in the end. Notes and forged results are neither."""
-    apart = _STEPS[FORGED].split()  # whoever changes results does so beside whatever else was changed
+    """By finding that follows from another one, the one that it follows from in the end. Notes, forged results and a missing baseline are neither."""
+    # Whoever changes results does so beside whatever else was changed; and that there is no baseline says nothing about documents.
+    apart = [*_STEPS[FORGED].split(), "T220"]
     return _Folding([f for f in findings if f.level != "note" and f.code not in apart], graph).done()
 
 
