@@ -60,6 +60,7 @@ def projects(draw: st.DrawFn, characters: st.SearchStrategy[str] = XML) -> list[
         more = {
             "derived_from": st.lists(st.sampled_from(["AV", "AV-RO"]), min_size=1), "refines": st.lists(st.sampled_from(ids), min_size=1, max_size=3),
             "owner": text, "achieves": goals, "allocated_to": goals, "verified_by": goals, "independence": goals, "adopted": text, "metrics": st.lists(names, min_size=1), "assumptions": st.lists(names, min_size=1), "foreign": foreign,
+            "not_verified_by": st.dictionaries(st.sampled_from(["review", "analysis"]), text, min_size=1),
         }  # fmt: skip
         for name, values in more.items():
             if draw(st.booleans()):
@@ -196,6 +197,7 @@ def test_every_field_is_generated() -> None:
         "achieves",
         "allocated_to",
         "verified_by",
+        "not_verified_by",
         "independence",
     }
     assert {field.name for field in REQUIREMENT.fields} == generated

@@ -146,6 +146,6 @@ def test_what_is_called_as_a_shipped_file_is_the_projects_own(tmp_path: Path) ->
         'event stray "x"\n\nrule hidden "nobody asks for it"\n  require not stray\n',
     )
     run_command("assess", "--project", str(tmp_path), "--out", str(tmp_path / "out"), "--quiet")
-    status, out, err = run_command("trace", "--gate", "--project", str(tmp_path))
+    status, out, err = run_command("trace", "--gate", "--verbose", "--project", str(tmp_path))
     assert status == 1
     assert "the rule `hidden` has no test" in out + err

@@ -47,7 +47,7 @@ def said(name: str, number: str) -> list[str]:
 @pytest.mark.parametrize(
     ("rule", "number", "wanted"),
     [
-        ("speed_limit", "v", ["v_p ≤ v_max"]),
+        ("speed_limit", "v", ["v_p ≤ min(v_event, v_max)"]),
         ("no_reversing", "v", ["v_p ≥ 0"]),
         ("turn_radius", "kappa", ["|κ_p| ≤ 1/R_min"]),
         ("braking_limit", "a", ["a_p ≥ −b_max"]),
@@ -77,7 +77,7 @@ def test_the_solution_is_the_evaluators_own() -> None:
             choose.choice((-1, 1)) * choose.uniform(0.002, 0.2),
             choose.uniform(0.9, 1.2),
         )
-        limit = ((1.524 * 9.81 * grip) ** 2 - a * a) ** 0.25 / math.sqrt(abs(kappa))
+        limit = ((13.0 * grip) ** 2 - a * a) ** 0.25 / math.sqrt(abs(kappa))
         for factor, verdict in ((1.0 - 1e-9, "satisfied"), (1.0 + 1e-9, "violated")):
             plan = {"a": [a, a], "kappa": [kappa, kappa], "grip": [grip, grip], "v": [limit * factor] * 2}
             case = {"signals": {"plan": plan}, "params": {"vehicles.devbot.drag": 0.0}}
@@ -93,11 +93,11 @@ def test_a_wrong_solution_is_not_claimed(monkeypatch: pytest.MonkeyPatch) -> Non
         "zeros",
         lambda difference, x: [root * sympy.Rational(1001, 1000) for root in right(difference, x)],
     )
-    solver = claims.Solver(shipped_rule("speed_limit"), shipped()[0], Place("p", "plan", 0, "v"))
+    solver = claims.Solver(shipped_rule("braking_limit"), shipped()[0], Place("p", "plan", 0, "a"))
     assert list(solver.claims()) == []
-    (first, *_) = said("speed_limit", "v")
+    (first, *_) = said("braking_limit", "a")
     assert first.startswith(
-        "For p.v: not solved, because of no formula that the reference evaluator says the same as"
+        "For p.a: not solved, because of no formula that the reference evaluator says the same as"
     )
 
 

@@ -91,6 +91,9 @@ def test_an_analysis_that_leaves_something_open_shows_nothing(
 
 def test_another_section_is_noticed_and_the_rest_of_the_page_is_not(tmp_path: Path) -> None:
     made = small(tmp_path)
+    # An analysis is held as a whole page.
+    made.replace("requirements/assurance.yaml", "document: docs/layout.md", "document: docs/causes.md")
+    (made.root / "docs" / "causes.md").write_text("# Common causes\n", encoding="utf-8")
     made.accept()
     before = {finding.code for finding in trace.gate(made.matrix())}
     made.replace("docs/layout.md", "Another one.", "Quite another one.")

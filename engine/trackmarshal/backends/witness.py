@@ -12,6 +12,7 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 from trackmarshal.runtime.frame import Columns
 from trackmarshal.runtime.timeline import measured
+from trackmarshal.runtime.kleene import UNDEFINED
 from trackmarshal.runtime.verdict import Truth, Witness
 
 Env = dict[int, int]
@@ -82,12 +83,14 @@ class Descent:
     def __init__(self, values: Values) -> None:
         self._values = values
         self._names: dict[int, tuple[ir.Axis, tuple[str, ...]]] = {}
+        #: Of variables that stand for something where the descent is, what they are of.
+        self._axes: dict[int, ir.Axis] = {}
         #: The deciding comparison that was found last, and where it was evaluated.
         self.decisive: tuple[ir.Formula, Env] | None = None
 
     def find(self, node: ir.Formula | None, env: Env | None = None) -> Witness | None:
         """The witness of a formula, for what its variables stand for; None where nothing decides (an empty range, a constant)."""
-        self._names, self.decisive = {}, None
+        self._names, self._axes, self.decisive = {}, {}, None
         env = dict(env or {})
         while node is not None:
             step = self._step(node, env)
@@ -100,6 +103,8 @@ class Descent:
         return None
 
     def _step(self, node: ir.Formula, env: Env) -> Witness | tuple[ir.Formula, Env] | None:
+        if isinstance(node, (ir.Temporal, ir.Until, ir.Shift, ir.At, ir.Quantify)):
+            self._axes[node.axis.level] = node.axis
         match node:
             case ir.Compare() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 return self._witness(node, env)
@@ -113,7 +118,7 @@ class Descent:
                 self._names[node.axis.level] = (node.axis, node.names)
                 return self._quantify(node, env)
             case ir.Guarded():
-                guard = self._values.truth(node.guard, env)
+                guard = self._truth(node.guard, env)
                 if self._verdict(node, env) == "undefined" and self._verdict(node.body, env) != "undefined":
                     return node.guard, env
                 return (node.body, env) if guard.best.sat else None
@@ -140,8 +145,16 @@ class Descent:
             case _:
                 assert_never(node)
 
+    def _truth(self, node: ir.Formula, env: Env) -> Truth:
+        """The value of a formula; in a gap nothing is known, whatever it comes to there."""
+        for level, axis in self._axes.items():
+            joined = self._values.columns(axis).joined
+            if joined is not None and env.get(level) in joined.gaps:
+                return UNDEFINED
+        return self._values.truth(node, env)
+
     def _verdict(self, node: ir.Formula, env: Env) -> str:
-        return self._values.truth(node, env).verdict
+        return self._truth(node, env).verdict
 
     def _witness(self, node: ir.Compare | ir.Geometry | ir.Flag, env: Env) -> Witness:
         binders: dict[str, int | str] = {}
@@ -151,7 +164,7 @@ class Descent:
                     binders[name] = self._values.name(axis, env[level] + offset)
         unit = node.unit if isinstance(node, ir.Compare) else "1" if isinstance(node, ir.Flag) else "m"
         shown = node.shown if isinstance(node, ir.Compare) else ""
-        margin = self._values.truth(node, env).margin
+        margin = self._truth(node, env).margin
         return Witness(binders, margin, unit, node.span, shown, _places(node, env))
 
     def _pick(self, node: ir.Connective, env: Env, extreme: Extreme) -> tuple[ir.Formula, Env] | None:
@@ -159,7 +172,7 @@ class Descent:
         wanted = self._verdict(node, env)
         fitting: list[tuple[float, bool, ir.Formula]] = []
         for child in (node.left, node.right):
-            value = self._values.truth(child, env)
+            value = self._truth(child, env)
             if value.verdict == wanted:
                 margin = 0.0 if wanted == "undefined" else value.margin
                 weight = margin if extreme is Extreme.LEAST else -margin

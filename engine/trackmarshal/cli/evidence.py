@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -58,7 +58,7 @@ def spec_items(meaning: Meaning) -> list[SpecItem]:
     ]  # fmt: skip
 
 
-def spec_parts(spec: Spec, items: Iterable[SpecItem]) -> list[SpecPart]:
+def spec_parts(spec: Spec, items: Iterable[SpecItem], shipped: Collection[str] = ()) -> list[SpecPart]:
     """What rules and assumptions read, and all constraints, as the matrix sees them."""
     from trackmarshal.meaning import of, restricted
     from trackmarshal.units import in_full
@@ -80,6 +80,10 @@ def spec_parts(spec: Spec, items: Iterable[SpecItem]) -> list[SpecPart]:
         found.append(("signal", name, signal, ", ".join(field.name for field in signal.fields_)))
     used = [(kind, name, info, shown) for kind, name, info, shown in found if f"{kind} {name}" in read]
     for constraint in spec.constraints:
+        if constraint.span.file.path in shipped and not any(
+            f"{kind} {name}" in read for name in restricted(constraint) for kind in ("param", "table")
+        ):
+            continue  # of shipped rules that nobody here claims
         text = " ".join(constraint.span.text.partition(" because ")[0].split()).removeprefix("constrain ")
         used.append(("constraint", text, constraint, ""))
     used += [("rulebook", book.name, book, _order(book.relations)) for book in spec.rulebooks]

@@ -81,7 +81,7 @@ class Sources:
             )
             for shown, (_, evaluator) in self._scenarios.items()
         }
-        parts = evidence.spec_parts(self.compiled.spec, items)
+        parts = evidence.spec_parts(self.compiled.spec, items, self._shipped)
         return Facts(items, parts, tests, inputs, campaigns.cases(self._campaigns), wrong)
 
     def test(self, wanted: Iterable[SpecTest], facts: Facts) -> Iterable[TestResult]:
@@ -152,24 +152,28 @@ class Sources:
                 result[shown] = (recording, evaluator)
         return result
 
+    @cached_property
+    def _shipped(self) -> frozenset[str]:
+        """Files that came with the package. What is called as one, and is the project's own, is none."""
+        from trackmarshal.semantics.modules import from_library
+
+        modules = [
+            (module.file.path, from_library(module, self.root))
+            for module in self.compiled.library.modules.values()
+        ]
+        own = {path for path, is_shipped in modules if not is_shipped}
+        return frozenset(path for path, is_shipped in modules if is_shipped) - own
+
     def _of_project(self) -> tuple[list[SpecItem], list[SpecTest]]:
         """What the specs say, as the matrix sees it: all of the project's own, and of the shipped rules that it uses those that satisfy
         one of its requirements, with what they assume. The others are evaluated all the same; nobody answers for them here."""
         from trackmarshal.cli.check import demanded
-        from trackmarshal.semantics.modules import from_library
 
         items, tests = (
             evidence.spec_items(self.meaning),
             evidence.spec_tests(self.compiled.spec, self.prepared, self.distances),
         )
-        modules = [
-            (module.file.path, from_library(module, self.root))
-            for module in self.compiled.library.modules.values()
-        ]
-        # What is called as a shipped file, and is the project's own, is not dropped for that.
-        shipped = {path for path, is_shipped in modules if is_shipped} - {
-            path for path, is_shipped in modules if not is_shipped
-        }
+        shipped = self._shipped
         if not shipped:
             return items, tests
         known, _ = demanded(self.root)

@@ -41,7 +41,8 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         versions = [f"{of} {fingerprint}" for of, fingerprint in entry.versions]
         yield f"{entry.kind.replace(' ', '-')} {entry.id}", {
             **said, **_linked(entry.links), "of versions": _list(versions),
-            "evidence sha256": "".join(hashes.get(path) or "" for kind, path in entry.links if kind == "backed_by"),
+            # Of a design element, each section about a requirement is held by itself.
+            "evidence sha256": "" if entry.kind == "design element" else "".join(hashes.get(path) or "" for kind, path in entry.links if kind == "backed_by"),
         }  # fmt: skip
     if project.schema is not None:
         yield "link-schema", {"says": _hash(repr(_said(project.schema)))}

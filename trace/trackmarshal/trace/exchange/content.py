@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -10,12 +11,16 @@ from pathlib import Path, PurePosixPath
 from trackmarshal.trace import requirements, tree
 from trackmarshal.trace.documents import REQUIREMENT, REQUIREMENTS
 from trackmarshal.trace.findings import Finding, Place, warning
-from trackmarshal.trace.shapes import Many
+from trackmarshal.trace.shapes import Many, Pairs
 from trackmarshal.trace.values import Reader, Table
 
 #: What a requirement says of itself, in the order of the files; `foreign` is what others say.
 FIELDS = tuple(field.name for field in REQUIREMENT.fields if field.name != "foreign")
 LISTS = frozenset(field.name for field in REQUIREMENT.fields if isinstance(field.shape, Many))
+#: Names with texts: in other tools, which have no such thing, one text in JSON.
+PAIRS = frozenset(
+    field.name for field in REQUIREMENT.fields if isinstance(field.shape, Pairs) and field.name != "foreign"
+)
 #: Between the entries of a list in formats that have texts only.
 BETWEEN = "; "
 ESCAPE = "foreign:"
@@ -80,6 +85,8 @@ def attributes(requirement: Table, reserved: Collection[str], ending: str = "\0"
     for name in FIELDS:
         if name in requirement:
             value = requirement[name]
+            if name in PAIRS:
+                value = json.dumps({key: str(text) for key, text in value.items()}, ensure_ascii=False)
             said[name] = str(value) if isinstance(value, str) else [str(entry) for entry in value]
     for name, value in requirement.get("foreign", {}).items():
         said[
@@ -136,7 +143,14 @@ def _says(value: Value) -> bool:
     return bool(value.strip()) if isinstance(value, str) else any(entry.strip() for entry in value)
 
 
-def _shaped(name: str, value: Value) -> Value:
+def _shaped(name: str, value: Value) -> Value | dict[str, str]:
+    if name in PAIRS and isinstance(value, str):
+        try:
+            pairs = json.loads(value)
+        except (ValueError, RecursionError):
+            return value  # which is refused as what it is
+        fits = isinstance(pairs, dict) and all(isinstance(text, str) for text in pairs.values())
+        return pairs if fits else value
     if name in LISTS and isinstance(value, str):
         return [entry.strip() for entry in re.split(r"[;\n]", value) if entry.strip()]
     return value if name in LISTS or isinstance(value, str) else BETWEEN.join(value)

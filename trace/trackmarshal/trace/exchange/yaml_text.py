@@ -7,7 +7,7 @@ import re
 
 from trackmarshal.trace import tree
 from trackmarshal.trace.documents import REQUIREMENTS
-from trackmarshal.trace.exchange.content import FIELDS, Document
+from trackmarshal.trace.exchange.content import FIELDS, PAIRS, Document
 from trackmarshal.trace.exchange.refused import Refused
 from trackmarshal.trace.findings import Finding
 from trackmarshal.trace.values import Reader, Table, resolved
@@ -25,11 +25,12 @@ def write(document: Document) -> str:
     lines += ["", "requirements:" if document.requirements else "requirements: []"]
     for number, one in enumerate(document.requirements):
         lines += [""] if number else []
-        said = [line for name in FIELDS if name in one for line in _said(name, one, "    ")]
-        foreign = one.get("foreign", {})
-        if foreign:
-            said.append("    foreign:")
-            said += [line for name, text in foreign.items() for line in _field(_key(name), text, "      ")]
+        said = []
+        for field in FIELDS:
+            said += (
+                _pairs(field, one) if field in PAIRS else _said(field, one, "    ") if field in one else []
+            )
+        said += _pairs("foreign", one)
         lines += ["  - " + said[0][4:], *said[1:]]
     text = "\n".join(lines) + "\n"
     _as_it_was(text, document)
@@ -58,6 +59,13 @@ def _as_it_was(text: str, document: Document) -> None:
             shown,
             help="are there characters in it that nobody can see?",
         )
+
+
+def _pairs(name: str, one: Table) -> list[str]:
+    """Names with texts; nothing where there are none."""
+    said = one.get(name, {})
+    lines = [line for key, text in said.items() for line in _field(_key(key), text, "      ")]
+    return [f"    {name}:", *lines] if lines else []
 
 
 def _said(name: str, one: Table, indent: str) -> list[str]:
