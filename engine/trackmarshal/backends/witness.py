@@ -11,8 +11,8 @@ from typing import NamedTuple, Protocol, assert_never
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 from trackmarshal.runtime.frame import Columns
-from trackmarshal.runtime.timeline import measured
 from trackmarshal.runtime.kleene import UNDEFINED
+from trackmarshal.runtime.timeline import measured
 from trackmarshal.runtime.verdict import Truth, Witness
 
 Env = dict[int, int]
