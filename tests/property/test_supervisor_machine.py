@@ -69,7 +69,7 @@ class Driving(RuleBasedStateMachine):
             return NO_SAFE_TRAJECTORY if self.ever else NO_EMERGENCY_YET
         number, x = self.stored
         since = now - number * PERIOD
-        good = since <= STOP + 1e-9
+        good = now <= number * PERIOD + STOP  # to the bit: what is a rounding later is over
         if good and pose is not None:
             planned = x + SPEED * since - BRAKING * since**2 / 2
             # Between samples the model is exact and the Supervisor straight: a centimetre apart at most.
