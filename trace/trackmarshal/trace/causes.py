@@ -139,8 +139,12 @@ class _Folding:
         return {finding: self._root(finding) for finding in self._cause}
 
     def _root(self, finding: Finding) -> Finding:
-        while finding in self._cause:
-            finding = self._cause[finding]
+        way = []
+        while (cause := self._cause.get(finding)) is not None:
+            way.append(finding)
+            finding = cause
+        for one in way[:-1]:  # the next time it is one step: a chain of thousands is asked for at each of its links
+            self._cause[one] = finding
         return finding
 
     def _subjects(self, finding: Finding) -> tuple[str, ...]:

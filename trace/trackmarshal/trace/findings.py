@@ -43,6 +43,10 @@ class Finding:
     gone: bool = False  #: whether it says that something is not there any more
     excused: bool = False  #: an error that a waiver made a note
 
+    def __hash__(self) -> int:
+        """Of what tells findings apart: what they are further about may be as long as a project."""
+        return hash((self.code, self.message, self.place, self.subject))
+
     def __str__(self) -> str:
         where = f"{self.place}: " if self.place else ""
         lines = [f"{where}{self.level}[{self.code}]: {self.message}"]
