@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from support.length import amount
 from support.read_rules import Machinery
 from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.evaluation import Evaluator, load
@@ -27,7 +28,7 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import About, RuleResult
 
 ROOT = Path(__file__).resolve().parents[2]
-INPUTS = 100
+INPUTS, EXPANDED = amount(40, 100), 20
 #: Rules over the run are held against the first cycle of one: what state machines, counts and windows come to there.
 OVER_THE_RUN = ("R_G1", "R_I5", "one_move", "no_overtaking_under_yellow", "leaves_room")
 #: Not covered: nothing can have been won, or lost, or asked before, in the first cycle.
@@ -166,7 +167,7 @@ def test_the_printed_formula_says_what_the_reference_says(name: str, expand: boo
     evaluator = Evaluator(spec(), [name], "reference")
     choose = random.Random(name)
     seen: dict[str, int] = {}
-    for _ in range(INPUTS // 5 if expand else INPUTS):
+    for _ in range(EXPANDED if expand else INPUTS):
         made = case(rule.reads, reading.places, choose)
         frame = evaluator.read({"t": 0.0, **made} if name in OVER_THE_RUN else made)
         result, faults = said(evaluator, frame, name)
