@@ -143,7 +143,9 @@ class _Folding:
         while (cause := self._cause.get(finding)) is not None:
             way.append(finding)
             finding = cause
-        for one in way[:-1]:  # the next time it is one step: a chain of thousands is asked for at each of its links
+        for one in way[
+            :-1
+        ]:  # the next time it is one step: a chain of thousands is asked for at each of its links
             self._cause[one] = finding
         return finding
 
