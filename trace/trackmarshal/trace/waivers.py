@@ -13,7 +13,7 @@ from trackmarshal.trace.values import Placed
 
 def check(project: Project) -> Iterator[Finding]:
     """What is wrong with who approved a waiver, how long it holds, and how much it excuses (T234 to T236)."""
-    persons = {str(e.title): str(e.id) for e in reversed(project.entries) if e.kind == "person"}
+    persons = {_plain(e.title): _plain(e.id) for e in reversed(project.entries) if e.kind == "person"}
     for waiver in project.waivers:
         name = str(waiver.id)
         if waiver.approver and _one(waiver.approver, persons) == _one(waiver.owner, persons):
@@ -41,7 +41,12 @@ def a_year_after(day: date) -> date:
 
 def _one(who: str, persons: dict[str, str]) -> str:
     """Who somebody is: the id of a declared person, or else the name however it is written."""
-    return persons.get(who, who).casefold().strip()
+    return persons.get(_plain(who), _plain(who))
+
+
+def _plain(name: str) -> str:
+    """A name or an id, whatever its capitals and spaces."""
+    return " ".join(str(name).split()).casefold()
 
 
 def _blanket(waiver: Waiver, project: Project) -> Iterator[Finding]:
