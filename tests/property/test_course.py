@@ -251,6 +251,20 @@ def said(spec: str, backend: str, run: list[Cycle]) -> list[tuple[str, str, str]
     return found
 
 
+def test_a_gap_has_one_witness() -> None:
+    """In a gap nothing is known, whatever the parts of a formula come to there: found by chance, held by itself."""
+    plan = ((-100, -2.0, False), (-50, -2.0, False))
+    run = [
+        Cycle(at=100, missed=0, v=-2.0, on=False, flag=False, plan=plan),
+        Cycle(at=300, missed=1, v=None, on=False, flag=False, plan=plan),
+    ]
+    formula = ("once", None, ("and", ("v>", -1.0), ("once", (50, 50), ("v>", -1.0))))
+    spec = f'{SIGNALS}rule f "x"\n  along driven as c\n  require {text(("or", formula, ("v>", 99.0)))}\n'
+    reference = said(spec, "reference", run)
+    assert reference == said(spec, "numpy", run)
+    assert reference[1][0] == "undefined"
+
+
 @given(formulas(3), st.sampled_from(sorted(PLACES)), cycles())
 @settings(max_examples=amount(80, 600), deadline=None)
 def test_a_course_is_what_was_and_what_is_planned(formula: Any, place: str, run: list[Cycle]) -> None:

@@ -27,6 +27,25 @@ def test_nearest(points: list[tuple[float, float]], asked: list[tuple[float, flo
         assert line.nearest(x, y) == (min(reaches), reaches.index(min(reaches)))
 
 
+@given(
+    st.lists(st.tuples(st.floats(0.5, 5.0), st.floats(-0.5, 0.5)), min_size=60, max_size=200),
+    st.lists(st.tuples(st.integers(0, 199), st.floats(-60.0, 60.0), st.floats(-60.0, 60.0)), min_size=3, max_size=8),
+)  # fmt: skip
+@settings(max_examples=6 * EXAMPLES, deadline=None)
+def test_beside_a_road(steps: list[tuple[float, float]], asked: list[tuple[int, float, float]]) -> None:
+    """Stretches that lie one behind the other: the first that is looked at is often not the one with what is nearest."""
+    points, heading = [(0.0, 0.0)], 0.0
+    for length, turn in steps:
+        heading += turn
+        x, y = points[-1]
+        points.append((x + length * math.cos(heading), y + length * math.sin(heading)))
+    line = Line(points)
+    for place, dx, dy in asked:
+        x, y = points[place % len(points)][0] + dx, points[place % len(points)][1] + dy
+        reaches = [distance(x, y, s) for s in line.segments]
+        assert line.nearest(x, y) == (min(reaches), reaches.index(min(reaches)))
+
+
 def test_far_ones_are_left_out() -> None:
     """A circle of a kilometre: nearly all of it is not looked at."""
     turns = [2 * math.pi * k / 1000 for k in range(1000)]

@@ -149,3 +149,22 @@ def test_what_is_called_as_a_shipped_file_is_the_projects_own(tmp_path: Path) ->
     status, out, err = run_command("trace", "--gate", "--verbose", "--project", str(tmp_path))
     assert status == 1
     assert "the rule `hidden` has no test" in out + err
+
+
+@pytest.mark.parametrize(("read", "held"), [("b_rear", ["b_rear <= b_front"]), ("response", [])])
+def test_a_shipped_constraint_is_held_where_a_claimed_rule_reads_what_it_restricts(
+    read: str, held: list[str]
+) -> None:
+    from trackmarshal.cli.evidence import spec_parts
+    from trackmarshal.records import SpecItem
+
+    compiled = compile_paths([REPOSITORY / "specs" / "supervisor"])
+    (file,) = {constraint.span.file.path for constraint in compiled.spec.constraints}
+    item = SpecItem(
+        "rule", "mine", "title", (), (), "f", 1, 1, "0", inputs={f"param supervisor.collision.{read}": "x"}
+    )
+    found = [part.name for part in spec_parts(compiled.spec, [item], {file}) if part.kind == "constraint"]
+    assert found == held
+    assert [part.name for part in spec_parts(compiled.spec, [item]) if part.kind == "constraint"] == [
+        "b_rear <= b_front"
+    ]
