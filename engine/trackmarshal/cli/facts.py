@@ -59,8 +59,9 @@ def facts(root: Path, folders: Iterable[str], files: Iterable[str], make: Callab
         return known
     with _opened(root) as opened:
         made = make()
-    if path is not None:
-        _keep(path, root, below_, sorted(opened.union(files)), made)
+    # What was written while it was read may be of before or of after: nobody knows which, so it is not kept.
+    if path is not None and all(_about(os.path.join(root, name)) == was for name, was in opened.items()):
+        _keep(path, root, below_, sorted({*opened, *files}), made)
     return made
 
 
@@ -89,9 +90,10 @@ def _hook() -> None:
 
 
 @contextmanager
-def _opened(root: Path) -> Iterator[set[str]]:
-    """The files below a project's folder that are opened meanwhile, by their paths from it, without those of Python and of the cache."""
-    found: set[str] = set()
+def _opened(root: Path) -> Iterator[dict[str, tuple[int, ...]]]:
+    """The files below a project's folder that are opened meanwhile, by their paths from it, and what each was like then; without those of Python
+    and of the cache."""
+    found: dict[str, tuple[int, ...]] = {}
     inside, apart = (
         os.path.join(os.path.realpath(root), ""),
         os.path.join(os.path.realpath(cache_folder() or os.devnull), ""),
@@ -103,7 +105,7 @@ def _opened(root: Path) -> Iterator[set[str]]:
             and not path.startswith(apart)
             and not path.endswith((".py", ".pyc", ".so"))
         ):
-            found.add(path.removeprefix(inside))
+            found.setdefault(path.removeprefix(inside), _about(path))
 
     _hook()
     _LISTENING.append(tell)
@@ -111,6 +113,15 @@ def _opened(root: Path) -> Iterator[set[str]]:
         yield found
     finally:
         _LISTENING.remove(tell)
+
+
+def _about(path: str) -> tuple[int, ...]:
+    """What is different of a file that was written, or is another one; nothing of one that is not there."""
+    try:
+        said = os.stat(path)
+    except OSError:
+        return ()
+    return said.st_ino, said.st_size, said.st_mtime_ns, said.st_ctime_ns
 
 
 def _state(root: Path, folders: list[str], files: list[str]) -> str:
