@@ -342,3 +342,24 @@ def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
         exchange.export(shipped(), "reqif", "P", NOW)
     assert refused.value.code == "T359"
     assert "trackmarshal[exchange]" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"review": "a", "review": "b"}',
+        '{"review": 1}',
+        '{"review": {"a": "b"}}',
+        "[]",
+        '[["review", "a"]]',
+        "1",
+        "{",
+        "",
+    ],
+)
+def test_names_with_texts_that_are_none_stay_what_they_are(text: str) -> None:
+    """Nothing is dropped on the way: what has no meaning as names with texts is refused as a text."""
+    from trackmarshal.trace.exchange.content import _shaped
+
+    assert _shaped("not_verified_by", text) == text
+    assert _shaped("not_verified_by", '{"review": "a", "test": ""}') == {"review": "a", "test": ""}

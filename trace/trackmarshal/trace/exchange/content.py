@@ -146,11 +146,12 @@ def _says(value: Value) -> bool:
 def _shaped(name: str, value: Value) -> Value | dict[str, str]:
     if name in PAIRS and isinstance(value, str):
         try:
-            pairs = json.loads(value)
-        except (ValueError, RecursionError):
+            pairs = json.loads(value, object_pairs_hook=list)
+            made = dict(pairs)
+        except (ValueError, TypeError, RecursionError):
             return value  # which is refused as what it is
-        fits = isinstance(pairs, dict) and all(isinstance(text, str) for text in pairs.values())
-        return pairs if fits else value
+        fits = len(made) == len(pairs) and value.lstrip().startswith("{")  # no name twice
+        return made if fits and all(isinstance(text, str) for text in made.values()) else value
     if name in LISTS and isinstance(value, str):
         return [entry.strip() for entry in re.split(r"[;\n]", value) if entry.strip()]
     return value if name in LISTS or isinstance(value, str) else BETWEEN.join(value)
