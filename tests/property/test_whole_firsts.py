@@ -6,13 +6,17 @@ import math
 from typing import Any
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from property.test_over_run import EXAMPLES
 from property.test_whole_run import same
 from trackmarshal.backends.numpy.whole.elements import elements
-from trackmarshal.backends.numpy.whole.firsts import STAYS, Firsts
+from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
+from trackmarshal.backends.numpy.whole.outcomes import worst
+from trackmarshal.backends.over_run.outcome import RANK
+from trackmarshal.runtime.verdict import VERDICTS
 
 #: Surely, not, perhaps.
 TRUTH = {True: (True, True), False: (False, False), None: (False, True)}
@@ -28,7 +32,7 @@ def test_as_defined(cycles: list[Any], lower: int, length: int) -> None:
     windows = own.ahead(10 * lower, 10 * (lower + length))
     places = range(len(own)) if own.cycles is None else own.cycles.tolist()
     held, goal = ({at: cycle[i] for at, cycle in zip(places, cycles)} for i in (2, 3))
-    number = {at: float(place) for place, at in enumerate(places)}
+    number = {at: place for place, at in enumerate(places)}
     sides = [
         tuple(np.array([TRUTH[of.get(at)][best] for at in range(len(own))]) for best in (0, 1))
         for of in (held, goal)
@@ -36,23 +40,28 @@ def test_as_defined(cycles: list[Any], lower: int, length: int) -> None:
     inside = [list(range(windows.start[at], windows.stop[at])) if windows.stop[at] else [] for at in places]
 
     found = Firsts(windows, own)
-    assert found.place(sides[0][0]).tolist() == [
-        min((number[j] for j in window if held.get(j) is True), default=math.inf) for window in inside
+    first, nowhere = found.decided(*sides[0])
+    assert first.tolist() == [
+        min((number[j] for j in window if held.get(j) is True), default=NEVER) for window in inside
     ]
-    assert found.none(sides[0][1]).tolist() == [
-        all(held.get(j) is False for j in window) for window in inside
+    assert nowhere.tolist() == [all(held.get(j) is False for j in window) for window in inside]
+    # What is known of each cycle is asked for once.
+    surely = sides[0][0]
+    assert [each.tolist() for each in found.decided(surely, surely)] == [
+        first.tolist(),
+        [all(held.get(j) is not True for j in window) for window in inside],
     ]
     true, false = found.until((sides[0][0], sides[0][1]), (sides[1][0], sides[1][1]))
     for at, window, is_true, is_false in zip(places, inside, true.tolist(), false.tolist()):
         reached = [
             j for j in window if goal.get(j) is True and all(held.get(i) is True for i in range(at, j))
         ]
-        assert is_true == min((number[j] for j in reached), default=math.inf)
+        assert is_true == min((number[j] for j in reached), default=NEVER)
         broken = next((j for j in range(at, len(own)) if held.get(j, None) is False), None)
         end = windows.stop[at] if window else max(at, _end(windows, at))
         may = [j for j in window if goal.get(j) is not False and (broken is None or j <= broken)]
         if may:
-            assert is_false == math.inf
+            assert is_false == NEVER
         elif broken is not None and broken < end:
             assert is_false == number[broken]
         else:
@@ -62,6 +71,63 @@ def test_as_defined(cycles: list[Any], lower: int, length: int) -> None:
 def _end(windows: Any, at: int) -> int:
     """The end of an empty window: what has to hold has to hold until there."""
     return min(at + windows.end, windows.n) if isinstance(windows.end, int) else int(windows.end[at])
+
+
+#: A place, a verdict, and a margin.
+_SAID = st.tuples(st.integers(0, 3), st.sampled_from(RANK), st.floats(-9, 9).map(lambda x: x + 0.0))
+
+
+@given(st.lists(_SAID, max_size=40), st.lists(_SAID, min_size=4, max_size=4), st.booleans())
+@settings(max_examples=20 * EXAMPLES, deadline=None)
+def test_the_worst_of_what_is_said(said: list[Any], own: list[Any], in_order: bool) -> None:
+    def margin(verdict: str, size: float) -> float:
+        return {"undefined": math.nan, "open": math.nan, "inactive": math.inf}.get(verdict, size)
+
+    said = sorted(said, key=lambda one: one[0]) if in_order else said
+    wanted = []
+    for place in range(4):
+        each = [(one[1], margin(*one[1:])) for one in (own[place], *(one for one in said if one[0] == place))]
+        bad = min((name for name, _ in each), key=RANK.index)
+        wanted.append((bad, repr(min(size for name, size in each if name == bad))))
+    codes, margins = worst(
+        (_codes(own), np.array([margin(*one[1:]) for one in own])),
+        np.array([one[0] for one in said], dtype=np.intp),
+        _codes(said),
+        np.array([margin(*one[1:]) for one in said]),
+    )
+    assert [(VERDICTS[code], repr(size)) for code, size in zip(codes, margins.tolist())] == wanted
+
+
+def _codes(said: list[Any]) -> Any:
+    return np.array([VERDICTS.index(one[1]) for one in said], dtype=np.uint8)
+
+
+@pytest.mark.parametrize("cuts", [[], [1] * 40, [7, 16]])
+@pytest.mark.parametrize(
+    "formula",
+    [
+        "ego.w > -1 m/s until[0.2 s, 0.5 s] ego.v > 1 m/s",
+        "ego.w > -2 m/s until[0.3 s, 0.6 s] ego.v > -1 m/s",
+        "not (ego.w > -1 m/s until[0 s, 0.4 s] ego.v > 1 m/s)",
+        "ego.v / ego.w < 4 until[0.1 s, 0.3 s] ego.v > 1 m/s",
+        "ego.w > -1 m/s until[0 s, 0.3 s] ego.v / ego.w > 4",
+        "(always[0 s, 0.2 s] ego.v / ego.w < 9) or (eventually[0.1 s, 0.7 s] ego.v > 1 m/s)",
+        "(eventually[0 s, 0.1 s] ego.v / ego.w > 9) and (always[0.1 s, 0.7 s] ego.v > -2 m/s)",
+        "(always[0.2 s, 0.4 s] ego.v > -1 m/s) xor (eventually[0 s, 0.3 s] ego.w > 1 m/s)",
+        "whenever eventually[0 s, 0 s] ego.v > 0 m/s then next ego.w > 0 m/s",
+    ],
+)
+def test_numbers_that_are_all_different(formula: str, cuts: list[int]) -> None:
+    """Of each window another cycle decides, by its own margin; where `ego.w` is 0, nothing is known."""
+    numbers = np.random.default_rng(7).normal(size=(40, 2)).round(3)
+    numbers[::6, 1] = 0.0
+    cycles: list[dict[str, Any] | None] = [
+        {"id": i, "t": i / 10, "signals": {"ego": {"v": v, "w": w, "on": True}}}
+        for i, (v, w) in enumerate(numbers.tolist())
+    ]
+    cycles[13] = cycles[29] = None
+    whenever, _, demand = formula.rpartition(" then ")
+    same(f'{_MODULE}rule f "" {whenever} require {demand}\n', cycles, cuts)
 
 
 def test_an_operator_that_another_one_decides_earlier() -> None:

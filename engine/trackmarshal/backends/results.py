@@ -28,6 +28,9 @@ class CaseValues(Values, Protocol):
 
     def along(self, node: ir.Formula, axis: ir.Axis, env: dict[int, int]) -> Sequence[Truth]: ...
 
+    def recalled(self, node: ir.Formula, env: dict[int, int], kept: Mapping[ir.Kept, float]) -> Truth:
+        """The value of a formula about numbers that state machines keep, with those given."""
+
     def geometry_fault(self, formula: ir.Formula) -> str | None: ...
 
 

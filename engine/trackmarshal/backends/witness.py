@@ -165,7 +165,7 @@ class Descent:
         unit = node.unit if isinstance(node, ir.Compare) else "1" if isinstance(node, ir.Flag) else "m"
         shown = node.shown if isinstance(node, ir.Compare) else ""
         margin = self._truth(node, env).margin
-        return Witness(binders, margin, unit, node.span, shown, _places(node, env))
+        return Witness(binders, margin, unit, node.span, shown, _places(node, env), (node, env))
 
     def _pick(self, node: ir.Connective, env: Env, extreme: Extreme) -> tuple[ir.Formula, Env] | None:
         """The side with the verdict of the whole and the deciding margin; of equal ones the first that is about an input."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -36,6 +36,8 @@ class Batch:
         self.cases = cases
         self.size = len(cases)
         self.rank = rank
+        #: What is taken for the numbers that state machines keep.
+        self.remembered: Mapping[ir.Kept, float] = {}
         self._tables = tables
         self._own: dict[str, list[Columns]] = {}
         self._runs: dict[str, list[Floats] | None] = {}
@@ -70,6 +72,10 @@ class Batch:
         if not self.overridden:
             return np.float64(own)
         return self.numbers([case.settings.params.get(name, own) for case in self.cases])
+
+    def kept(self, node: ir.Kept) -> Any:
+        """A number that a state machine keeps, which one cycle does not say: as it was given."""
+        return np.array(self.remembered[node])
 
     def sample(self, signal: str, field: str, index: int) -> Any:
         """A field of one sample of every case's timeline."""

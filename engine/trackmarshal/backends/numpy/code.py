@@ -73,7 +73,7 @@ class Code:
 
     def __init__(self, formulas: Sequence[ir.Formula], ranges: Sequence[ir.Formula]) -> None:
         """Of the `ranges`, other than of the `formulas`, only whether they hold is asked."""
-        every = _ordered([*formulas, *ranges])
+        every = ordered([*formulas, *ranges])
         #: Of nodes that are computed alike, the one that is.
         self._same = representatives(every)
         nodes = list(dict.fromkeys(self._same.values()))
@@ -246,7 +246,7 @@ class Code:
             case ir.StretchRoom():
                 return f"stretch_room(b, {self._hold(node.line)}, {', '.join(at)})"
             case ir.Kept():
-                raise AssertionError("one cycle does not say what a state machine keeps")
+                return f"b.kept({self._hold(node)})"
             case ir.Ordinal():
                 return f"ordinal(b, {self._hold(node.axis)})"
             case ir.Fold():
@@ -483,7 +483,7 @@ def _weighed(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
     return found
 
 
-def _ordered(roots: Iterable[ir.Formula]) -> list[ir.Num | ir.Formula]:
+def ordered(roots: Iterable[ir.Num | ir.Formula]) -> list[ir.Num | ir.Formula]:
     """All nodes below roots, children first; iterative, so depth is no limit."""
     done: dict[ir.Num | ir.Formula, None] = {}
     stack: list[tuple[ir.Num | ir.Formula, bool]] = [(root, False) for root in reversed(list(roots))]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from typing import Any
 
@@ -56,6 +56,7 @@ class NumpyProgram(Stateless):
         )
         self.possible = _Cases([_side(place, 1) for place in of_rules])
         self._tables = Tables(spec)
+        self._recalling: dict[ir.Formula, NumpyProgram] = {}
         with np.errstate(all="ignore"):
             # numpy takes arrays without axes faster than numbers.
             self._left = tuple(map(_without_axes, self._fixed(self._batch(()))))
@@ -76,6 +77,13 @@ class NumpyProgram(Stateless):
         with np.errstate(all="ignore"):
             left = self._fixed(batch) if batch.overridden else self._left
             return Run(self, batch, self._varying(batch, left))
+
+    def recalling(self, node: ir.Formula) -> NumpyProgram:
+        """The program of one formula about numbers that state machines keep."""
+        made = self._recalling.get(node)
+        if made is None:
+            made = self._recalling[node] = NumpyProgram(self.spec, [], [node])
+        return made
 
     @property
     def tables(self) -> Tables:
@@ -132,6 +140,10 @@ def _of_cases(array: Any, size: int) -> Any:
     return array if array.size == size else np.repeat(array, size)
 
 
+#: For so many of the numbers that state machines keep a formula is worked out for all cases of a batch; after that, they are hardly the same twice.
+_ALIKE = 4
+
+
 class Run:
     """The values of a program for one batch."""
 
@@ -141,6 +153,7 @@ class Run:
         self._values = values
         self._made: dict[ir.IR, Value] = {}
         self._closed: dict[ir.IR, tuple[list[Any], ...]] = {}
+        self._recalled: dict[ir.IR, dict[tuple[str, ...], Run]] = {}
 
     def of(self, node: ir.Formula) -> Value:
         """The value of a formula."""
@@ -150,6 +163,23 @@ class Run:
             worst, best, *sats = (self._values[place] for place in at)
             made = self._made[node] = value(worst, best, says, *sats)
         return made
+
+    def recalled(self, node: ir.Formula, kept: Mapping[ir.Kept, float], index: int) -> CaseView:
+        """One case, for a formula about numbers that state machines keep, with those given. Mostly cases have the same ones, so it is worked out for
+        many at once."""
+        known = self._recalled.setdefault(node, {})
+        key = tuple(value.hex() for value in kept.values())  # NaN is no key
+        if key not in known and len(known) >= _ALIKE:
+            return CaseView(self._recalling(node, kept, [self.batch.cases[index]]), 0)
+        if key not in known:
+            known[key] = self._recalling(node, kept, self.batch.cases)
+        return CaseView(known[key], index)
+
+    def _recalling(self, node: ir.Formula, kept: Mapping[ir.Kept, float], cases: Sequence[Frame]) -> Run:
+        program = self.program.recalling(node)
+        batch = program._batch(cases)
+        batch.remembered = kept
+        return program.run_on(batch)
 
     def closed(self, node: ir.Formula) -> tuple[list[Any], ...]:
         """A formula without free variables in every case: worst sat, worst margin, best sat, best margin."""

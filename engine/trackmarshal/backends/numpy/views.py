@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.numpy import places
@@ -36,6 +37,9 @@ class CaseView:
         value = self._of(node)
         bound = self._bound(value.worst, env)
         return Truth(bound, bound if value.best is value.worst else self._bound(value.best, env))
+
+    def recalled(self, node: ir.Formula, env: dict[int, int], kept: Mapping[ir.Kept, float]) -> Truth:
+        return self._run.recalled(node, kept, self._index).truth(node, env)
 
     def _of(self, node: ir.Formula) -> Value:
         """The value of a formula, also where the run has only done what its verdict takes."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, NamedTuple, assert_never
 
 from trackmarshal.backends.over_run.counts import Range, compared
@@ -229,14 +230,19 @@ class Present:
     now: Now
     #: Of sets whose elements are known again after an absence: who will be, and what happens in this cycle.
     lives: Mapping[str, tuple[Lives, Arrivals]]
+    #: After the same past, what `now` is like.
+    like: Present | None = None
     _known: dict[tuple[ir.Formula, Key], Truth] = field(default_factory=dict)
     _machines: dict[tuple[ir.Machine, Key], Possible] = field(default_factory=dict)
 
     def leaf(self, node: ir.Formula, key: Key) -> Truth:
         """The value of a formula for elements of the sets that its variables are of."""
+        if parts_of(node) is None:
+            return self.now.leaf(node, key)
         known = self._known.get((node, key))
         if known is None:
-            known = self._known[node, key] = self._value(node, key)
+            like = self.like if self.now.shares(node) else None
+            known = self._known[node, key] = self._value(node, key) if like is None else like.leaf(node, key)
         return known
 
     def over(self, holder: Holder, key: Key) -> bool:
@@ -266,6 +272,8 @@ class Present:
     def possible(self, machine: ir.Machine, key: Key) -> Possible:
         """The states that a machine may be in after this cycle."""
         known = self._machines.get((machine, key))
+        if known is None and self.like is not None and self.now.shares(machine):
+            known = self._machines[machine, key] = self.like.possible(machine, key)
         if known is None and self.without(machine, key):
             known = self._machines[machine, key] = unknown(machine)
         if known is None:
@@ -293,8 +301,6 @@ class Present:
         return self.leaf(node, _named(node, ids))
 
     def _value(self, node: ir.Formula, key: Key) -> Truth:
-        if parts_of(node) is None:
-            return self.now.leaf(node, key)
         if recalls_of(node):
             return self._recalled(node, key)
         ids = _ids(node, key)
@@ -351,9 +357,15 @@ class Present:
         return Truth(worst, best)
 
 
+@cache
+def _levels(node: ir.Formula | ir.Num | ir.Machine) -> tuple[int, ...]:
+    """Of the variables of sets that are free in a node, in the order of keys."""
+    return tuple(axis.level for axis in sets_of(node))
+
+
 def _named(node: ir.Formula | ir.Num | ir.Machine, ids: Ids) -> Key:
-    return tuple(ids[axis.level] for axis in sets_of(node))
+    return tuple(map(ids.__getitem__, _levels(node)))
 
 
 def _ids(node: ir.Formula | ir.Machine, key: Key) -> dict[int, str]:
-    return {axis.level: name for axis, name in zip(sets_of(node), key)}
+    return dict(zip(_levels(node), key))

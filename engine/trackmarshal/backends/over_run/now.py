@@ -26,6 +26,11 @@ _reads = lru_cache(maxsize=4096)(reads)
 _sets = lru_cache(maxsize=4096)(sets)
 
 
+@lru_cache(maxsize=4096)
+def _signals(node: ir.Formula | ir.Machine) -> frozenset[str]:
+    return frozenset(signal for signal, _ in reads(node))
+
+
 @dataclass(slots=True)
 class Now:
     """One cycle. t: its stamp [ns]; name: what it is called; ids: which elements of each set are there, by signal."""
@@ -35,6 +40,9 @@ class Now:
     ids: Mapping[str, tuple[str, ...]]
     frame: Frame
     values: CaseValues
+    #: The same cycle as another candidate's rules see it, and the signals that are not the same there; of the others, what is found out once holds for both.
+    like: Now | None = None
+    differs: frozenset[str] = frozenset()
     _known: dict[tuple[ir.Formula, tuple[str, ...]], Truth] = field(default_factory=dict)
     #: By what state machines keep: what a reference has found out of a cycle, it knows for all elements.
     _references: dict[tuple[tuple[ir.Kept, str], ...], Reference] = field(default_factory=dict)
@@ -48,8 +56,13 @@ class Now:
         key = node, ids
         known = self._known.get(key)
         if known is None:
-            known = self._known[key] = self._leaf(node, ids)
+            like = self.like if self.shares(node) else None
+            known = self._known[key] = self._leaf(node, ids) if like is None else like.leaf(node, ids)
         return known
+
+    def shares(self, node: ir.Formula | ir.Machine) -> bool:
+        """Whether what something comes to after the same past is the same for `like`."""
+        return self.like is not None and not self.differs & _signals(node)
 
     def measured(self, node: ir.Num, ids: tuple[str, ...]) -> float:
         """A number of this cycle, for elements of the sets that its variables are of; NaN where it has none."""
@@ -61,7 +74,7 @@ class Now:
         """The value of a formula about this cycle, and about numbers that state machines keep."""
         if self.frame.unusable(_reads(node)) is not None:
             return UNDEFINED
-        return self.reference(kept).truth(node, self.env(node, ids))
+        return self.values.recalled(node, self.env(node, ids), kept)
 
     def reference(self, kept: Mapping[ir.Kept, float]) -> Reference:
         """The values of this cycle's nodes, given the numbers that state machines keep."""
@@ -90,8 +103,30 @@ class Now:
         return self.values.truth(node, self.env(node, ids))
 
 
-def happening(frame: Frame, values: CaseValues) -> Now:
-    """A frame with a stamp, as it happens."""
+def happening(frame: Frame, values: CaseValues, like: Now | None = None) -> Now:
+    """A frame with a stamp, as it happens; like: what may be the same cycle."""
     assert frame.t is not None, "a cycle of a run has a stamp"
     ids = {name: columns.ids for name, columns in frame.columns.items()}
-    return Now(nanoseconds(frame.t), frame.number, ids, frame, values)
+    differs = None if like is None else differing(frame, like.frame)
+    if differs is None:
+        return Now(nanoseconds(frame.t), frame.number, ids, frame, values)
+    return Now(nanoseconds(frame.t), frame.number, ids, frame, values, like, differs)
+
+
+def differing(frame: Frame, other: Frame) -> frozenset[str] | None:
+    """The signals by which two frames differ, or that have faults; None where they may be frames of two cycles."""
+    same = (
+        frame.t == other.t and frame.number == other.number and frame.settings is other.settings and frame.lines is other.lines
+        and frame.closed is other.closed and frame.lanes is other.lanes
+        and frame.orders is other.orders and frame.straight == other.straight
+    )  # fmt: skip
+    if not same:
+        return None
+    columns, events = frame.columns, frame.events
+    return frozenset(
+        [name for name, one in columns.items() if other.columns.get(name) is not one]
+        + [name for name in other.columns if name not in columns]
+        + [name for name, code in events.items() if other.events.get(name) != code]
+        + [name for name in other.events if name not in events]
+        + [fault.signal for each in (frame, other) for fault in each.faults]
+    )

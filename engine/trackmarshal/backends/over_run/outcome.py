@@ -56,6 +56,12 @@ def about(name: object, formula: Known, active: Known) -> About:
     return About(name, verdict, margin, final)
 
 
+def at_once(name: object, formula: Truth, active: Truth) -> Outcome:
+    """What a rule says in a cycle that is settled in its own cycle: nothing about earlier ones, and nothing stays open."""
+    said = about(name, Known(formula, True), Known(active, True))
+    return Outcome(said.verdict, said.margin, (said,), ())
+
+
 def outcome(
     rule: RuleInfo, pending: Sequence[Pending], now: Pending, value: Callable[[RuleInfo, int], tuple[Known, Known]]
 ) -> Outcome:  # fmt: skip

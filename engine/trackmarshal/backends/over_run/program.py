@@ -11,12 +11,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from trackmarshal.backends.over_run.lives import Without, no_place
-from trackmarshal.backends.over_run.now import Now, happening
+from trackmarshal.backends.over_run.now import Now, differing, happening
 from trackmarshal.backends.over_run.outcome import Outcome
 from trackmarshal.backends.results import Outcomes, Stateless
 from trackmarshal.ir.margins import own_unit
 from trackmarshal.ir.overrun import leaves, over_run
+from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.course import Courses, Lived
 from trackmarshal.runtime.cycle import DRIVING
 from trackmarshal.runtime.driven import as_driven, drives_on, in_doubt
@@ -29,8 +31,17 @@ if TYPE_CHECKING:
     from trackmarshal.runtime.decision import Decision
 
 
+#: What depends on the candidate that is rated, or driven.
+_OF_CANDIDATES = frozenset((PLAN, FOLLOWED, IS_EMERGENCY))
+
+
 class Engine(Protocol):
-    """What rules over the run come to, cycle by cycle. A state is a value: a step gives another one, and leaves it as it is."""
+    """What rules over the run come to, cycle by cycle. A state is a value: a step gives another one, and leaves it as it is.
+
+    shares: what is found out of a cycle for one candidate is taken for another one, of signals that are the same.
+    """
+
+    shares: bool
 
     def start(self) -> Any:
         """Before the first cycle."""
@@ -87,13 +98,15 @@ class Remembering:
         self.spec = spec
         self.rules: Sequence[RuleInfo] = [rule for rule in rules if rule.formula is not None]
         self._over = [rule for rule in self.rules if _over(rule)]
+        self._advisory = advisory(self.rules)
         self._courses = Courses(self.rules)
         formulas = [
             formula for rule in self._over for formula in (rule.formula, rule.active) if formula is not None
         ]
         found = tuple(dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula)))
         self.inner = program(spec, [rule for rule in self.rules if not _over(rule)], found)
-        self._of_leaves = partial(program, spec, [], found)
+        self._all_leaves = found
+        self._of_leaves = partial(program, spec, [])
         self._engine = engine(self._over)
         #: Of each rule its place among those over the run, or among the others.
         self._places = _places(self.rules)
@@ -121,8 +134,10 @@ class Remembering:
                 [[(n, self._courses.joined(memory.courses, one)) for n, one in frame.seen()]]
             )
         rated = {}
+        first: Now | None = None
         for name, one, outcomes in seen:
-            now = happening(one, outcomes.values())
+            now = happening(one, outcomes.values(), first if self._engine.shares else None)
+            first = first or now
             rated[name] = self._rated(memory.state, now, outcomes)
             if name == DRIVING:
                 self._last = frame, now
@@ -153,17 +168,34 @@ class Remembering:
             now = self._last[1]  # what is driven was judged as it is
         else:
             driven = self._courses.joined(memory.courses, as_driven(frame, decision))
-            (outcome,) = self._leaves.outcomes([driven])
-            now = happening(driven, outcome.values())
+            now = self._driven(frame, driven)
         self._last = None
         return Remembered(
             self._engine.commit(memory.state, now), self._courses.commit(memory.courses, now.frame)
         )
 
+    def _driven(self, frame: Frame, driven: Frame) -> Now:
+        """A frame as it was driven, instead of how it was judged: no rule has a verdict of that, and but for the plan it is the same."""
+        if self._engine.shares and self._last is not None and self._last[0] is frame:
+            like = self._last[1]
+            differs = differing(driven, like.frame)
+            if differs is not None and differs <= _OF_CANDIDATES:
+                (outcome,) = self._changing.outcomes([driven])
+                return happening(driven, outcome.values(), like)
+        (outcome,) = self._leaves.outcomes([driven])
+        return happening(driven, outcome.values())
+
     @cached_property
     def _leaves(self) -> Stateless:
-        """The leaves alone: of what is driven instead of what was judged, no rule has a verdict."""
-        return self._of_leaves()
+        """The leaves alone."""
+        return self._of_leaves(self._all_leaves)
+
+    @cached_property
+    def _changing(self) -> Stateless:
+        """The leaves that are not the same for all candidates."""
+        return self._of_leaves(
+            [leaf for leaf in self._all_leaves if any(signal in _OF_CANDIDATES for signal, _ in reads(leaf))]
+        )
 
     def missed(self, memory: Memory) -> Memory:
         assert isinstance(memory, Remembered)
@@ -214,7 +246,7 @@ class Remembering:
                 else plain.explain(place, series)
             )
 
-        return Rated(bytes(verdicts), margins, explain, advisory(self.rules))
+        return Rated(bytes(verdicts), margins, explain, self._advisory)
 
 
 def remembers(rule: RuleInfo) -> bool:

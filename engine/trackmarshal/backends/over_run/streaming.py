@@ -19,7 +19,7 @@ from trackmarshal.backends.over_run.history import (
 )
 from trackmarshal.backends.over_run.lives import Without
 from trackmarshal.backends.over_run.now import Now
-from trackmarshal.backends.over_run.outcome import ALWAYS, Known, Outcome, Pending, outcome
+from trackmarshal.backends.over_run.outcome import Outcome, Pending, at_once, outcome
 from trackmarshal.backends.over_run.saving import (
     Cycles,
     LookedUp,
@@ -33,6 +33,7 @@ from trackmarshal.backends.over_run.saving import (
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import back, leaves
 from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.runtime.kleene import TRUE
 from trackmarshal.runtime.saving import Piece, Pieces
 from trackmarshal.runtime.verdict import About, Truth
 
@@ -54,6 +55,8 @@ class _Kept:
 
 class Streaming:
     """An `Engine` that keeps what it needs. A state can be used once: whatever follows it takes its memory over."""
+
+    shares = True
 
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._rules = rules
@@ -92,7 +95,7 @@ class Streaming:
         return _Kept(Cells(self._nodes), [], 0, 0, [() for _ in self._rules], {})
 
     def judge(self, state: _Kept, now: Now) -> list[Outcome]:
-        present = self._fresh(state).cells.at(now)
+        present = self._at(self._fresh(state), now)
         self._judged = *self._judged[-1:], (state, present)
         return self._outcomes(state, [*state.cycles, self._past(state, now, present)], present)
 
@@ -110,20 +113,32 @@ class Streaming:
             for ids in now.combinations(sets_of(leaf))
         }
         cycles = [*state.cycles, self._to_keep(state, now, known)] if self._leaves else []
-        found = self._outcomes(state, cycles, present)
+        history = History(cycles, False, parts_ahead, state.earlier)
+        pending = [
+            self._open(rule, state, each, Pending(len(cycles) - 1, now.name, False), history).pending
+            if open_
+            else ()
+            for rule, open_, each in zip(self._rules, self._ahead, state.pending)
+        ]
         state.cells.remember(now, present)
         state.taken = True
-        pending = [one.pending for one in found]
-        history = History(cycles, False, parts_ahead, state.earlier)
         old = self._too_old(cycles, state.dropped, pending, history)
         earlier = history.folded(self._unbounded, old)
         return _Kept(state.cells, cycles[old:], state.dropped + old, 0, pending, earlier)
 
     def _present(self, state: _Kept, now: Now) -> Present:
         """A cycle after what is remembered; one that was judged has its values already."""
-        known, self._judged = self._judged, ()
-        found = [present for kept, present in known if kept is state and present.now is now]
-        return found[0] if found else state.cells.at(now)
+        found = [present for kept, present in self._judged if kept is state and present.now is now]
+        present = found[0] if found else self._at(state, now)
+        self._judged = ()
+        return present
+
+    def _at(self, state: _Kept, now: Now) -> Present:
+        """A cycle after what is remembered, with what was found out about one that is like it."""
+        present = state.cells.at(now)
+        like = [one for kept, one in self._judged if kept is state and one.now is now.like]
+        present.like = like[0] if like else None
+        return present
 
     def missed(self, state: _Kept) -> _Kept:
         self._fresh(state).taken = True
@@ -141,25 +156,25 @@ class Streaming:
 
     def _outcomes(self, state: _Kept, cycles: list[Past], present: Present) -> list[Outcome]:
         history = History(cycles, False, parts_ahead, state.earlier)
-        ahead, place = values_of(history), len(cycles) - 1
-        now = Pending(place, present.now.name, False)
-
-        def settled(rule: RuleInfo, _: int) -> tuple[Known, Known]:
-            assert rule.formula is not None
-            active = ALWAYS if rule.active is None else Known(present.leaf(rule.active, ()), True)
-            return Known(present.leaf(rule.formula, ()), True), active
-
-        found = []
+        now, found = Pending(len(cycles) - 1, present.now.name, False), []
         for rule, open_, pending in zip(self._rules, self._ahead, state.pending):
-            one = outcome(
-                rule, [_placed(p, -state.dropped) for p in pending], now, ahead if open_ else settled
-            )
-            found.append(
-                Outcome(
-                    one.verdict, one.margin, one.about, tuple(_placed(p, state.dropped) for p in one.pending)
-                )
-            )
+            assert rule.formula is not None
+            if open_:
+                found.append(self._open(rule, state, pending, now, history))
+            else:
+                active = TRUE if rule.active is None else present.leaf(rule.active, ())
+                found.append(at_once(now.name, present.leaf(rule.formula, ()), active))
         return found
+
+    def _open(
+        self, rule: RuleInfo, state: _Kept, pending: Sequence[Pending], now: Pending, history: History
+    ) -> Outcome:
+        """What a rule says in a cycle that looks ahead: of the cycles that are open, too."""
+        placed = [_placed(one, -state.dropped) for one in pending]
+        one = outcome(rule, placed, now, values_of(history))
+        return Outcome(
+            one.verdict, one.margin, one.about, tuple(_placed(p, state.dropped) for p in one.pending)
+        )
 
     @cached_property
     def described(self) -> str:

@@ -38,7 +38,7 @@ from trackmarshal.runtime.verdict import Bound, Truth
 #: The index of the variable of each axis that is bound, by the axis's level.
 Env = dict[int, int]
 #: Numbers that are as quickly read again as looked up.
-_READ_AT_ONCE = (ir.Const, ir.Param, ir.Column, ir.Sample, ir.Scalar)
+_READ_AT_ONCE = (ir.Param, ir.Column, ir.Sample, ir.Scalar)
 
 
 #: What `levels` found, as long as a node is there.
@@ -67,24 +67,28 @@ class Reference:
         self._truths: dict[tuple[int, tuple[tuple[int, int], ...]], Truth] = {}
         self._series: dict[tuple[int, tuple[tuple[int, int], ...]], list[Truth]] = {}
         self._lines: dict[int, geometry.Line] = {}
-        self._numbers: dict[tuple[int | None, ...], float] = {}
-        self._levels: dict[int, frozenset[int]] = {}
+        #: Of numbers, by node: the levels that they read, and what they were for what stood there.
+        self._numbers: dict[int, tuple[tuple[int, ...], dict[object, float]]] = {}
+        self._recalling: dict[tuple[tuple[ir.Kept, str], ...], Reference] = {}
 
     # Numbers --------------------------------------------------------------------------------------------------
 
     def number(self, node: ir.Num, env: Env) -> float:
         """The number that a node stands for; NaN where it has none."""
+        if isinstance(node, ir.Const):
+            return node.value
         if type(node) in _READ_AT_ONCE:
             return self._number(node, env)
-        read = self._levels.get(id(node))
-        if read is None:
-            read = self._levels[id(node)] = levels(node)
+        known = self._numbers.get(id(node))
+        if known is None:
+            known = self._numbers[id(node)] = (tuple(levels(node)), {})
+        read, values = known
         if len(env) <= len(read):  # every variable that is bound, mostly
             return self._number(node, env)
-        key = (id(node), *map(env.get, read))
-        value = self._numbers.get(key)
+        key: object = env.get(read[0]) if len(read) == 1 else tuple(map(env.get, read))
+        value = values.get(key)
         if value is None:
-            value = self._numbers[key] = self._number(node, env)
+            value = values[key] = self._number(node, env)
         return value
 
     def _number(self, node: ir.Num, env: Env) -> float:
@@ -246,10 +250,11 @@ class Reference:
             case ir.Quantify():
                 return self._quantify(node, env)
             case ir.Guarded():
-                guard, body = self.truth(node.guard, env), self.truth(node.body, env)
-                return Truth(
-                    body.worst if guard.best.sat else TRUE.worst, body.best if guard.worst.sat else TRUE.best
-                )
+                guard = self.truth(node.guard, env)
+                if not guard.best.sat:  # surely not in force, whatever it demands
+                    return TRUE
+                body = self.truth(node.body, env)
+                return Truth(body.worst, body.best if guard.worst.sat else TRUE.best)
             case ir.Temporal() | ir.Until() | ir.Shift():
                 return self.series(node, env)[env[node.axis.level]]
             case ir.Tallied():
@@ -321,12 +326,13 @@ class Reference:
         for index in range(self.count(node.axis)):
             inner = {**env, node.axis.level: index}
             guard = TRUE if node.guard is None else self.truth(node.guard, inner)
+            may_be, surely_is = guard.best.sat, guard.worst.sat
+            if not may_be:  # whatever it comes to
+                continue
             body = self.truth(node.body, inner)
             # In the worst case every element that may be in range counts against a `for all`, and only those
             # that surely are count for an `exists`; in the best case the other way round.
-            in_worst, in_best = guard.best.sat, guard.worst.sat
-            if not every:
-                in_worst, in_best = in_best, in_worst
+            in_worst, in_best = (may_be, surely_is) if every else (surely_is, may_be)
             worst = join(worst, body.worst) if in_worst else worst
             best = join(best, body.best) if in_best else best
         return Truth(worst, best)
@@ -391,6 +397,14 @@ class Reference:
     def _windows(self, node: ir.Temporal | ir.Until) -> list[range]:
         begin, end, lower, upper = measured(self.frame.columns[node.axis.signal], node.lower, node.upper)
         return temporal.windows(begin, lower, upper, node.past, end)
+
+    def recalled(self, node: ir.Formula, env: Env, kept: Mapping[ir.Kept, float]) -> Truth:
+        """The value of a formula about numbers that state machines keep, with those given: what is found out with some is known for all elements."""
+        key = tuple((one, value.hex()) for one, value in kept.items())  # NaN is no key
+        known = self._recalling.get(key)
+        if known is None:
+            known = self._recalling[key] = Reference(self.spec, self.frame, kept)
+        return known.truth(node, env)
 
     # What witnesses and results ask -------------------------------------------------------------------------
 

@@ -29,6 +29,8 @@ class Kept:
 class KeepingAll:
     """An `Engine` over histories."""
 
+    shares = False
+
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._rules = rules
         formulas = [

@@ -1,7 +1,7 @@
 """Formulas that look ahead, along the cycles of a run: when each is decided, and what it comes to in the cycle in which it is.
 
 When a formula is surely true, and when surely false, is reckoned as margins are: of a conjunction the later and the earlier of both, of a
-window the latest and the earliest of all. Times are places of cycles in a piece, never decreasing with what is still to come; infinite: not yet.
+window the latest and the earliest of all. Times are places of cycles in a piece, never before the cycle itself; NEVER: not yet.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trackmarshal.backends.numpy import temporal
 from trackmarshal.backends.numpy.logic import Value, negate
@@ -19,23 +18,22 @@ from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT, Carrie
 from trackmarshal.backends.numpy.temporal.windows import Windows, edge_at
 from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, edge_of
-from trackmarshal.backends.numpy.whole.firsts import STAYS, Firsts
+from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
 from trackmarshal.backends.numpy.whole.spans import Levels, Spans
 from trackmarshal.backends.numpy.whole.values import Pair, pairs
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.kleene import UNDEFINED
 
-Floats = NDArray[np.float64]
 #: The value of a formula that is settled in its own cycle, in all cycles of a piece.
 Settled = Callable[[ir.Formula], Value]
 
 
 @dataclass(eq=False)
 class Times:
-    """(cycles,) or (elements,) each: minus the place of the cycle in which a formula is surely true, and that of the one in which it is surely false."""
+    """(cycles,) or (elements,) each: the place of the cycle in which a formula is surely true, and that of the one in which it is surely false."""
 
-    true: Floats
-    false: Floats
+    true: Indices
+    false: Indices
 
 
 class Looking:
@@ -56,22 +54,22 @@ class Looking:
             parts,
         )
         self._count = len(stamps)
-        self._places = np.arange(self._count, dtype=np.float64)
+        self.places: Indices = np.arange(self._count)
         #: Where each cycle is among the elements.
-        self._at: Indices = np.arange(self._count) if elements.cycles is None else elements.cycles
+        self._at: Indices = self.places if elements.cycles is None else elements.cycles
         self._times: dict[ir.Formula, Times] = {}
         self._whole: dict[ir.Formula, Value] = {}
         self._spans: dict[tuple[ir.Formula, int, int], Spans] = {}
         self._spread: dict[ir.Formula, Value] = {}
-        self._closings: dict[ir.Formula, Floats] = {}
+        self._closings: dict[ir.Formula, Indices] = {}
 
     # When -----------------------------------------------------------------------------------------------------
 
-    def final(self, node: ir.Formula) -> Floats:
+    def final(self, node: ir.Formula) -> Indices:
         """(cycles,): in which cycle nothing to come can change a formula any more."""
         below = self._parts(node)
         if below is None:
-            return self._places
+            return self.places
         if isinstance(node, ir.OverRun):
             return self._closed(node)
         found = self.final(below[0])
@@ -88,7 +86,7 @@ class Looking:
 
     def _when(self, node: ir.Formula) -> Times:
         if self._parts(node) is None:
-            return _decided(self._settled(node), self._places)
+            return _decided(self._settled(node), self.places)
         match node:
             case ir.Not():
                 return _not(self.times(node.operand))
@@ -114,40 +112,54 @@ class Looking:
         closed = self._closed(node)
         if node.op == "next":
             of_each = self._of_elements(node.operands[0])
-            found = self._next(of_each.true, -np.inf), self._next(of_each.false, np.inf)
+            found = self._next(of_each.true), self._next(of_each.false)
             if self._ended:  # there is no cycle after the last one
-                found[0][-1:] = -closed[-1:] if node.weak else -np.inf
-                found[1][-1:] = np.inf if node.weak else closed[-1:]
+                found[0][-1:] = closed[-1:] if node.weak else NEVER
+                found[1][-1:] = NEVER if node.weak else closed[-1:]
             return Times(*found)
         firsts = Firsts(self._windows(node), self._elements)
         match node.op:
             case "eventually":
                 ((holds, _), (may, _)) = self._operand(node.operands[0])
-                return Times(-firsts.place(holds), np.where(firsts.none(may), closed, np.inf))
+                true, nowhere = firsts.decided(holds, may)
+                return Times(true, np.where(nowhere, closed, NEVER))
             case "always":
                 ((holds, _), (may, _)) = self._operand(node.operands[0])
-                return Times(np.where(firsts.none(~holds), -closed, -np.inf), firsts.place(~may))
+                fails = ~may
+                false, nowhere = firsts.decided(fails, fails if may is holds else ~holds)
+                return Times(np.where(nowhere, closed, NEVER), false)
             case "until":
                 held, goal = ((worst[0], best[0]) for worst, best in map(self._operand, node.operands))
                 true, false = firsts.until(held, goal)
-                return Times(-true, np.where(false == STAYS, closed, false))
+                return Times(true, np.where(false == STAYS, closed, false))
             case _:
                 raise AssertionError(f"`{node.op}` does not look ahead")
 
-    def _closed(self, node: ir.OverRun) -> Floats:
+    def _closed(self, node: ir.OverRun) -> Indices:
         """(cycles,): the cycle in which nothing comes into a window any more."""
         found = self._closings.get(node)
         if found is not None:
             return found
         if node.op == "next":
-            found = self._places + 1.0
+            found = self.places + 1
         else:
             assert node.upper is not None, "what looks ahead has a bound"
-            edge = edge_of(self._stamps, self._stamps + node.upper, "left")
-            found = edge_at(edge, 0, self._count, self._count).astype(np.float64)
+            found = self._first_after(node.upper)
         if not self._ended:
-            found[found >= self._count] = np.inf
+            found[found >= self._count] = NEVER
         self._closings[node] = found
+        return found
+
+    def _first_after(self, reach: int) -> Indices:
+        """(cycles,): the first cycle that is at least so many nanoseconds after each; as many as there are: none."""
+        stamps, count = self._stamps, self._count
+        until = stamps + reach
+        if self._elements.cycles is not None:
+            edge = edge_of(stamps, until, "left")
+            return edge_at(edge, 0, count, count).copy()
+        # The windows of operators end behind the last cycle that is not after it.
+        end = edge_at(self._elements.ahead(0, reach).end, 0, count, count)
+        found: Indices = end - (stamps.take(end - 1) == until)
         return found
 
     def _of_elements(self, node: ir.Formula) -> Times:
@@ -155,7 +167,7 @@ class Looking:
         times = self.times(node)
         if self._elements.cycles is None:
             return times
-        made = [np.full(len(self._elements), unknown) for unknown in (-np.inf, np.inf)]
+        made = [np.full(len(self._elements), NEVER) for _ in range(2)]
         made[0][self._at], made[1][self._at] = times.true, times.false
         return Times(*made)
 
@@ -175,10 +187,12 @@ class Looking:
             case ir.Guarded():
                 return values.guarded(self.value(node.guard, about, now), self.value(node.body, about, now))
             case ir.OverRun():
-                open_ = np.flatnonzero(now < self._closed(node)[about])
+                open_ = now < self._closed(node).take(about)
+                if not open_.any():
+                    return values.taken(self._in_whole(node), about)
+                if open_.all():
+                    return self._so_far(node, about, now)
                 found = values.taken(self._in_whole(node), about)
-                if not len(open_):
-                    return found
                 return values.put(found, open_, self._so_far(node, about[open_], now[open_]))
             case _:
                 raise AssertionError(f"{type(node).__name__} does not look ahead over the cycles of a piece")
@@ -217,10 +231,12 @@ class Looking:
             case "always" | "eventually":
                 # Where the present cycle decides it, no cycle before says as much.
                 times = self.times(node)
-                decided = times.false if node.op == "always" else -times.true
-                operand, at = self._operand(node.operands[0]), self._at[now]
-                found = _halves(node, lambda best: (operand[best][0][at], operand[best][1][at]), len(about))
-                rest = np.flatnonzero(decided[about] != now)
+                decided = times.false if node.op == "always" else times.true
+                operand, at = self._operand(node.operands[0]), self._at.take(now)
+                found = _halves(
+                    node, lambda best: (operand[best][0].take(at), operand[best][1].take(at)), len(about)
+                )
+                rest = np.flatnonzero(decided.take(about) != now)
                 return (
                     values.put(found, rest, self._seen(node, about[rest], now[rest])) if len(rest) else found
                 )
@@ -244,7 +260,10 @@ class Looking:
         @cache
         def of_part(spans: Spans) -> Rows:
             found = spans.all(inside) if node.op == "always" else spans.until(inside)
-            return spans.carrier.meet(found, spans.all(before)) if node.op == "until" else found
+            # What has to hold until then has to on the way to the window, too.
+            return (
+                spans.carrier.meet(found, spans.all(before)) if node.op == "until" and node.lower else found
+            )
 
         def found(best: int) -> Pair:
             made = []
@@ -281,9 +300,9 @@ class Looking:
         assert node.upper is not None, "what looks ahead has a bound"
         return self._elements.ahead(node.lower or 0, node.upper)
 
-    def _next(self, array: Floats, after: float) -> Floats:
-        """(cycles,) of what stands in the element after each cycle, and after the last one."""
-        return np.append(array, after)[self._at + 1]
+    def _next(self, times: Indices) -> Indices:
+        """(cycles,) of what stands in the element after each cycle; after the last one, NEVER."""
+        return np.append(times, NEVER)[self._at + 1]
 
 
 def _halves(node: ir.OverRun, side: Callable[[int], Pair], count: int) -> Value:
@@ -301,19 +320,19 @@ def _halves(node: ir.OverRun, side: Callable[[int], Pair], count: int) -> Value:
             raise AssertionError(f"`{node.op}` has no windows")
 
 
-def _decided(value: Value, places: Floats) -> Times:
+def _decided(value: Value, places: Indices) -> Times:
     """When what is settled is decided: in its own cycle, or never."""
     worst, best = pairs(value)
-    return Times(np.where(worst[0], -places, -np.inf), np.where(best[0], np.inf, places))
+    return Times(np.where(worst[0], places, NEVER), np.where(best[0], NEVER, places))
 
 
 def _not(a: Times) -> Times:
-    return Times(-a.false, -a.true)
+    return Times(a.false, a.true)
 
 
 def _and(a: Times, b: Times) -> Times:
-    return Times(np.minimum(a.true, b.true), np.minimum(a.false, b.false))
+    return Times(np.maximum(a.true, b.true), np.minimum(a.false, b.false))
 
 
 def _or(a: Times, b: Times) -> Times:
-    return Times(np.maximum(a.true, b.true), np.maximum(a.false, b.false))
+    return Times(np.minimum(a.true, b.true), np.maximum(a.false, b.false))

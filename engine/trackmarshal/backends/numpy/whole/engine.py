@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from trackmarshal.backends.numpy.logic import Value, negate
 from trackmarshal.backends.numpy.whole import values
-from trackmarshal.backends.numpy.whole.ahead import Looking
 from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, elements
-from trackmarshal.backends.numpy.whole.outcomes import (
-    OPEN,
-    UNDEFINED,
-    Codes,
-    Said,
-    Saying,
-    at_once,
-    following,
-    worst,
-)
+from trackmarshal.backends.numpy.whole.opening import Ahead
+from trackmarshal.backends.numpy.whole.outcomes import Outcome, Saying, at_once, following
 from trackmarshal.backends.numpy.whole.past import Operator, operator
-from trackmarshal.backends.numpy.whole.values import Bools, Floats, pairs
-from trackmarshal.backends.over_run.history import looks_ahead, parts_ahead, parts_of, recalls_of, sets_of
+from trackmarshal.backends.numpy.whole.values import Bools
+from trackmarshal.backends.over_run.history import looks_ahead, parts_of, recalls_of, sets_of
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import leaves
 from trackmarshal.ir.spec import RuleInfo
 
 
@@ -37,21 +27,6 @@ class Leaves(Protocol):
 
     def number(self, node: ir.Num) -> Any:
         """A number that no input changes: one, or (cycles,)."""
-
-
-class Outcome(NamedTuple):
-    """What a rule says in the cycles of a piece: codes of verdicts and margins, (cycles,); said: about which cycles, worked out when it is asked for; None: each about itself."""
-
-    codes: Codes
-    margins: Floats
-    said: Said
-
-    def blocked(self, where: Bools, first: int) -> Outcome:
-        """The same, but undefined in some cycles, which say so of themselves alone. first: the number of the first cycle."""
-        codes, margins = self.codes.copy(), self.margins.copy()
-        codes[where], margins[where] = UNDEFINED, np.nan
-        said = self.said
-        return Outcome(codes, margins, None if said is None else lambda: said().blocked(where, first))
 
 
 def why_by_cycle(rule: RuleInfo) -> str:
@@ -91,10 +66,10 @@ class Engine:
 
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._operators: dict[ir.Formula, Operator] = {}
-        self._rules: list[_AtOnce | _Ahead] = []
+        self._rules: list[_AtOnce | Ahead] = []
         for rule in rules:
             assert rule.formula is not None
-            self._rules.append(_Ahead(rule) if looks_ahead(rule.formula) else _AtOnce(rule))
+            self._rules.append(Ahead(rule) if looks_ahead(rule.formula) else _AtOnce(rule))
             for formula in (rule.formula, rule.active):
                 for node in () if formula is None else _over_run(formula):
                     if isinstance(node, (ir.OverRun, ir.Counted)) and not looks_ahead(node):
@@ -119,11 +94,12 @@ class Engine:
         self, own: slice, stamps: Stamps, missed: Indices, given: Leaves, keep: bool
     ) -> list[Outcome]:
         """The same of cycles that are all remembered, or of one that is not."""
-        stamps, missed = stamps[own], missed[own].copy()
-        missed[0] += self._missing
+        stamps, missed = stamps[own], missed[own]
+        if self._missing:
+            missed = missed.copy()
+            missed[0] += self._missing
         piece = _Piece(elements(stamps, missed, self._last), given, own, self._operators, keep)
-        names = np.arange(self.count, self.count + len(stamps))
-        found = [rule.step(stamps, missed, names, piece.value, keep) for rule in self._rules]
+        found = [rule.step(stamps, missed, self.count, piece.value, keep) for rule in self._rules]
         for node in self._operators:
             piece.value(node)
         self.count += len(stamps)
@@ -228,7 +204,7 @@ class _AtOnce:
         self,
         stamps: Stamps,
         missed: Indices,
-        names: Indices,
+        first: int,
         value: Callable[[ir.Formula], Value],
         keep: bool,
     ) -> Outcome:
@@ -238,137 +214,3 @@ class _AtOnce:
 
     def end(self, count: int) -> None:
         return None
-
-
-class _Kept(NamedTuple):
-    """The cycles about which a rule may still change what it says, and all after these: when, after how many that are missing, which they
-    are, what is known of them, and which are open still."""
-
-    stamps: Stamps
-    missed: Indices
-    names: Indices
-    values: dict[ir.Formula, Value]
-    pending: Bools
-
-
-class _Ahead:
-    """A rule that looks ahead."""
-
-    def __init__(self, rule: RuleInfo) -> None:
-        assert rule.formula is not None
-        self._formula, self._active = rule.formula, rule.active
-        settled = [*leaves(rule.formula, parts_ahead), *([] if rule.active is None else [rule.active])]
-        self._settled = tuple(dict.fromkeys(settled))
-        self._kept: _Kept | None = None
-
-    def step(
-        self,
-        stamps: Stamps,
-        missed: Indices,
-        names: Indices,
-        value: Callable[[ir.Formula], Value],
-        keep: bool,
-    ) -> Outcome:
-        own = _Kept(
-            stamps,
-            missed,
-            names,
-            {node: value(node) for node in self._settled},
-            np.ones(len(stamps), dtype=bool),
-        )
-        before = 0 if self._kept is None else len(self._kept.stamps)
-        whole = own if self._kept is None else _joined(self._kept, own)
-        looking, first, final = self._looked(whole, False)
-        # What was decided before this piece is not said again, until it is final.
-        about = np.flatnonzero(whole.pending & (first < np.inf) & (first >= before))
-        now = first[about].astype(np.intp)
-        codes, margins = self._said(whole, looking, about, now)
-        here = now == about
-        of_own = np.full(len(stamps), OPEN), np.full(len(stamps), np.nan)
-        of_own[0][about[here] - before], of_own[1][about[here] - before] = codes[here], margins[here]
-        later = ~here
-        found = worst(of_own, now[later] - before, codes[later], margins[later])
-
-        def said() -> Saying:
-            closing = np.flatnonzero(whole.pending & (final < np.inf) & (final > first))
-            late = final[closing].astype(np.intp)
-            mine = np.arange(before, len(whole.stamps))
-            with np.errstate(all="ignore"):
-                closed = self._said(whole, looking, closing, late)
-            parts = [
-                (mine, mine, *of_own, final[before:] == mine),
-                (now[later], about[later], codes[later], margins[later], final[about[later]] == now[later]),
-                (late, closing, *closed, np.ones(len(late), dtype=bool)),
-            ]
-            return _ordered(whole.names, parts)
-
-        if keep:
-            self._keep(whole, whole.pending & (final == np.inf))
-        return Outcome(*found, said)
-
-    @property
-    def oldest(self) -> int | None:
-        """The number of the oldest cycle that is open."""
-        return None if self._kept is None else int(self._kept.names[0])
-
-    def end(self, count: int) -> Saying | None:
-        if self._kept is None:
-            return None
-        looking, _, final = self._looked(self._kept, True)
-        about = np.flatnonzero(self._kept.pending)
-        codes, margins = self._said(self._kept, looking, about, final[about].astype(np.intp))
-        turn = np.roll(np.arange(len(about)), 1)  # the last cycle is the one in which it is said
-        cycle, true = np.full(len(about), count), np.ones(len(about), dtype=bool)
-        return Saying(cycle, self._kept.names[about[turn]], codes[turn], margins[turn], true)
-
-    def _looked(self, kept: _Kept, ended: bool) -> tuple[Looking, Floats, Floats]:
-        """The cycles kept, and for each in which one it is decided, and in which one final: by their places."""
-        own = elements(kept.stamps, kept.missed, None)
-        looking = Looking(kept.stamps, own, kept.values.__getitem__, ended, parts_ahead)
-        times, final = looking.times(self._formula), looking.final(self._formula)
-        places = np.arange(len(kept.stamps), dtype=np.float64)
-        true, false = np.maximum(-times.true, places), np.maximum(times.false, places)
-        if self._active is None:
-            return looking, np.minimum(np.minimum(true, false), final), final
-        applies, may = (pair[0] for pair in pairs(kept.values[self._active]))
-        # What holds, if it applies, is open until it is known whether it does; and what does not apply is that at once.
-        first = np.minimum(np.minimum(np.where(applies, true, np.inf), false), final)
-        return looking, np.where(may, first, places), np.where(may, final, places)
-
-    def _said(self, kept: _Kept, looking: Looking, about: Indices, now: Indices) -> tuple[Codes, Floats]:
-        value = looking.value(self._formula, about, now)
-        return at_once(
-            value, None if self._active is None else values.taken(kept.values[self._active], about)
-        )
-
-    def _keep(self, whole: _Kept, pending: Bools) -> None:
-        """Forget all before the oldest cycle that is open."""
-        if not pending.any():
-            self._kept = None
-            return
-        old = int(np.argmax(pending))
-        known = {
-            node: values.applied(lambda array: array[old:].copy(), one) for node, one in whole.values.items()
-        }
-        self._kept = _Kept(
-            whole.stamps[old:].copy(),
-            whole.missed[old:].copy(),
-            whole.names[old:].copy(),
-            known,
-            pending[old:].copy(),
-        )
-
-
-def _joined(a: _Kept, b: _Kept) -> _Kept:
-    known = {node: values.together([one, b.values[node]]) for node, one in a.values.items()}
-    return _Kept(
-        np.concatenate((a.stamps, b.stamps)), np.concatenate((a.missed, b.missed)), np.concatenate((a.names, b.names)),
-        known, np.concatenate((a.pending, b.pending)),
-    )  # fmt: skip
-
-
-def _ordered(names: Indices, parts: list[tuple[Any, ...]]) -> Saying:
-    """What is said in the cycles of a piece: of each about itself, then about earlier ones, in order."""
-    cycle, about, codes, margins, final = (np.concatenate([part[i] for part in parts]) for i in range(5))
-    order = np.lexsort((about, cycle != about, cycle))
-    return Saying(names[cycle[order]], names[about[order]], codes[order], margins[order], final[order])

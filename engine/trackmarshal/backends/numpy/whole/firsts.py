@@ -6,54 +6,70 @@ import numpy as np
 
 from trackmarshal.backends.numpy.temporal.windows import Windows
 from trackmarshal.backends.numpy.whole.elements import Elements, Indices
-from trackmarshal.backends.numpy.whole.values import Bools, Floats
+from trackmarshal.backends.numpy.whole.values import Bools
 
+#: The place of what never comes.
+NEVER = np.iinfo(np.intp).max
 #: Of a formula that nothing in its window decides before the window is closed.
-STAYS = -1.0
+STAYS = -1
 
 
 class Firsts:
-    """Of windows that look ahead, those of cycles. Places are those of cycles in the piece; infinite: there is none."""
+    """Of windows that look ahead, those of cycles. Places are those of cycles in the piece."""
 
     def __init__(self, windows: Windows, elements: Elements) -> None:
         self._n, self._elements = windows.n, elements
-        cycles = elements.cycles
-        self._own = np.arange(self._n) if cycles is None else cycles
-        self._begin = self._edge(windows.begin)
+        self._numbers = np.arange(self._n)
+        self._begin = (
+            None if isinstance(windows.begin, int) and windows.begin == 0 else self._edge(windows.begin)
+        )
         self._end = self._edge(windows.end)
-        #: By element, and one after the last.
-        self._places = np.full(self._n + 1, np.inf)
-        self._places[self._own] = np.arange(len(self._own))
 
     def _edge(self, edge: int | Indices) -> Indices:
-        if isinstance(edge, int):
-            return np.minimum(self._own + edge, self._n)
-        return self._elements.of_cycles(edge)
+        if not isinstance(edge, int):
+            return self._elements.of_cycles(edge)
+        own = self._elements.cycles
+        moved = np.arange(edge, self._n + edge) if own is None else own + edge
+        return np.minimum(moved, self._n, out=moved)
 
     def _after(self, holds: Bools) -> Indices:
-        """(elements + 1,): which element from each on is the first of which something holds; as many as there are elements: none."""
-        found = np.full(self._n + 1, self._n, dtype=np.intp)
-        at = np.flatnonzero(holds)
-        found[at] = at
+        """(elements,): which element from each on is the first of which something holds; as many as there are elements: none."""
+        found = np.where(holds, self._numbers, self._n)
         np.minimum.accumulate(found[::-1], out=found[::-1])
         return found
 
-    def place(self, holds: Bools) -> Floats:
-        """(cycles,): where in its window something holds first. holds: (elements,), in gaps False."""
-        first = self._after(holds)[self._begin]
-        return np.where(first < self._end, self._places[first], np.inf)
+    def _inside(self, after: Indices) -> Indices:
+        """(cycles,): the first one from the begin of its window on."""
+        if self._begin is None:
+            return self._elements.of_cycles(after)
+        return np.append(after, self._n).take(self._begin)
 
-    def none(self, holds: Bools) -> Bools:
-        """(cycles,): in no element of its window."""
-        return self._after(holds)[self._begin] >= self._end
+    def _places(self, found: Indices) -> Indices:
+        """The places of cycles among the elements; of what is behind the last one any."""
+        cycles = self._elements.cycles
+        return found if cycles is None else np.searchsorted(cycles, found)
 
-    def until(self, held: tuple[Bools, Bools], goal: tuple[Bools, Bools]) -> tuple[Floats, Floats]:
-        """(cycles,) twice: where `held until goal` is surely true, and where surely false, or STAYS. Of both formulas: where they surely hold, where
-        they may."""
-        reached = self._after(goal[0])[self._begin]
-        true = (reached < self._end) & (self._after(~held[0])[self._own] >= reached)
-        broken = self._after(~held[1])[self._own]
+    def decided(self, holds: Bools, may: Bools) -> tuple[Indices, Bools]:
+        """(cycles,): where in its window something holds first, or NEVER; and whether it surely does in no element of it. (elements,): where it surely
+        holds, in gaps False; where it may."""
+        first = self._inside(self._after(holds))
+        inside = first < self._end
+        place = np.where(inside, self._places(first), NEVER)
+        if may is holds:
+            return place, ~inside
+        return place, self._inside(self._after(may)) >= self._end
+
+    def until(self, held: tuple[Bools, Bools], goal: tuple[Bools, Bools]) -> tuple[Indices, Indices]:
+        """(cycles,) twice: where `held until goal` is surely true, or NEVER, and where surely false, or STAYS, or NEVER. Of both formulas: where they
+        surely hold, where they may."""
+        end, (sure, may), cycles = self._end, goal, self._elements.of_cycles
+        reached = self._inside(self._after(sure))
+        fails = cycles(self._after(~held[0]))
+        true = np.where((reached < end) & (fails >= reached), self._places(reached), NEVER)
+        broken = fails if held[1] is held[0] else cycles(self._after(~held[1]))
+        possible = reached if may is sure else self._inside(self._after(may))
         # A goal still counts in the cycle in which what has to hold until then fails.
-        open_ = self._after(goal[1])[self._begin] < np.minimum(self._end, broken + 1)
-        false = np.where(broken < self._end, self._places[broken], STAYS)
-        return np.where(true, self._places[reached], np.inf), np.where(open_, np.inf, false)
+        open_ = (possible < end) & (possible <= broken)
+        false = np.where(broken < end, self._places(broken), STAYS)
+        false[open_] = NEVER
+        return true, false

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,7 @@ SATISFIED, VIOLATED, UNDEFINED, INACTIVE, OPEN = (
     np.uint8(VERDICTS.index(name)) for name in ("satisfied", "violated", "undefined", "inactive", "open")
 )
 #: By code, how bad a verdict is: 0 the worst.
-BADNESS = np.array([RANK.index(name) for name in VERDICTS], dtype=np.int64)
-_OF_BADNESS = np.argsort(BADNESS).astype(np.uint8)
+BADNESS = np.array([RANK.index(name) for name in VERDICTS], dtype=np.uint8)
 
 
 @dataclass(eq=False)
@@ -60,6 +60,21 @@ class Saying:
 Said = Callable[[], Saying] | None
 
 
+class Outcome(NamedTuple):
+    """What a rule says in the cycles of a piece: codes of verdicts and margins, (cycles,); said: about which cycles, worked out when it is asked for; None: each about itself."""
+
+    codes: Codes
+    margins: Floats
+    said: Said
+
+    def blocked(self, where: Bools, first: int) -> Outcome:
+        """The same, but undefined in some cycles, which say so of themselves alone. first: the number of the first cycle."""
+        codes, margins = self.codes.copy(), self.margins.copy()
+        codes[where], margins[where] = UNDEFINED, np.nan
+        said = self.said
+        return Outcome(codes, margins, None if said is None else lambda: said().blocked(where, first))
+
+
 def following(parts: Sequence[Said]) -> Said:
     """What is said in cycles that follow one another."""
     given = [part for part in parts if part is not None]
@@ -87,8 +102,10 @@ def decided(value: Value) -> tuple[Codes, Floats]:
     worst, best = pairs(value)
     if best is worst:
         return np.where(worst[0], SATISFIED, VIOLATED), worst[1] + 0.0
-    codes = np.where(worst[0], SATISFIED, np.where(best[0], UNDEFINED, VIOLATED))
-    margins = np.where(worst[0], worst[1], np.where(best[0], np.nan, best[1])) + 0.0
+    codes, margins = np.where(worst[0], SATISFIED, VIOLATED), np.where(worst[0], worst[1], best[1])
+    margins += 0.0
+    unsure = best[0] & ~worst[0]
+    codes[unsure], margins[unsure] = UNDEFINED, np.nan
     return codes, margins
 
 
@@ -102,17 +119,38 @@ def at_once(formula: Value, active: Value | None) -> tuple[Codes, Floats]:
 
 
 def worst(own: tuple[Codes, Floats], place: Indices, codes: Codes, margins: Floats) -> tuple[Codes, Floats]:
-    """(cycles,): of what each cycle says about itself, and what is decided in it of earlier ones (its place, the verdict, the margin), the worst."""
-    bad = BADNESS[own[0]]
-    sizes = np.where(np.isnan(own[1]), 0.0, own[1])
-    if not len(place):
-        return own
-    others = BADNESS[codes]
-    least = bad.copy()
-    np.minimum.at(least, place, others)
-    sizes[bad > least] = np.inf
-    as_bad = others == least[place]
-    of_others = np.where(np.isnan(margins), 0.0, margins)
-    np.minimum.at(sizes, place[as_bad], of_others[as_bad])
-    found = _OF_BADNESS[least]
-    return found, np.where((found == UNDEFINED) | (found == OPEN), np.nan, sizes)
+    """(cycles,): of what each cycle says about itself, and what is decided in it of earlier ones (its place, the verdict, the margin), the worst.
+    What `own` is made of becomes it."""
+    for code in np.flatnonzero(np.bincount(codes)):
+        chosen = codes == code
+        if chosen.all():
+            at, least = _least(place, margins)
+        else:
+            at, least = _least(place[chosen], margins[chosen])
+        mine = own[0].take(at)
+        least = np.where(mine == code, np.minimum(own[1].take(at), least), least)
+        worse = BADNESS.take(mine) >= BADNESS[code]
+        if not worse.all():
+            at, least = at[worse], least[worse]
+        own[0][at], own[1][at] = code, least
+    return own
+
+
+def _least(place: Indices, margins: Floats) -> tuple[Indices, Floats]:
+    """Of margins at places the least at each: the places ascend. Those that are none stay so: of one verdict all or none are."""
+    if (place[1:] > place[:-1]).all():
+        return place, margins
+    if (place[1:] < place[:-1]).any():
+        order = np.argsort(place, kind="stable")
+        place, margins = place[order], margins[order]
+    first = np.flatnonzero(np.concatenate(([True], place[1:] != place[:-1])))
+    end = np.append(first[1:], len(place))
+    count, found = end - first, margins.take(first)
+    # Mostly there is one at a place, or two: what more there are is gone through.
+    several = np.flatnonzero(count > 1)
+    found[several] = np.minimum(found[several], margins[first[several] + 1])
+    many = several[count[several] > 2]
+    if len(many):
+        bounds = np.stack((first[many], end[many]), axis=1).ravel()
+        found[many] = np.minimum.reduceat(margins, bounds[:-1] if bounds[-1] == len(place) else bounds)[::2]
+    return place.take(first), found

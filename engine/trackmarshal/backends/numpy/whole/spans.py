@@ -14,11 +14,14 @@ class Levels:
     def __init__(self, begin: Indices, end: Indices) -> None:
         self.count = len(begin)
         length = end - begin
-        levels = np.frexp(length.astype(np.float64))[1] - 1  # of nothing: -1
-        self.levels: list[tuple[int, Indices, Indices, Indices]] = []
-        for level in (np.flatnonzero(np.bincount(levels + 1)[1:])).tolist():
-            chosen = np.flatnonzero(levels == level)
-            self.levels.append((level, chosen, begin[chosen], end[chosen] - (1 << level)))
+        single, longer = np.flatnonzero(length == 1), np.flatnonzero(length > 1)
+        levels = np.frexp(length[longer].astype(np.float64))[1] - 1
+        chosen = [(level, longer[levels == level]) for level in np.flatnonzero(np.bincount(levels)).tolist()]
+        self.levels: list[tuple[int, Indices, Indices, Indices]] = [
+            (level, places, begin[places], end[places] - (1 << level))
+            for level, places in [(0, single), *chosen]
+            if len(places)
+        ]
 
 
 class Spans:
@@ -50,7 +53,7 @@ class Spans:
         for level, chosen, left, right in spans.levels:
             held, _ = self._longer(level)
             assert held is not None, "nothing has to hold here"
-            found[chosen] = self.carrier.meet(held[left], held[right])
+            found[chosen] = self.carrier.meet(held[left], held[right]) if level else held[left]
         return found
 
     def until(self, spans: Levels) -> Rows:
@@ -59,6 +62,9 @@ class Spans:
         for level, chosen, left, right in spans.levels:
             held, goal = self._longer(level)
             assert goal is not None, "nothing is asked for here"
+            if not level:  # one element, on which nothing has to hold before the goal
+                found[chosen] = goal[left]
+                continue
             later = goal[right] if held is None else self.carrier.meet(held[left], goal[right])
             found[chosen] = self.carrier.join(goal[left], later)
         return found

@@ -171,12 +171,19 @@ def _crossing_fault(rings: Sequence[Sequence[tuple[Point, Point, str]]]) -> str 
     sides = [
         (*side, ring, index) for ring, ring_sides in enumerate(rings) for index, side in enumerate(ring_sides)
     ]
+    boxes = [(min(a[0], b[0]), max(a[0], b[0]), min(a[1], b[1]), max(a[1], b[1])) for a, b, *_ in sides]
     for i, (a, b, first, ring, at) in enumerate(sides):
         count = len(rings[ring])
         following = rings[ring][(at + 1) % count]
         if folds_back(a, b, following[1]):
             return f"{first} folds back on itself near {_place(b)}"
-        for c, d, second, other, place in sides[i + 1 :]:
+        left, right, low, high = boxes[i]
+        beside = [
+            i + 1 + j
+            for j, (start, end, bottom, top) in enumerate(boxes[i + 1 :])
+            if start <= right and end >= left and bottom <= high and top >= low
+        ]
+        for c, d, second, other, place in map(sides.__getitem__, beside):
             neighbours = ring == other and (place - at in (1, count - 1))
             if not neighbours and meet(a, b, c, d):
                 where = _place(meeting_place(a, b, c, d))

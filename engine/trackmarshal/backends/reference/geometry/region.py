@@ -17,6 +17,7 @@ from trackmarshal.points import (
     Segment,
     chain,
     distance,
+    nearest,
     segment,
     side,
     sized,
@@ -25,6 +26,10 @@ from trackmarshal.points import (
 
 #: The margin of a hull that the border enters by less than any measure below can show.
 LEAST = -2.2250738585072014e-308
+
+
+#: Segments of a border that follow each other, and their box.
+Stretch = tuple[Box, tuple[tuple[Point, Point], ...]]
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,7 @@ class Region:
     groups: tuple[tuple[tuple[Point, Point], ...], ...]
 
     @cached_property
-    def stretches(self) -> list[tuple[Box, tuple[tuple[Point, Point], ...]]]:
+    def stretches(self) -> list[Stretch]:
         """The border in stretches, each with its box."""
         parts = [self.border[at : at + STRETCH] for at in range(0, len(self.border), STRETCH)]
         return [(box_of([point for ends in part for point in ends]), part) for part in parts]
@@ -97,16 +102,20 @@ def piece_margin(region: Region, first: Placed, second: Placed, length: float, w
     Where neither exists (the border passes through between corners), minus the depth of the middle of the longest
     stretch of a border segment inside the hull.
     """
-    x0, y0 = first.x, first.y
+    origin = x0, y0 = first.x, first.y
     corners = swept_corners(first, second, length, width)
     hull = chain(convex_hull(corners), True)
-    border = near(region, corners, (x0, y0))
+    stretches = [(around.seen_from(*origin), part) for around, part in region.stretches]
+    reach = first_reach(stretches, corners[0], origin)
+    border = near(stretches, corners, reach, origin)
     entering = [s for s in border if enters(s, hull)]
     if not entering and region.holds((x0 + second.x) / 2, (y0 + second.y) / 2):
         return gap(corners, hull, border)
     worst = 0.0
+    # A corner is no farther from the border than the first corner is, and the way to it.
+    around_all = near(stretches, corners, reach + box_of(corners).size, origin)
     for x, y in corners:
-        reach = min(distance(x, y, s) for s in border)
+        reach = min(distance(x, y, s) for s in around_all)
         if reach > 0.0 and not region.holds(x + x0, y + y0):
             worst = max(worst, reach)
     for s in border:
@@ -125,36 +134,38 @@ def enters(s: Segment, hull: Sequence[Segment]) -> bool:
     return min(turns) < 0.0 < max(turns)
 
 
-def near(region: Region, corners: Sequence[Point], origin: Point) -> list[Segment]:
-    """The border's segments, seen from an origin, without those that no margin of the corners' hull depends on.
+def first_reach(stretches: Sequence[Stretch], corner: Point, origin: Point) -> float:
+    """How far a corner is from the stretch of a border that looks nearest: it is no farther from the border."""
+    x, y = corner
+    _, looks = min(stretches, key=lambda stretch: stretch[0].apart(Box(x, x, y, y)))
+    return min(distance(x, y, segment(a, b, origin)) for a, b in looks)
 
-    A corner is no farther from the border than the first corner is, and the way to it; what is farther from all corners is nearest to
-    none, does not enter their hull and has no end in it.
-    """
-    (x, y), box = corners[0], box_of(corners)
-    stretches = [(around.seen_from(*origin), part) for around, part in region.stretches]
-    _, nearest = min(stretches, key=lambda stretch: stretch[0].apart(Box(x, x, y, y)))
-    reach = min(distance(x, y, segment(a, b, origin)) for a, b in nearest)
-    known = reach + box.size
-    return [
-        segment(a, b, origin)
-        for around, part in stretches
-        if around.apart(box) <= surely(known, around.size)
-        for a, b in part
-    ]
+
+def near(
+    stretches: Sequence[Stretch], corners: Sequence[Point], known: float, origin: Point
+) -> list[Segment]:
+    """The segments of a border, seen from an origin, without those that are surely farther from the hull of corners than is `known`: they do
+    not enter it, and have no end in it."""
+    box = box_of(corners)
+    found = []
+    for around, part in stretches:
+        limit = surely(known, around.size)
+        if around.apart(box) > limit:
+            continue
+        left, right, low, high = box.wider(limit)
+        found += [
+            s
+            for s in (segment(a, b, origin) for a, b in part)
+            if not (s.ax < left > s.bx or s.ax > right < s.bx or s.ay < low > s.by or s.ay > high < s.by)
+        ]
+    return found
 
 
 def gap(corners: Sequence[Point], hull: Sequence[Segment], border: Sequence[Segment]) -> float:
     """The distance of a hull from a border that does not enter it: a corner of one is nearest to a side of the other."""
-    known = min(distance(*corners[0], s) for s in border)
-    longest = max(abs(s.ex) + abs(s.ey) for s in border)
-    left, right, low, high = box_of(corners).wider(surely(known, longest))
-    border = [
-        s for s in border
-        if not (s.ax < left > s.bx or s.ax > right < s.bx or s.ay < low > s.by or s.ay > high < s.by)
-    ]  # fmt: skip
-    from_corners = min(distance(x, y, s) for x, y in corners for s in border)
-    from_border = min(distance(s.ax, s.ay, edge) for s in border for edge in hull)
+    from_corners = min(nearest(corners, s) for s in border)
+    starts = [(s.ax, s.ay) for s in border]
+    from_border = min(nearest(starts, edge) for edge in hull)
     return min(from_corners, from_border)
 
 

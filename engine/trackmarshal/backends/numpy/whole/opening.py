@@ -1,0 +1,195 @@
+"""A rule that looks ahead, piece by piece of a run: which cycles are open, in which cycle each is decided, and in which nothing can change it any more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from trackmarshal.backends.numpy.logic import Value
+from trackmarshal.backends.numpy.whole import values
+from trackmarshal.backends.numpy.whole.ahead import Looking
+from trackmarshal.backends.numpy.whole.elements import Indices, Stamps, elements
+from trackmarshal.backends.numpy.whole.firsts import NEVER
+from trackmarshal.backends.numpy.whole.outcomes import OPEN, Codes, Outcome, Saying, at_once, worst
+from trackmarshal.backends.numpy.whole.values import Bools, Floats, pairs
+from trackmarshal.backends.over_run.history import parts_ahead
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import leaves
+from trackmarshal.ir.spec import RuleInfo
+
+
+class _Kept(NamedTuple):
+    """The cycles about which a rule may still change what it says, and all after these: when, after how many that are missing, which they
+    are, what is known of them, and which are open still."""
+
+    stamps: Stamps
+    missed: Indices
+    names: Indices
+    values: dict[ir.Formula, Value]
+    pending: Bools
+
+
+class _Own(NamedTuple):
+    """The cycles of a piece as they are given: nothing here is a copy. first: the number of the first one."""
+
+    stamps: Stamps
+    missed: Indices
+    first: int
+    values: dict[ir.Formula, Value]
+
+    @property
+    def kept(self) -> _Kept:
+        """These cycles, all of which are open."""
+        count = len(self.stamps)
+        names = np.arange(self.first, self.first + count)
+        return _Kept(self.stamps, self.missed, names, self.values, np.ones(count, dtype=bool))
+
+
+class _Looked(NamedTuple):
+    """Cycles, and for each the place of the one in which it is decided, and of the one in which it is final."""
+
+    kept: _Kept
+    looking: Looking
+    first: Indices
+    final: Indices
+
+
+class _Decided(NamedTuple):
+    """What is decided in a piece: about which cycles, in which one, and what; by places."""
+
+    about: Indices
+    now: Indices
+    codes: Codes
+    margins: Floats
+
+
+class Ahead:
+    """A rule that looks ahead."""
+
+    def __init__(self, rule: RuleInfo) -> None:
+        assert rule.formula is not None
+        self._formula, self._active = rule.formula, rule.active
+        settled = [*leaves(rule.formula, parts_ahead), *([] if rule.active is None else [rule.active])]
+        self._settled = tuple(dict.fromkeys(settled))
+        self._kept: _Kept | None = None
+
+    def step(
+        self, stamps: Stamps, missed: Indices, first: int, value: Callable[[ir.Formula], Value], keep: bool
+    ) -> Outcome:
+        """What the rule says in the next cycles, of which the first has this number. value: what formulas come to in them that are settled at once."""
+        before, own = self._kept, _Own(stamps, missed, first, {node: value(node) for node in self._settled})
+        looked = self._looked(own.kept if before is None else _joined(before, own.kept), False)
+        begin = len(looked.first) - len(stamps)
+        here, later = self._decided(looked, begin)
+        found = worst(_of_own(here, begin, len(stamps)), later.now - begin, later.codes, later.margins)
+        if keep:
+            self._keep(looked.kept, looked.kept.pending & (looked.final == NEVER))
+        # Worked out again where it is asked for, which is seldom: kept until then it would be as much as all else of a run.
+        return Outcome(*found, partial(self._saying, before, own))
+
+    @property
+    def oldest(self) -> int | None:
+        """The number of the oldest cycle that is open."""
+        return None if self._kept is None else int(self._kept.names[0])
+
+    def end(self, count: int) -> Saying | None:
+        """What the rule says of the cycles that are open after the last one. count: how many there were."""
+        if self._kept is None:
+            return None
+        looked = self._looked(self._kept, True)
+        about = np.flatnonzero(self._kept.pending)
+        codes, margins = self._said(looked, about, looked.final[about])
+        turn = np.roll(np.arange(len(about)), 1)  # the last cycle is the one in which it is said
+        cycle, true = np.full(len(about), count), np.ones(len(about), dtype=bool)
+        return Saying(cycle, self._kept.names[about[turn]], codes[turn], margins[turn], true)
+
+    def _saying(self, before: _Kept | None, own: _Own) -> Saying:
+        """What is said in the cycles of a piece."""
+        with np.errstate(all="ignore"):
+            looked = self._looked(own.kept if before is None else _joined(before, own.kept), False)
+            begin, final = len(looked.first) - len(own.stamps), looked.final
+            here, later = self._decided(looked, begin)
+            closing = np.flatnonzero(looked.kept.pending & (final < NEVER) & (final > looked.first))
+            closed = self._said(looked, closing, final[closing])
+        mine = np.arange(begin, len(looked.first))
+        return _ordered(
+            looked.kept.names,
+            [
+                (mine, mine, *_of_own(here, begin, len(mine)), final[mine] == mine),
+                (later.now, *later[:1], *later[2:], final[later.about] == later.now),
+                (final[closing], closing, *closed, np.ones(len(closing), dtype=bool)),
+            ],
+        )
+
+    def _looked(self, kept: _Kept, ended: bool) -> _Looked:
+        own = elements(kept.stamps, kept.missed, None)
+        looking = Looking(kept.stamps, own, kept.values.__getitem__, ended, parts_ahead)
+        times, final = looking.times(self._formula), looking.final(self._formula)
+        if self._active is None:
+            first = np.minimum(np.minimum(times.true, times.false), final)
+            return _Looked(kept, looking, first, final)
+        applies, may = (pair[0] for pair in pairs(kept.values[self._active]))
+        # What holds, if it applies, is open until it is known whether it does; and what does not apply is that at once.
+        first = np.minimum(np.minimum(np.where(applies, times.true, NEVER), times.false), final)
+        places = looking.places
+        return _Looked(kept, looking, np.where(may, first, places), np.where(may, final, places))
+
+    def _decided(self, looked: _Looked, begin: int) -> tuple[_Decided, _Decided]:
+        """What is decided in a piece that begins at a place: in the very cycle that it is about, and later. What was decided before is not said again, until it is final."""
+        first = looked.first
+        decided = (first < NEVER) & (first >= begin) & looked.kept.pending
+        about = np.flatnonzero(decided)
+        now = first[about]
+        codes, margins = self._said(looked, about, now)
+        here = now == about
+        later = ~here
+        return (
+            _Decided(about[here], about[here], codes[here], margins[here]),
+            _Decided(about[later], now[later], codes[later], margins[later]),
+        )
+
+    def _said(self, looked: _Looked, about: Indices, now: Indices) -> tuple[Codes, Floats]:
+        value, known = looked.looking.value(self._formula, about, now), looked.kept.values
+        return at_once(value, None if self._active is None else values.taken(known[self._active], about))
+
+    def _keep(self, whole: _Kept, pending: Bools) -> None:
+        """Forget all before the oldest cycle that is open."""
+        if not pending.any():
+            self._kept = None
+            return
+        old = int(np.argmax(pending))
+        known = {
+            node: values.applied(lambda array: array[old:].copy(), one) for node, one in whole.values.items()
+        }
+        self._kept = _Kept(
+            whole.stamps[old:].copy(),
+            whole.missed[old:].copy(),
+            whole.names[old:].copy(),
+            known,
+            pending[old:].copy(),
+        )
+
+
+def _of_own(here: _Decided, begin: int, count: int) -> tuple[Codes, Floats]:
+    """What each cycle of a piece says about itself."""
+    codes, margins = np.full(count, OPEN), np.full(count, np.nan)
+    codes[here.about - begin], margins[here.about - begin] = here.codes, here.margins
+    return codes, margins
+
+
+def _joined(a: _Kept, b: _Kept) -> _Kept:
+    known = {node: values.together([one, b.values[node]]) for node, one in a.values.items()}
+    return _Kept(
+        np.concatenate((a.stamps, b.stamps)), np.concatenate((a.missed, b.missed)), np.concatenate((a.names, b.names)),
+        known, np.concatenate((a.pending, b.pending)),
+    )  # fmt: skip
+
+
+def _ordered(names: Indices, parts: list[tuple[Any, ...]]) -> Saying:
+    """What is said in the cycles of a piece: of each about itself, then about earlier ones, in order."""
+    cycle, about, codes, margins, final = (np.concatenate([part[i] for part in parts]) for i in range(5))
+    order = np.lexsort((about, cycle != about, cycle))
+    return Saying(names[cycle[order]], names[about[order]], codes[order], margins[order], final[order])
