@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 #: Evaluators by name, the default first; `auto` is generated C where that can be had, else numpy.
 BACKENDS = ("numpy", "reference", "c", "auto")
+_INACTIVE = VERDICTS.index("inactive")
 #: Why generated C cannot be had: a rule, a compiler or an input that it has to do without.
 _NO_C = ("E470", "E471", "E472", "E473")
 #: Frames that are evaluated together.
@@ -264,19 +266,30 @@ class Evaluator:
         if brief:
             given = zip(self._in_brief, rated.verdicts, rated.margins)
             rules = {
-                name: RuleResult(name, VERDICTS[code], float(margin), unit, advisory=advisory)
+                idle.rule: idle
+                if code == _INACTIVE and margin == idle.margin
+                else RuleResult(idle.rule, VERDICTS[code], float(margin), idle.unit, advisory=idle.advisory)
                 if code in SAFE_CODES
                 else rated.explain(place, series)
-                for place, ((name, unit, advisory), code, margin) in enumerate(given)
+                for place, (idle, code, margin) in enumerate(given)
             }
         else:
             rules = {rule.name: rated.explain(place, series) for place, rule in enumerate(self.rules)}
         return CaseResult(frame.id, rules, tuple(faults), frame.settings.broken)
 
     @cached_property
-    def _in_brief(self) -> list[tuple[str, str, bool]]:
-        """Of each rule its name, the unit of its margin where nobody looks for what decided, and whether it is advisory."""
-        return [(rule.name, "1" if rule.unit == MIXED else rule.unit, rule.advisory) for rule in self.rules]
+    def _in_brief(self) -> list[RuleResult]:
+        """What each rule says where it does not apply, in the unit of its margin where nobody looks for what decided."""
+        return [
+            RuleResult(
+                rule.name,
+                "inactive",
+                math.inf,
+                "1" if rule.unit == MIXED else rule.unit,
+                advisory=rule.advisory,
+            )
+            for rule in self.rules
+        ]
 
     @property
     def sweeps(self) -> bool:
@@ -428,7 +441,7 @@ def load(
     from trackmarshal.semantics.compile import compile_paths
 
     given = [paths] if isinstance(paths, (str, Path)) else list(paths)
-    return _configured(compile_paths([Path(path) for path in given], shown_from), configuration, shown_from)
+    return configured(compile_paths([Path(path) for path in given], shown_from), configuration, shown_from)
 
 
 def loads(text: str, configuration: Iterable[str | Path] = (), shown_from: Path | None = None) -> Spec:
@@ -440,10 +453,11 @@ def loads(text: str, configuration: Iterable[str | Path] = (), shown_from: Path 
 
     if not isinstance(text, str):
         raise TypeError(f"a spec is a text, not {type(text).__name__}; `load` reads files")
-    return _configured(compile_text(text, shown_from), configuration, shown_from)
+    return configured(compile_text(text, shown_from), configuration, shown_from)
 
 
-def _configured(compiled: Compiled, configuration: Iterable[str | Path], shown_from: Path | None) -> Spec:
+def configured(compiled: Compiled, configuration: Iterable[str | Path], shown_from: Path | None) -> Spec:
+    """A compiled spec with the values of configuration modules put in; raises Diagnostics for what is wrong with any of them."""
     compiled.raise_errors()
     spec = compiled.spec
     for path in configuration:

@@ -73,6 +73,21 @@ def distance(x: float, y: float, s: Segment) -> float:
     return math.sqrt(min(px * px + py * py, qx * qx + qy * qy))
 
 
+def nearest(points: Sequence[Point], s: Segment) -> float:
+    """The least `distance` of points from a segment, to the bit: dividing by one length and taking roots keeps the order."""
+    ax, ay, bx, by, ex, ey = s
+    squared = ex * ex + ey * ey
+    beside = ends = math.inf
+    for x, y in points:
+        px, py = x - ax, y - ay
+        if 0.0 < ex * px + ey * py < squared:
+            beside = min(beside, abs(ex * py - ey * px))
+        else:
+            qx, qy = x - bx, y - by
+            ends = min(ends, px * px + py * py, qx * qx + qy * qy)
+    return min(beside / math.sqrt(squared), math.sqrt(ends)) if beside < math.inf else math.sqrt(ends)
+
+
 def between(x0: float, y0: float, x1: float, y1: float) -> float:
     """The distance of two points."""
     dx, dy = x0 - x1, y0 - y1

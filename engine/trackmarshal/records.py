@@ -9,6 +9,7 @@ version. Nothing here imports more than the standard library.
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -264,6 +265,61 @@ class TruthFacts:
 
 
 @dataclass(frozen=True, slots=True)
+class LeastMargin:
+    """The least margin of a rule for a candidate in a drive, outside of gaps of the map."""
+
+    rule: str
+    candidate: str
+    margin: float  #: SI
+    shown: str  #: how people read it, with its unit
+    t: float  #: s from the first row of the log
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "rule": self.rule,
+            "candidate": self.candidate,
+            "margin": self.margin,
+            "shown": self.shown,
+            "t": self.t,
+        }
+
+    @classmethod
+    def from_json(cls, data: object) -> LeastMargin:
+        f = _Fields(data, "least margin")
+        return cls(f.text("rule"), f.text("candidate"), f.finite("margin"), f.text("shown"), f.finite("t"))
+
+
+@dataclass(frozen=True, slots=True)
+class DriveFacts:
+    """How long and how far a real vehicle was driven in a run, how often rules fired in it, and how near they came to it."""
+
+    hours: float
+    km: float
+    firings: Mapping[str, int]  #: by rule, stretches of cycles in which it fired and the map was no cause
+    least: tuple[LeastMargin, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        return {
+            "hours": self.hours,
+            "km": self.km,
+            "firings": dict(self.firings),
+            "least": [one.to_json() for one in self.least],
+        }
+
+    @classmethod
+    def from_json(cls, data: object) -> DriveFacts:
+        f = _Fields(data, "drive")
+        firings = _Fields(f.table("firings"), "firings of a drive")
+        hours, km = f.finite("hours"), f.finite("km")
+        if hours <= 0 or km < 0:
+            raise _refused("drive: it takes time, and no way backwards")
+        return cls(
+            hours, km, {rule: firings.count(rule) for rule in firings.data},
+            tuple(LeastMargin.from_json(one) for one in f.array("least")),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
 class RunSummary:
     """A replayed scenario: what was run, with which spec, and what came of it."""
 
@@ -287,6 +343,8 @@ class RunSummary:
     defaults: Mapping[str, str] = field(default_factory=dict)
     #: by `signal.field`, between which values it was in the recording, in SI
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    #: of a run of a real vehicle's log: what the drive was, and how near rules came to firing
+    drive: DriveFacts | None = None
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -296,6 +354,7 @@ class RunSummary:
             "fired": self.fired, "created": self.created, "made_from": dict(self.made_from),
             "uncovered": list(self.uncovered), "inputs": dict(self.inputs), "overrides": list(self.overrides),
             "defaults": dict(self.defaults), "ranges": {name: list(ends) for name, ends in self.ranges.items()},
+            **({"drive": self.drive.to_json()} if self.drive is not None else {}),
         }  # fmt: skip
 
     @classmethod
@@ -307,6 +366,7 @@ class RunSummary:
             {kind: TruthFacts.from_json(item) for kind, item in f.table("ground_truth").items()},
             f.flag("fired"), f.text("created"), f.words("made_from"),
             f.texts("uncovered"), f.words("inputs"), f.texts("overrides"), f.words("defaults"), f.ranges("ranges"),
+            DriveFacts.from_json(f.data["drive"]) if "drive" in f.data else None,
         )  # fmt: skip
 
 
@@ -322,11 +382,12 @@ class FaultCase:
     fingerprint: str  #: sha256 of all that its outcome depends on; empty when that is not known
     open: str = ""  #: why it cannot be put in
     says: str = ""  #: sha256 of what is put in, when, and what is expected
+    begin: float | None = None  #: the first cycle that is changed, s; None where it is not put in
 
     def to_json(self) -> dict[str, Any]:
         return {
             "campaign": self.campaign, "id": self.id, "title": self.title, "requirement": self.requirement, "line": self.line,
-            "fingerprint": self.fingerprint, "open": self.open, "says": self.says,
+            "fingerprint": self.fingerprint, "open": self.open, "says": self.says, "begin": self.begin,
         }  # fmt: skip
 
     @classmethod
@@ -334,7 +395,7 @@ class FaultCase:
         f = _Fields(data, "fault")
         return cls(
             f.text("campaign"), f.text("id"), f.text("title"), f.text("requirement"), f.count("line"), f.text("fingerprint"),
-            f.text("open", ""), f.text("says", ""),
+            f.text("open", ""), f.text("says", ""), f.time("begin"),
         )  # fmt: skip
 
 
@@ -524,6 +585,12 @@ class _Fields:
             return None if value is None else float(value)
         except OverflowError as error:  # a whole number of hundreds of digits
             raise _refused(f"{self.what}: `{name}` is beyond the range of IEEE double") from error
+
+    def finite(self, name: str) -> float:
+        value = self.time(name)
+        if value is None or not math.isfinite(value):
+            raise _refused(f"{self.what}: `{name}` must be a finite number")
+        return value
 
     def array(self, name: str) -> list[Any]:
         value: list[Any] = self._get(name, [], list, "a list")

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.backends.numpy.program import NumpyProgram
-from trackmarshal.backends.numpy.whole.engine import Engine, Outcome, why_by_cycle
+from trackmarshal.backends.numpy.whole.engine import Engine, why_by_cycle
 from trackmarshal.backends.numpy.whole.leaves import Leaves, of_arrays, of_frames
-from trackmarshal.backends.numpy.whole.outcomes import Said, Saying, following
+from trackmarshal.backends.numpy.whole.outcomes import Outcome, Said, Saying, following
 from trackmarshal.backends.over_run.program import explained, remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.overrun import leaves, nanoseconds

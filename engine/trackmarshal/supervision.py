@@ -6,12 +6,14 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import BACKENDS, Evaluator
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import Settings
@@ -22,6 +24,7 @@ from trackmarshal.runtime.supervisor import Supervisor
 
 if TYPE_CHECKING:
     from trackmarshal.backends.c.supervisor import CSupervisor
+    from trackmarshal.runtime.contract import Contract
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,12 @@ class Rulebox:
         self, limits: Limits | None = None, clock: Callable[[], float] = time.monotonic
     ) -> Supervisor:
         """A Supervisor for one run, in Python, whatever judges."""
-        return Supervisor(self.evaluator.spec, self.evaluator.program, limits, clock, self.settings)
+        evaluator = self.evaluator
+        return Supervisor(evaluator.spec, evaluator.program, limits, clock, self.settings, self._contract)
+
+    @cached_property
+    def _contract(self) -> Contract:
+        return of_cycles(self.evaluator.spec, self.evaluator.program.rules)
 
     def running(
         self, limits: Limits | None = None, clock: Callable[[], float] = time.monotonic

@@ -311,8 +311,10 @@ def test_curvilinear_coordinates(line: list[Point], closed: bool, point: Point) 
         assert abs(float(made.gap(found[0], found[0] + 0.3 * made.length)[0]) - 0.3 * made.length) < 1e-6
 
 
-def all_of(around: region.Region, corners: list[Point], origin: Point) -> list[region.Segment]:
-    return [segment(a, b, origin) for a, b in around.border]
+def all_of(
+    stretches: list[region.Stretch], corners: list[Point], known: float, origin: Point
+) -> list[region.Segment]:
+    return [segment(a, b, origin) for _, part in stretches for a, b in part]
 
 
 def gap_to_all(corners: list[Point], hull: list[region.Segment], border: list[region.Segment]) -> float:

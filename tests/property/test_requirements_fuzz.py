@@ -149,12 +149,13 @@ def reshaped(draw: st.DrawFn) -> tuple[str, Any]:
 @settings(max_examples=amount(40, 120), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(reshaped())
 def test_the_reader_and_the_schema_agree(case: tuple[str, Any]) -> None:
-    """The reader checks shapes by itself, with places; the schema says the same to others."""
+    """The reader checks shapes by itself, with places; the schema says the same to others. Which methods there are, the project says, and no schema of shapes."""
     name, data = case
     text = yaml.safe_dump(data, allow_unicode=True, sort_keys=False)
     with folder_of({**FILES, name: text.encode()}) as folder:
         found: list[Finding] = []
         requirements.load(Path(folder), found)
+    found = [finding for finding in found if "is no method of verification" not in finding.message]
     errors = [error.message for error in VALIDATOR.iter_errors(data)]
     assert bool(found) == bool(errors), f"reader: {[str(f) for f in found]}; schema: {errors}"
 

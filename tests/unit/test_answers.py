@@ -68,6 +68,23 @@ def test_an_unchanged_project_answers_from_the_store(project: Path, made: list[s
     assert (project / "out/results" / FILE).read_bytes() == held
 
 
+def test_another_track_is_another_run(project: Path, made: list[str]) -> None:
+    """What a scenario names is not in its own file."""
+    assert gate()[0] == 0
+    path = project / "specs/tracks/straight.yaml"
+    text = path.read_text("utf-8")
+    path.write_text(text.replace("width: 10", "width: 11"), "utf-8")
+    _, out, _ = run_command("trace", "--as-is", "--verbose")
+    assert "a file that the scenario names has changed since" in out
+    made.clear()
+    gate()
+    assert [name for name in made if "scenarios" in name] == ["specs/scenarios/too_fast.yaml"]
+    path.write_text(text, "utf-8")
+    made.clear()
+    assert gate()[0] == 0
+    assert made == ["compiled"]
+
+
 def test_what_changed_is_run_again_and_what_comes_back_is_known(project: Path, made: list[str]) -> None:
     gate()
     path = project / "specs/speed.spec"

@@ -66,6 +66,7 @@ def test_ahead_and_in_step(name: str, backend: str) -> None:
     with (
         mock.patch.object(program.Remembering, "ahead", return_value=None),
         mock.patch.object(program, "drives_on", return_value=False),
+        mock.patch.object(Streaming, "shares", False),
         mock.patch.object(Streaming, "_present", lambda _, state, now: state.cells.at(now)),
     ):
         in_step = outcome(name, backend)

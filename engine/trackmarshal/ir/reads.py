@@ -8,8 +8,8 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import sets
 
 
-def reads(formula: ir.Formula | ir.Num | None) -> frozenset[tuple[str, str]]:
-    """Which fields of which signals a formula reads."""
+def reads(formula: ir.Formula | ir.Num | ir.Machine | None) -> frozenset[tuple[str, str]]:
+    """Which fields of which signals a formula reads, or a state machine."""
     result: set[tuple[str, str]] = set()
     for node in ir.below(formula) if formula is not None else ():
         match node:

@@ -161,11 +161,15 @@ class ConstraintInfo(Node):
 
 
 class Called(NamedTuple):
-    """What a rule calls a number or a formula. `own`: it is a `let`, or what a definition makes; else it is given to a definition, which calls it so."""
+    """What a rule calls a number or a formula. `own`: it is a `let`, or what a definition makes; else it is given to a definition, which calls it so.
+
+    unit: of a number, in SI.
+    """
 
     node: IR
     name: str
     own: bool
+    unit: str = "1"
 
 
 #: The severity of rules that warn, and never decide.

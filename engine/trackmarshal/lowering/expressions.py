@@ -51,13 +51,13 @@ class Lowering:
     def named(self, value: typed.Value, name: str) -> None:
         """Note what a `let` calls a number or a formula that is bound."""
         if isinstance(value, typed.NumberNode):
-            self._call(self._numbers[value], name)
+            self._call(self._numbers[value], name, unit=show(value.dimension))
         elif isinstance(value, typed.FormulaNode):
             self._call(self._formulas[value], name)
 
-    def _call(self, node: ir.Num | ir.Formula, name: str, own: bool = True) -> None:
+    def _call(self, node: ir.Num | ir.Formula, name: str, own: bool = True, unit: str = "1") -> None:
         if own or node not in self.names:
-            self.names[node] = Called(node, name, own)
+            self.names[node] = Called(node, name, own, unit)
 
     def number(self, node: typed.Number, site: Span | None = None) -> ir.Num:
         """The core of a number."""
@@ -76,7 +76,7 @@ class Lowering:
             case typed.CalledNumber():
                 inner = self._enter(node, site)
                 value = self.number(node.body, inner)
-                self._call(value, node.symbol.name)
+                self._call(value, node.symbol.name, unit=show(node.dimension))
                 return value
             case typed.Parameter():
                 return make(ir.Param, node.symbol.qualified)
@@ -192,7 +192,7 @@ class Lowering:
         assert isinstance(item, ast.Define)
         for parameter, argument in zip(item.parameters, call.arguments):
             if isinstance(argument, typed.NumberNode):
-                self._call(self._numbers[argument], parameter.name, own=False)
+                self._call(self._numbers[argument], parameter.name, False, show(argument.dimension))
         return site or call.span
 
     # Numbers ----------------------------------------------------------------------------------------------------

@@ -45,7 +45,7 @@ class Level(Node):
 def lower_rule(rule: typed.Rule, interner: ir.Interner, scales: Mapping[str, float] | None = None) -> Lowered:
     """The core of a rule; scales: by SI unit, what its margins are divided by before they are compared."""
     lowering = Lowering(interner, scales)
-    levels, body = _clauses(rule, lowering)
+    levels, body = clauses(rule, lowering)
     # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
     levels.sort(key=lambda level: not isinstance(level.clause, typed.Along))
     core = _nested(levels, body, lowering)
@@ -54,10 +54,11 @@ def lower_rule(rule: typed.Rule, interner: ir.Interner, scales: Mapping[str, flo
 
 def levels_of(rule: typed.Rule) -> list[Level]:
     """The clauses that a rule's condition stands under, as written, each with its core: for whoever tells where the rule applies."""
-    return _clauses(rule, Lowering(ir.Interner()))[0]
+    return clauses(rule, Lowering(ir.Interner()))[0]
 
 
-def _clauses(rule: typed.Rule, lowering: Lowering) -> tuple[list[Level], ir.Formula]:
+def clauses(rule: typed.Rule, lowering: Lowering) -> tuple[list[Level], ir.Formula]:
+    """The same, and what is required below them; the core of any number in the rule can be asked of the lowering afterwards."""
     levels: list[Level] = []
     body: ir.Formula | None = None
     deadline: typed.Deadline | None = None

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 from trackmarshal import __version__
 
+#: The folder of the sources.
+HERE = Path(__file__).parent.parent
 #: What takes no part in what a rule, a test, a run comes to.
 _NO_PART = ("cli", "start", "process", "explaining", "meaning", "diagnostics")
 _KINDS = (".py", ".spec", ".lark", ".c", ".h", ".j2")
@@ -15,19 +19,35 @@ _KINDS = (".py", ".spec", ".lark", ".c", ".h", ".j2")
 
 @cache
 def tool() -> str:
-    """`trackmarshal VERSION HASH`, the hash being that of the sources of what reads and evaluates rules."""
-    return f"trackmarshal {__version__} {_sources(_NO_PART)[:16]}"
+    """`trackmarshal VERSION HASH`, the hash being that of the sources of what reads and evaluates rules, and of numpy's version."""
+    return f"trackmarshal {__version__} {_sources(HERE, _NO_PART)[:16]}"
+
+
+def tool_of(folder: Path) -> str:
+    """What `tool` says in a program whose sources are in another folder, such as one of an earlier commit; empty where they are not there."""
+    try:
+        version = re.search(r'^__version__ = "([^"]*)"$', (folder / "__init__.py").read_text("utf-8"), re.M)
+    except (OSError, ValueError):
+        return ""
+    return f"trackmarshal {version[1]} {_sources(folder, _NO_PART)[:16]}" if version else ""
 
 
 @cache
 def whole() -> str:
-    """The hash of the sources of all of it, what reads projects included."""
-    return _sources(())
+    """The hash of the sources of all of it, what reads projects included, and of numpy's version."""
+    return _sources(HERE, ())
 
 
-def _sources(without: tuple[str, ...]) -> str:
-    root = Path(__file__).parent.parent
-    digest = hashlib.sha256()
+def _numpy() -> bytes:
+    """What says which numpy evaluates, without importing it; nothing where there is none."""
+    found = find_spec("numpy")
+    if found is None or found.origin is None:
+        return b""
+    return Path(found.origin).with_name("version.py").read_bytes()
+
+
+def _sources(root: Path, without: tuple[str, ...]) -> str:
+    digest = hashlib.sha256(_numpy())
     for path in sorted(root.rglob("*")):
         shown = path.relative_to(root)
         if path.suffix in _KINDS and shown.parts[0] not in without:

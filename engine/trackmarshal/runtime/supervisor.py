@@ -17,7 +17,7 @@ from itertools import chain
 from typing import Protocol
 
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.contract import of_cycles
+from trackmarshal.runtime.contract import Contract, of_cycles
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import MOST_REASONS, Decision, Violation
 from trackmarshal.runtime.door.door import Admission, Door, stamp_of
@@ -114,7 +114,8 @@ def watch(about: int, now: float, finished: float, limits: Limits) -> Timely:
 class Supervisor:
     """Decides in every cycle what is driven. One instance serves one run, from one thread.
 
-    program judges by the rules of spec, with the values of settings; clock gives s on the clock that stamps are from. Raises TrackmarshalError E482 for a spec whose
+    program judges by the rules of spec, with the values of settings; clock gives s on the clock that stamps are from; contract is that of its
+    cycles (`of_cycles`), where it is known already. Raises TrackmarshalError E482 for a spec whose
     signals cannot be supervised.
     """
 
@@ -125,13 +126,14 @@ class Supervisor:
         limits: Limits | None = None,
         clock: Callable[[], float] = time.monotonic,
         settings: Settings = NO_SETTINGS,
+        contract: Contract | None = None,
     ) -> None:
         self.limits = Limits.of(spec) if limits is None else limits
         self.program = program
         self.held = Held()
         self.memory: Memory = program.start()
         #: The input contract of its cycles.
-        self.contract = of_cycles(spec, program.rules)
+        self.contract = of_cycles(spec, program.rules) if contract is None else contract
         self.door = Door(self.contract, self.limits, settings)
         self._settings = settings
         #: Keeps the run, where there is one.

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from trackmarshal.source import Span
 from trackmarshal.units import beside
+
+if TYPE_CHECKING:
+    from trackmarshal.ir.nodes import Formula
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
 #: Verdicts that make a trajectory unsafe. What is `open` is decided in a later cycle, which it makes unsafe if it turns out violated.
@@ -60,6 +64,8 @@ class Witness:
     shown: str = ""
     #: The samples and elements that it reads: signal and number (-1: the last of a timeline).
     places: tuple[tuple[str, int], ...] = ()
+    #: The comparison itself, and where it was evaluated: by the level of each axis the place of its variable.
+    at: tuple[Formula, Mapping[int, int]] | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from itertools import groupby
+from typing import Any, NamedTuple
 
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.errors import TrackmarshalError
@@ -14,7 +16,7 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.records import not_on_it
-from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 from trackmarshal.testing.boundary import Distances, near
 from trackmarshal.testing.cases import PreparedTest
 from trackmarshal.testing.moving import moved, moves
@@ -75,27 +77,40 @@ def run_tests(
     Those that stand on the boundary of their rule are run again with its limits moved by `distances`.
     """
     distances = distances or Distances()
-    evaluators: dict[tuple[str, str], Evaluator] = {}
     spec = spec_in_si(spec)
-    for test in tests:
-        message = ""
-        outcome = "passed"
+    evaluators: dict[tuple[str, str], Evaluator] = {}
+    for name, group in groupby(tests, lambda test: test.rule.name):
+        together = list(group)
+        problems = dict.fromkeys(range(len(together)), ("passed", ""))
         for backend in backends:
-            key = (test.rule.name, backend)
-            if key not in evaluators:
-                evaluators[key] = Evaluator(spec, [test.rule.name], backend)
-            try:
-                evaluator = evaluators[key]
-                result = _result(evaluator, test)
-            except TrackmarshalError as error:
-                outcome, message = "error", f"{backend}: {error.message}"
-                break
-            problem = mismatch(test, result)
-            if problem:
-                outcome, message = "failed", f"{backend}: {problem}"
-                break
-        on_it = outcome == "passed" and near(test, spec, distances).narrow
-        yield Outcome(test, outcome, message, _unmoved(spec, test, distances) if on_it else "")
+            left = [place for place, (outcome, _) in problems.items() if outcome == "passed"]
+            key = (name, backend)
+            if left and key not in evaluators:
+                evaluators[key] = Evaluator(spec, [name], backend)
+            found = _problems(evaluators[key], [together[place] for place in left]) if left else []
+            problems |= {
+                place: (outcome, f"{backend}: {message}" if message else "")
+                for place, (outcome, message) in zip(left, found, strict=True)
+            }
+        for test, (outcome, message) in zip(together, problems.values()):
+            on_it = outcome == "passed" and near(test, spec, distances).narrow
+            yield Outcome(test, outcome, message, _unmoved(spec, test, distances) if on_it else "")
+
+
+def _problems(evaluator: Evaluator, tests: Sequence[PreparedTest]) -> list[tuple[str, str]]:
+    """What becomes of tests of one rule: (passed, failed or error; why). Those of one cycle are evaluated together, if nothing is wrong with
+    any of them."""
+    try:
+        return [_compared(test, said) for test, said in zip(tests, _said(evaluator, tests), strict=True)]
+    except TrackmarshalError as error:
+        if len(tests) == 1:
+            return [("error", error.message)]
+    return [found for test in tests for found in _problems(evaluator, [test])]
+
+
+def _compared(test: PreparedTest, said: _Said) -> tuple[str, str]:
+    problem = "" if _as_expected(test, said) else mismatch(test, said.result())
+    return ("failed", problem) if problem else ("passed", "")
 
 
 def _unmoved(spec: Spec, test: PreparedTest, distances: Distances) -> str:
@@ -119,14 +134,36 @@ def _fails(spec: Spec, test: PreparedTest, formula: ir.Formula) -> bool:
     rules = tuple(rule if one.name == rule.name else one for one in spec.rules)
     evaluator = Evaluator(Spec(**{**spec.__dict__, "rules": rules}), [rule.name], "reference")
     other = PreparedTest(**{**test.__dict__, "rule": rule})
-    result = _result(evaluator, other)
-    return result.verdict in ("satisfied", "violated") and bool(mismatch(other, result))
+    (said,) = _said(evaluator, [other])
+    return said.verdict in ("satisfied", "violated") and bool(_compared(other, said)[1])
 
 
-def _result(evaluator: Evaluator, test: PreparedTest) -> RuleResult:
-    """What the rule says in a test's case; of a rule over the run, in the last of its cycles."""
-    if not remembers(test.rule):
-        return next(iter(evaluator.evaluate([evaluator.read(test.case)]))).rules[test.rule.name]
+class _Said(NamedTuple):
+    """What a rule says of a test's case, and with what decided it, where that is asked for."""
+
+    verdict: str
+    margin: float
+    result: Callable[[], RuleResult]
+
+
+def _said(evaluator: Evaluator, tests: Sequence[PreparedTest]) -> list[_Said]:
+    """What one rule says in the cases of its tests; of a rule over the run, in the last of each one's cycles."""
+    if tests and remembers(tests[0].rule):
+        results = [_over_run(evaluator, test) for test in tests]
+        return [_Said(result.verdict, result.margin, partial(_itself, result)) for result in results]
+    judged = evaluator.judge_all([evaluator.read(test.case) for test in tests])
+    rated = [one for each in judged for one in each.rated.values()]
+    return [
+        _Said(VERDICTS[one.verdicts[0]], float(one.margins[0]), partial(one.explain, 0, False))
+        for one in rated
+    ]
+
+
+def _itself(result: RuleResult) -> RuleResult:
+    return result
+
+
+def _over_run(evaluator: Evaluator, test: PreparedTest) -> RuleResult:
     run = evaluator.over_run()
     for t, signals in ((0.0, test.case["signals"]), *test.later):
         named = {name: _named(value) for name, value in signals.items()}
@@ -142,6 +179,13 @@ def _named(value: Any) -> Any:
         {"id": str(number), **element} if isinstance(element, dict) else element
         for number, element in enumerate(value)
     ]
+
+
+def _as_expected(test: PreparedTest, said: _Said) -> bool:
+    """Whether nothing differs from what a test expects, as far as verdict and margin tell, where it expects no more than that."""
+    if test.unit is not None or test.binder is not None or said.verdict != test.verdict:
+        return False
+    return test.margin is None or _close(said.margin, test.margin, test.tolerance)
 
 
 def mismatch(test: PreparedTest, result: RuleResult) -> str:

@@ -1,0 +1,55 @@
+"""An evaluator that answers for fewer cases than it was asked about: no test passes by that, and no fault is confirmed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.scenarios.faults.judging import Judging
+from trackmarshal.semantics.compile import compile_paths
+from trackmarshal.testing.cases import prepare
+from trackmarshal.testing.run import run_tests
+
+SPEC = """module few
+signal ego : state { v: m/s }
+rule slow "slow"
+  require ego.v <= 10 m/s
+test slow "slower"
+  given ego = { v: 5 m/s }
+  expect satisfied
+test slow "faster"
+  given ego = { v: 5 m/s }
+  expect violated
+"""
+
+
+@pytest.mark.parametrize("left", [0, 1])
+def test_no_test_passes_that_was_not_evaluated(
+    left: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "few.spec"
+    path.write_text(SPEC, "utf-8")
+    compiled = compile_paths([path])
+    tests, _ = prepare(compiled)
+    assert [one.outcome for one in run_tests(compiled.spec, tests)] == ["passed", "failed"]
+    whole = Evaluator.judge_all
+    monkeypatch.setattr(Evaluator, "judge_all", lambda self, cases: whole(self, cases)[:left])
+    with pytest.raises(ValueError, match="shorter"):
+        list(run_tests(compiled.spec, tests))
+
+
+def test_nothing_is_confirmed_without_an_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Silent:
+        spec, rules, identity = None, (), ""
+
+        def judge_all(self, frames: Any) -> list[Any]:
+            return []
+
+    judging = Judging(Silent())  # type: ignore[arg-type]
+    judging._once["key"] = None  # type: ignore[assignment]
+    judging._known["key"] = {}
+    with pytest.raises(ValueError, match="shorter"):
+        judging.confirmed()
