@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import outside_machines, sets
-from trackmarshal.ir.spec import Called, Spec
-from trackmarshal.units import beside
+from trackmarshal.ir.spec import Called, RuleInfo, Spec
+from trackmarshal.units import beside, parse_unit, show
 
 if TYPE_CHECKING:
     from trackmarshal.backends.reference.evaluator import Reference
@@ -18,9 +20,12 @@ Env = dict[int, int]
 
 
 def numbers(
-    node: ir.Formula, env: Env, values: Reference, names: Sequence[Called] = ()
-) -> list[tuple[str, str]]:
-    """Both sides of a comparison, then what it is made of, each with its value; SI but for the sides."""
+    node: ir.Formula, env: Env, values: Reference, names: Sequence[Called] = (), kept: Mapping[str, str] | None = None
+) -> list[tuple[str, str]]:  # fmt: skip
+    """Both sides of a comparison, then what it is made of, each with its value and unit; SI but for the sides.
+
+    names: what the rule calls values. kept: the SI units of what its state machines remember, by `machine.name`.
+    """
     rows: list[tuple[str, str]] = []
     if isinstance(node, ir.Compare) and node.op != "is":
         _, left, right = node.written
@@ -28,17 +33,66 @@ def numbers(
             rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     if isinstance(node, ir.SweptInside | ir.SweptClear):
         rows.append(("swept", _way(node, env, values)))
-    called = {id(one.node): one.name for one in names if one.own}
+    called = {id(one.node): one for one in names if one.own}
     leaves: dict[str, str] = {}
-    for part in outside_machines(node):
-        if isinstance(part, ir.Num) and any(axis.level not in env for axis in sets(part)):
+    for part, levels in _parts(node):
+        if not levels <= env.keys():
             continue  # of a number of many: there are many
         told = _leaf(part, env, values)
+        unit = "1" if told is None else _unit(part, values.spec, kept or {})
         if told is None and id(part) in called and isinstance(part, ir.Num):
-            told = called[id(part)], values.number(part, env)
+            one = called[id(part)]
+            told, unit = (one.name, values.number(part, env)), one.unit
         if told is not None:
-            leaves[told[0]] = _member(part, values.spec, told[1]) or figure(told[1])
+            leaves[told[0]] = _member(part, values.spec, told[1]) or measured(told[1], unit)
     return rows + sorted(leaves.items())
+
+
+@lru_cache(maxsize=1024)
+def _parts(node: ir.Formula) -> tuple[tuple[ir.AnyNode, frozenset[int]], ...]:
+    """What a comparison is made of, each with the levels of the variables that it is of."""
+    return tuple(
+        (part, frozenset(axis.level for axis in sets(part)) if isinstance(part, ir.Num) else frozenset())
+        for part in outside_machines(node)
+    )
+
+
+def kept_units(rule: RuleInfo) -> dict[str, str]:
+    """The SI units of the numbers that a rule's state machines remember, by `machine.name`."""
+    if rule.typed is None:
+        return {}
+    found = (node for node in typed.below(rule.typed) if isinstance(node, typed.Kept))
+    return {f"{node.machine.symbol.qualified}.{node.name}": show(node.dimension) for node in found}
+
+
+def _unit(part: ir.AnyNode, spec: Spec, kept: Mapping[str, str]) -> str:
+    """The SI unit of what `_leaf` tells."""
+    match part:
+        case ir.Column() | ir.Scalar() | ir.Sample():
+            info = spec.field(part.axis.signal if isinstance(part, ir.Column) else part.signal, part.field)
+            return "1" if info is None else _si(info.unit)
+        case ir.Param():
+            return _si(spec.params[part.name].unit)
+        case ir.Kept():
+            return kept.get(f"{part.machine.name}.{part.name}", "1") if part.name else "s"
+        case ir.Lookup() | ir.GridLookup():
+            return _si(spec.tables[part.table].units[1])
+        case ir.OnLane():
+            return "rad" if part.what == "direction" else "m"
+        case ir.Direction():
+            return "rad"
+        case ir.StretchRoom() | ir.Station() | ir.Offset() | ir.Distance() | ir.StationGap():
+            return "m"
+        case _:
+            raise AssertionError(f"{type(part).__name__} is told of nowhere")
+
+
+@lru_cache(maxsize=256)
+def _si(unit: str) -> str:
+    """The SI unit for a unit of a spec; an angle is a ratio, and is told to be one of those in radians."""
+    if not unit:  # of the place of a member, and of what is no number
+        return "1"
+    return "rad" if unit in ("rad", "deg") else show(parse_unit(unit)[2])
 
 
 def _member(part: ir.AnyNode, spec: Spec, value: float) -> str:
@@ -101,6 +155,11 @@ def _way(node: ir.SweptInside | ir.SweptClear, env: Env, values: Reference) -> s
         return "along a curve of which a number is missing"
     pieces = len(curve.poses) - 1
     return f"along a curve, in {pieces} piece{'s' * (pieces > 1)}, and {figure(curve.more)} m around {'them' if pieces > 1 else 'it'}"
+
+
+def measured(value: float, unit: str) -> str:
+    """An SI number with its unit as people read it."""
+    return figure(value) if unit == "1" else f"{figure(value)} {unit}"
 
 
 def figure(value: float) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from trackmarshal.explaining.numbers import Env, numbers
+from trackmarshal.explaining.numbers import Env, kept_units, numbers
 from trackmarshal.explaining.scope import Alone, Cycle, InRun, why_inactive
 from trackmarshal.explaining.trail import Trail, at
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import own_unit
+from trackmarshal.ir.overrun import recalled
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.lowering.rules import levels_of
 from trackmarshal.runtime.verdict import About, RuleResult, Witness, decides
@@ -22,26 +23,36 @@ if TYPE_CHECKING:
 
 def told(rule: RuleInfo, result: RuleResult, values: Reference) -> list[str]:
     """Of a rule about one cycle alone."""
+    return [*_verdict(rule, result), *behind(rule, result, values)]
+
+
+def behind(rule: RuleInfo, result: RuleResult, values: Reference) -> list[str]:
+    """The same without the verdict. What the result says that decided is not looked for again, whichever evaluator found it."""
     from trackmarshal.backends.witness import Descent
 
-    lines = [*_verdict(rule, result)]
-    if result.reason and result.verdict != "inactive":
-        lines.append(f"  {result.reason}")
+    lines = [f"  {result.reason}"] if result.reason and result.verdict != "inactive" else []
     if rule.formula is None or values.frame.unusable(rule.reads):
         return lines
     if result.verdict == "inactive":
         return lines + _inactive(rule, Alone(values))
-    descent = Descent(values)
-    witness = descent.find(rule.formula)
-    if witness is None or descent.decisive is None:
+    witness = result.witness
+    if witness is None:
+        witness = Descent(values).find(rule.formula)
+    if witness is None or witness.at is None:
         return lines
-    return [*lines, *_decided(rule, witness, *descent.decisive, values, witness.binders)]
+    node, env = witness.at
+    return [*lines, *_decided(rule, witness, node, dict(env), values, witness.binders)]
 
 
 def told_over_run(rule: RuleInfo, result: RuleResult, history: History) -> list[str]:
     """Of a rule over the run, in the last cycle of a history: about this cycle, and about those that are decided in it."""
+    return [*_verdict(rule, result), *behind_over_run(rule, result, history)]
+
+
+def behind_over_run(rule: RuleInfo, result: RuleResult, history: History) -> list[str]:
+    """The same without the verdict."""
     assert rule.formula is not None
-    lines = [*_verdict(rule, result)]
+    lines: list[str] = []
     places = {cycle.name: place for place, cycle in enumerate(history.cycles)}
     for about in result.about:
         place = places[about.cycle]
@@ -95,4 +106,5 @@ def _decided(
         lines.append("  decided at " + ", ".join(f"{name} = {index}" for name, index in binders.items()))
     if witness.span is not None:
         lines.append(f"  by {witness.span}: {' '.join(witness.span.text.split())}")
-    return lines + [f"    {text} = {shown}" for text, shown in numbers(node, env, values, rule.names)]
+    kept = kept_units(rule) if recalled(node) else {}
+    return lines + [f"    {text} = {shown}" for text, shown in numbers(node, env, values, rule.names, kept)]

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import Fault
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY
-from trackmarshal.runtime.verdict import CaseResult
+from trackmarshal.runtime.verdict import CaseResult, RuleResult
 from trackmarshal.scenarios.labels import Label, judged_by, known, labels
 from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording, only
 from trackmarshal.scenarios.supervised import supervised
@@ -30,6 +32,24 @@ class CycleOutcome:
     decision: str
     decision_from: float | None
     faults: tuple[Fault, ...] = ()
+    #: What the rules saw, and what was decided of it; None where the replay does not keep it.
+    seen: tuple[Frame, Decision] | None = field(default=None, compare=False, repr=False)
+    #: Where it keeps it: by candidate what looks for what decided a rule, by the rule's number.
+    explain: Mapping[str, Callable[[int, bool], RuleResult]] = field(
+        default_factory=dict, compare=False, repr=False
+    )
+    #: What was looked for already, by candidate and rule: the record of a run and what is told of it ask for the same.
+    _found: dict[tuple[str, int], RuleResult] = field(default_factory=dict, compare=False, repr=False)
+
+    def whole(self, candidate: str, number: int, rule: str) -> RuleResult:
+        """The result of a rule with what decided it."""
+        look, said = self.explain.get(candidate), self.results[candidate].rules[rule]
+        if look is None or said.witness is not None:
+            return said
+        found = self._found.get((candidate, number))
+        if found is None:
+            found = self._found[candidate, number] = look(number, False)
+        return found
 
     @property
     def safe(self) -> bool:
@@ -87,11 +107,13 @@ class Replay:
 
 
 def replay(
-    recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter, brief: bool = False
+    recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter, brief: bool = False,
+    keep: bool = False,
 ) -> Replay:  # fmt: skip
     """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar). Raises D256.
 
-    brief: what decided is looked for where a rule is against a candidate, and nowhere else.
+    brief: what decided is looked for where a rule is against a candidate, and nowhere else. keep: what was seen and computed in each cycle
+    is kept, for whoever explains it, or asks for the `whole`.
     """
     spec = evaluator.spec
     _check_labels(recording, spec)
@@ -106,6 +128,8 @@ def replay(
             decision.action,
             None if decision.driven is None else decision.driven.t,
             decision.faults,
+            (judged.about, decision) if keep else None,
+            {name: rated.explain for name, rated in judged.rated.items()} if keep else {},
         )
         for t, judged, decision in supervised(recording, evaluator, tables, watch)
     )

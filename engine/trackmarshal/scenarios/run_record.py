@@ -7,13 +7,17 @@ Margins are exact; what only pictures need is rounded to 1e-6. Numbers that are 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache, partial
 from typing import Any
 
+from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.margins import SCALED, formula_atoms, own_unit
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.scenarios.in_force import in_force
 from trackmarshal.scenarios.inputs import defaulted
 from trackmarshal.scenarios.labels import kind_of
 from trackmarshal.scenarios.overrides import overrides
@@ -27,10 +31,14 @@ VERSION = 1
 #: Verdicts in the strings of a record; ABSENT where a cycle has no such candidate.
 LETTERS = {"satisfied": "s", "violated": "v", "undefined": "u", "inactive": "i", "open": "o"}
 ABSENT = "-"
+#: Verdicts that what a rule demands decides, and not whether it applies.
+DECIDED = ("satisfied", "violated")
 #: Points that are kept of one trajectory.
 PATH_POINTS = 16
 
 Number = float | str
+#: The result of a rule in a cycle, by its number, with what decided it.
+Whole = Callable[[int], RuleResult]
 
 
 def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> dict[str, Any]:
@@ -54,6 +62,7 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
             {"kind": one.kind, "name": one.name, "value": one.value, "own": one.own, "because": one.because}
             for one in overrides(recording, evaluator.spec)
         ],
+        "in_force": list(in_force(recording, evaluator.spec, evaluator.rules)),
         "given": [
             {"name": name, "value": _number(value), "because": recording.because.get(name, "")}
             for name, value in recording.given.items()
@@ -84,7 +93,7 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
             None if c.decision_from is None else _number(c.decision_from) for c in replay.cycles
         ],
         "candidates": {name: _candidate(name, replay) for name in CANDIDATES},
-        "rules": [_rule(rule, replay, evaluator) for rule in evaluator.rules],
+        "rules": [_rule(number, rule, replay, evaluator) for number, rule in enumerate(evaluator.rules)],
         "assumptions": [_assumption(rule) for rule in evaluator.spec.rules if rule.kind == "assume"],
         "ground_truth": {kind: list(truth) for kind, truth in recording.ground_truth.items()},
         "truths": [
@@ -105,13 +114,19 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
 
 def _places(evaluator: Evaluator) -> Iterator[dict[str, Any]]:
     """The zones and lines that the rules speak of."""
-    nodes = (node for rule in evaluator.rules if rule.formula is not None for node in rule.formula.walk())
-    named = {
-        node.name for node in nodes if isinstance(node, (ir.Area, ir.Line)) and node.kind in ("zone", "place")
-    }
+    named = {name for rule in evaluator.rules for name in _named(rule.formula)}
     for name in sorted(named):
         place = evaluator.spec.places[name]
         yield {"name": name.rpartition(".")[2], "kind": place.kind, "points": _points(place.points)}
+
+
+@lru_cache(maxsize=1024)
+def _named(formula: ir.Formula | None) -> frozenset[str]:
+    """The zones and lines that a formula speaks of."""
+    nodes = () if formula is None else ir.below(formula)
+    return frozenset(
+        node.name for node in nodes if isinstance(node, (ir.Area, ir.Line)) and node.kind in ("zone", "place")
+    )
 
 
 def _candidate(name: str, replay: Replay) -> dict[str, Any]:
@@ -130,20 +145,20 @@ def _candidate(name: str, replay: Replay) -> dict[str, Any]:
     }
 
 
-def _rule(rule: RuleInfo, replay: Replay, evaluator: Evaluator) -> dict[str, Any]:
+def _rule(number: int, rule: RuleInfo, replay: Replay, evaluator: Evaluator) -> dict[str, Any]:
+    """What a rule, the one of this number, said in every cycle."""
     by_candidate: dict[str, Any] = {}
     for name in CANDIDATES:
+        whole = partial(_whole, replay, name, number, rule)
         results = [c.results[name].rules[rule.name] if name in c.results else None for c in replay.cycles]
         if any(result is not None for result in results):
             by_candidate[name] = {
                 "verdict": "".join(ABSENT if r is None else LETTERS[r.verdict] for r in results),
                 "margin": [None if r is None else _number(r.margin) for r in results],
-                "least": _least(rule, name, results, replay.recording),
-                "firings": list(_firings(rule, name, results, replay.recording)),
+                "least": _least(rule, name, results, replay.recording, whole),
+                "firings": list(_firings(rule, name, results, replay.recording, whole)),
             }
-    units = {r.rules[rule.name].unit for c in replay.cycles for r in c.results.values()}
-    found = [r.rules[rule.name] for c in replay.cycles for r in c.results.values()]
-    shown = {result.shown for result in found if result.witness is not None}
+    units, shown = _units(number, rule, replay)
     return {
         "name": rule.name,
         "title": rule.title,
@@ -155,6 +170,7 @@ def _rule(rule: RuleInfo, replay: Replay, evaluator: Evaluator) -> dict[str, Any
         "unit": next(iter(units)) if len(units) == 1 else rule.unit,
         # The unit in which the limit is written, "" for SI; where several are, margins of different cycles are shown alike.
         "shown": next(iter(shown)) if len(shown) == 1 and len(units) == 1 else "",
+        "scale": 1.0 if rule.unit == SCALED else dict(evaluator.spec.scales).get(rule.unit),
         "severity": rule.severity,
         "because": rule.because,
         "source": rule.source,
@@ -162,6 +178,50 @@ def _rule(rule: RuleInfo, replay: Replay, evaluator: Evaluator) -> dict[str, Any
         "text": _declaration(rule.span),
         "candidates": by_candidate,
     }
+
+
+def _whole(replay: Replay, candidate: str, number: int, rule: RuleInfo, cycle: int) -> RuleResult:
+    """The result of a rule in a cycle, with what decided it."""
+    return replay.cycles[cycle].whole(candidate, number, rule.name)
+
+
+def _units(number: int, rule: RuleInfo, replay: Replay) -> tuple[set[str], set[str]]:
+    """The units of a rule's margins, and those in which the limits are written that decided; of several of these, two are enough."""
+    own = own_unit(rule.unit)
+    written = _written(rule)
+    units = {rule.unit} if own and any(cycle.results for cycle in replay.cycles) else set()
+    shown: set[str] = set()
+    if own and written <= {""}:
+        return units, shown
+    decisive = _decisive(rule) if own and not remembers(rule) else None
+    for cycle in replay.cycles:
+        for name, case in cycle.results.items():
+            if decisive is not None and case.rules[rule.name].verdict in DECIDED and decisive <= shown:
+                continue  # whatever decided it
+            result = cycle.whole(name, number, rule.name)
+            units.add(result.unit)
+            if result.witness is not None:
+                shown.add(result.shown)
+            if own and len(shown) >= min(2, len(written)):
+                return units, shown
+    return units, shown
+
+
+def _written(rule: RuleInfo) -> set[str]:
+    """The units in which the limits of everything that may decide a rule are written, "" for SI."""
+    found = set()
+    for node in () if rule.formula is None else ir.below(rule.formula):
+        if isinstance(node, ir.Compare):
+            found.add(node.shown)
+        elif isinstance(node, ir.Flag | ir.SweptInside | ir.SweptClear | ir.InArea):
+            found.add("")
+    return found
+
+
+def _decisive(rule: RuleInfo) -> set[str]:
+    """The units in which limits are written that decide a rule which is satisfied or violated: those of guards decide what is undefined only."""
+    atoms = [] if rule.formula is None else formula_atoms(rule.formula)
+    return {atom.shown if isinstance(atom, ir.Compare) and atom.unit == rule.unit else "" for atom in atoms}
 
 
 def _assumption(rule: RuleInfo) -> dict[str, Any]:
@@ -178,7 +238,7 @@ def _assumption(rule: RuleInfo) -> dict[str, Any]:
 
 
 def _firings(
-    rule: RuleInfo, candidate: str, results: Sequence[RuleResult | None], recording: Recording
+    rule: RuleInfo, candidate: str, results: Sequence[RuleResult | None], recording: Recording, whole: Whole
 ) -> Iterable[dict[str, Any]]:  # fmt: skip
     """Stretches of consecutive cycles in which a rule is against a candidate, each with its worst cycle."""
     numbers = [i for i, result in enumerate(results) if result is not None and result.fired]
@@ -189,21 +249,21 @@ def _firings(
             "to": _number(recording.cycles[int(last)].t),
             "cycles": [int(first), int(last)],
             "verdicts": sorted({result.verdict for result in inside.values()}),
-            "worst": _moment(rule, candidate, _worst(inside), recording),
+            "worst": _moment(rule, candidate, _worst(inside), recording, whole),
         }
 
 
-def _worst(results: Mapping[int, RuleResult]) -> tuple[int, RuleResult]:
+def _worst(results: Mapping[int, RuleResult]) -> int:
     """The cycle that is violated by the most; where none is violated, the first undefined one, then the first open one."""
     order = {"violated": 0, "undefined": 1, "open": 2}
     return min(
         results.items(),
         key=lambda item: (order[item[1].verdict], 0.0 if math.isnan(item[1].margin) else item[1].margin),
-    )
+    )[0]
 
 
 def _least(
-    rule: RuleInfo, candidate: str, results: Sequence[RuleResult | None], recording: Recording
+    rule: RuleInfo, candidate: str, results: Sequence[RuleResult | None], recording: Recording, whole: Whole
 ) -> dict[str, Any] | None:
     """The cycle with the smallest margin; None where no cycle has one."""
     known = {
@@ -217,16 +277,17 @@ def _least(
     return _moment(
         rule,
         candidate,
-        min(known.items(), key=lambda item: (item[1].margin, item[1].verdict != "violated")),
+        min(known.items(), key=lambda item: (item[1].margin, item[1].verdict != "violated"))[0],
         recording,
+        whole,
     )
 
 
 def _moment(
-    rule: RuleInfo, candidate: str, at: tuple[int, RuleResult], recording: Recording
+    rule: RuleInfo, candidate: str, number: int, recording: Recording, whole: Whole
 ) -> dict[str, Any]:
     """One result with what decided it: which sample or object, its place, and the line of the spec."""
-    number, result = at
+    result = whole(number)
     cycle = recording.cycles[number]
     moment: dict[str, Any] = {
         "cycle": number,
@@ -347,7 +408,8 @@ def _points(points: Iterable[Sequence[float]]) -> list[list[Number]]:
 
 
 def _rounded(value: float) -> Number:
-    return _number(round(value, 6) if math.isfinite(value) else value)
+    value = float(value)
+    return round(value, 6) if math.isfinite(value) else _number(value)
 
 
 def _number(value: float) -> Number:

@@ -99,6 +99,15 @@ def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, An
     return shown(frame)
 
 
+def frames(recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any]) -> list[Frame]:
+    """All cycles of a recording as rules see them in `supervised`; a candidate's part is `of` its name."""
+    check_track(recording, evaluator)
+    settings = known_params(recording, evaluator.spec), tables
+    door = rulebox(evaluator, *settings).supervisor(Limits.open_loop(evaluator.spec)).door
+    given = list(cycles(recording, further_names(recording, evaluator)))
+    return [shown(one.frame) for one in door.admit_all(given)]
+
+
 def run_until(
     recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int
 ) -> tuple[Judged, list[Past], int]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, fields, replace
 
 from trackmarshal.errors import TrackmarshalError
@@ -16,8 +15,9 @@ from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.machine import DRIVE
 from trackmarshal.runtime.program import Judged, Memory, Program
-from trackmarshal.runtime.verdict import About
+from trackmarshal.scenarios.faults.around import Around
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
+from trackmarshal.scenarios.faults.judging import Judging
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.fields import check_track
 from trackmarshal.scenarios.overrides import known_params
@@ -66,15 +66,17 @@ class Bench:
         self._limits = Limits.of(evaluator.spec) if limits is None else limits
         self._evaluated = frozenset(name for rule in evaluator.rules for name, _ in rule.satisfies)
         self._cycles = list(cycles(recording))
+        self._judging = Judging(evaluator.program)
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
-        """Put one fault in and see what comes of it; the run is made twice, and has to come out the same.
+        """Put one fault in and see what comes of it; the run is made twice, its frames are judged twice, and both have to come out the same.
 
         Raises D153 for a fault that cannot be put into this recording.
         """
         said = [self._decisions(campaign, fault) for _ in range(2)]
         outcome = _outcome(fault, said[0], self._evaluated)
-        if [_summary(d) for _, d in said[0]] != [_summary(d) for _, d in said[1]]:
+        confirmed = self._judging.confirmed()
+        if not confirmed or [_summary(d) for _, d in said[0]] != [_summary(d) for _, d in said[1]]:
             wrong = f"{outcome.wrong}; " if outcome.wrong else ""
             return replace(outcome, wrong=f"{wrong}the same cycles led to other decisions the second time")
         return outcome
@@ -85,7 +87,7 @@ class Bench:
         begin, end = fault.begin - campaign.lead - _SLACK, last + campaign.lead + _SLACK
         clock = _Clock()
         supervisor = self._box.supervisor(self._limits, clock.read)
-        supervisor.program = judge = _Saboteur(supervisor.program)
+        supervisor.program = judge = _Saboteur(self._judging)
         said: list[tuple[float, Decision]] = []
         touched = False
         free = -math.inf  # when the Supervisor is done with the cycle before
@@ -132,12 +134,11 @@ class _Clock:
         return self.readings.pop(0)
 
 
-class _Saboteur:
+class _Saboteur(Around):
     """A program that fails as it is told to."""
 
     def __init__(self, program: Program) -> None:
-        self._program = program
-        self.spec, self.rules, self.identity = program.spec, program.rules, program.identity
+        super().__init__(program)
         self.sabotage = ""
 
     def judge(self, memory: Memory, frame: Frame) -> Judged:
@@ -155,21 +156,6 @@ class _Saboteur:
             case other:
                 raise AssertionError(other)
         return judged._replace(rated={**judged.rated, DRIVING: driving})
-
-    def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
-        return self._program.judge_all(frames)
-
-    def start(self) -> Memory:
-        return self._program.start()
-
-    def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
-        return self._program.commit(memory, frame, decision)
-
-    def missed(self, memory: Memory) -> Memory:
-        return self._program.missed(memory)
-
-    def end(self, memory: Memory) -> Mapping[str, tuple[About, ...]]:
-        return self._program.end(memory)
 
 
 def _outcome(fault: Fault, said: list[tuple[float, Decision]], evaluated: frozenset[str]) -> Outcome:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from trackmarshal.runtime.lines import Line
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.generate.document import Item
 from trackmarshal.scenarios.recording import CANDIDATES
@@ -219,14 +220,14 @@ def _border(item: Item) -> Change:
 
         def spoil(moment: Moment) -> None:
             track = moment.signals["track"]
-            track[line] = [[value, value], *(list(map(float, point)) for point in track[line][1:])]
+            track[line] = [[value, value], *_points(track[line])[1:]]
 
         return spoil
     first, last = _range(fields[given[0]])
 
     def apply(moment: Moment) -> None:
         track = moment.signals["track"]
-        mine, theirs = ([list(map(float, point)) for point in track[name]] for name in (line, other))
+        mine, theirs = _points(track[line]), _points(track[other])
         if given[0] == "keep":
             track[line] = mine[first : last + 1]
             track["closed"] = False
@@ -236,6 +237,12 @@ def _border(item: Item) -> Change:
         track[line], track[other] = mine, theirs
 
     return apply
+
+
+def _points(border: Any) -> list[list[float]]:
+    """The points of a border, to be changed."""
+    points = border.points.tolist() if isinstance(border, Line) else border
+    return [list(map(float, point)) for point in points]
 
 
 def _cycle(item: Item) -> Change:
