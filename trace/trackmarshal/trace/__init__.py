@@ -12,6 +12,7 @@ from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.trace import backing as _backing
 from trackmarshal.trace import baseline as _baseline
 from trackmarshal.trace import files as _files
 from trackmarshal.trace import outside as _outside
@@ -22,6 +23,7 @@ from trackmarshal.trace.collector import no_collection
 from trackmarshal.trace.faults import rows as fault_rows
 from trackmarshal.trace.files import Results, load_results
 from trackmarshal.trace.findings import Finding, Place
+from trackmarshal.trace.graph.building import build as _build_graph
 from trackmarshal.trace.matrix import Matrix, assemble
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.render import FORMATS, render
@@ -56,8 +58,9 @@ def build(
     found = list(findings)
     with no_collection():
         project = _requirements.load(project_root, found)
+        items = _backing.backed(project, spec_items, found)
         spec = Spec(
-            spec_items, spec_tests, test_results, runs, engine, run_inputs, fault_cases, fault_results, parts
+            items, spec_tests, test_results, runs, engine, run_inputs, fault_cases, fault_results, parts
         )  # fmt: skip
         hashes = {
             **_files.sources(project_root, project, spec.runs.values()),
@@ -104,9 +107,11 @@ def accept_baseline(
     reason: str = "",
     today: date | None = None,
     tell: Tell | None = None,
+    engine: str = "",
 ) -> tuple[Path, list[str]]:
     """Write down what there is now as accepted; returns the baseline's path, and what became weaker by that.
 
+    engine: the one that makes the evidence now, which the acceptance keeps.
     Raises what reading found wrong, and T378 where something became weaker and `by` or `reason` does not say by whom, or why.
     """
     project, found = load(project_root)
@@ -115,9 +120,12 @@ def accept_baseline(
         raise TrackmarshalError(
             finding.code, finding.message, file=file, line=line, help="mend this before accepting a baseline"
         )
-    spec = Spec(spec_items, spec_tests, (), (), fault_cases=fault_cases, parts=parts)
-    now = _baseline.content(project, spec, _files.hashes(project_root, project, spec.items))
-    return _baseline.accept(project_root, project, now, by, reason, today or date.today(), tell)
+    items = _backing.backed(project, spec_items, [])
+    spec = Spec(items, spec_tests, (), (), fault_cases=fault_cases, parts=parts)
+    hashes = _files.hashes(project_root, project, spec.items)
+    around = _outside.load(project_root, project, spec.items, [])
+    now = _baseline.content(project, spec, hashes, _build_graph(project, spec, hashes, around))
+    return _baseline.accept(project_root, project, now, by, reason, today or date.today(), tell, engine)
 
 
 __all__ = [

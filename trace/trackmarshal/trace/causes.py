@@ -28,9 +28,10 @@ from trackmarshal.trace.graph.kinds import LINKS
     UNREAD,
     FORGED,
     LACKING,
+    UNREVIEWED,
     OUTCOME,
     OPEN,
-) = range(14)
+) = range(15)
 _STEPS = {
     UNREADABLE: "T101 T102 T103 T104 T105 T106 T107 T108 T109 T110 T111 T113 T379 T380",
     UNUSABLE: "T112 T120 T121 T122 T123 T124 T125 T126 T127 T128 T129 T148 T240 T250 T264",
@@ -40,7 +41,8 @@ _STEPS = {
     ONE_SIDED: "T135 T136 T206",
     CHANGED: "T221 T222 T223 T224 T225 T227 T228 T265 T370 T372 T373 T374 T375 T376 T377",
     FORGED: "T293 T294",
-    LACKING: "T139 T144 T149 T150 T171 T172 T154 T202 T207 T211 T212 T217",
+    LACKING: "T139 T144 T149 T150 T171 T172 T154 T202 T207 T211 T212 T217 T255",
+    UNREVIEWED: "T382",
     OUTCOME: "T141 T229 T249 T167 T168 T215 T216 T218 T241 T242 T243 T244 T245 T246 T247 T260 T261 T262 T337 T338",
     OPEN: "T230 T232",
 }
@@ -77,8 +79,10 @@ _OF_ABSENCE = frozenset(
         "T230",
         "T232",
         "T241",
+        "T255",
         "T262",
         "T263",
+        "T382",
     ]
 )
 #: What something came to when it was run, and of findings of documents those that change that: a page that is not there does not make a test fail.
@@ -86,6 +90,8 @@ _CAME_OUT = frozenset({"T215", "T229", "T249", "T243", "T244", "T245", "T260"})
 _BEFORE = frozenset(["T214", "T222", "T228", "T240", "T263", "T264", "T265", "T370", "T372", "T374", "T375"])
 #: Nothing was run.
 _NOT_RUN = frozenset({"T241", "T262"})
+#: What is said of reviews themselves.
+_OF_REVIEWS = frozenset({"T167", "T168", "T382"})
 #: So many links away something is looked for that a finding may rest on: a run rests on rules, and these on parameters.
 _FAR = 2
 #: Steps of which two findings about one thing are told as one.
@@ -189,6 +195,8 @@ class _Folding:
             return False  # no error hides behind a warning
         if finding.code in _CAME_OUT and other.code.startswith("T") and other.code not in _BEFORE:
             return False
+        if other.code == "T382" and finding.code not in _OF_REVIEWS:
+            return False  # no cell is open for want of a reader
         if before[0] != own[0]:
             return before < own
         if not same_thing:
@@ -203,7 +211,7 @@ class _Folding:
         step, own = self._key[finding][0], self._about[finding]
         if step != OPEN:
             yield True, own
-        if step == LACKING or finding.code[:3] in ("T16", "T14"):
+        if step in (LACKING, UNREVIEWED) or finding.code[:3] in ("T16", "T14"):
             yield True, self._neighbours(finding.subject)
         if step == ONE_SIDED:
             yield True, [name for end in own for name in self._neighbours(end)]

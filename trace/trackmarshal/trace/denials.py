@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 from trackmarshal.files import read_regular
@@ -11,12 +12,10 @@ from trackmarshal.records import SpecItem
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.spec import Spec, item_place
 
-#: What such pages say. Only sentences that can hardly mean anything else: a person reads the rest.
-SAID = (
-    r"(?:no|without(?: any)?) evidence", r"holds? none", r"there (?:is|are) none", r"no (?:evidence|record|report|proof|measurement)s? (?:exists?|yet|so far)",
-    r"tb[cd]", r"todo", r"(?:is|are|has|have|still) to be (?:done|provided|written|shown|measured|determined)",
-)  # fmt: skip
-_SAID = re.compile(r"(?<![\w-])(?:" + "|".join(SAID) + r")(?![\w-])", re.IGNORECASE)
+#: What such pages say; a project adds phrases of its own under `denials`.
+PHRASES = Path(__file__).with_name("denials.txt")
+#: Marks of Markdown between words, which are read as blanks.
+_MARKS = re.compile(r"[\s*>]")
 #: Larger files, and files that are no text, are not read.
 _MOST = 1_000_000
 
@@ -24,19 +23,51 @@ _MOST = 1_000_000
 Denials = Mapping[tuple[str, str], tuple[Place, str]]
 
 
-def load(root: Path, items: Iterable[SpecItem]) -> Denials:
-    """What the documents that back assumptions deny of them: where one is named, the paragraphs that name it count, else the whole document."""
+@cache
+def phrases() -> tuple[str, ...]:
+    """The phrases that come with the program."""
+    lines = PHRASES.read_text("utf-8").splitlines()
+    return tuple(line for line in lines if line.strip() and not line.startswith("#"))
+
+
+@cache
+def _pattern(said: tuple[str, ...]) -> re.Pattern[str]:
+    """Any of some phrases, as whole words, however the lines between them are broken."""
+    return re.compile(r"(?<![\w-])(?:" + "|".join(map(_phrase, said)) + r")(?![\w-])", re.IGNORECASE)
+
+
+def _phrase(said: str) -> str:
+    """A phrase as a regular expression: `a|b` is the one or the other, with `?` behind it it may be missing, with `!` before it it may not follow."""
+    made = ""
+    for word in said.split():
+        some = "(?:" + "|".join(map(re.escape, word.strip("!?").split("|"))) + ")"
+        gap = r"\s+" if made else ""
+        if word.startswith("!"):
+            made += rf"(?!\s+{some}(?![\w-]))"
+        elif word.endswith("?"):
+            made += f"(?:{gap}{some})?"
+        else:
+            made += gap + some
+    return made
+
+
+def load(root: Path, items: Iterable[SpecItem], own: Sequence[str] = ()) -> Denials:
+    """What the documents that back assumptions deny of them: where one is named, the paragraphs that name it count, else the whole document.
+
+    own: phrases of the project, beside those that come with the program.
+    """
+    pattern = _pattern((*phrases(), *own))
     texts: dict[str, str] = {}
     found = {}
     for item in items:
         if item.kind == "assume" and item.evidence:
             text = texts.setdefault(item.evidence, _text(root, item.evidence))
             for start, part in _about(text, item.name):
-                match = _SAID.search(re.sub(r"\s", " ", part))  # a sentence may go on in the next line
+                match = pattern.search(_MARKS.sub(" ", part))  # a sentence may go on in the next line
                 if match is not None:
                     before = text[: start + match.start()]
                     place = Place(item.evidence, before.count("\n") + 1, len(before) - before.rfind("\n"))
-                    found[item.evidence, item.name] = (place, match[0])
+                    found[item.evidence, item.name] = (place, " ".join(match[0].split()))
                     break
     return found
 
@@ -77,4 +108,4 @@ def check(spec: Spec, denials: Denials) -> Iterator[Finding]:
             )
 
 
-__all__ = ["SAID", "Denials", "check", "load"]
+__all__ = ["PHRASES", "Denials", "check", "load", "phrases"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from trackmarshal.trace.documents_safety import ASSURANCE, DESIGN, HAZARDS, LINK_SCHEMA
+from trackmarshal.trace.documents_safety import ASSURANCE, DESIGN, HAZARDS, LINK_SCHEMA, METHOD
 from trackmarshal.trace.gsn.document import ARGUMENT
 from trackmarshal.trace.shapes import (
     ASIL,
@@ -30,6 +30,14 @@ INTERFACE_ID = Text(INTERFACE, "an interface such as `AV-RO`")
 SUBSYSTEM_ID = Text(SUBSYSTEM, "a subsystem such as `AV`")
 STAGE_ID = Text(ID, "a stage such as `S-2-B`")
 PATTERNS = Many(Text(PATTERN, "an id, or a pattern such as `S-1-A-*`"), 1)
+SUBJECT = Text(
+    rf"{PATTERN}(:[a-z*][a-z0-9* -]*)?",
+    "a name, a pattern such as `A-*`, or a requirement with a method such as `S-1:review`",
+)
+_WORD = r"[^\s|!?]+(\|[^\s|!?]+)*"
+PHRASE = Text(
+    rf"{_WORD}( ({_WORD}\??|!{_WORD}))*", "a phrase such as `still open`, or `not yet|ever been? seen`"
+)
 PROJECT_PATH = Text(PATH, "a path inside the project, relative to its folder, with forward slashes")
 QUANTITY = Text(
     r"[0-9]+(\.[0-9]+)?(e-?[0-9]+)?( [A-Za-z%1][A-Za-z0-9%*/^²³·-]*)?",
@@ -90,11 +98,7 @@ REQUIREMENT = Record("requirement", "One requirement.", (
     Field("status", Word({"draft": "being written", "approved": "agreed", "obsolete": "demanded no longer; kept so that its id is not used again"}),
           "How far it has come."),
     Field("asil", Text(ASIL, "QM, A, B, C or D, decomposed ones as `B(D)`"), "Integrity level after ISO 26262."),
-    Field("verification", Many(Word({
-        "analysis": "argument over the interfaces", "review": "reading by a second person", "test": "requirement-based tests of rules",
-        "fault injection": "faulty inputs", "scenario": "replayed critical scenarios", "field run": "runs in which nothing may fire",
-        "measurement": "timing and resources", "monitor": "checked while driving",
-    }), 1), "How it is verified."),
+    Field("verification", Many(METHOD, 1), "How it is verified: methods of the schema of links, each of which evidence of its kind answers."),
     optional("metrics", Many(NAME), "The rules that S-2-B designs for it. Rules may satisfy it without being listed."),
     optional("assumptions", Many(NAME), "The input assumptions (S-2-C) that handle it, or part of it."),
     Field("source", TEXT, "Where it is written: paper and section, regulation and clause."),
@@ -161,8 +165,12 @@ PROJECT = Record("project", "Settings of the project.", (
         optional("tool", TEXT, "The test runner."),
         optional("names", TEXT, "A regular expression that finds ids in `suite::name` of a test, `_` standing for `-`; its first group, if it has one."),
         optional("if_there", Flag(), "true: it is made by other commands than those of the gate, and where it is not there, its tests were not run, which is a warning."),
+        optional("methods", Many(METHOD, 1), "The methods of verification, beside `test`, that its tests are evidence of."),
     )), 1), "Reports of other test runners, whose tests name requirements."),
     optional("sources", Many(PROJECT_PATH, 1), "Folders of source code with comments such as `implements S-1-B-4`."),
+    optional("denials", Many(PHRASE, 1), "Phrases by which a document says that it is no evidence, beside those that come with the program; `a|b` is the one word or the other, one with `?` behind it may be missing, what stands behind `!` may not follow."),
+    optional("closed_loop", PROJECT_PATH, "Kept results of runs in a closed loop (`trackmarshal-closed-loop`), for the safety case."),
+    optional("case_words", TEXT, "The language of the safety case, such as `de`, or the path of a file of words; English if not given."),
     optional("case_templates", PROJECT_PATH, "A folder with templates of the safety case in place of those that come with the program."),
 ))  # fmt: skip
 
@@ -185,7 +193,13 @@ V_MODEL = Record("v-model", "What each stage of the development must show, and w
         Field("stage", STAGE_ID, "The stage that it is evidence at."),
         Field("requirements", PATTERNS, "The requirements that it is evidence for."),
         optional("sha256", Text(HASH, "64 hexadecimal digits"), "The hash of the reviewed version; the evidence is stale when it differs."),
+        optional("methods", Many(METHOD, 1), "The methods of verification that it is evidence of, for these requirements."),
     ))), "Documents that count as evidence."),
+    optional("assumptions", Many(Record("backing", "Evidence for an assumption whose spec is not part of the project, such as one of the library.", (
+        Field("name", NAME, "The assumption."),
+        Field("evidence", PROJECT_PATH, "The document that backs it here."),
+        optional("owner", TEXT, "Who answers for it here; who the spec says if not given."),
+    )), 1), "Evidence for assumptions of specs that are not part of the project."),
     optional("gate", Many(Record("demand", "Cells that must be covered for the gate to pass.", (
         Field("stage", STAGE_ID, "The stage."),
         Field("requirements", PATTERNS, "The requirements."),
@@ -196,7 +210,7 @@ V_MODEL = Record("v-model", "What each stage of the development must show, and w
         optional("stages", Many(STAGE_ID, 1), "Waive missing or partial cells: at these stages ..."),
         optional("requirements", PATTERNS, "... of these requirements."),
         optional("codes", Many(Text(r"T2[0-9]{2}", "a code such as `T212`"), 1), "Or waive findings: with these codes ..."),
-        optional("subjects", PATTERNS, "... about these rules or assumptions."),
+        optional("subjects", Many(SUBJECT, 1), "... about these rules or assumptions, or methods of requirements."),
         Field("justification", TEXT, "Why the gap is bearable."),
         Field("residual_risk", TEXT, "What may still happen while the gap is open, and what keeps it bearable."),
         Field("owner", TEXT, "Who answers for it."),

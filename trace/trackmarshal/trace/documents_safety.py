@@ -35,6 +35,8 @@ _END = Text(
     "a number with its unit, such as `12 m/s`",
 )
 PERSONS = Many(ANY_ID, 1)
+#: Which there are, the schema of links says.
+METHOD = Text(r"[a-z]+([ -][a-z0-9]+)*", "a method such as `fault injection`")
 
 DOMAIN = Record("domain", "Conditions under which the vehicle is meant to drive.", (
     Field("id", ANY_ID, "Unique, such as `ODD-1`."),
@@ -109,6 +111,10 @@ DESIGN = Record("design", "What the system consists of, and the methods that sho
     )), 1), "Methods."),
 ))  # fmt: skip
 
+#: Classes of tools by ISO 26262-8, 11.4.5.
+IMPACT = {"TI1": "no fault of it can do so", "TI2": "a fault of it can do so"}
+DETECTION = {"TD1": "high confidence", "TD2": "medium confidence", "TD3": "less than that"}
+
 _MADE = (
     Field("by", PERSONS, "The persons who made it."),
     Field("made", Date(), "The day on which it was finished."),
@@ -129,9 +135,21 @@ ASSURANCE = Record("assurance", "Who did what: persons, tools, analyses, reviews
         Field("title", TEXT, "The name."),
         Field("version", TEXT, "The version that is used."),
         optional("used_for", Many(NODE, 1), "What it makes or checks."),
+        optional("impact", Word(IMPACT), "The tool impact: whether a fault of it could put an error into what is delivered, or keep one from being found."),
+        optional("detection", Word(DETECTION), "The tool error detection: how sure it is that such a fault is prevented or noticed."),
         optional("confidence", Word({"TCL1": "no qualification needed", "TCL2": "qualification of medium rigour", "TCL3": "qualification of high rigour"}),
-                 "The tool confidence level."),
-    )), 1), "Tools."),
+                 "The tool confidence level that follows from these two by ISO 26262-8, table 3; held against them."),
+        optional("rationale", TEXT, "Why impact and detection are what they are."),
+        optional("open", Many(TEXT, 1), "What keeps more confidence from being claimed, each in a sentence."),
+    )), 1), "Tools, or parts of a chain of tools."),
+    optional("malfunctions", Many(Record("malfunction", "What a fault of a tool could do, and how it would be noticed.", (
+        Field("id", ANY_ID, "Unique, such as `MF-1`."),
+        Field("title", TEXT, "What the tool would do wrong."),
+        Field("of_tool", Many(ANY_ID, 1), "The tools that it could be a fault of."),
+        Field("effect", TEXT, "What could come of it in what is delivered."),
+        Field("noticed", TEXT, "How it is prevented, or noticed; what would not be noticed, too."),
+        optional("shown_in", Many(PROJECT_PATH, 1), "The files that show so: tests, reports, pages."),
+    )), 1), "Malfunctions of tools."),
     optional("indicators", Many(Record("indicator", "A number that shows in operation whether what is claimed still holds.", (
         Field("id", ANY_ID, "Unique, such as `SPI-1`."),
         Field("title", TEXT, "What is counted or measured."),
@@ -201,7 +219,7 @@ NEED = Record("need", "What a node of some kind needs.", (
     optional("help", TEXT, "What to do about it; `{id}` is the node's id."),
 ))  # fmt: skip
 
-LINK_SCHEMA = Record("link-schema", "Which links a node needs: what stands here is all that is asked, in place of the schema that comes with the program.", (
+LINK_SCHEMA = Record("link-schema", "Which links a node needs: what stands under `nodes` is all that is asked, in place of the schema that comes with the program.", (
     Field("document", Word({"link-schema": "this document"}), "Says which document this is."),
     Field("title", TEXT, "The title."),
     optional("source", TEXT, "Where these rules come from."),
@@ -214,6 +232,16 @@ LINK_SCHEMA = Record("link-schema", "Which links a node needs: what stands here 
         Field("from", Many(Text(PATTERN, "an id, or a pattern"), 1), "Ids that it may stand at."),
         Field("to", Many(Text(PATTERN, "an id, or a pattern"), 1), "Ids that it may lead to."),
     )), 1), "Which levels may be linked: where a kind of links is named here, each link of it fits one of its entries."),
+    optional("methods", Many(Record("verification_method", "A method that requirements name under `verification`, and what is evidence of its kind.", (
+        Field("name", METHOD, "The word that stands under `verification`."),
+        Field("means", TEXT, "What is done."),
+        optional("any_of", Many(WAY, 1), "What answers it: one of these ways, seen from the requirement. Evidence that names the method under `methods` always does."),
+    )), 1), "Methods of verification, in place of those that come with the program."),
+    optional("reviewed", Many(Record("reviewed_kind", "Nodes that a person is to have reviewed.", (
+        Field("kind", Word(dict.fromkeys(NODES, "")), "The kind."),
+        optional("ids", Many(Text(PATTERN, "an id, or a pattern such as `S-1-A-*`"), 1), "Only nodes with these ids."),
+        optional("from_asil", PLAIN_LEVEL, "Only nodes with this integrity level, or a higher one."),
+    ))), "What a person is to have reviewed, in place of what comes with the program; what nobody reviewed, the baseline lists."),
 ))  # fmt: skip
 
-__all__ = ["ASSURANCE", "DESIGN", "HAZARDS", "LINK_SCHEMA"]
+__all__ = ["ASSURANCE", "DESIGN", "HAZARDS", "LINK_SCHEMA", "METHOD"]

@@ -12,12 +12,13 @@ from trackmarshal.trace.values import Placed, Table
 LISTS = {
     "hazards": (("domains", "operational design domain"), ("hazards", "hazard"), ("safety_goals", "safety goal")),
     "design": (("elements", "design element"), ("methods", "method")),
-    "assurance": (("persons", "person"), ("tools", "tool"), ("analyses", "analysis"), ("reviews", "review"), ("works", "work"), ("indicators", "indicator")),
+    "assurance": (("persons", "person"), ("tools", "tool"), ("malfunctions", "malfunction"), ("analyses", "analysis"), ("reviews", "review"), ("works", "work"), ("indicators", "indicator")),
 }  # fmt: skip
 #: Fields that are links, and their kinds.
 _LINKS = {
     "arises_from": "arises_from", "operates_in": "operates_in", "prevents": "prevents", "part_of": "part_of", "used_for": "used_for",
     "of": "examines", "by": "made_by", "document": "backed_by", "owner": "owned_by", "claims": "indicates",
+    "of_tool": "malfunction_of", "shown_in": "backed_by",
 }  # fmt: skip
 #: Fields of requirements that are links beside those that the matrix has always known.
 OF_REQUIREMENTS = ("achieves", "allocated_to", "verified_by", "independence")
@@ -85,7 +86,19 @@ def schema(table: Table) -> model.Schema:
         for t in table.tables("permitted")
         if t.text("link")
     )
-    return model.Schema(needs, permitted)
+    methods = tuple(
+        model.Method(t.text("name"), t.text("means"), tuple(map(_way, t.tables("any_of"))))
+        for t in table.tables("methods")
+        if t.text("name")
+    )
+    reviewed = tuple(
+        model.Reviewed(str(t.text("kind")), t.texts("ids"), t.text("from_asil"))
+        for t in table.tables("reviewed")
+        if t.text("kind")
+    )
+    return model.Schema(
+        needs, permitted, methods if "methods" in table else None, reviewed if "reviewed" in table else None
+    )
 
 
 def _need(kind: str, t: Table) -> model.Need:

@@ -72,6 +72,7 @@ def rows(cases: Sequence[FaultCase], results: Sequence[FaultResult]) -> list[dic
         fired = known is not None and known.first is not None
         table.append(
             {
+                "campaign": case.campaign,
                 "id": case.id,
                 "title": case.title,
                 "requirement": case.requirement,

@@ -25,6 +25,7 @@ def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
     paths = {str(e.path) for e in project.evidence} | {str(s.path) for s in project.scenarios}
     paths |= {str(s.kept) for s in project.scenarios if s.kept} | set(map(str, project.campaigns))
     paths |= {str(path) for _, path in _written_down(project)}
+    paths |= {str(project.closed_loop)} if project.closed_loop else set()
     paths |= {item.evidence for item in items if item.evidence}
     return {**{path: sha256(root, path) for path in sorted(paths)}, **sections.hashes(root, project)}
 

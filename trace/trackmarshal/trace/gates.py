@@ -12,7 +12,7 @@ from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver
 from trackmarshal.trace.values import Placed
 
 #: Findings that somebody may answer for. All others are mistakes, to be mended.
-WAIVABLE = frozenset({"T207", "T208", "T211", "T212", "T252", "T253", "T254"})
+WAIVABLE = frozenset({"T207", "T208", "T211", "T212", "T252", "T253", "T254", "T255"})
 #: Cells that a waiver may excuse. What failed, or is stale, is never excused.
 GAPS = frozenset({"missing", "partial"})
 
@@ -40,7 +40,7 @@ class Waivers:
 
     def finding(self, found: Finding) -> Finding:
         """The finding, as a note where somebody answers for it."""
-        if found.code not in WAIVABLE or found.level != "error":
+        if found.code not in WAIVABLE or found.level == "note":
             return found
         for waiver in self._holding:
             if found.code in waiver.codes and matches(found.subject, waiver.subjects):

@@ -25,9 +25,10 @@ from trackmarshal.trace import (
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
-from trackmarshal.trace.graph import checks, conditions, integrity, people, schema, works
+from trackmarshal.trace.graph import checks, conditions, integrity, methods, people, schema, tools, works
 from trackmarshal.trace.graph.building import build
-from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.graph.graph import Graph, Key
+from trackmarshal.trace.graph.reviewed import unreviewed
 from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, matches
 from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec
@@ -60,8 +61,13 @@ class Matrix:
     counts: Mapping[str, int]  #: how many rules, assumptions, tests, results and runs went in
     demands: tuple[Demand, ...] = ()  #: what the gate demands of cells
     accepted: tuple[baselines.Acceptance, ...] = ()  #: of what became weaker, the last one last
+    unreviewed: tuple[Key, ...] = ()  #: what is to be reviewed, and no person has reviewed as it is now
     #: By finding that follows from another one, that one; those that stand for themselves are not in it.
     causes: Mapping[Finding, Finding] = field(default_factory=dict)
+    baseline: baselines.Baseline | None = None  #: that was accepted last
+    content: baselines.Content = field(
+        default_factory=dict
+    )  #: what a baseline would hold that is accepted now
 
     @property
     def passes(self) -> bool:
@@ -86,6 +92,7 @@ class Matrix:
             (waived, "{} cell is waived", "{} cells are waived"),
             (rest, "{} cell is not covered", "{} cells are not covered"),
             (excused, "{} finding is waived", "{} findings are waived"),
+            (len(self.unreviewed), "nobody has reviewed {} thing", "nobody has reviewed {} things"),
             (warnings, "{} warning should be looked at", "{} warnings should be looked at"),
         )
         return tuple((one if n == 1 else more).format(n) for n, one, more in said if n)
@@ -134,19 +141,23 @@ def assemble(
     around = around or Outside()
     excuses = gates.Waivers(project, today)
     graph = build(project, spec, hashes, around)
+    asking = schema.Asking(graph, project)
     cells = _cells(Ground(project, spec, hashes, graph, around), excuses)
+    content = baselines.content(project, spec, hashes, graph)
     loose = [
         *consistency.check(project),
         *checks.check(graph),
-        *schema.check(graph, project, project.schema or schema.default()),
+        *schema.check(graph, project, asking),
+        *methods.check(graph, project, asking, around),
         *integrity.check(graph),
         *people.check(graph, project, today),
         *works.check(graph),
+        *tools.check(graph),
         *conditions.check(graph, project, spec),
         *vacuous.check(project, spec),
         *links.check(project, spec),
         *tests.check(project, spec),
-        *baselines.check(baseline, baselines.content(project, spec, hashes), project, spec, tell),
+        *baselines.check(baseline, content, project, spec, tell),
         *runs.check(project, spec, hashes),
         *faults.check(project, spec, hashes),
         *files.check(project, spec, hashes),
@@ -182,7 +193,10 @@ def assemble(
         counts,
         gates.demands(project),
         tuple(one for one in baseline.acceptances if one.weaker) if baseline else (),
+        unreviewed(graph, schema.of(project).reviewed or ()),
         causes.causes(findings, graph),
+        baseline,
+        content,
     )
 
 

@@ -76,7 +76,7 @@ class Requirement:
     adopted: str
     status: str
     asil: Placed
-    verification: tuple[str, ...]
+    verification: tuple[Placed, ...]
     metrics: tuple[Placed, ...]
     assumptions: tuple[Placed, ...]
     source: str
@@ -161,11 +161,34 @@ class Permitted:
 
 
 @dataclass(frozen=True, slots=True)
+class Method:
+    """A method that requirements name under `verification`, and what answers it: one of these ways, beside evidence that names it."""
+
+    name: Placed
+    means: str
+    any_of: tuple[Way, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Reviewed:
+    """Nodes that a person is to have reviewed."""
+
+    kind: str
+    ids: tuple[Placed, ...]
+    from_asil: str
+
+
+@dataclass(frozen=True, slots=True)
 class Schema:
-    """Which links nodes need, and which they may have."""
+    """Which links nodes need, and which they may have; what answers methods of verification; what a person is to have reviewed.
+
+    methods, reviewed: None where a project's own schema leaves them as they come with the program.
+    """
 
     needs: tuple[Need, ...] = ()
     permitted: tuple[Permitted, ...] = ()
+    methods: tuple[Method, ...] | None = None
+    reviewed: tuple[Reviewed, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,6 +227,16 @@ class Evidence:
     stage: Placed
     requirements: tuple[Placed, ...]
     sha256: str
+    methods: tuple[Placed, ...] = ()  #: of verification that it is evidence of
+
+
+@dataclass(frozen=True, slots=True)
+class Backing:
+    """Evidence for an assumption whose spec is not part of the project, and who answers for it here (empty: who the spec says)."""
+
+    name: Placed
+    evidence: Placed
+    owner: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,6 +248,7 @@ class TestReport:
     tool: str
     names: Placed  #: a regular expression that finds ids in names of tests; empty: names are names
     if_there: bool = False  #: it may be missing, and its tests were not run then
+    methods: tuple[Placed, ...] = ()  #: of verification that its tests are evidence of
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,8 +299,12 @@ class Project:
     campaigns: tuple[Placed, ...] = ()
     junit: tuple[TestReport, ...] = ()
     sources: tuple[Placed, ...] = ()  #: folders of code that says what it implements
+    denials: tuple[Placed, ...] = ()  #: further phrases by which a page says that it is no evidence
+    closed_loop: Placed | None = None  #: kept results of runs in a closed loop
+    case_words: Placed | None = None  #: the language of the safety case, or a file of words
     case_templates: Placed | None = None  #: the folder of its own templates of the safety case
     evidence: tuple[Evidence, ...] = ()
+    backing: tuple[Backing, ...] = ()  #: of assumptions of other people's specs
     gate: tuple[Demand, ...] = ()
     waivers: tuple[Waiver, ...] = ()
     place: Place | None = None  #: where its settings are

@@ -38,7 +38,9 @@ def load(root: Path, project: Project, items: Iterable[SpecItem], found: list[Fi
     markers_of: dict[str, list[Marker]] = defaultdict(list)
     for marker in markers:
         markers_of[marker.requirement].append(marker)
-    return Outside(tests, markers, denials.load(root, items), tests_of, markers_of)
+    return Outside(
+        tests, markers, denials.load(root, items, tuple(map(str, project.denials))), tests_of, markers_of
+    )
 
 
 def check(project: Project, spec: Spec, outside: Outside) -> Iterator[Finding]:

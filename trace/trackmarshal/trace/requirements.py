@@ -14,6 +14,7 @@ from trackmarshal.trace import entries, model, tree
 from trackmarshal.trace.collector import no_collection
 from trackmarshal.trace.documents import DOCUMENTS
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
+from trackmarshal.trace.graph import methods
 from trackmarshal.trace.gsn import document as gsn
 from trackmarshal.trace.values import Placed, Reader, Table
 
@@ -94,6 +95,7 @@ def _project(files: Bytes, found: list[Finding]) -> model.Project:
     )
     for requirement in requirements:
         project.by_id.setdefault(str(requirement.id), requirement)
+    found += methods.unknown(project)
     return _with_model(project, tables["system-model"][0]) if tables["system-model"] else project
 
 
@@ -192,14 +194,27 @@ def _settings(t: Table) -> model.Project:
         campaigns=settings.texts("campaigns"),
         junit=tuple(
             model.TestReport(
-                j.text("path"), j.text("stage"), j.text("tool"), j.text("names"), j.get("if_there", False)
+                j.text("path"),
+                j.text("stage"),
+                j.text("tool"),
+                j.text("names"),
+                j.get("if_there", False),
+                j.texts("methods"),
             )
             for j in settings.tables("junit")
             if j.text("path") and j.text("stage")
         ),
         sources=settings.texts("sources"),
+        denials=settings.texts("denials"),
+        closed_loop=settings.text("closed_loop") or None,
+        case_words=settings.text("case_words") or None,
         case_templates=settings.text("case_templates") or None,
         evidence=tuple(_evidence(e) for e in t.tables("evidence") if e.text("path") and e.text("stage")),
+        backing=tuple(
+            model.Backing(b.text("name"), b.text("evidence"), b.text("owner"))
+            for b in t.tables("assumptions")
+            if b.text("name") and b.text("evidence")
+        ),
         gate=tuple(
             model.Demand(d.text("stage"), d.texts("requirements"), d.text("at_least") or "covered")
             for d in t.tables("gate")
@@ -230,7 +245,12 @@ def _scenario(t: Table) -> model.Scenario:
 
 def _evidence(t: Table) -> model.Evidence:
     return model.Evidence(
-        t.text("path"), t.text("title"), t.text("stage"), t.texts("requirements"), t.text("sha256")
+        t.text("path"),
+        t.text("title"),
+        t.text("stage"),
+        t.texts("requirements"),
+        t.text("sha256"),
+        t.texts("methods"),
     )
 
 

@@ -130,7 +130,7 @@ _CALLED = {
 }  # fmt: skip
 _WHOLE = {
     "constraints": "the constraints on its parameters", "test": "what the test gives or expects", "engine": "the engine",
-    "recording": "the recording", "limits": "the limits of the Supervisor",
+    "recording": "the recording", "named": "a file that the scenario names", "limits": "the limits of the Supervisor",
     "distance": "how far limits are moved",
 }  # fmt: skip
 

@@ -14,9 +14,11 @@ NONE = "no verdict"
 MEANINGS = {
     FAIL: "at least one finding is an error",
     NONE: "nothing was held against requirements",
-    RESERVED: "no finding is an error, and something is waived, not covered where the gate asks for nothing, or should be looked at",
-    PASS: "no finding is an error, and every demand of the V-model is covered",
+    RESERVED: "no finding is an error, and something is waived, not covered where the gate asks for nothing, reviewed by nobody, or should be looked at",
+    PASS: "no finding is an error, every demand of the V-model is covered, and all that is to be reviewed has been",
 }
+#: The status of cells whose colours a verdict has.
+LOOKS = {PASS: "covered", RESERVED: "waived", NONE: "partial", FAIL: "failed"}
 #: Beside the word, never instead of it.
 SIGNS = {PASS: "✓", RESERVED: "⚑", FAIL: "✗", NONE: "○"}
 
@@ -34,4 +36,4 @@ def worse(one: str, other: str) -> str:
     return order[min(order.index(one), order.index(other))]
 
 
-__all__ = ["FAIL", "MEANINGS", "NONE", "PASS", "RESERVED", "SIGNS", "verdict", "worse"]
+__all__ = ["FAIL", "LOOKS", "MEANINGS", "NONE", "PASS", "RESERVED", "SIGNS", "verdict", "worse"]

@@ -6,9 +6,10 @@ It is a file beside the requirements, written by `accept` only, with who accepte
 from trackmarshal.trace.baseline.changes import Change, Tell, changes
 from trackmarshal.trace.baseline.check import check
 from trackmarshal.trace.baseline.content import Content, content
-from trackmarshal.trace.baseline.file import Acceptance, Baseline, accept, load
+from trackmarshal.trace.baseline.file import DEFAULT, Acceptance, Baseline, accept, load, read
 
 __all__ = [
+    "DEFAULT",
     "Acceptance",
     "Baseline",
     "Change",
@@ -19,4 +20,5 @@ __all__ = [
     "check",
     "content",
     "load",
+    "read",
 ]

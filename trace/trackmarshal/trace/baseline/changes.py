@@ -6,16 +6,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from trackmarshal.trace.baseline.content import Content, Entry, Value
+from trackmarshal.trace.baseline.content import UNREVIEWED, Content, Entry, Value
 
 ASILS = ("QM", "A", "B", "C", "D")
 
 #: Fields of which an element less is a weakening, and one more is none.
 _FEWER = {
     ("requirement", "derived_from"), ("requirement", "refines"), ("requirement", "verification"), ("requirement", "metrics"),
-    ("requirement", "assumptions"), ("interface", "leads_to"), ("project", "specs"), ("project", "campaigns"), ("project", "sources"), ("stage", "applies_to"),
+    ("requirement", "assumptions"), ("interface", "leads_to"), ("project", "specs"), ("project", "campaigns"), ("project", "sources"), ("project", "denials"), ("stage", "applies_to"),
     ("gate", "requirements"), ("scenario", "by"), ("scenario", "requirements"), ("scenario", "with"), ("evidence", "requirements"),
-    ("rule", "satisfies"), ("assumption", "satisfies"),
+    ("rule", "satisfies"), ("assumption", "satisfies"), ("evidence", "methods"), ("report", "methods"),
 }  # fmt: skip
 #: Fields of which an element more is a weakening: each is one more thing that is excused.
 _MORE = {
@@ -122,9 +122,11 @@ def _changes(before: Content, now: Content) -> Iterator[Change]:
             rule = name.partition(": ")[0]
             if kind == "test" and not {f"rule {rule}", f"assumption {rule}"} & now.keys():
                 continue
-            yield Change(kind, name, "", "there", "", kind != "waiver")
+            yield Change(kind, name, "", "there", "", kind not in ("waiver", UNREVIEWED))
         elif key not in before:
-            yield Change(kind, name, "", "", "there", kind in ("waiver", "link-schema", "argument"))
+            yield Change(
+                kind, name, "", "", "there", kind in ("waiver", "link-schema", "argument", UNREVIEWED)
+            )
         else:
             yield from _of(kind, name, before[key], now[key])
 

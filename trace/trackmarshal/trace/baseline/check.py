@@ -8,13 +8,14 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from trackmarshal.trace import sections
 from trackmarshal.trace.baseline.changes import Change, Tell, changes
-from trackmarshal.trace.baseline.content import Content, Entry
+from trackmarshal.trace.baseline.content import UNREVIEWED, Content, Entry
 from trackmarshal.trace.baseline.file import Baseline
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec, item_place
 
 _HELP = 'restore it, or accept it by name: `trackmarshal trace --accept-baseline --by "NAME" --reason "..."`'
+_UNREVIEWED_HELP = f"have it reviewed (`reviews` in a document `assurance`); or {_HELP.partition(', or ')[2]}"
 #: Of changes that have one finding, for so many it is told in it whether they are weaker; of all in the places beside it.
 _TOLD = 3
 #: What the kinds of entries are called.
@@ -32,7 +33,7 @@ _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
     "signal": "T372", "constraint": "T372", "rulebook": "T372", "waiver": "T377",
-    "report": "T373", "section": "T373",
+    "report": "T373", "section": "T373", UNREVIEWED: "T382",
 }  # fmt: skip
 _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
@@ -54,10 +55,13 @@ def check(
     here = Place(str(project.baseline))
     found = list(changes(baseline.content, now, tell))
     lost = {change.name: change.key for change in found if not change.field and change.before}
-    for code, group in _grouped(change for change in found if change.weaker):
-        at = [places.get(change.key, here) for change in group]
+    listed = any(key.startswith(f"{UNREVIEWED} ") for key in baseline.content)
+    for code, group in _grouped((change for change in found if change.weaker), listed):
+        at = [places.get(change.key.removeprefix(f"{UNREVIEWED} "), here) for change in group]
         also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
-        name = group[0].name.partition(": ")[0] if group[0].kind == "test" else group[0].name
+        name = group[0].name
+        if group[0].kind in ("test", UNREVIEWED):
+            name = name.partition(": ")[0] if group[0].kind == "test" else name.partition(" ")[2]
         message = (
             _said(group[0])
             if len(group) == 1
@@ -86,12 +90,13 @@ def check(
         rests_on = tuple(
             dict.fromkeys(name for change in group for name in _around(baseline.content, change))
         )
-        yield Finding(code, "error", message, at[0], _HELP, name, also, tuple(about), rests_on, gone)
-    yield from _others([change for change in found if not change.weaker], here)
+        help_ = _UNREVIEWED_HELP if code == "T382" else _HELP
+        yield Finding(code, "error", message, at[0], help_, name, also, tuple(about), rests_on, gone)
+    yield from _others([change for change in found if not change.weaker], now, here)
 
 
 def _names(change: Change, before: Entry) -> Iterator[str]:
-    """What a change is about: the entry, of tests also the rule, of what shows something also the stage, and of lists what left or came."""
+    """What a change is about: the entry, of tests also the rule, of what shows something also the stage and what it shows that of, and of lists what left or came."""
     yield change.name
     first, _, last = change.name.partition(
         {"test": ": ", "gate": ", ", "evidence": " at ", "report": " at "}.get(change.kind, "\0")
@@ -102,12 +107,18 @@ def _names(change: Change, before: Entry) -> Iterator[str]:
     )
     if stage:
         yield f"at {stage}"
+    if change.kind == UNREVIEWED:
+        yield change.name.partition(" ")[2]
     if change.kind == "fault":
         yield from change.name.rsplit(" ", 1)
     if change.kind == "rulebook":
         yield from re.findall(r"[\w-]+", f"{change.before} {change.after}")
     if change.listed:
         yield from re.findall("`([^`]*)`", f"{change.before} {change.after}")
+    if change.kind in ("evidence", "fault", "review", "analysis"):  # what it was evidence of lacks it
+        for field in ("requirements", "requirement", "link reviews", "link examines"):
+            value = before.get(field, ())
+            yield from [value] if isinstance(value, str) else value
 
 
 def _linked(entry: Entry) -> set[str]:
@@ -116,16 +127,21 @@ def _linked(entry: Entry) -> set[str]:
 
 
 def _around(before: Content, change: Change) -> Iterator[str]:
-    """Of a parameter, a table, a place or a signal, the rules and assumptions that read it; of a rule that is gone, what it read."""
+    """Of a parameter, a table, a place or a signal, the rules and assumptions that read it; of a rule that is gone, what it read; of what is not reviewed, the reviews that were about it."""
     for key, entry in before.items():
         if change.key in entry.get("reads", ()):
+            yield key.partition(" ")[2]
+        if change.kind == UNREVIEWED and change.name.partition(" ")[2] in entry.get("link reviews", ()):
             yield key.partition(" ")[2]
     if not change.field:
         yield from (name.partition(" ")[2] for name in before.get(change.key, {}).get("reads", ()))
 
 
-def _grouped(found: Iterable[Change]) -> Iterator[tuple[str, list[Change]]]:
-    """Changes by code, those together that one edit makes: of a shared definition, of what tests are given, of a hazard that levels follow."""
+def _grouped(found: Iterable[Change], listed: bool) -> Iterator[tuple[str, list[Change]]]:
+    """Changes by code, those together that one edit makes: of a shared definition, of what tests are given, of a hazard that levels follow.
+
+    listed: the baseline lists things that nobody reviewed. Where it lists none, all that are so now are told as one: nobody has been asked so far.
+    """
     groups: dict[tuple[str, str], list[Change]] = defaultdict(list)
     for change in found:
         code = _code(change)
@@ -134,8 +150,8 @@ def _grouped(found: Iterable[Change]) -> Iterator[tuple[str, list[Change]]]:
             one = change.name.partition(": ")[0]
         elif change.field == "asil":
             one = "asil"
-        elif change.kind == "gate" and not change.field:
-            one = "gate"
+        elif (change.kind == "gate" and not change.field) or (change.kind == UNREVIEWED and not listed):
+            one = change.kind
         groups[code, one].append(change)
     for (code, _), group in groups.items():
         yield code, group
@@ -153,6 +169,9 @@ def _said(change: Change) -> str:
     if change.kind == "test":
         rule, _, title = change.name.partition(": ")
         name = f'the test "{title}" of `{rule}`'
+    if change.kind == UNREVIEWED:
+        what, _, id_ = change.name.partition(" ")
+        return f"nobody has reviewed the {what.replace('-', ' ')} `{id_}` as it is now, and the baseline does not list it as unreviewed"
     if not change.field:
         return f"{name} is gone since the baseline" if change.before else f"{name} is new since the baseline"
     if not change.what and not change.before:
@@ -171,7 +190,7 @@ def _said(change: Change) -> str:
     return f"{of}{name} was {change.before or 'nothing'} when the baseline was accepted, and is {change.after or 'nothing'}"
 
 
-def _others(found: list[Change], place: Place) -> Iterator[Finding]:
+def _others(found: list[Change], now: Content, place: Place) -> Iterator[Finding]:
     """One note of all that is new, or more than before."""
     new = Counter(
         _CALLED.get(change.kind, change.kind.replace("-", " "))
@@ -182,7 +201,14 @@ def _others(found: list[Change], place: Place) -> Iterator[Finding]:
         f"{number} {kind if number == 1 else _PLURAL.get(kind, f'{kind}s')}"
         for kind, number in sorted(new.items())
     ]
-    more = [str(change) for change in found if change.field or not change.after]
+    off = [
+        f"`{change.name.partition(' ')[2]}`"
+        for change in found
+        if change.kind == UNREVIEWED and change.name in now
+    ]
+    more = [
+        str(change) for change in found if (change.field or not change.after) and change.kind != UNREVIEWED
+    ]
     parts = [f"new since the baseline: {', '.join(said)}"] if said else []
     parts += (
         [
@@ -192,6 +218,9 @@ def _others(found: list[Change], place: Place) -> Iterator[Finding]:
         if more
         else []
     )
+    if off:
+        left = f" and {len(off) - 3} more" if len(off) > 3 else ""
+        parts.append(f"off the list of what nobody has reviewed: {', '.join(off[:3])}{left}")
     if parts:
         message = f"{'; '.join(parts)}; until that is accepted, its removal goes unnoticed"
         yield Finding("T226", "note", message, place, "accept it with `trackmarshal trace --accept-baseline`")

@@ -11,22 +11,38 @@ from typing import TypeAlias
 from trackmarshal.trace import sections
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
+from trackmarshal.trace.graph import schema
+from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.graph.reviewed import unreviewed
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec
 
 #: A field's value: a text, or texts in order, each once.
 Value: TypeAlias = str | list[str]
 Entry: TypeAlias = dict[str, Value]
+#: The kind of the entries that say that nobody has reviewed something (`unreviewed requirement RR-1`).
+UNREVIEWED = "unreviewed"
 #: By kind and name (`requirement RR-1`), what it is.
 Content: TypeAlias = dict[str, Entry]
 
 
-def content(project: Project, spec: Spec, hashes: Hashes) -> Content:
+def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph) -> Content:
     """All of it as it is now, in an order of its own."""
     found: Content = {}
-    for key, entry in (*_documents(project, hashes), *_v_model(project, hashes), *_specs(spec, hashes)):
+    for key, entry in (
+        *_documents(project, hashes),
+        *_v_model(project, hashes),
+        *_specs(spec, hashes),
+        *_reviews(project, graph),
+    ):
         found.setdefault(key, {name: value for name, value in entry.items() if value})
     return dict(sorted(found.items()))
+
+
+def _reviews(project: Project, graph: Graph) -> Iterator[tuple[str, Entry]]:
+    """The closed list of what no person has reviewed: each by the kind and the name that its own entry would have."""
+    for kind, id_ in unreviewed(graph, schema.of(project).reviewed or ()):
+        yield f"{UNREVIEWED} {kind.replace(' ', '-')} {id_}", {}
 
 
 def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
@@ -41,11 +57,16 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         versions = [f"{of} {fingerprint}" for of, fingerprint in entry.versions]
         yield f"{entry.kind.replace(' ', '-')} {entry.id}", {
             **said, **_linked(entry.links), "of versions": _list(versions),
-            # Of a design element, each section about a requirement is held by itself.
-            "evidence sha256": "" if entry.kind == "design element" else "".join(hashes.get(path) or "" for kind, path in entry.links if kind == "backed_by"),
+            # Of a design element, each section about a requirement is held by itself; tests that notice faults of tools change with every fault that is added.
+            "evidence sha256": "" if entry.kind in ("design element", "malfunction") else "".join(hashes.get(path) or "" for kind, path in entry.links if kind == "backed_by"),
         }  # fmt: skip
     if project.schema is not None:
-        yield "link-schema", {"says": _hash(repr(_said(project.schema)))}
+        own = project.schema
+        yield "link-schema", {
+            "says": _hash(repr(_said((own.needs, own.permitted)))),
+            "methods": "" if own.methods is None else _hash(repr(_said(own.methods))),
+            "reviewed": "" if own.reviewed is None else _hash(repr(_said(own.reviewed))),
+        }  # fmt: skip
     if project.argument is not None:
         made = project.argument
         yield "argument", {"templates": _hash(repr(_said((made.top, made.groups, made.templates))))}
@@ -67,6 +88,7 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "default_spec": project.default_spec,
             "campaigns": _list(project.campaigns),
             "sources": _list(project.sources),
+            "denials": _list(project.denials),
             "boundary_distance": _list(project.boundary_distance),
             **{f"{side} tests a rule": str(number) for side, number in project.tests_per_rule},
         },
@@ -74,6 +96,7 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
     for report in project.junit:
         yield f"report {report.path} at {report.stage}", {
             "tool": report.tool, "names": str(report.names), "may be missing": "yes" if report.if_there else "",
+            "methods": _list(report.methods),
         }  # fmt: skip
     for stage in project.stages:
         once = "yes" if stage.if_any else ""
@@ -93,6 +116,7 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             {
                 "requirements": _list(e.requirements),
                 "sha256": hashes.get(e.path) or "",
+                "methods": _list(e.methods),
             },
         )
     for _, element, path, requirement in sections.allocated(project):

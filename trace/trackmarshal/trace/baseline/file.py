@@ -25,13 +25,14 @@ DEFAULT = "requirements/baseline.json"
 
 @dataclass(frozen=True, slots=True)
 class Acceptance:
-    """Who accepted what, and why. after: the hash of the content that was there then."""
+    """Who accepted what, and why. after: the hash of the content that was there then. engine: the one that made the evidence; empty where nobody said."""
 
     on: str
     by: str
     reason: str
     weaker: tuple[str, ...]
     after: str
+    engine: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,14 @@ class Baseline:
 
 
 def accept(
-    root: Path, project: Project, now: Content, by: str, reason: str, today: date, tell: Tell | None = None
+    root: Path,
+    project: Project,
+    now: Content,
+    by: str,
+    reason: str,
+    today: date,
+    tell: Tell | None = None,
+    engine: str = "",
 ) -> tuple[Path, list[str]]:
     """Write the baseline of a project anew, whole or not at all; returns its path, and what became weaker by that.
 
@@ -69,19 +77,24 @@ def accept(
             help='say who accepts that, and why: `--by "NAME" --reason "..."`',
         )  # fmt: skip
     done = () if before is None else before.acceptances
-    if before is not None and before.content == now and not found:
+    if before is not None and before.content == now and not found and done[-1].engine == engine:
         return path, []
-    made = Acceptance(today.isoformat(), by.strip(), reason.strip(), tuple(weaker), digest(now))
+    made = Acceptance(today.isoformat(), by.strip(), reason.strip(), tuple(weaker), digest(now), engine)
     said = {
         "format": FORMAT,
         "version": VERSION,
         "content": now,
-        "acceptances": [asdict(one) for one in (*done, made)],
+        "acceptances": [_record(one) for one in (*done, made)],
     }
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     draft.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     draft.replace(path)
     return path, weaker
+
+
+def _record(one: Acceptance) -> dict[str, Any]:
+    """An acceptance as it stands in the file; those of before stay as they are."""
+    return {name: value for name, value in asdict(one).items() if value or name != "engine"}
 
 
 def digest(content: Content) -> str:
@@ -100,10 +113,7 @@ def load(root: Path, project: Project, found: list[Finding]) -> Baseline | None:
         found.append(error("T220", message, project.place, f"add `baseline: {DEFAULT}`, and {help_}"))
         return None
     try:
-        path = root / named
-        if path.stat().st_size > MAX_BYTES:
-            raise ValueError(f"larger than {MAX_BYTES // 1_000_000} MB")
-        made = _checked(json.loads(read_regular(path).decode("utf-8")))
+        made = read(root / named)
     except FileNotFoundError:
         found.append(error("T220", "the project names a baseline, but there is none", named.place, help_))
         return None
@@ -117,6 +127,13 @@ def load(root: Path, project: Project, found: list[Finding]) -> Baseline | None:
         help_ = "restore it from version control, and accept what is there now"
         found.append(error("T379", message, Place(str(named)), help_))
     return made
+
+
+def read(path: Path) -> Baseline:
+    """The baseline in a file; raises OSError, ValueError or RecursionError for what is none."""
+    if path.stat().st_size > MAX_BYTES:
+        raise ValueError(f"larger than {MAX_BYTES // 1_000_000} MB")
+    return _checked(json.loads(read_regular(path).decode("utf-8")))
 
 
 def _checked(data: Any) -> Baseline:

@@ -7,6 +7,10 @@ CODES = {
     "T431": ("no folder of templates", "The folder that is to hold templates of the safety case is not there."),
     "T432": ("no PDF without typst", "The PDF of the safety case is set by typst, which comes with the extra `pdf` of this package. The HTML is whole without it."),
     "T433": ("the PDF could not be set", "Typst refuses the source of the document. Where the project has templates of its own, one of them is the likely cause; the source stands beside the HTML."),
+    "T434": ("no such language, or no file of words", "The words of the safety case come in the languages of the program, or from a file of words, which begins with `format: trackmarshal-case-words`, `version: 1` and `words:`. This is neither, or it cannot be read."),
+    "T435": ("words that are missing", "A file of words has all the words that the program has in English: with some of them missing, the document would be in two languages. The message lists them."),
+    "T436": ("a word that does not fit", "A word of a file of words is none that the document has, has other places to fill in than the English one, or has a number in it. Numbers of the document come from the link graph, so that each can be found there again."),
+    "T437": ("results of a closed loop that cannot be used", "The file that v-model.yaml names under `closed_loop` holds no results of runs in a closed loop, or some that lack what the safety case says of them."),
 }  # fmt: skip
 
 __all__ = ["CODES"]

@@ -7,8 +7,18 @@ from collections.abc import Iterable, Mapping
 
 from trackmarshal.trace.case.inputs import Inputs
 from trackmarshal.trace.case.model import Document
-from trackmarshal.trace.case.sections import argument, closing, front, item, rules, safety, showing
-from trackmarshal.trace.case.words import ENGLISH
+from trackmarshal.trace.case.sections import (
+    argument,
+    closing,
+    front,
+    item,
+    people,
+    rules,
+    safety,
+    showing,
+    tools,
+)
+from trackmarshal.trace.case.words.language import english
 from trackmarshal.trace.case.writing import Writing
 from trackmarshal.trace.collector import no_collection
 from trackmarshal.trace.graph.graph import Graph, Key
@@ -17,7 +27,7 @@ from trackmarshal.trace.graph.graph import Graph, Key
 FIRST = (front.cover, front.open_points)
 REST = (
     item.item, item.system, safety.hazards, safety.decomposition, argument.argument, safety.requirements, item.architecture, rules.rules, rules.assumptions,
-    rules.parameters, showing.verification, showing.tools, showing.people, closing.matrix, closing.glossary, closing.again,
+    rules.parameters, showing.verification, tools.tools, people.people, closing.matrix, closing.glossary, closing.again,
 )  # fmt: skip
 #: Names of sections: those of the templates that a project may replace.
 NAMES = (
@@ -27,14 +37,15 @@ NAMES = (
 #: Kinds of nodes that have a place of their own in the document.
 PLACED = (
     "operational design domain", "subsystem", "interface", "issue", "hazard", "safety goal", "analysis", "requirement", "design element", "rule",
-    "assumption", "parameter", "scenario", "document", "stage", "tool", "person", "review", "waiver",
+    "assumption", "parameter", "scenario", "fault", "document", "stage", "tool", "malfunction", "person", "review", "waiver",
 )  # fmt: skip
 
 
-def content(given: Inputs, words: Mapping[str, str] = ENGLISH) -> Document:
-    """The document; equal inputs make equal ones. Raises T424 and T425 where the argument is to be drawn and cannot be."""
+def content(given: Inputs, words: Mapping[str, str] | None = None) -> Document:
+    """The document, in English where no words are given; equal inputs make equal ones. Raises T424 and T425 where the argument is to be drawn and cannot be."""
     with no_collection():
         anchors = places(given.matrix.graph, [module.name for module in given.argument.modules])
+        words = english() if words is None else words
         writing = Writing(given, words, anchors)
         first = tuple(make(writing) for make in FIRST)
         rest = tuple(section for make in REST if (section := make(writing)) is not None)

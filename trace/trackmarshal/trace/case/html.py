@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.trace.case.making import guarded, unknown
+from trackmarshal.trace.case.making import printed
 from trackmarshal.trace.case.model import (
     Code,
     Document,
@@ -21,9 +21,7 @@ from trackmarshal.trace.case.model import (
     Status,
     Written,
 )
-from trackmarshal.trace.case.templates import loader, section_template
-from trackmarshal.trace.case.words import LIKE
-from trackmarshal.trace.render.words import SIGNS
+from trackmarshal.trace.render.words import LIKE, SIGNS
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -31,29 +29,20 @@ if TYPE_CHECKING:
 
 def render(document: Document, folder: Path | None = None) -> str:
     """The page. folder: templates of the project, in place of ours. Raises TrackmarshalError T430 for a template that cannot be used."""
-    from jinja2 import Environment, StrictUndefined
-    from markupsafe import Markup
-
-    printing = Printing(document)
-    with guarded(folder is not None):
-        environment = Environment(
-            loader=loader(folder), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-        )  # fmt: skip
-        environment.filters.update(line=printing.line, ready=Markup)
-        environment.globals.update(
-            words=document.words, signs=SIGNS, like=LIKE, unknown=unknown,
-            template_of=lambda section: section_template(environment, section, "html"),
-        )  # fmt: skip
-        return environment.get_template("document.html.j2").render(document=document).rstrip() + "\n"
+    return printed(document, "html", folder, {"line": Printing(document).line})
 
 
 class Printing:
     """Pieces as HTML; links only to places that the document has."""
 
     def __init__(self, document: Document) -> None:
+        from markupsafe import Markup
+
         self._anchors: Mapping[tuple[str, str], str] = document.anchors
         self._there = there(document)
-        self._people = document.words["people"]
+        self._words = document.words
+        #: Sentences of the program are English in every language.
+        self._english = Markup("") if document.words["language"] == "en" else Markup(' lang="en"')
 
     def line(self, line: Line) -> Markup:
         from markupsafe import Markup
@@ -76,9 +65,9 @@ class Printing:
                 )
                 return Markup(
                     '<span class="people" title="{}"><span class="pen">✎ </span>{}</span>{}'
-                ).format(self._people, piece.text, place)
+                ).format(self._words["people"], piece.text, place)
             case Made():
-                return marked(piece.text)
+                return marked(piece.text, self._english)
             case Code():
                 return Markup("<code>{}</code>").format(piece.text)
             case Number():
@@ -86,7 +75,7 @@ class Printing:
             case Status():
                 look = LIKE[piece.word]
                 return Markup('<span class="chip is-{}"><span class="sign">{}</span> {}</span>').format(
-                    look, SIGNS[look], piece.text or piece.word
+                    look, SIGNS[look], piece.text or self._words[f"status.{piece.word}"]
                 )
             case Ref():
                 anchor = self._anchors.get(piece.key, "")
@@ -99,13 +88,13 @@ class Printing:
                 raise TypeError(f"unknown piece {piece!r}")
 
 
-def marked(text: str) -> Markup:
-    """Text of the program, with what stands between backquotes as code."""
+def marked(text: str, language: Markup) -> Markup:
+    """Text of the program, with what stands between backquotes as code; language: an attribute that says which it is in."""
     from markupsafe import Markup
 
     from trackmarshal.trace.render.html import marked as code
 
-    return Markup('<span class="made">{}</span>').format(code(text))
+    return Markup('<span class="made"{}>{}</span>').format(language, code(text))
 
 
 def there(document: Document) -> frozenset[str]:

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.trace.case.loop import Loop
 from trackmarshal.trace.gsn.case import Case
 from trackmarshal.trace.matrix import Matrix
 from trackmarshal.trace.model import Project
+
+
+class Recorded(NamedTuple):
+    """The commit in which a record was last changed; commit: "" for one that is in none yet; signed: whether the commit carries a signature."""
+
+    commit: str
+    author: str
+    day: str
+    signed: bool
 
 
 @dataclass(frozen=True)
@@ -17,7 +27,8 @@ class Inputs:
     """Nothing in it is of the machine or the hour, so equal inputs make equal documents.
 
     sheets: by rule or assumption, what `trackmarshal show RULE --format json` says. commit: of the project, `+` behind it where files differ from
-    it, "" where there is none. hashes: sha256 by path of the files of `requirements/`. faults: rows of `trackmarshal.trace.fault_rows`.
+    it, "" where there is none. hashes: sha256 by path of the files of `requirements/`. faults: rows of `trackmarshal.trace.fault_rows`. drawings: by rule or
+    assumption, what `trackmarshal.reading.drawing` says of it, and its `sha`.
     """
 
     matrix: Matrix
@@ -34,7 +45,10 @@ class Inputs:
     engine: str  #: the version with a hash of the sources that read and evaluate rules
     specs: str  #: fingerprint of all specs
     hashes: Mapping[str, str] = field(default_factory=dict)
+    drawings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    loop: Loop | None = None  #: kept results of runs in a closed loop
+    recorded: Mapping[str, Recorded] = field(default_factory=dict)  #: by review, the commit that it stands in
     draw: bool = True  #: whether the argument is drawn, which takes the extra `gsn`
 
 
-__all__ = ["Inputs"]
+__all__ = ["Inputs", "Recorded"]

@@ -138,6 +138,7 @@ class Figure:
     title: str
     wide: float  #: its natural width in points
     high: float  #: and height
+    caption: Line = ()  #: what else stands below it
 
     @property
     def lies(self) -> bool:
@@ -155,6 +156,17 @@ class Verdict:
 
 
 @dataclass(frozen=True, slots=True)
+class Blanks:
+    """An empty table that people fill in by hand, on paper."""
+
+    kind: ClassVar[str] = "blanks"
+    line: Line  #: what it is for, above it
+    head: tuple[str, ...]
+    widths: tuple[float, ...]
+    rows: int
+
+
+@dataclass(frozen=True, slots=True)
 class Part:
     """Blocks under a heading of their own."""
 
@@ -165,7 +177,7 @@ class Part:
     level: int = 2
 
 
-Block: TypeAlias = Paragraph | Missing | Facts | Table | Verbatim | Formula | Figure | Verdict | Part
+Block: TypeAlias = Paragraph | Missing | Facts | Table | Verbatim | Formula | Figure | Verdict | Blanks | Part
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,6 +209,6 @@ class Document:
 
 
 __all__ = [
-    "Block", "Code", "Document", "Facts", "Figure", "Fixed", "Formula", "Given", "Inline", "Line", "Made", "Missing", "Number", "Paragraph",
+    "Blanks", "Block", "Code", "Document", "Facts", "Figure", "Fixed", "Formula", "Given", "Inline", "Line", "Made", "Missing", "Number", "Paragraph",
     "Part", "Piece", "Ref", "Section", "Status", "Table", "Verbatim", "Verdict", "Written",
 ]  # fmt: skip

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.trace.case.html import there
-from trackmarshal.trace.case.making import guarded, unknown
+from trackmarshal.trace.case.making import printed
 from trackmarshal.trace.case.model import (
     Code,
     Document,
@@ -24,26 +24,21 @@ from trackmarshal.trace.case.model import (
     Status,
     Written,
 )
-from trackmarshal.trace.case.templates import loader, section_template
-from trackmarshal.trace.case.words import LIKE
-from trackmarshal.trace.render.words import SIGNS
+from trackmarshal.trace.case.words import COLOURS
+from trackmarshal.trace.render.words import LIKE, SIGNS
 
 if TYPE_CHECKING:
     from markupsafe import Markup
 
 #: Letters of a name or a hash in a row after which it may be broken, and signs of paths after which it may.
 _RUN = 12
+#: So many letters at least stand in a line of a table as wide as the text; a row that needs at most so many lines stays on one page.
+_LINE, _HALF_PAGE = 90, 30
 _BREAK = re.compile(r"(?<=[/_.:\-])(?=\w)")
-#: Foreground and ground of statuses, as in the style of the page.
-COLOURS = {
-    "covered": ("#0b6b3a", "#dff3e6"), "waived": ("#1f5673", "#dcedf6"), "partial": ("#7a5200", "#fdf0cf"), "missing": ("#7a3d00", "#fce3cf"),
-    "stale": ("#6a3d86", "#f0e4f7"), "failed": ("#a11220", "#fbdfe1"),
-}  # fmt: skip
 
 
 def source(document: Document, folder: Path | None = None) -> str:
     """What Typst sets. folder: templates of the project, in place of ours. Raises T430 for a template that cannot be used."""
-    from jinja2 import Environment, StrictUndefined
     from markupsafe import Markup
 
     printing = Printing(document)
@@ -52,16 +47,12 @@ def source(document: Document, folder: Path | None = None) -> str:
         """Whatever a template writes is a string of Typst, unless it is Typst already."""
         return value if isinstance(value, Markup) else Markup(string(str(value)))
 
-    with guarded(folder is not None):
-        environment = Environment(
-            loader=loader(folder), autoescape=True, finalize=finalize, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-        )  # fmt: skip
-        environment.filters.update(line=printing.line, ready=Markup, plain=plain, pieces=broken)
-        environment.globals.update(
-            words=document.words, signs=SIGNS, like=LIKE, colours=COLOURS, unknown=unknown, anchors=printing.there,
-            template_of=lambda section: section_template(environment, section, "typ"),
-        )  # fmt: skip
-        return environment.get_template("document.typ.j2").render(document=document).rstrip() + "\n"
+    filters: dict[str, Callable[..., Any]] = {
+        "line": printing.line, "plain": plain, "pieces": broken, "fits": fits,
+    }  # fmt: skip
+    return printed(
+        document, "typ", folder, filters, {"colours": COLOURS, "anchors": printing.there}, finalize
+    )
 
 
 def pdf(text: str, day: str) -> bytes:
@@ -108,6 +99,29 @@ def _words(piece: Piece) -> str:
     raise TypeError(f"unknown piece {piece!r}")
 
 
+def fits(row: Sequence[Line], widths: Sequence[float]) -> bool:
+    """Whether a row surely takes less than half a page. A longer one is broken where the page ends: nothing of it may be cut off.
+
+    widths: of its cells, in any unit.
+    """
+    room = _HALF_PAGE * _LINE / sum(widths)
+    return all(_letters(line) <= room * width for line, width in zip(row, widths, strict=True))
+
+
+def _letters(line: Line) -> int:
+    """How many letters take as much room as a line."""
+    return sum(map(_room, line))
+
+
+def _room(piece: Piece) -> int:
+    # The source of a formula is longer than what is set.
+    if isinstance(piece, Inline):
+        return len(piece.typst)
+    if isinstance(piece, Status):
+        return len(piece.text or piece.word) + 2
+    return len(_words(piece)) + (len(piece.place) if isinstance(piece, Written) else 0)
+
+
 def broken(text: str) -> str:
     """A name with places at which a line may end: after the signs of paths, and within long runs of letters."""
     parts = _BREAK.split(text)
@@ -121,6 +135,7 @@ class Printing:
 
     def __init__(self, document: Document) -> None:
         self._anchors: Mapping[tuple[str, str], str] = document.anchors
+        self._words = document.words
         self.there = there(document)
 
     def line(self, line: Line) -> Markup:
@@ -146,7 +161,7 @@ class Printing:
                 return string(piece.value)
             case Status():
                 look = LIKE[piece.word]
-                return f"chip({string(look)}, {string(SIGNS[look] + ' ' + (piece.text or piece.word))})"
+                return f"chip({string(look)}, {string(SIGNS[look] + ' ' + (piece.text or self._words[f'status.{piece.word}']))})"
             case Ref():
                 anchor = self._anchors.get(piece.key, "")
                 text = string(broken_long(piece.text))

@@ -7,7 +7,15 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
-from trackmarshal.records import ExternalTest, FaultResult, RunSummary, SpecItem, TestResult
+from trackmarshal.records import (
+    DriveFacts,
+    ExternalTest,
+    FaultCase,
+    FaultResult,
+    RunSummary,
+    SpecItem,
+    TestResult,
+)
 from trackmarshal.trace import faults
 from trackmarshal.trace.external import External
 from trackmarshal.trace.files import Hashes
@@ -76,7 +84,12 @@ class _Building:
         self._outside()
         self._documents()
         for entry in self.project.entries:
-            self._node(entry.kind, entry.id, entry.title, entry.id.place, entry.attributes)
+            attributes = dict(entry.attributes)
+            if entry.kind == "analysis":
+                attributes["outcome"] = "open" if "open" in attributes else "complete"
+            if entry.made is not None:
+                attributes["made"] = entry.made.isoformat()
+            self._node(entry.kind, entry.id, entry.title, entry.id.place, attributes)
         self._known = {key: key for key in self.nodes}
         for node in self.nodes.values():
             self._kinds_of[node.id].append(node.kind)
@@ -130,7 +143,7 @@ class _Building:
         for r in self.project.by_id.values():
             attributes = {
                 "status": str(r.status), "asil": str(r.asil), "verification": ", ".join(r.verification), "adopted": str(r.adopted),
-                "source": str(r.source), "owner": str(r.owner), "statement": str(r.statement),
+                "source": str(r.source), "owner": str(r.owner), "statement": str(r.statement), "rationale": r.rationale,
                 "not_verified_by": " ".join(method for method, _ in r.not_verified_by),
             }  # fmt: skip
             self._node("requirement", r.id, r.title, r.place, attributes)
@@ -182,12 +195,17 @@ class _Building:
             self._node("scenario", scenario.path, scenario.title, scenario.path.place, attributes)
         for run in self.spec.runs.values():
             stale = self.spec.run_staleness(run, self.hashes.get(run.scenario))
+            declared = self.nodes.get(("scenario", run.scenario))
             attributes = {
                 "fired": "yes" if run.fired else "no",
                 "cycles": str(run.cycles),
                 "outcome": "stale" if stale else "run",
                 "sha256": _record(run, "created"),
+                "expect": "" if declared is None else declared.attributes["expect"],
+                "origin": "" if declared is None else declared.attributes["origin"],
             }
+            if run.drive is not None:
+                attributes |= dict(_driven(run.drive))
             self._node("run", run.scenario, "", None, attributes)
         for case in self.spec.faults:
             status, _ = faults.verdict(case, self.spec)
@@ -195,6 +213,7 @@ class _Building:
             put_in = self.spec.fault_results.get((case.campaign, case.id))
             if put_in is not None:
                 attributes["sha256"] = _record(put_in)
+                attributes |= dict(_found(case, put_in))
             self._node(
                 "fault", f"{case.campaign} {case.id}", case.title, Place(case.campaign, case.line), attributes
             )
@@ -229,6 +248,8 @@ class _Building:
             for kind, path in e.links
             if kind == "backed_by"
         ]
+        if self.project.closed_loop is not None:
+            named.append((str(self.project.closed_loop), self.project.closed_loop.place))
         for path, place in named:
             there = self.hashes.get(path)
             self._node(
@@ -240,10 +261,10 @@ class _Building:
             )
         for waiver in self.project.waivers:
             attributes = {
-                "owner": str(waiver.owner),
-                "approver": str(waiver.approver),
-                "expires": waiver.expires.isoformat(),
-            }
+                "owner": str(waiver.owner), "approver": str(waiver.approver), "granted": waiver.granted.isoformat(),
+                "expires": waiver.expires.isoformat(), "residual_risk": waiver.residual_risk, "stages": ", ".join(waiver.stages),
+                "codes": ", ".join(waiver.codes), "subjects": ", ".join(waiver.subjects),
+            }  # fmt: skip
             self._node("waiver", waiver.id, waiver.justification, waiver.id.place, attributes)
 
     def _links(self) -> None:
@@ -419,6 +440,24 @@ class _Building:
         if owner and self._persons:
             person = owner if ("person", owner) in self.nodes else self._persons.get(owner, owner)
             self._link(kind, key, ("person", str(person)), place)
+
+
+def _found(case: FaultCase, result: FaultResult) -> Iterator[tuple[str, str]]:
+    """What found a fault, in which cycle, and how long after the first one that was changed, s."""
+    yield "by", faults.found_by(result)
+    if result.first is not None:
+        yield "first", f"{result.first:g}"
+        if case.begin is not None:
+            yield "after", f"{round(result.first - case.begin, 6):g}"
+
+
+def _driven(drive: DriveFacts) -> Iterator[tuple[str, str]]:
+    """What a drive of a real vehicle was, and how near each rule came to firing, in texts."""
+    yield "hours", f"{drive.hours:.4g}"
+    yield "km", f"{drive.km:.4g}"
+    yield "firings", str(sum(drive.firings.values()))
+    for one in drive.least:
+        yield f"least {one.rule} {one.candidate}", one.shown
 
 
 def _external(external: External) -> Key:

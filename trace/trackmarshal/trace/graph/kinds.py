@@ -40,6 +40,7 @@ NODES = {
     "waiver": "a gap that somebody answers for",
     "person": "somebody who answers for something",
     "tool": "a program whose results are relied on",
+    "malfunction": "what a fault of a tool could do, and how it would be noticed",
 }  # fmt: skip
 
 #: covers: both ends stand. orphaned: there is no such target. outdated: made from an older text of its target.
@@ -141,7 +142,7 @@ LINKS = {
     "confirms": LinkKind("confirmed_by", ("external test",), ("requirement",)),
     "implements": LinkKind("implemented_by", ("code",), ("requirement",)),
     "evidence": LinkKind("evidenced_by", ("document",), ("requirement",)),
-    "backed_by": LinkKind("backs", ("assumption", "analysis", "review", "design element"), ("document",), True),
+    "backed_by": LinkKind("backs", ("assumption", "analysis", "review", "design element", "malfunction"), ("document",), True),
     "at": LinkKind("stage_of", ("scenario", "document"), ("stage",)),
     "excuses": LinkKind("excused_by", ("waiver",), ("requirement",)),
     "allocated_to": LinkKind("allocates", ("requirement",), ("design element",), True, _GIVEN),
@@ -152,6 +153,7 @@ LINKS = {
     "examines": LinkKind("examined_by", ("analysis",), ANY, False, _MANY),
     "reviews": LinkKind("reviewed_by", ("review",), ANY, False, _MANY),
     "used_for": LinkKind("made_with", ("tool",), ANY, False, _MANY),
+    "malfunction_of": LinkKind("may_do", ("malfunction",), ("tool",), True, _GIVEN),
     "made_by": LinkKind("made", ("analysis", "review"), ("person",), True, _GIVEN),
     "owned_by": LinkKind("owns", ("requirement", "hazard", "safety goal", "design element", "assumption", "indicator", "waiver"), ("person",), True, {
         **_GIVEN,

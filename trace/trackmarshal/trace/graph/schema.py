@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from trackmarshal.trace.findings import Finding, did_you_mean, error, warning
 from trackmarshal.trace.graph.graph import Graph, Key, Node
 from trackmarshal.trace.graph.kinds import LINKS, WAYS
 from trackmarshal.trace.graph.said import LEVEL, asil, called
-from trackmarshal.trace.model import Condition, Need, Permitted, Project, Schema, Way, matches
+from trackmarshal.trace.model import Condition, Method, Need, Permitted, Project, Schema, Way, matches
 from trackmarshal.trace.values import Reader
 
 DEFAULT = Path(__file__).with_name("links.yaml")
@@ -33,25 +34,42 @@ def default() -> Schema:
     return of_table(table)
 
 
-def check(graph: Graph, project: Project, schema: Schema) -> Iterator[Finding]:
+def of(project: Project) -> Schema:
+    """The schema that holds for a project: its own, and of what that leaves out, methods and reviews as they come with the program."""
+    own, given = project.schema, default()
+    if own is None:
+        return given
+    methods = given.methods if own.methods is None else own.methods
+    return replace(own, methods=methods, reviewed=given.reviewed if own.reviewed is None else own.reviewed)
+
+
+def check(graph: Graph, project: Project, asking: Asking) -> Iterator[Finding]:
     """What nodes lack, have too much of, or may not have (T134, T139, T150, T154, T155, T202, T207), and what is wrong with the schema (T156)."""
-    asking = _Asking(graph, project)
+    schema = project.schema or default()
     for need in schema.needs:
-        wrong = list(_of_schema(need, project))
+        wrong = list(_of_need(need, project))
         yield from wrong
         if not wrong:
             if schema is project.schema:
                 yield from _never_asked(need, graph)
             yield from asking.need(need)
     yield from _permitted(graph, schema.permitted)
+    yield from _doubled(schema.methods or ())
+    for method in schema.methods or ():
+        for way in method.any_of:
+            yield from _of_way(way, "requirement")
 
 
-class _Asking:
+class Asking:
     """Needs asked of a graph; what several of them want to know is worked out once."""
 
     def __init__(self, graph: Graph, project: Project) -> None:
         self._graph, self._project = graph, project
         self._reaching: dict[tuple[str, tuple[Condition, ...]], frozenset[Key]] = {}
+
+    def met(self, node: Node, any_of: Sequence[Way]) -> bool:
+        """Whether one of these ways is there for a node."""
+        return any(self._number(node, way) >= way.at_least for way in any_of)
 
     def need(self, need: Need) -> Iterator[Finding]:
         if need.if_any and not self._graph.by_kind.get(need.if_any):
@@ -61,7 +79,7 @@ class _Asking:
         for node in self._graph.by_kind.get(need.kind, ()):
             if not _asked(node, need) or (patterns is not None and not matches(node.id, patterns)):
                 continue
-            if not bounded and any(self._number(node, way) >= way.at_least for way in need.any_of):
+            if not bounded and self.met(node, need.any_of):
                 continue  # as nearly all of them
             numbers = [self._number(node, way) for way in need.any_of]
             if not any(number >= way.at_least for number, way in zip(numbers, need.any_of)):
@@ -172,32 +190,35 @@ def _count(number: int, way: Way) -> str:
     return f"{number} links `{way.link}`" if way.link else f"{number} of `{way.reaches or way.field}`"
 
 
-def _of_schema(need: Need, project: Project) -> Iterator[Finding]:
+def _of_way(way: Way, of: str) -> Iterator[Finding]:
+    """What is wrong with a way to meet a need of a kind of nodes by itself (T156): it could never be there, or always is."""
+    given = [name for name in (way.link, way.reaches, way.field) if name]
+    if len(given) != 1:
+        yield error("T156", f"a way to meet a need of the {of} is neither a link, nor reached, nor a field, or more than one of them",
+                    way.place, "give one of `link`, `reaches` and `field`")  # fmt: skip
+    if way.link:
+        kind, outward = WAYS[way.link]
+        ends = LINKS[kind].sources if outward else LINKS[kind].targets
+        if ends and of not in ends:
+            known = ", ".join(name for name, (k, out) in WAYS.items() if _has(of, k, out))
+            yield error("T156", f"{_a(of)} has no links `{way.link}`", way.link.place, f"it has {known}")
+    if way.at_least == 0 and way.at_most is None:
+        yield error("T156", "`at_least: 0` is always met", way.place, "strike it, or say `at_most`")
+    if (way.every or way.unless) and not (way.every and way.link):
+        yield error(
+            "T156",
+            "`every` and `unless` ask for links, and which is not said",
+            way.place,
+            "give `link` and `every`",
+        )
+    if way.at_least > 1 and not way.link:
+        yield error("T156", "`at_least` counts links, and there are none here", way.place, "strike it")
+
+
+def _of_need(need: Need, project: Project) -> Iterator[Finding]:
     """What is wrong with a need by itself (T156): it could never be met, or would never be asked."""
     for way in need.any_of:
-        given = [name for name in (way.link, way.reaches, way.field) if name]
-        if len(given) != 1:
-            yield error("T156", f"a way to meet a need of the {need.kind} is neither a link, nor reached, nor a field, or more than one of them",
-                        way.place, "give one of `link`, `reaches` and `field`")  # fmt: skip
-        if way.link:
-            kind, outward = WAYS[way.link]
-            ends = LINKS[kind].sources if outward else LINKS[kind].targets
-            if ends and need.kind not in ends:
-                known = ", ".join(name for name, (k, out) in WAYS.items() if _has(need.kind, k, out))
-                yield error(
-                    "T156", f"{_a(need.kind)} has no links `{way.link}`", way.link.place, f"it has {known}"
-                )
-        if way.at_least == 0 and way.at_most is None:
-            yield error("T156", "`at_least: 0` is always met", way.place, "strike it, or say `at_most`")
-        if (way.every or way.unless) and not (way.every and way.link):
-            yield error(
-                "T156",
-                "`every` and `unless` ask for links, and which is not said",
-                way.place,
-                "give `link` and `every`",
-            )
-        if way.at_least > 1 and not way.link:
-            yield error("T156", "`at_least` counts links, and there are none here", way.place, "strike it")
+        yield from _of_way(way, need.kind)
     if need.code and need.code not in CODES:
         yield error(
             "T156",
@@ -238,6 +259,17 @@ def _never_asked(need: Need, graph: Graph) -> Iterator[Finding]:
             )
 
 
+def _doubled(methods: Sequence[Method]) -> Iterator[Finding]:
+    """T156 for a method that a schema has twice."""
+    first: dict[str, Method] = {}
+    for method in methods:
+        if method.name in first:
+            also = ((first[str(method.name)].name.place, "the first one"),)
+            message = f"the method `{method.name}` is there twice"
+            yield Finding("T156", "error", message, method.name.place, "merge the two", also=also)
+        first.setdefault(str(method.name), method)
+
+
 def _has(node: str, link: str, outward: bool) -> bool:
     ends = LINKS[link].sources if outward else LINKS[link].targets
     return not ends or node in ends
@@ -263,4 +295,4 @@ def _permitted(graph: Graph, permitted: Sequence[Permitted]) -> Iterator[Finding
                 yield error("T155", message, link.place, f"permitted are links {allowed}", link.source[1])
 
 
-__all__ = ["CODES", "check", "default", "fits"]
+__all__ = ["CODES", "Asking", "check", "default", "fits", "of"]

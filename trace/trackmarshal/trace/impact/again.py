@@ -74,7 +74,7 @@ def _tests(before: Version, now: Version, dark: bool) -> Iterator[Task]:
         was = before.spec.by_name.get(rule)
         if item is None:
             continue  # a test of nothing, which is a finding
-        inputs = None if old is None or was is None else old.made_from(was.inputs, now.spec.engine)
+        inputs = None if old is None or was is None else old.made_from(was.inputs, before.engine(now))
         why = _why(inputs, test.made_from(item.inputs, now.spec.engine), dark)
         if why:
             result = now.spec.results.get((rule, title))
@@ -89,7 +89,10 @@ def _tests(before: Version, now: Version, dark: bool) -> Iterator[Task]:
 def _runs(before: Version, now: Version, dark: bool) -> Iterator[Task]:
     kept = {str(scenario.path) for scenario in now.project.scenarios if scenario.kept}
     for path, inputs in now.spec.run_inputs.items():
-        why = _why(before.spec.run_inputs.get(path), inputs, dark)
+        was = before.spec.run_inputs.get(path)
+        if was is not None and "engine" in was:
+            was = {**was, "engine": before.engine(now)}
+        why = _why(was, inputs, dark)
         if why:
             run = now.spec.runs.get(path)
             made = run is not None and not now.spec.run_staleness(run, now.hashes.get(path))
@@ -100,13 +103,16 @@ def _faults(before: Version, now: Version, dark: bool) -> Iterator[Task]:
     old = {(case.campaign, case.id): case for case in before.spec.faults}
     for case in now.spec.faults:
         was = old.get((case.campaign, case.id))
-        if case.open or (not dark and was is not None and was.fingerprint == case.fingerprint):
+        same = was is not None and was.fingerprint == case.fingerprint
+        if case.open or (same and not dark and before.engine(now) == now.spec.engine):
             continue
         why = (
             _UNKNOWN
             if dark
             else "new"
             if was is None
+            else "the engine has changed since"
+            if same
             else "the specs, the recording or the fault have changed since"
         )
         status, _ = faults.verdict(case, now.spec)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from trackmarshal.trace.baseline.changes import changes
+from trackmarshal.trace.baseline.content import UNREVIEWED
 from trackmarshal.trace.graph.building import fingerprint
 from trackmarshal.trace.graph.graph import Key
 from trackmarshal.trace.graph.kinds import NODES
@@ -35,6 +36,8 @@ def changed(before: Version, now: Version) -> list[Changed]:
     """All of them, in the order of the V-model. Titles, reasons, layout and comments do not count."""
     said: dict[Key, list[tuple[str, str, bool]]] = defaultdict(list)
     for one in changes(before.content, now.content):
+        if one.kind == UNREVIEWED:
+            continue  # which reviews fall is told by itself
         how = "changed" if one.field else "gone" if one.before else "new"
         said[_key(one.kind, one.name)].append((how, str(one).removeprefix(f"{one.key}: "), one.weaker))
     for key, how, what in (*_texts(before, now), *_code(before, now)):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from trackmarshal.trace.baseline import Baseline
@@ -29,6 +29,8 @@ class Impact:
     tasks: tuple[Task, ...]
     requirements: tuple[str, ...]
     dark: tuple[str, ...] = ()
+    #: Which made the evidence of the other version (empty: not known), and which makes it now.
+    engines: tuple[str, str] = ("", "")
 
     @property
     def reviews(self) -> tuple[Task, ...]:
@@ -38,7 +40,7 @@ class Impact:
 
 def compared(before: Version, now: Version, baseline: Baseline | None = None) -> Impact:
     """What became of a project between two versions; `baseline` is the one that holds now."""
-    found = changed(before, now)
+    found = [*_engine(before, now), *changed(before, now)]
     hit = {one.key for one in found if one.how != "gone"}
     todo = list(tasks(before, now, hit, baseline))
     places = order(_below(now, todo))
@@ -48,7 +50,22 @@ def compared(before: Version, now: Version, baseline: Baseline | None = None) ->
         tuple(todo),
         _reached(now, hit.union(task.key for task in todo if task.key[0] in _SHOWING)),
         tuple(map(str, before.wrong)),
+        (before.spec.engine, now.spec.engine),
     )
+
+
+def _engine(before: Version, now: Version) -> Iterator[Changed]:
+    """That results are made by another engine, on which all of them rest. Whether it shows less, nobody knows."""
+    old, new = before.engine(now), now.spec.engine
+    if old != new:
+        yield Changed(
+            ("engine", new.partition(" ")[0]), "changed", (f"it was {_of(old)}, and is {_of(new)}",), True
+        )
+
+
+def _of(engine: str) -> str:
+    """Its version, and the hash of its sources."""
+    return engine.partition(" ")[2] or engine
 
 
 def _below(now: Version, todo: Iterable[Task]) -> dict[Key, set[Key]]:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from trackmarshal.files import read_regular
 from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.trace import backing, files, outside, requirements
 from trackmarshal.trace import baseline as baselines
-from trackmarshal.trace import files, outside, requirements
 from trackmarshal.trace.findings import Finding
 from trackmarshal.trace.graph.building import build
 from trackmarshal.trace.graph.graph import Graph
@@ -34,6 +34,10 @@ class Version:
     code: Mapping[str, str]
     wrong: tuple[Finding, ...]
 
+    def engine(self, otherwise: Version) -> str:
+        """The engine that made the evidence of this version; that of another one where it is not known."""
+        return self.spec.engine or otherwise.spec.engine
+
 
 def version(
     root: Path,
@@ -49,10 +53,20 @@ def version(
     fault_results: Iterable[FaultResult] = (),
     findings: Iterable[Finding] = (),
 ) -> Version:
-    """A project's version. `findings` are those of compiling its specs; results are those that are there."""
+    """A project's version. `engine` makes its evidence, or made it (empty: not known); `findings` are those of compiling its specs; results are those that are there."""
     found: list[Finding] = []
     project = requirements.load(root, found)
-    spec = Spec(items, tests, results, runs, engine, run_inputs, fault_cases, fault_results, parts)
+    spec = Spec(
+        backing.backed(project, items, []),
+        tests,
+        results,
+        runs,
+        engine,
+        run_inputs,
+        fault_cases,
+        fault_results,
+        parts,
+    )
     hashes = files.hashes(root, project, spec.items)
     around = outside.load(root, project, spec.items, [])
     code = {marker.place.file: _hash(root / marker.place.file) for marker in around.markers}
@@ -60,11 +74,12 @@ def version(
         *(one for one in findings if one.level == "error"),
         *(one for one in found if one.code in UNUSABLE),
     ]
+    graph = build(project, spec, hashes, around)
     return Version(
         project,
         spec,
-        build(project, spec, hashes, around),
-        baselines.content(project, spec, hashes),
+        graph,
+        baselines.content(project, spec, hashes, graph),
         hashes,
         code,
         tuple(wrong),

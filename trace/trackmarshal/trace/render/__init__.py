@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from trackmarshal.trace.matrix import Matrix
+
+if TYPE_CHECKING:
+    from trackmarshal.trace.render.page.beside import Beside
 
 FORMATS = ("text", "json", "csv", "md", "html", "sarif", "github", "junit")
 
@@ -16,8 +20,10 @@ def render(
     colour: bool = False,
     where: Callable[[str], str] | None = None,
     verbose: bool = False,
+    beside: Beside | None = None,
 ) -> str:
-    """The matrix in one of FORMATS; `colour` and `verbose` (what follows from findings, too) are for text on a terminal, `where` what paths are called in SARIF, annotations and JUnit.
+    """The matrix in one of FORMATS; `colour` and `verbose` (what follows from findings, too) are for text on a terminal, `where` what paths are called in SARIF, annotations and JUnit;
+    `beside` what the page shows beside the matrix.
 
     Raises ValueError for another format.
     """
@@ -42,7 +48,7 @@ def render(
         case "html":
             from trackmarshal.trace.render import html
 
-            return html.render(matrix)
+            return html.render(matrix, beside)
         case "sarif":
             from trackmarshal.trace.render import exchange
 

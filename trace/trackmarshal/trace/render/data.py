@@ -42,6 +42,7 @@ def record(matrix: Matrix) -> dict[str, Any]:
         "accepted": [
             {"on": one.on, "by": one.by, "reason": one.reason, "weaker": list(one.weaker)} for one in matrix.accepted
         ],
+        "unreviewed": [{"kind": kind, "id": id_} for kind, id_ in matrix.unreviewed],
         "links": _links(matrix.graph),
         "counts": dict(matrix.counts),
     }  # fmt: skip

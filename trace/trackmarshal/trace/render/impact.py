@@ -49,6 +49,8 @@ def _text(impact: Impact, between: Between) -> list[str]:
             _DARK.format(between.revision),
             *(f"  {line}" for line in "\n".join(impact.dark).split("\n")),
         ]
+    if not impact.engines[0]:
+        lines += ["", _ENGINE.format(between.revision)]
     if impact.changed:
         lines += ["", "changed:", *(f"  {_what(one)}" for one in impact.changed)]
     if impact.tasks:
@@ -74,6 +76,8 @@ def _markdown(impact: Impact, between: Between) -> list[str]:
     if impact.dark:
         lines += ["", escaped(_DARK.format(between.revision), code=True), ""]
         lines += [f"- {escaped(line)}" for line in impact.dark]
+    if not impact.engines[0]:
+        lines += ["", escaped(_ENGINE.format(between.revision), code=True)]
     if impact.changed:
         lines += ["", "| changed | | |", "|---|---|---|"]
         lines += [
@@ -104,6 +108,7 @@ def _data(impact: Impact, between: Between) -> dict[str, Any]:
     return {
         "format": "trackmarshal-impact", "version": 1, "project": between.project, "revision": between.revision, "commit": between.commit,
         "now": between.now, "unknown": list(impact.dark),
+        "engine": {"before": impact.engines[0] or None, "now": impact.engines[1]},
         "changed": [{**_key(one.key), "how": one.how, "what": list(one.what), "weaker": one.weaker} for one in impact.changed],
         "again": [
             {"place": place, **_key(task.key), "do": task.do, "why": task.why, "made": task.made}
@@ -116,6 +121,9 @@ def _data(impact: Impact, between: Between) -> dict[str, Any]:
 
 _MANY = {"analysis": "analyses", "code": "source files"}
 _DARK = "`{}` does not say all that it is to say, so everything that rests on its specs counts as changed:"
+
+
+_ENGINE = "which engine made the evidence of `{}` is not known, so it is taken for the one that runs"
 
 
 def _versions(between: Between) -> str:

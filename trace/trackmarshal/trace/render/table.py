@@ -7,7 +7,7 @@ import io
 
 from trackmarshal.trace.cells import Item
 from trackmarshal.trace.matrix import Matrix
-from trackmarshal.trace.render.words import SIGNS, follows, inputs, printable, tally
+from trackmarshal.trace.render.words import SIGNS, follows, inputs, printable, tally, unreviewed
 
 
 def render_csv(matrix: Matrix) -> str:
@@ -91,6 +91,10 @@ def render_markdown(matrix: Matrix) -> str:
         said = f"{escaped(what)}, {who}, {waiver.granted} until {waiver.expires}"
         risk = f" Residual risk: {escaped(waiver.residual_risk)}" if waiver.residual_risk else ""
         lines.append(f"- **{waiver.id}** ({said}): {escaped(waiver.justification)}{risk}")
+    if matrix.unreviewed:
+        lines += ["", "## Nobody has reviewed", ""]
+    for kind, ids in unreviewed(matrix):
+        lines.append(f"- {kind}: {escaped(', '.join(ids))}")
     if matrix.accepted:
         lines += ["", "## Accepted by name", ""]
     for accepted in matrix.accepted:

@@ -7,13 +7,15 @@ from collections.abc import Iterator
 from trackmarshal.trace.cells import Cell
 from trackmarshal.trace.findings import Finding
 from trackmarshal.trace.matrix import Matrix, Row
-from trackmarshal.trace.render.words import SIGNS, follows, inputs, printable, tally
+from trackmarshal.trace.render.words import SIGNS, follows, inputs, printable, tally, unreviewed
 from trackmarshal.trace.verdict import FAIL, PASS, RESERVED
 
 _COLOURS = {"covered": "32", "waived": "36", "partial": "33", "missing": "33", "stale": "35", "failed": "31"}
 _LEVELS = {"error": "1;31", "warning": "1;33", "note": "1;32"}
 _VERDICTS = {PASS: "1;32", RESERVED: "1;36", FAIL: "1;31"}
 _TITLE = 34
+#: Of each kind, so many things that nobody reviewed are named.
+_NAMED = 20
 
 
 def render(matrix: Matrix, *, colour: bool = False, verbose: bool = False) -> str:
@@ -50,6 +52,13 @@ def _lines(matrix: Matrix, paint: _Paint, verbose: bool) -> Iterator[str]:
         yield f"  {waiver.id} ({until}): {printable(waiver.justification)}"
         if waiver.residual_risk:
             yield f"    residual risk: {printable(waiver.residual_risk)}"
+    if matrix.unreviewed:
+        yield ""
+        yield "nobody has reviewed:"
+    for kind, ids in unreviewed(matrix):
+        named = ", ".join(map(printable, ids if verbose else ids[:_NAMED]))
+        more = "" if verbose or len(ids) <= _NAMED else f" and {len(ids) - _NAMED} more"
+        yield f"  {kind}: {named}{more}"
     if matrix.findings:
         yield ""
         yield "findings:"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from trackmarshal.trace.findings import LEVELS, Finding
 from trackmarshal.trace.matrix import Matrix
@@ -19,6 +19,14 @@ MEANINGS = {
     "stale": "what it was made from has changed since",
     "failed": "a test failed, or a run contradicts its expectation",
 }
+
+#: Statuses and outcomes by the status of cells that they look like: its sign and colour stand beside the word.
+LIKE: Mapping[str, str] = {
+    **{word: word for word in ("covered", "waived", "partial", "missing", "stale", "failed")},
+    "passed": "covered", "run": "covered", "there": "covered", "accepted": "covered", "supported": "covered", "pass": "covered", "complete": "covered",
+    "pass with reservations": "waived", "open": "partial", "with reservations": "waived", "not run": "missing", "skipped": "missing", "no verdict": "missing",
+    "changed": "stale", "error": "failed", "fail": "failed", "not supported": "failed",
+}  # fmt: skip
 
 
 def tally(matrix: Matrix) -> str:
@@ -36,6 +44,14 @@ def follows(found: Sequence[Finding]) -> str:
         code if number == 1 else f"{code} {number} times" for code, number in sorted(codes.items())
     )
     return f"and {len(found)} that follow{'s' if len(found) == 1 else ''} from it: {said}" if found else ""
+
+
+def unreviewed(matrix: Matrix) -> list[tuple[str, list[str]]]:
+    """What nobody has reviewed, by kind; the kinds in the order in which their first thing comes."""
+    found: dict[str, list[str]] = {}
+    for kind, id_ in matrix.unreviewed:
+        found.setdefault(kind, []).append(id_)
+    return list(found.items())
 
 
 def inputs(matrix: Matrix) -> str:

@@ -1,5 +1,5 @@
 """The pages that an assessment writes: an index, and one page a replayed run. Reads records; evaluates nothing."""
 
-from trackmarshal.trace.report.pages import write_report
+from trackmarshal.trace.report.pages import page_addresses, write_report
 
-__all__ = ["write_report"]
+__all__ = ["page_addresses", "write_report"]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from trackmarshal.trace import verdict
+from trackmarshal.trace.render.words import SIGNS
 from trackmarshal.trace.report.reading import Run
 from trackmarshal.trace.report.run_view import truth_words
 from trackmarshal.trace.report.svg.bars import STATUSES, coverage_bar
@@ -15,15 +16,13 @@ from trackmarshal.trace.report.svg.timeline import strip
 from trackmarshal.trace.report.words import clock, count, listed
 
 LEVELS = {"error": "must be mended", "warning": "should be looked at", "note": "for information"}
-#: What a verdict looks like; the word says it, too.
-_LOOKS = {verdict.PASS: "good", verdict.RESERVED: "warn", verdict.NONE: "warn", verdict.FAIL: "bad"}
 #: Findings of one level that are shown at once; the rest unfold.
 SHOWN_AT_ONCE = 25
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """The whole assessment in one sentence. `look` is good, warn or bad; `word`, with `sign`, says the same without colour."""
+    """The whole assessment in one sentence. `look` is a status of cells, whose colours it has; `word`, with `sign`, says the same without colour."""
 
     look: str
     sign: str
@@ -50,6 +49,8 @@ def index_context(
         ],
         "shown": SHOWN_AT_ONCE,
         "gaps": _gaps(matrix_summary),
+        "signs": SIGNS,
+        "waivers": matrix_summary.get("waivers", []),
         "stages": [
             _stage(name, entry, titles.get(name, ""))
             for name, entry in matrix_summary.get("coverage", {}).items()
@@ -118,7 +119,7 @@ def state(
 
 
 def _state(word: str, sentence: str) -> State:
-    return State(_LOOKS[word], verdict.SIGNS[word], word, sentence)
+    return State(verdict.LOOKS[word], verdict.SIGNS[word], word, sentence)
 
 
 def _cards(
@@ -243,7 +244,7 @@ def _run(run: Run, page: str) -> dict[str, Any]:
         "strip": strip(run),
         "safe": run.cycles - run.unsafe_cycles,
         "unsafe": run.unsafe_cycles,
-        "truths": [truth_words(truth) for truth in run.record["truths"]],
+        "truths": [truth_words(run, truth) for truth in run.record["truths"]],
         "first": None
         if found is None
         else {"rule": found[0].name, "t": clock(run.t[found[2]["cycles"][0]]), "candidate": found[1]},

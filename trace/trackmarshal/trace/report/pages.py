@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.trace import look
 from trackmarshal.trace.report.overview import fault_context, index_context
 from trackmarshal.trace.report.reading import read_run
 from trackmarshal.trace.report.run_view import run_context
@@ -56,11 +57,12 @@ def write_report(
         around = {
             "before": (read[number - 1].name, names[number - 1]) if number else None,
             "after": (read[number + 1].name, names[number + 1]) if number + 1 < len(read) else None,
+            "matrix": None if matrix_html is None else f"../{matrix_html}",
         }
-        pages[f"runs/{names[number]}.html"] = _page(
+        pages[_address(names[number])] = _page(
             "run.html.j2", {**run_context(run, titles), **around, "meta": meta}
         )
-    linked = [(run, f"runs/{name}.html") for run, name in zip(read, names)]
+    linked = [(run, _address(name)) for run, name in zip(read, names)]
     pages["index.html"] = _page(
         "index.html.j2",
         {
@@ -70,6 +72,15 @@ def write_report(
     )
     _write(folder, pages)
     return folder / "index.html"
+
+
+def page_addresses(runs: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The addresses of the pages of runs, from the folder: of records, as `write_report` takes them."""
+    return [_address(name) for name in page_names([str(record.get("scenario", "?")) for record in runs])]
+
+
+def _address(name: str) -> str:
+    return f"runs/{name}.html"
 
 
 def page_names(names: Sequence[str]) -> list[str]:
@@ -109,6 +120,6 @@ def _environment() -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     return Environment(
-        loader=FileSystemLoader(_TEMPLATES), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
+        loader=FileSystemLoader([_TEMPLATES, look.FOLDER]), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
         keep_trailing_newline=True,
     )  # fmt: skip

@@ -59,6 +59,8 @@ class Rule:
     span: str
     text: str
     lanes: Mapping[str, Lane]
+    #: The spec's scale for what it measures, in `unit`; None where it declares none.
+    scale: float | None = None
 
     @property
     def fired(self) -> bool:
@@ -103,6 +105,8 @@ class Run:
     safe: Mapping[str, Sequence[bool | None]]
     truth: Mapping[str, Sequence[bool | None]]
     decision: Sequence[str]
+    #: Points of the borders, those that are finite, by side.
+    track: Mapping[str, Sequence[tuple[float, float]]]
 
     @property
     def cycles(self) -> int:
@@ -200,14 +204,26 @@ def _run(name: str, record: Mapping[str, Any]) -> Run:
             margin = [math.nan if m is None else from_si(number(m), shown) for m in lane["margin"]]
             lanes[candidate] = Lane(lane["verdict"], margin, lane["least"], lane["firings"])
         known = {field: entry[field] for field in RULE_FIELDS}
-        rules.append(Rule(**{**known, "unit": entry.get("shown") or entry["unit"]}, lanes=lanes))
+        scale = None if entry.get("scale") is None else from_si(number(entry["scale"]), shown)
+        rules.append(Rule(**{**known, "unit": entry.get("shown") or entry["unit"]}, lanes=lanes, scale=scale))
     if unknown := set(record["decision"]) - set(DECISIONS):
         raise ValueError(f"unknown decisions {sorted(unknown)}")
     for column, values in columns.items():
         if len(values) != len(t):
             raise ValueError(f"{column} has {len(values)} entries for {len(t)} cycles")
     safe = {candidate: record["candidates"][candidate]["safe"] for candidate in CANDIDATES}
-    return Run(record, name, t, _ends(t), unit, rules, safe, record["ground_truth"], record["decision"])
+    track = {
+        side: [(x, y) for x, y in map(_point, record["track"][side]) if math.isfinite(x) and math.isfinite(y)]
+        for side in ("left", "right")
+    }
+    return Run(
+        record, name, t, _ends(t), unit, rules, safe, record["ground_truth"], record["decision"], track
+    )
+
+
+def _point(pair: Sequence[object]) -> tuple[float, float]:
+    x, y = pair
+    return number(x), number(y)
 
 
 def _ends(t: Sequence[float]) -> list[float]:
@@ -220,6 +236,8 @@ def _ends(t: Sequence[float]) -> list[float]:
 
 def number(value: object) -> float:
     """A number of a record, its words for what is not finite included; raises ValueError for anything else."""
+    if type(value) is float:  # nearly all are
+        return value
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return float(value)
     if value in ("nan", "inf", "-inf"):

@@ -7,9 +7,18 @@ from typing import Any
 
 from trackmarshal.trace.report.firings import firing_rows
 from trackmarshal.trace.report.reading import Rule, Run, number
+from trackmarshal.trace.report.scores import score_rows, scores, size_rows
+from trackmarshal.trace.report.settings import setting_rows
 from trackmarshal.trace.report.stepper import stepper_data
-from trackmarshal.trace.report.svg import margin_plot, poses, scene, timeline, view
-from trackmarshal.trace.report.tables import margin_rows, position_rows, timeline_rows
+from trackmarshal.trace.report.svg import margin_plot, poses, scene, score, timeline, view
+from trackmarshal.trace.report.tables import (
+    fault_rows,
+    margin_rows,
+    position_rows,
+    ranges,
+    timeline_rows,
+    truth_rows,
+)
 from trackmarshal.trace.report.words import (
     clock,
     count,
@@ -26,6 +35,7 @@ MOST_MOMENTS = 4
 
 def run_context(run: Run, titles: Mapping[str, str]) -> dict[str, Any]:
     """All that the template of a run page needs; titles of requirements by id."""
+    found = scores(run, titles)
     plotted = sorted((r for r in run.rules if r.matters), key=lambda r: (r.first, r.nearness))
     return {
         "run": run,
@@ -42,13 +52,24 @@ def run_context(run: Run, titles: Mapping[str, str]) -> dict[str, Any]:
         "far": plain(poses.FAR),
         "positions": list(position_rows(run)),
         "moments": list(_moments(run)),
-        "score": _both(lambda layout: margin_plot.score_plot(run, layout)) if run.cycles else None,
+        "score": _both(lambda layout: score.score_figure(run, found, layout, f"s{layout.width:.0f}"))
+        if run.cycles
+        else None,
+        "score_rows": list(score_rows(run, found)),
+        "sizes": list(size_rows(run)),
+        "truth_rows": list(truth_rows(run)),
+        "faults": {
+            name: list(fault_rows(run, entry["faults"]))
+            for name, entry in run.record["candidates"].items()
+            if entry["faults"]
+        },
+        "settings": setting_rows(run),
         "plots": [_plot(run, rule, number) for number, rule in enumerate(plotted)],
         "calm": [row for rule in run.rules if not rule.matters and (row := _calm(rule)) is not None],
         "silent": [rule for rule in run.rules if not rule.matters and _calm(rule) is None],
         "firings": list(firing_rows(run)),
-        "truths": [truth_words(truth) for truth in run.record["truths"]],
-        "data": stepper_data(run) if run.cycles else None,
+        "truths": [truth_words(run, truth) for truth in run.record["truths"]],
+        "data": stepper_data(run, found) if run.cycles else None,
     }
 
 
@@ -87,18 +108,18 @@ def state(run: Run) -> str:
     return f"{first} The recording has no ground truth to hold that against."
 
 
-def truth_words(truth: Mapping[str, Any]) -> dict[str, Any]:
-    """One kind of ground truth: inside or outside, with the times at which it was not met."""
-    missed, alarms = ([number(t) for t in truth[name]] for name in ("missed", "false_alarms"))
+def truth_words(run: Run, truth: Mapping[str, Any]) -> dict[str, Any]:
+    """One kind of ground truth: inside or outside, with the stretches in which it was not met."""
     return {
         "kind": truth["kind"], "inside": truth["inside"], "judged": truth["judged"],
-        "missed": _times(missed), "alarms": _times(alarms), "wrong": len(missed) + len(alarms),
+        "missed": _listed(ranges(run, truth["missed"])), "alarms": _listed(ranges(run, truth["false_alarms"])),
+        "wrong": len(truth["missed"]) + len(truth["false_alarms"]),
     }  # fmt: skip
 
 
-def _times(times: Sequence[float]) -> str:
-    shown = ", ".join(clock(t) for t in times[:12])
-    return f"{shown} and {len(times) - 12} more" if len(times) > 12 else shown
+def _listed(found: Sequence[str]) -> str:
+    shown = ", ".join(found[:12])
+    return f"{shown} and {len(found) - 12} more" if len(found) > 12 else shown
 
 
 def _plot(run: Run, rule: Rule, number_: int) -> dict[str, Any]:

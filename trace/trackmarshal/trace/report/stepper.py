@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
+from typing import Any
 
-from trackmarshal.trace.report.reading import CANDIDATES, DECISIONS, Lane, Run
+from trackmarshal.trace.report.reading import CANDIDATES, DECISIONS, VERDICTS, Lane, Run
+from trackmarshal.trace.report.scores import Score
 from trackmarshal.trace.report.svg import poses
-from trackmarshal.trace.report.words import quantity, spoken_unit
+from trackmarshal.trace.report.words import quantity, spoken_unit, told
 
 #: Cycles that the slider can stop at.
 MOST_STOPS = 1500
 
 
-def stepper_data(run: Run) -> str:
-    """What the slider needs, as JSON that is safe inside a script element."""
-    stops = range(0, run.cycles, max(1, math.ceil(run.cycles / MOST_STOPS)))
+def stepper_data(run: Run, found: Sequence[Score]) -> str:
+    """What the slider needs, as JSON that is safe inside a script element: numbers behind verdicts and scores with the rest."""
+    every = range(0, run.cycles, max(1, math.ceil(run.cycles / MOST_STOPS)))
+    stops = sorted({*every, *(int(i) for entry in run.record.get("told", ()) for i in entry["cycles"])})
     egos = [poses.ego_pose(run, i) for i in stops]
     others = poses.object_poses(run)
     data = {
@@ -37,12 +41,53 @@ def stepper_data(run: Run) -> str:
             for rule in run.rules
             if rule.fired
         ],
+        "scores": [_score(score, stops) for score in found],
+        **_told(run, stops),
     }
     text = json.dumps(data, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-def _unsafe_margins(lane: Lane, stops: range) -> dict[str, float | str]:
+def _score(score: Score, stops: Sequence[int]) -> dict[str, Any]:
+    """Margins by their sizes to three digits, in words where they are infinite, None where there is none."""
+    lanes = [
+        {
+            "c": candidate, "v": "".join(lane.verdict[i] for i in stops), "m": [_short(lane.margin[i]) for i in stops],
+            "by": [score.by[candidate][i] for i in stops],
+        }
+        for candidate, lane in score.lanes.items()
+    ]  # fmt: skip
+    return {"name": score.requirement, "rules": [rule.name for rule in score.rules], "lanes": lanes}
+
+
+def _short(margin: float) -> float | str | None:
+    if math.isnan(margin):
+        return None
+    return float(f"{margin:.3g}") if math.isfinite(margin) else quantity(margin, "")
+
+
+def _told(run: Run, stops: Sequence[int]) -> dict[str, Any]:
+    """Lines, each once, and for each rule and candidate by stop its verdict, its margin in words, and the places of its lines."""
+    lines: dict[tuple[str, str], int] = {}
+    place = {i: stop for stop, i in enumerate(stops)}
+    rules = {rule.name: rule for rule in run.rules}
+    entries = []
+    for entry in run.record.get("told", ()):
+        rule = rules[entry["rule"]]
+        lane = rule.lanes[entry["candidate"]]
+        at = {
+            str(place[int(i)]): [
+                VERDICTS[lane.verdict[int(i)]],
+                quantity(lane.margin[int(i)], rule.unit) if lane.verdict[int(i)] in "sv" else "",
+                [lines.setdefault(told(line), len(lines)) for line in said],
+            ]
+            for i, said in entry["cycles"].items()
+        }
+        entries.append({"rule": rule.name, "c": entry["candidate"], "at": at, "untold": entry["untold"]})
+    return {"lines": list(lines), "told": entries}
+
+
+def _unsafe_margins(lane: Lane, stops: Sequence[int]) -> dict[str, float | str]:
     """Margins to three digits by number of the stop, where the rule is violated."""
     found: dict[str, float | str] = {}
     for stop, i in enumerate(stops):

@@ -50,6 +50,12 @@ def spoken_unit(unit: str) -> str:
     return unit.replace("^2", "²").replace("^3", "³").replace("*", "·")
 
 
+def told(line: str) -> tuple[str, str]:
+    """A line that `trackmarshal explain` prints as what it is of and how much that is, "" where it is no number."""
+    name, _, value = line.strip().partition(" = ") if line.startswith("    ") else (line.strip(), "", "")
+    return name, spoken_unit(value)
+
+
 def clock(t: float) -> str:
     """A time in s, to the millisecond."""
     return f"{round(t, 3):.9g}".replace("-", "−")

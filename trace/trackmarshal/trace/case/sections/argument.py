@@ -35,6 +35,8 @@ def argument(writing: Writing) -> Section:
     case = writing.given.argument
     pictures = drawn(case, writing.anchors) if writing.given.draw else None
     blocks: list[Block] = [writing.paragraph("argument.how")]
+    if len(case.modules) > 1:
+        blocks.append(writing.named("argument.modules", [_named(writing, case.modules[:SHOWN], refs=True)]))
     if pictures is None:
         blocks.append(writing.missing("argument.undrawn"))
     for number, module in enumerate(case.modules[:SHOWN]):
@@ -47,19 +49,21 @@ def argument(writing: Writing) -> Section:
             shown = Figure(pictures[number], module.title, *_size(pictures[number]))
         blocks.append(writing.part(title, [shown], ("module", module.name), level=3))
     if case.modules[SHOWN:]:
-        blocks.append(writing.named("argument.rest", [_rest(writing, case.modules[SHOWN:])]))
+        blocks.append(writing.named("argument.rest", [_named(writing, case.modules[SHOWN:])]))
     return writing.section("argument", blocks)
 
 
-def _rest(writing: Writing, modules: Sequence[Module]) -> Block:
-    """Modules that are only named, with how far each is supported."""
+def _named(writing: Writing, modules: Sequence[Module], refs: bool = False) -> Block:
+    """Modules by name, with how far each is supported; refs: they stand elsewhere, and are linked."""
     elements = writing.given.argument.elements
     rows: list[list[Line]] = []
     for module in modules:
         status = elements[module.root].status  # what stands beside the argument has none
-        rows.append([(Code(module.name),), (Status(status),) if status else (), (Made(module.title),)])
+        name = writing.ref(("module", module.name)) if refs else Code(module.name)
+        rows.append([(name,), (Status(status),) if status else (), (Made(module.title),)])
     columns = (("column.module", 2.0), ("column.status", 1.5), ("column.claim", 6.0))
-    return writing.table(columns, rows, [("module", module.name) for module in modules])
+    keys = [] if refs else [("module", module.name) for module in modules]
+    return writing.table(columns, rows, keys)
 
 
 def drawn(case: Case, anchors: Mapping[Key, str]) -> list[str]:

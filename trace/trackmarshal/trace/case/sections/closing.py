@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from trackmarshal.trace import verdict
 from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Section, Status, Verbatim
 from trackmarshal.trace.case.writing import Writing, given
@@ -37,27 +39,36 @@ def matrix(writing: Writing) -> Section:
                     *cells,
                 ]
             )
-        table = writing.table([("column.requirement", 2.4), *(("column.stage", 1.0) for _ in some)], rows)
+        table = writing.table([("column.requirement", 1.6), *(("column.stage", 1.0) for _ in some)], rows)
         blocks.append(type(table)((table.head[0], *some), table.rows, table.widths))
     return writing.section("matrix", blocks)
 
 
 def glossary(writing: Writing) -> Section:
-    """The words of verdicts, of statuses, and of what is in the graph here."""
+    """The terms of the document, the words of verdicts and statuses, and what is in the graph here."""
     columns = (("column.word", 2.0), ("column.meaning", 7.0))
-    verdicts = writing.table(
-        columns, ([(Status(word),), (Fixed(said),)] for word, said in verdict.MEANINGS.items())
+    words = writing.words
+
+    def told(those: Iterable[str]) -> Block:
+        return writing.table(
+            columns, ([(Status(word),), (Fixed(words[f"meaning.{word}"]),)] for word in those)
+        )
+
+    terms = sorted(
+        {name.split(".")[1] for name in words if name.startswith("term.")},
+        key=lambda name: words[f"term.{name}"].lower(),
     )
-    statuses = writing.table(columns, ([(Status(word),), (Fixed(said),)] for word, said in MEANINGS.items()))
     kinds = writing.table(
         (("column.word", 2.0), ("column.meaning", 6.0), ("column.number", 1.0)),
         (
-            [(Fixed(kind),), (Fixed(said),), (writing.number("nodes", kind),)]
-            for kind, said in NODES.items() if writing.of_kind(kind)
+            [(Fixed(words[f"thing.{kind}"]),), (Fixed(words[f"what.{kind}"]),), (writing.number("nodes", kind),)]
+            for kind in NODES if writing.of_kind(kind)
         ),
     )  # fmt: skip
     return writing.section("glossary", [
-        writing.named("glossary.verdicts", [verdicts]), writing.named("glossary.statuses", [statuses]), writing.named("glossary.kinds", [kinds]),
+        writing.named("glossary.terms", [writing.table(columns, ([(Fixed(words[f"term.{name}"]),), (Fixed(words[f"term.{name}.means"]),)] for name in terms))]),
+        writing.named("glossary.verdicts", [told(verdict.MEANINGS)]), writing.named("glossary.statuses", [told(MEANINGS)]),
+        writing.named("glossary.kinds", [kinds]),
     ])  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from trackmarshal.trace.case.sections.argument import undeveloped, wrong
 from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, written
 from trackmarshal.trace.cells import STATUSES, Cell, Item
 from trackmarshal.trace.findings import LEVELS, Finding
+from trackmarshal.trace.graph.graph import Key
 from trackmarshal.trace.matrix import Row
 from trackmarshal.trace.model import Stage, Waiver
 
@@ -86,6 +87,10 @@ def open_points(writing: Writing) -> Section:
         [_waivers(writing, matrix.waivers)] if matrix.waivers else [writing.paragraph("open.no_waivers")]
     )
     blocks.append(writing.named("open.waivers", waivers))
+    if matrix.unreviewed:
+        blocks.append(
+            writing.named("open.unreviewed", [writing.paragraph("open.unread"), _unreviewed(writing)])
+        )
     open_claims = undeveloped(writing)
     if open_claims is not None:
         blocks.append(open_claims)
@@ -133,14 +138,15 @@ def _why(writing: Writing, cell: Cell) -> Line:
     """The first of what keeps a cell from being covered, worst first: one cause may have hundreds of consequences in one cell."""
     lacking = [item for item in cell.items if item.status not in ("covered", "waived")]
     lacking.sort(key=lambda item: STATUSES.index(item.status))
-    said = joined([_item(item) for item in lacking[:NAMED]], "; ") or writing.line("open.nothing")
+    said = joined([_item(writing, item) for item in lacking[:NAMED]], "; ") or writing.line("open.nothing")
     return (*said, *writing.line("open.more")) if len(lacking) > NAMED else said
 
 
-def _item(item: Item) -> Line:
+def _item(writing: Writing, item: Item) -> Line:
+    """What lacks something; kinds that only cells know, such as monitors, have no word of their own."""
     detail: Line = (Fixed(": "), Made(item.detail)) if item.detail else EMPTY
     return (
-        Given(item.kind),
+        Fixed(writing.words.get(f"thing.{item.kind}", item.kind)),
         Fixed(" "),
         Code(item.name),
         *((Fixed(" "), Given(item.title)) if item.title else EMPTY),
@@ -161,7 +167,8 @@ def _stale(writing: Writing) -> Iterator[tuple[str, str, str]]:
 
 def _listed(writing: Writing, stale: list[tuple[str, str, str]]) -> Table:
     rows: list[list[Line]] = [
-        [(Given(kind),), (Code(name),), (Status(outcome),)] for kind, name, outcome in stale
+        [(Fixed(writing.words[f"thing.{kind}"]),), (Code(name),), (Status(outcome),)]
+        for kind, name, outcome in stale
     ]
     return writing.table((("column.kind", 1.5), ("column.name", 6.0), ("column.status", 1.5)), rows)
 
@@ -188,6 +195,15 @@ def _waivers(writing: Writing, waivers: tuple[Waiver, ...]) -> Table:
             written(waiver.residual_risk), written(waiver.justification),
         ])  # fmt: skip
     return writing.table(columns, rows, [("waiver", str(waiver.id)) for waiver in waivers])
+
+
+def _unreviewed(writing: Writing) -> Table:
+    """What nobody has reviewed, a row a kind."""
+    found: dict[str, list[Key]] = {}
+    for key in writing.given.matrix.unreviewed:
+        found.setdefault(key[0], []).append(key)
+    rows = [[(Fixed(kind),), writing.refs(keys)] for kind, keys in found.items()]
+    return writing.table((("column.kind", 1.5), ("column.name", 7.5)), rows)
 
 
 __all__ = ["cover", "open_points"]

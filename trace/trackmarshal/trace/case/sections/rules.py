@@ -7,8 +7,10 @@ from typing import Any
 
 from trackmarshal.records import SpecItem, SpecTest
 from trackmarshal.trace.case.model import (
+    TEXT_WIDTH,
     Block,
     Code,
+    Figure,
     Fixed,
     Formula,
     Given,
@@ -23,6 +25,7 @@ from trackmarshal.trace.case.model import (
     Verbatim,
 )
 from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, written
+from trackmarshal.trace.report.svg.boundary import picture
 
 
 def rules(writing: Writing) -> Section:
@@ -80,8 +83,23 @@ def _item(writing: Writing, item: SpecItem) -> Part:
     if tests or item.monitored or item.kind == "rule":
         shown = [_tests(writing, tests)] if tests else [writing.missing("rules.no_tests")]
         blocks.append(writing.named("rules.tests", shown, level=4))
+    if item.name in writing.given.drawings:
+        drawing = writing.given.drawings[item.name]
+        blocks.append(writing.named("rules.drawing", [_drawing(writing, drawing)], level=4))
     title: Line = (Code(item.name), Fixed(" "), Given(item.title))
     return writing.part(title, blocks, key, level=3)
+
+
+def _drawing(writing: Writing, drawing: Mapping[str, Any]) -> Block:
+    """The boundary, drawn; or in one line why it is not."""
+    if "none" in drawing:
+        return writing.paragraph(f"drawing.none.{drawing['none']}")
+    name = str(drawing["rule"])
+    made = picture(drawing, writing.words, f"boundary-{writing.anchors.get(('rule', name), name)}")
+    caption = (*writing.line("drawing.caption"), Fixed(" "), Code(str(drawing["sha"])))
+    scale = TEXT_WIDTH / made.wide
+    title = writing.words["drawing.name"].format(rule=name)
+    return Figure(made.svg, title, TEXT_WIDTH, made.high * scale, caption)
 
 
 def _formula(writing: Writing, shown: Mapping[str, Any]) -> Iterator[Block]:

@@ -1,4 +1,4 @@
-"""What shows it: coverage of the stages, tests, scenarios, faults, tests of other runners; and why the tools are believed."""
+"""What shows it: coverage of the stages, tests, scenarios, faults, drives of real vehicles, runs in the closed loop, tests of other runners."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from trackmarshal.records import RunSummary
 from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Made, Part, Section, Status
+from trackmarshal.trace.case.sections import driven, injected, looped
 from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined
 from trackmarshal.trace.cells import STATUSES
 from trackmarshal.trace.model import Scenario
@@ -17,7 +18,9 @@ def verification(writing: Writing) -> Section:
         writing.named("verification.stages", [_coverage(writing)]),
         writing.named("verification.tests", [_tests(writing)]),
         writing.named("verification.scenarios", list(_scenarios(writing))),
-        writing.named("verification.faults", list(_faults(writing))),
+        writing.named("verification.field", list(driven.field(writing))),
+        writing.named("verification.faults", list(injected.faults(writing))),
+        writing.named("verification.loop", list(looped.closed_loop(writing))),
         writing.named("verification.others", [_others(writing)]),
     ])  # fmt: skip
 
@@ -103,23 +106,6 @@ def _truth(writing: Writing, run: RunSummary) -> Line:
     return joined(lines) or writing.line("truth.none")
 
 
-def _faults(writing: Writing) -> Iterator[Block]:
-    rows = writing.given.faults
-    if not rows:
-        yield writing.missing("verification.no_faults")
-        return
-    columns = (
-        ("column.fault", 3.2), ("column.requirement", 1.3), ("column.found_by", 2.4), ("column.when_found", 1.0), ("column.driven", 2.2), ("column.status", 2.4),
-    )  # fmt: skip
-    yield writing.table(columns, (
-        [
-            (Code(row["id"]), Fixed(" "), Given(row["title"])), (writing.ref(("requirement", row["requirement"])),), given(row["by"]),
-            given(row["cycle"]), given(row["driven"]), (Status(row["status"]), *((Fixed(": "), Made(row["detail"])) if row["detail"] else EMPTY)),
-        ]
-        for row in rows
-    ))  # fmt: skip
-
-
 def _others(writing: Writing) -> Block:
     """Tests of other runners that name a requirement."""
     nodes = writing.of_kind("external test")
@@ -140,56 +126,4 @@ def _others(writing: Writing) -> Block:
     ))  # fmt: skip
 
 
-def tools(writing: Writing) -> Section:
-    """The tools that are declared, with what they are used for and the confidence that is claimed; what there is as evidence of it."""
-    blocks: list[Block] = []
-    for node in writing.of_kind("tool"):
-        said = node.attributes
-        blocks.append(writing.part(writing.titled(node), [writing.facts([
-            ("label.version", given(said.get("version", ""))),
-            ("label.used_for", writing.refs(n.key for n in writing.beyond(node.key, "used_for"))),
-            ("label.confidence", given(said.get("confidence", "")) or writing.line("tools.no_confidence")),
-            ("label.examined", writing.refs(n.key for n in writing.before(node.key, "examines")) or writing.line("tools.unargued")),
-            ("label.review", writing.review(node.key)),
-        ])], node.key, level=3))  # fmt: skip
-    if not blocks:
-        blocks.append(writing.missing("tools.none"))
-    blocks.append(writing.paragraph("tools.engine", engine=Code(writing.given.engine)))
-    return writing.section("tools", blocks)
-
-
-def people(writing: Writing) -> Section | None:
-    """Who answers, and what was reviewed by whom; None where nobody is declared."""
-    persons, reviews = writing.of_kind("person"), writing.of_kind("review")
-    if not persons and not reviews:
-        return None
-    blocks: list[Block] = []
-    if persons:
-        columns = (
-            ("column.id", 1.0),
-            ("column.name", 3.0),
-            ("column.role", 3.0),
-            ("column.organisation", 3.0),
-        )
-        blocks.append(writing.table(columns, (
-            [(writing.ref(n.key),), given(n.title), given(n.attributes.get("role", "")), given(n.attributes.get("organisation", ""))] for n in persons
-        ), [n.key for n in persons]))  # fmt: skip
-    if reviews:
-        about = (
-            ("column.id", 1.0),
-            ("column.of_what", 4.0),
-            ("column.by", 2.0),
-            ("column.made", 1.6),
-            ("column.outcome", 1.4),
-        )
-        blocks.append(writing.named("people.reviews", [writing.table(about, (
-            [
-                (writing.ref(n.key),), writing.refs(k.target for k in writing.graph.out_of(n.key) if k.kind == "reviews"),
-                writing.refs(p.key for p in writing.beyond(n.key, "made_by")), given(n.attributes.get("made", "")), (Status(n.attributes.get("outcome", "open")),),
-            ]
-            for n in reviews
-        ), [n.key for n in reviews])]))  # fmt: skip
-    return writing.section("people", blocks)
-
-
-__all__ = ["people", "tools", "verification"]
+__all__ = ["verification"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from trackmarshal.trace import look
 from trackmarshal.trace.case.model import Section
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ def loader(folder: Path | None) -> BaseLoader:
     """A project's templates first; ours by their names, and as `ours/NAME` where a project's one builds on them."""
     from jinja2 import ChoiceLoader, FileSystemLoader, PrefixLoader
 
-    ours = FileSystemLoader(_OURS)
+    ours = FileSystemLoader([_OURS, look.FOLDER])
     always = PrefixLoader({"ours": ours})
     return ChoiceLoader([*([FileSystemLoader(folder)] if folder is not None else []), ours, always])
 

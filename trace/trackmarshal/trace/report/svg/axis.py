@@ -45,6 +45,8 @@ class Axis:
     def at(self, value: float) -> float:
         """The pixel of a value; values beyond the ends, infinite ones too, are at the ends."""
         inside = min(max(value, self.low), self.high)
+        if self.linear is None:
+            return self.start + (inside - self.low) / (self.high - self.low) * (self.stop - self.start)
         low, high = self._bent(self.low), self._bent(self.high)
         return self.start + (self._bent(inside) - low) / (high - low) * (self.stop - self.start)
 

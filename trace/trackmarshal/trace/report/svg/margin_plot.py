@@ -4,14 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 from trackmarshal.trace.report.reading import CANDIDATES, Lane, Rule, Run, stretches
 from trackmarshal.trace.report.svg.axis import Axis, margin_axis, time_axis
-from trackmarshal.trace.report.svg.element import short, svg, tag, text, text_width, title
+from trackmarshal.trace.report.svg.element import svg, tag, text, text_width, title
 from trackmarshal.trace.report.svg.timeline import Layout
 from trackmarshal.trace.report.words import clock, plain, quantity, spoken_unit
 
 HEIGHT, TOP, BOTTOM = 150.0, 10.0, 22.0
+
+
+class Panel(NamedTuple):
+    """Where one plot is in a picture, from its top to its foot, in pixels."""
+
+    top: float
+    foot: float
+
+
+PANEL = Panel(TOP, HEIGHT - BOTTOM)
 #: Room for the numbers of the vertical axis where the timeline has no gutter.
 LEAST_GUTTER = 52.0
 #: Beginnings of firings that are marked with a dot, for each candidate.
@@ -27,7 +38,7 @@ def margin_plot(run: Run, rule: Rule, layout: Layout, key: str) -> str:
     ]
     up = margin_axis(values, HEIGHT - BOTTOM, TOP)
     parts = [
-        *_truth(run, run.truth_of(rule), across, HEIGHT),
+        *truth_behind(run, run.truth_of(rule), across, PANEL),
         *_grid(run, rule, across, up, layout),
     ]
     below = tag(
@@ -35,7 +46,7 @@ def margin_plot(run: Run, rule: Rule, layout: Layout, key: str) -> str:
     )
     parts.append(tag("clipPath", below, id=f"{key}-below"))
     for candidate, lane in rule.lanes.items():
-        parts += _line(run, candidate, lane, across, up, key)
+        parts += margin_line(run, candidate, lane, across, up, PANEL, key)
     parts.append(
         tag("line", x1=0.0, x2=0.0, y1=TOP, y2=HEIGHT - BOTTOM, class_="cursor", visibility="hidden")
     )
@@ -52,56 +63,8 @@ def margin_plot(run: Run, rule: Rule, layout: Layout, key: str) -> str:
     )  # fmt: skip
 
 
-def score_plot(run: Run, layout: Layout) -> str:
-    """s_tot: whether all rules together call each candidate safe (the solid line of the paper's Fig. 6)."""
-    height = 92.0
-    start = layout.gutter or LEAST_GUTTER
-    across = time_axis(run.t, run.end, start, layout.width - layout.right)
-    up = Axis(-0.25, 1.25, height - BOTTOM, TOP)
-    parts = list(_truth(run, run.whole_truth(), across, height))
-    for tick in across.ticks(layout.ticks):
-        parts.append(
-            tag("line", x1=across.at(tick), x2=across.at(tick), y1=TOP, y2=height - BOTTOM, class_="grid")
-        )
-    parts += _time_words(run, across, layout, height)
-    for value, words in ((1.0, "safe"), (0.0, "unsafe")):
-        parts.append(
-            tag(
-                "line",
-                x1=start,
-                x2=across.stop,
-                y1=up.at(value),
-                y2=up.at(value),
-                class_="bound" if value == 0 else "grid",
-            )
-        )
-        parts.append(text(start - 6, up.at(value) + 4, words, class_="tick end"))
-    for index, candidate in enumerate(CANDIDATES):
-        steps: list[str] = []
-        shift = 1.5 if index else -1.5
-        for safe, first, last in stretches(run.safe[candidate]):
-            if safe is not None:
-                y = up.at(float(safe)) + shift
-                joined = steps and run.safe[candidate][first - 1] is not None
-                steps.append(
-                    f"{'L' if joined else 'M'}{short(across.at(run.t[first]))} {short(y)}H{short(across.at(run.end[last]))}"
-                )
-        if steps:
-            parts.append(
-                tag("path", title(f"{candidate} trajectory"), d="".join(steps), class_=f"line {candidate}")
-            )
-    parts.append(
-        tag("line", x1=0.0, x2=0.0, y1=TOP, y2=height - BOTTOM, class_="cursor", visibility="hidden")
-    )
-    unsafe = {c: sum(value is False for value in run.safe[c]) for c in CANDIDATES}
-    spoken = ", ".join(f"{c} unsafe in {n} of {run.cycles} cycles" for c, n in unsafe.items())
-    return svg(
-        layout.width, height, "Safety score s_tot", spoken, parts, class_="plot",
-        data_x0=across.start, data_x1=across.stop, data_t0=across.low, data_t1=across.high,
-    )  # fmt: skip
-
-
-def _truth(run: Run, truth: Sequence[bool | None], across: Axis, height: float) -> Iterator[str]:
+def truth_behind(run: Run, truth: Sequence[bool | None], across: Axis, panel: Panel) -> Iterator[str]:
+    """The ground truth as a tint, where it says anything."""
     for value, first, last in stretches(truth):
         if value is not None:
             x0, x1 = across.at(run.t[first]), across.at(run.end[last])
@@ -110,9 +73,9 @@ def _truth(run: Run, truth: Sequence[bool | None], across: Axis, height: float) 
                 "rect",
                 title(words),
                 x=x0,
-                y=TOP,
+                y=panel.top,
                 width=x1 - x0,
-                height=height - TOP - BOTTOM,
+                height=panel.foot - panel.top,
                 class_=f"g-{'safe' if value else 'unsafe'}",
             )
 
@@ -120,7 +83,7 @@ def _truth(run: Run, truth: Sequence[bool | None], across: Axis, height: float) 
 def _grid(run: Run, rule: Rule, across: Axis, up: Axis, layout: Layout) -> Iterator[str]:
     for tick in across.ticks(layout.ticks):
         yield tag("line", x1=across.at(tick), x2=across.at(tick), y1=TOP, y2=HEIGHT - BOTTOM, class_="grid")
-    yield from _time_words(run, across, layout, HEIGHT)
+    yield from time_words(run, across, layout, HEIGHT)
     for value in up.ticks(5):
         y = up.at(value)
         yield tag(
@@ -137,7 +100,8 @@ def _grid(run: Run, rule: Rule, across: Axis, up: Axis, layout: Layout) -> Itera
         yield text(12, TOP + 26, "logarithmic away from 0" if up.linear is not None else "", class_="tick")
 
 
-def _time_words(run: Run, across: Axis, layout: Layout, height: float) -> Iterator[str]:
+def time_words(run: Run, across: Axis, layout: Layout, height: float) -> Iterator[str]:
+    """The times below a picture of some height."""
     ticks = across.ticks(layout.ticks)
     for tick in ticks:
         words = clock(tick) + (f" {run.time_unit}" if tick == ticks[-1] else "")
@@ -145,17 +109,19 @@ def _time_words(run: Run, across: Axis, layout: Layout, height: float) -> Iterat
         yield text(x, height - 7, words, class_="tick middle")
 
 
-def _line(run: Run, candidate: str, lane: Lane, across: Axis, up: Axis, key: str) -> Iterator[str]:
+def margin_line(
+    run: Run, candidate: str, lane: Lane, across: Axis, up: Axis, panel: Panel, key: str
+) -> Iterator[str]:
     """The line with gaps where there is no margin, thick below the bound, dots where it fires, marks where undefined."""
     middles = [(a + b) / 2 for a, b in zip(run.t, run.end)] if run.cycles == 1 else run.t
     pieces: list[list[tuple[float, float]]] = [[]]
     for i, letter in enumerate(lane.verdict):
         if letter in "sv" and not math.isnan(lane.margin[i]):
-            pieces[-1].append((across.at(middles[i]), up.at(lane.margin[i])))
+            pieces[-1].append((middles[i], up.at(lane.margin[i])))
         elif pieces[-1]:
             pieces.append([])
     most = int(across.stop - across.start)
-    path = "".join(_piece(piece, most) for piece in pieces if piece)
+    path = "".join(_piece(piece, most, across) for piece in pieces if piece)
     if path:
         name = f"{key}-{candidate}"
         yield tag("defs", tag("path", id=name, d=path))
@@ -181,17 +147,27 @@ def _line(run: Run, candidate: str, lane: Lane, across: Axis, up: Axis, key: str
         if letter in "uo":
             x0, x1 = across.at(run.t[first]), across.at(run.end[last])
             word = "undefined" if letter == "u" else "open"
-            y = HEIGHT - BOTTOM - (12.0 if candidate == CANDIDATES[0] else 6.0)
+            y = panel.foot - (12.0 if candidate == CANDIDATES[0] else 6.0)
             note = title(f"{candidate}: {word} {clock(run.t[first])} to {clock(run.t[last])} {run.time_unit}")
             yield tag("rect", note, x=x0, y=y, width=max(x1 - x0, 1.5), height=5.0, class_=f"b-{word}")
 
 
-def _piece(piece: Sequence[tuple[float, float]], most: int) -> str:
-    """A stretch of line; a lone point becomes a dash that can be seen."""
+def _piece(piece: Sequence[tuple[float, float]], most: int, across: Axis) -> str:
+    """A stretch of line, of times and heights; a lone point becomes a dash that can be seen."""
     if len(piece) == 1:
-        x, y = piece[0]
-        return f"M{x - 2:.1f} {y:.1f}h4"
-    return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in _extremes(piece, most))
+        t, y = piece[0]
+        return f"M{across.at(t) - 2:.1f} {y:.1f}h4"
+    return "M" + "L".join(f"{across.at(t):.1f} {y:.1f}" for t, y in _bends(_extremes(piece, most)))
+
+
+def _bends(piece: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """The same line without points between two of the same height."""
+    last = len(piece) - 1
+    return [
+        point
+        for k, point in enumerate(piece)
+        if k in (0, last) or not abs(piece[k - 1][1] - point[1]) < 0.05 > abs(piece[k + 1][1] - point[1])
+    ]
 
 
 def _extremes(piece: Sequence[tuple[float, float]], most: int) -> list[tuple[float, float]]:

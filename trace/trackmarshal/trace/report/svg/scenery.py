@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from trackmarshal.trace.report.reading import CANDIDATES, Run, number
 from trackmarshal.trace.report.svg.element import points, svg, tag, text, text_width, thinned, title
 from trackmarshal.trace.report.svg.labels import Places, around
-from trackmarshal.trace.report.svg.poses import Pose, known, path_of, pose_of
+from trackmarshal.trace.report.svg.poses import Pose, path_of, pose_of
 from trackmarshal.trace.report.svg.view import FOOT, Point, View
 from trackmarshal.trace.report.words import clock, plain
 
@@ -20,13 +20,12 @@ SHORTEST = 7.0
 
 def road(run: Run, view: View) -> Iterator[str]:
     """The surface between the borders, and the borders."""
-    track = run.record["track"]
-    sides = [[(number(x), number(y)) for x, y in track[side]] for side in ("left", "right")]
-    lines = [thinned(view.path(p for p in side if known(*p)), 0.7) for side in sides]
-    near = [list(_visible(line + line[:1] if track["closed"] else line, view)) for line in lines]
+    closed = run.record["track"]["closed"]
+    lines = [thinned(view.path(run.track[side]), 0.7) for side in ("left", "right")]
+    near = [list(_visible(line + line[:1] if closed else line, view)) for line in lines]
     if all(len(pieces) == 1 for pieces in near):
         yield tag("path", d=points([*near[0][0], *reversed(near[1][0])], True), class_="road")
-    elif all(lines) and track["closed"]:
+    elif all(lines) and closed:
         yield tag(
             "path", d=points(lines[0], True) + points(lines[1], True), class_="road", fill_rule="evenodd"
         )

@@ -53,7 +53,7 @@ def timeline(run: Run, layout: Layout, requirement_titles: Mapping[str, str]) ->
         body.append(text(4.0, y + 16.0, fitted(group.heading, layout.width - 8, layout.font), class_="group"))
         y += GROUP_HEAD
         for row in group.rows:
-            drawn, y = _row(row, run, axis, layout, y)
+            drawn, y = drawn_row(row, run, axis, layout, y)
             body += drawn
     height = y + HEAD
     grid = list(_time_ticks(run, axis, layout, height))
@@ -76,7 +76,7 @@ def _time_ticks(run: Run, axis: Axis, layout: Layout, height: float) -> Iterator
             )
 
 
-def _row(row: Row, run: Run, axis: Axis, layout: Layout, y: float) -> tuple[list[str], float]:
+def drawn_row(row: Row, run: Run, axis: Axis, layout: Layout, y: float) -> tuple[list[str], float]:
     """The row's elements, and where the next one starts."""
     lane_height = layout.lane + (4.0 if len(row.lanes) == 1 else 0.0)
     height = lane_height * len(row.lanes) + (len(row.lanes) - 1)

@@ -53,7 +53,8 @@ class View:
         return self.a * x + self.c * y + self.e, self.b * x + self.d * y + self.f
 
     def path(self, points: Iterable[Point]) -> list[Point]:
-        return [self.at(x, y) for x, y in points]
+        a, b, c, d, e, f = self.a, self.b, self.c, self.d, self.e, self.f
+        return [(a * x + c * y + e, b * x + d * y + f) for x, y in points]
 
     def inside(self, point: Point, room: float = 0.0) -> bool:
         return -room <= point[0] <= self.width + room and -room <= point[1] <= self.height + room

@@ -1,0 +1,98 @@
+"""Kept results of runs in a closed loop, as the document reads them: which fault, in which situation, what found it and when, and what became of the car."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import read_regular
+
+FORMAT, VERSION = "trackmarshal-closed-loop", 1
+#: What became of a car, from best to worst, with the status that it looks like.
+OUTCOMES = {"drives_on": "covered", "resumed": "waived", "stopped": "covered", "off_road": "failed", "contact": "failed"}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class LoopRun:
+    """speed: of the car when the fault began, m/s; after: from the first faulty cycle that the Supervisor had to its first unsafe decision, s, and
+    None where there was none; clearance, gap: the least to a border and to another car, m."""
+
+    fault: str
+    requirement: str
+    beyond: str  #: the assumption that the fault breaks; "" for what the Supervisor answers for
+    track: str
+    traffic: bool
+    place: str
+    speed: float
+    after: float | None
+    found: str  #: the rule or fault that made that decision unsafe
+    below: bool  #: whether the layer below stopped the car by itself
+    outcome: str
+    clearance: float
+    gap: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """All runs of a campaign, in the order of the file. titles: by fault; it may lack some."""
+
+    path: str
+    sha256: str
+    titles: Mapping[str, str]
+    runs: tuple[LoopRun, ...]
+
+
+def read(root: Path, path: str, sha256: str) -> Loop:
+    """The results in a file of the project. Raises TrackmarshalError T437 where it holds something else."""
+    try:
+        said = json.loads(read_regular(root / path))
+    except (OSError, ValueError, RecursionError) as problem:
+        _refused(path, str(problem) or type(problem).__name__)
+    if not isinstance(said, dict) or said.get("format") != FORMAT or said.get("version") != VERSION:
+        _refused(path, f"`format` is to be `{FORMAT}` and `version` {VERSION}")
+    runs, titles = said.get("runs"), said.get("faults", {})
+    if not isinstance(runs, list) or not isinstance(titles, dict):
+        _refused(path, "`runs` is to be a list, and `faults` an object")
+    return Loop(path, sha256, {str(id_): str(title) for id_, title in titles.items()}, tuple(_run(path, n, run) for n, run in enumerate(runs, 1)))  # fmt: skip
+
+
+def _run(path: str, number: int, said: Any) -> LoopRun:
+    if not isinstance(said, dict):
+        _refused(path, f"run {number} is no object")
+    texts = [said.get(name) for name in ("fault", "requirement", "beyond", "track", "place", "outcome")]
+    if not all(isinstance(text, str) for text in texts) or type(said.get("traffic")) is not bool:
+        _refused(path, f"run {number} lacks what it was of, or what came of it")
+    if said["outcome"] not in OUTCOMES:
+        _refused(path, f"the outcome of run {number} is {said['outcome']!r}; known are {', '.join(OUTCOMES)}")
+    reaction, found, after = said.get("reaction"), "", None
+    if reaction is not None:
+        names = reaction.get("found") if isinstance(reaction, dict) else None
+        if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+            _refused(path, f"the reaction of run {number} does not say what found the fault")
+        found, after = (names[0] if names else ""), _number(path, number, reaction, "after")
+    gap = None if said.get("gap") is None else _number(path, number, said, "gap")
+    return LoopRun(
+        said["fault"], said["requirement"], said["beyond"], said["track"], said["traffic"], said["place"], _number(path, number, said, "speed"),
+        after, found, reaction is None and said.get("below") is not None, said["outcome"], _number(path, number, said, "clearance"), gap,
+    )  # fmt: skip
+
+
+def _number(path: str, number: int, said: Mapping[str, Any], name: str) -> float:
+    value = said.get(name)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        _refused(path, f"`{name}` of run {number} is no finite number")
+    return float(value)
+
+
+def _refused(path: str, why: str) -> NoReturn:
+    raise TrackmarshalError(
+        "T437", f"results of a closed loop that cannot be used: {why}", file=path, help="`closed_loop` in v-model.yaml names what `closed_loop.campaign --keep` wrote"
+    )  # fmt: skip
+
+
+__all__ = ["OUTCOMES", "Loop", "LoopRun", "read"]

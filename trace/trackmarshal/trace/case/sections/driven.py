@@ -1,0 +1,71 @@
+"""Drives of real vehicles: how often rules fired, by hour and by kilometre, and how near each came to firing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from trackmarshal.records import DriveFacts, RunSummary
+from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Number
+from trackmarshal.trace.case.writing import Writing, given, joined
+
+
+def field(writing: Writing) -> Iterator[Block]:
+    """Each run of a log of a real vehicle."""
+    origins = {str(one.path): one for one in writing.given.project.scenarios if one.origin == "field"}
+    runs = [run for run in writing.given.runs if run.scenario in origins]
+    if not runs:
+        yield writing.missing("field.none")
+    for run in runs:
+        title: Line = (Given(origins[run.scenario].title or run.scenario),)
+        blocks = (
+            [writing.missing("field.no_drive")]
+            if run.drive is None
+            else list(_drive(writing, run, run.drive))
+        )
+        yield writing.part(title, blocks, level=3)
+
+
+def _drive(writing: Writing, run: RunSummary, drive: DriveFacts) -> Iterator[Block]:
+    node = writing.graph.nodes["run", run.scenario]
+    fired = sum(drive.firings.values())
+    rates = writing.line(
+        "field.rates", hour=_number(run, "per hour", fired / drive.hours), km=_number(run, "per km", fired / drive.km) if drive.km > 0 else Fixed("–")
+    )  # fmt: skip
+    facts: list[tuple[str, Line]] = [
+        ("label.hours", (writing.said_number(node, "hours"), Fixed(" h"))),
+        ("label.way", (writing.said_number(node, "km"), Fixed(" km"))),
+        ("label.cycles", (writing.said_number(node, "cycles"),)),
+        ("label.firings", (writing.said_number(node, "firings"),)),
+        ("label.rates", rates),
+        ("label.firing", joined([(Code(rule), Fixed(" "), _number(run, f"firings {rule}", number)) for rule, number in sorted(drive.firings.items())])),
+        ("label.silent", joined([given(rule) for rule in _silent(run)])),
+    ]  # fmt: skip
+    yield writing.facts(facts)
+    yield writing.table((("column.rule", 3.0), ("column.candidate", 1.5), ("column.least", 2.0), ("column.when_found", 1.5)), (
+        [
+            (Code(one.rule),), given(one.candidate),
+            (writing.said_number(node, f"least {one.rule} {one.candidate}"),), (_number(run, f"t {one.rule} {one.candidate}", one.t), Fixed(" s")),
+        ]
+        for one in drive.least
+    ))  # fmt: skip
+
+
+def _silent(run: RunSummary) -> list[str]:
+    """Rules that had nothing to say in any cycle: of them the drive shows nothing."""
+    return [
+        facts.rule
+        for facts in run.rules
+        if not any(
+            number
+            for count in facts.counts.values()
+            for verdict, number in count.items()
+            if verdict != "inactive"
+        )
+    ]
+
+
+def _number(run: RunSummary, what: str, value: float) -> Number:
+    return Number(f"drive/{run.scenario}/{what}", f"{value:.4g}")
+
+
+__all__ = ["field"]

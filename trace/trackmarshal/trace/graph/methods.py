@@ -1,0 +1,81 @@
+"""Methods of verification: each that a requirement names is answered by evidence of its kind. Which kinds there are, the schema of links says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from trackmarshal.trace.findings import Finding, did_you_mean, error
+from trackmarshal.trace.graph import schema
+from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.model import Project, matches
+from trackmarshal.trace.outside import Outside
+from trackmarshal.trace.values import Placed
+
+CODE = "T255"
+
+
+def unknown(project: Project) -> Iterator[Finding]:
+    """T123 for methods that the schema of links does not have: of requirements, and of evidence that is to answer them."""
+    known = {str(method.name) for method in schema.of(project).methods or ()}
+    for word in (
+        *(word for r in project.requirements for word in r.verification),
+        *(word for e in project.evidence for word in e.methods),
+        *(word for j in project.junit for word in j.methods),
+    ):
+        if word not in known:
+            help_ = did_you_mean(word, known) or "known are " + ", ".join(sorted(known))
+            yield error("T123", f"`{word}` is no method of verification", word.place, help_)
+
+
+def check(graph: Graph, project: Project, asking: schema.Asking, around: Outside) -> Iterator[Finding]:
+    """T255 for every method of a requirement that nothing answers; a warning where what may answer it was not run."""
+    own = schema.of(project)
+    known = {str(method.name): method for method in own.methods or ()}
+    reports = [entry.path for entry in project.junit if entry.if_there and not _tests_of(entry.path, around)]
+    scenarios = [s.path for s in project.scenarios if ("run", str(s.path)) not in graph.nodes]
+    for node in graph.by_kind.get("requirement", ()):
+        requirement = project.by_id[node.id]
+        for word in dict.fromkeys(requirement.verification) if node.demanded else ():
+            method = known.get(word)
+            if method is None:
+                continue  # reported where it was read
+            if asking.met(node, method.any_of) or _named(word, node.id, project, around):
+                continue
+            kinds = {str(kind) for way in method.any_of for kind in (way.reaches, *way.kinds)}
+            waiting = [
+                *(reports if "external test" in kinds else ()),
+                *(e.path for e in project.junit if word in e.methods and e.path in reports),
+                *(scenarios if "run" in kinds else ()),
+            ]
+            message = f"`{node.id}` is to be verified by {word} ({method.means}), and no evidence of that kind is linked with it"
+            if waiting:
+                message += f"; `{waiting[0]}` was not run"
+            help_ = "link it, name the method under `methods` of evidence that is of that kind, or have somebody answer for the gap"
+            yield Finding(
+                CODE, "warning" if waiting else "error", message, word.place, help_, f"{node.id}:{word}", about=(node.id,),
+                rests_on=tuple(dict.fromkeys(map(str, waiting))),
+            )  # fmt: skip
+
+
+def _named(word: str, id_: str, project: Project, around: Outside) -> bool:
+    """Whether evidence that names a method is linked with a requirement: a document, or a test of such a report."""
+    if any(word in entry.methods and matches(id_, entry.requirements) for entry in project.evidence):
+        return True
+    reports = [entry.path for entry in project.junit if word in entry.methods]
+    return any(
+        _of(found.test.report, reports)
+        for found in around.tests_of.get(id_, ())
+        if found.test.outcome != "skipped"
+    )
+
+
+def _tests_of(path: str, around: Outside) -> bool:
+    return any(_of(found.test.report, (path,)) for found in around.tests)
+
+
+def _of(report: str, paths: Sequence[str | Placed]) -> bool:
+    """Whether a report is one of these, or in one of these folders."""
+    return any(report == path or report.startswith(f"{path}/") for path in paths)
+
+
+__all__ = ["check", "unknown"]
