@@ -10,69 +10,79 @@ import json
 import platform
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from trackmarshal import __version__
+from trackmarshal.cli import against
+from trackmarshal.cli.beside import page_beside
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project
+from trackmarshal.cli.shown import Shown, ShownRun, keep
+
+if TYPE_CHECKING:
+    from trackmarshal.cli.assessment import Assessment
+    from trackmarshal.diagnostics.base import Diagnostic
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", help="default: out/assess in the project")
+    against.configure(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.assessment import assess
-    from trackmarshal.cli.check import unknown_requirements
     from trackmarshal.cli.evidence import now
-    from trackmarshal.diagnostics.text import render as render_text
-    from trackmarshal.scenarios.run_record import run_record
-    from trackmarshal.testing.run import coverage
-    from trackmarshal.trace.report import write_report
+    from trackmarshal.trace.report import page_addresses, write_report
 
     root = find_project(args)
     target = Path(args.out) if args.out else root / "out" / "assess"
     made = assess(root, run=True, replays=True, quiet=args.quiet)
-    sources = made.sources
-    found = [*sources.found, *unknown_requirements(sources.compiled, root)]
-    if found:
-        print(render_text(found, colour=sys.stderr.isatty()), file=sys.stderr)
+    found: list[Diagnostic] = []
+    shown = made.shown
+    if shown is None:
+        found = _said(made, root)
+        shown = _shown(made)
+        if not found:  # what is wrong with specs is said each time
+            keep(root, made.facts.state, made.results, shown)
     matrix = made.matrix()
     target.mkdir(parents=True, exist_ok=True)
-    for format_ in ("html", "json", "csv", "md"):
+    for format_ in ("json", "csv", "md"):
         (target / f"matrix.{format_}").write_text(trace.render(matrix, format_), encoding="utf-8")
     summary = json.loads(trace.render(matrix, "json"))
-    records = [
-        run_record(outcome, evaluator, source_hash=summary.source_hash)
-        for summary, outcome, evaluator in made.replays
-    ]
+    pages = dict(
+        zip((run_.scenario for run_ in shown.runs), page_addresses([run_.record for run_ in shown.runs]))
+    )
+    beside = page_beside(made, matrix, args.against, pages, index="index.html")
+    # Lone surrogates (from odd paths) have no encoding; a page must not fail on them.
+    (target / "matrix.html").write_bytes(
+        trace.render(matrix, "html", beside=beside).encode("utf-8", "replace")
+    )
     failed = [r for r in made.results if r.outcome != "passed"]
-    unmoved = {(r.rule, r.title): r.unmoved for r in made.results}
-    covered = coverage(sources.compiled.spec, sources.prepared, unmoved, sources.distances)
-    uncovered = [c.rule.name for c in covered if not c.complete]
     faults = [result for result in made.fault_results if result.outcome != "passed"]
     gaps = trace.gate(matrix)
     page = write_report(
         target,
-        runs=records,
+        runs=[run_.record for run_ in shown.runs],
         matrix_html="matrix.html",
         matrix_summary=summary,
         missing=summary["findings"],
-        checks={"modules": len(sources.compiled.order), "rules": len(made.facts.items), "errors": sum(d.level == "error" for d in found),
+        checks={"modules": shown.modules, "rules": len(made.facts.items), "errors": sum(d.level == "error" for d in found),
                 "warnings": sum(d.level != "error" for d in found), "tests": len(made.results), "failed": len(failed),
                 "failures": [{"rule": r.rule, "title": r.title, "message": r.message, "place": f"{r.file}:{r.line}"} for r in failed],
-                "uncovered": uncovered,
+                "uncovered": shown.uncovered,
                 "faults": (len(made.fault_results) - len(faults), len(made.fault_results)) if made.fault_results else None},
         meta={"project": made.project.name or root.name, "created": now(), "tool": f"trackmarshal {__version__}",
-              "python": platform.python_version(), "spec_fingerprint": sources.compiled.spec.fingerprint, "command": "trackmarshal assess"},
+              "python": platform.python_version(), "spec_fingerprint": shown.fingerprint, "command": "trackmarshal assess"},
         faults=trace.fault_rows(made.facts.fault_cases, made.fault_results),
     )  # fmt: skip
     expected = {str(scenario.path): scenario.expect for scenario in made.project.scenarios}
     # Where rules are expected to fire, it is on what the ground truth knows nothing of: whether they did is the matrix's to say.
     judged = [run_ for run_ in made.runs if expected.get(run_.scenario) != "fire"]
     outside = [run_ for run_ in judged if not all(truth.inside for truth in run_.ground_truth.values())]
-    unmet = [s for s, run_, _ in made.replays if expected.get(s.scenario) == "ground_truth" and not run_.met]
-    unlike = sorted({run_.scenario for run_ in (*outside, *unmet)})
+    met = {run_.scenario: run_.met for run_ in shown.runs}
+    unmet = [name for name, is_met in met.items() if expected.get(name) == "ground_truth" and not is_met]
+    unlike = sorted({*unmet, *(run_.scenario for run_ in outside)})
     if not args.quiet:
         print(
             f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {len(made.runs)} scenarios run, "
@@ -88,3 +98,38 @@ def run(args: argparse.Namespace) -> int:
     if matrix.unusable:
         return 2
     return 1 if failed or gaps or unlike or faults or errors else 0
+
+
+def _said(made: Assessment, root: Path) -> list[Diagnostic]:
+    """What is wrong with the specs, and the user is told."""
+    from trackmarshal.cli.check import unknown_requirements
+    from trackmarshal.diagnostics.text import render
+
+    found = [*made.sources.found, *unknown_requirements(made.sources.compiled, root)]
+    if found:
+        print(render(found, colour=sys.stderr.isatty()), file=sys.stderr)
+    return found
+
+
+def _shown(made: Assessment) -> Shown:
+    """What is shown beside the matrix, made from the specs and the replays."""
+    from trackmarshal.explaining.moments import told_moments
+    from trackmarshal.scenarios.run_record import run_record
+    from trackmarshal.testing.run import coverage
+
+    sources = made.sources
+    unmoved = {(r.rule, r.title): r.unmoved for r in made.results}
+    covered = coverage(sources.compiled.spec, sources.prepared, unmoved, sources.distances)
+    runs = [
+        ShownRun(
+            summary.scenario,
+            outcome.met,
+            {
+                **run_record(outcome, evaluator, summary.source_hash),
+                "told": told_moments(outcome, evaluator),
+            },
+        )
+        for summary, outcome, evaluator in made.replays
+    ]
+    uncovered = [c.rule.name for c in covered if not c.complete]
+    return Shown(len(sources.compiled.order), sources.compiled.spec.fingerprint, uncovered, runs)

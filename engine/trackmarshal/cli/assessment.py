@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any
 from trackmarshal.cli import acceptances, evidence
 from trackmarshal.cli.answers import Answers
 from trackmarshal.cli.facts import Facts, facts
+from trackmarshal.cli.shown import Shown, kept
 from trackmarshal.cli.sources import Sources, kept_runs
 from trackmarshal.records import FaultResult, RunSummary, TestResult
+from trackmarshal.store import Entry
 
 if TYPE_CHECKING:
     from trackmarshal.cli.weakening import Weakening
@@ -36,6 +38,8 @@ class Assessment:
     #: What is wrong with the evidence store, and with the history of the baseline.
     store_found: list[Finding]
     replays: list[tuple[RunSummary, Replay, Evaluator]]
+    #: What was kept to be shown, where replays were asked for and need not be made.
+    shown: Shown | None
     _making: _Making
     _answers: Answers
     #: Whether anything may be run.
@@ -59,6 +63,26 @@ class Assessment:
             parts=said.parts, tell=self.weakening(),
         )  # fmt: skip
 
+    @property
+    def compiled(self) -> Sources | None:
+        """The project's specs, where they had to be compiled already."""
+        return self._making.compiled
+
+    def entries(self) -> dict[tuple[str, str], Entry]:
+        """The entries of the evidence store that count, by kind and subject."""
+        said, store = self.facts, self._answers.store
+        wanted = [("test", f"{test.rule}: {test.title}", said.of_test(test)) for test in said.tests]
+        wanted += [("run", shown, inputs) for shown, inputs in said.run_inputs.items()]
+        wanted += [
+            ("fault", f"{case.campaign} {case.id}", {"fault": case.fingerprint}) for case in said.fault_cases
+        ]
+        found = {}
+        for kind, subject, inputs in wanted:
+            entry = store.find(kind, subject, inputs) or store.latest(kind, subject)
+            if entry is not None:
+                found[kind, subject] = entry
+        return found
+
     def weakening(self) -> Tell:
         """Says whether rules that are not those of the baseline got weaker; what that takes is made when it is asked."""
 
@@ -78,7 +102,8 @@ def assess(
 ) -> Assessment:
     """Read a project and its evidence; with `run`, first run tests, scenarios and faults that the store has no result of from the same inputs.
 
-    again: run all of them, and tell what came out differently than the store says. replays: replay all scenarios, for what is shown of them.
+    again: run all of them, and tell what came out differently than the store says. replays: replay all scenarios, for what is shown of them,
+    unless that was kept.
     """
     from trackmarshal.trace import requirements
 
@@ -92,14 +117,17 @@ def assess(
         files = [str(path) for path in (*(s.path for s in project.scenarios), *project.campaigns)]
         said = facts(root, folders, files, made.facts)
     results = list(_tests(answers, said, made if run else None))
-    runs = list(_runs(answers, said, made if run else None, replays))
+    shown = kept(root, said.state, results) if replays and not again else None
+    runs = list(_runs(answers, said, made if run else None, replays and shown is None))
     faults = list(_faults(answers, said, made if run else None))
     answers.write()
     found = _of_store(answers, root)
     if again and project.baseline:
         found += acceptances.check(root, str(project.baseline))
     runs += _kept_runs(root, project)
-    return Assessment(root, project, said, results, runs, faults, found, made.replays, made, answers, run)
+    return Assessment(
+        root, project, said, results, runs, faults, found, made.replays, shown, made, answers, run
+    )
 
 
 class _Making:
@@ -112,6 +140,10 @@ class _Making:
     @cached_property
     def sources(self) -> Sources:
         return Sources(self._root, self._project)
+
+    @property
+    def compiled(self) -> Sources | None:
+        return self.sources if "sources" in vars(self) else None
 
     def facts(self) -> Facts:
         return self.sources.facts()
@@ -147,7 +179,7 @@ def _runs(answers: Answers, said: Facts, made: _Making | None, show: bool) -> It
         if known is not None and not (show and made is not None):
             yield RunSummary.from_json(known)
         elif made is not None:
-            summary, outcome, evaluator, params = made.sources.replay(shown, said, made.quiet)
+            summary, outcome, evaluator, params = made.sources.replay(shown, said, made.quiet, show)
             made.replays.append((summary, outcome, evaluator))
             answers.learn("run", shown, inputs, summary.to_json(), params)
             yield summary

@@ -1,7 +1,7 @@
 """The benchmarks of the project: median CPU times, with the limit that each must stay under and the ratio to it.
 
 A benchmark is a module tests/benchmarks/bench_*.py with `measure() -> dict[str, float]` (seconds, bytes for names that end
-in "memory", plain numbers for those that end in "(ratio)") and, for the names it promises something about, `LIMITS`.
+in "memory" or "size", plain numbers for those that end in "(ratio)") and, for the names it promises something about, `LIMITS`.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def _load(file: Path) -> ModuleType:
 
 
 def _unit(name: str) -> str:
-    return "bytes" if name.endswith("memory") else "1" if name.endswith("(ratio)") else "s"
+    return "bytes" if name.endswith(("memory", "size")) else "1" if name.endswith("(ratio)") else "s"
 
 
 def _figure(name: str, value: float) -> str:

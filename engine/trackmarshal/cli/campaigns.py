@@ -12,6 +12,7 @@ from trackmarshal.cli.output import progress
 from trackmarshal.records import FaultCase, FaultResult
 
 if TYPE_CHECKING:
+    from trackmarshal.cli.replay import Known
     from trackmarshal.evaluation import Evaluator
     from trackmarshal.scenarios.faults.campaign import Outcome
     from trackmarshal.scenarios.faults.declaration import Campaign
@@ -44,16 +45,16 @@ class Prepared:
         )
 
 
-def prepare(root: Path, project: Project, broken: bool, shared: dict[object, Evaluator]) -> list[Prepared]:
+def prepare(root: Path, project: Project, broken: bool, shared: Known) -> list[Prepared]:
     """The project's campaigns; those that are not there are left to the matrix. With `broken` specs, none can be run.
 
-    `shared` are evaluators that are there already, as `evaluator_for` knows them.
+    `shared` is what is there already, as `evaluator_for` knows it.
     """
     if not project.campaigns:
         return []
+    from trackmarshal.cli.recordings import recorded
     from trackmarshal.cli.replay import evaluator_for
     from trackmarshal.meaning import key
-    from trackmarshal.scenarios import load as load_recording
     from trackmarshal.scenarios.faults.declaration import load
 
     found = []
@@ -64,11 +65,11 @@ def prepare(root: Path, project: Project, broken: bool, shared: dict[object, Eva
         path = (root / shown).parent / campaign.recording
         recording, evaluator, digest, evaluated = None, None, "", ""
         if path.is_file() and not broken:
-            recording = load_recording(path, str(Path(shown).parent / campaign.recording))
+            recording, named = recorded(root, path, str(Path(shown).parent / campaign.recording))
             spec = root / project.default_spec
             evaluator = evaluator_for(recording, spec, [], root, None, "numpy", path.parent, (), shared)
             digest = evidence.file_hash(path)
-            evaluated = key(evidence.run_inputs(evaluator, digest))
+            evaluated = key(evidence.run_inputs(evaluator, digest, named))
         found.append(Prepared(shown, campaign, recording, evaluator, digest, evaluated))
     return found
 
@@ -76,7 +77,7 @@ def prepare(root: Path, project: Project, broken: bool, shared: dict[object, Eva
 def cases(prepared: list[Prepared]) -> list[FaultCase]:
     """Every declared fault."""
     return [
-        FaultCase(each.shown, fault.id, fault.title, fault.requirement, fault.line, each.fingerprint(number), fault.open, fault.says)
+        FaultCase(each.shown, fault.id, fault.title, fault.requirement, fault.line, each.fingerprint(number), fault.open, fault.says, None if fault.open else fault.begin)
         for each in prepared
         for number, fault in enumerate(each.campaign.faults)
     ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 trackmarshal case --out DIR
 trackmarshal case --out DIR --day 2026-11-30 --templates OWN
+trackmarshal case --out DIR --words de
 
 Nothing is run: `trackmarshal assess` brings the evidence up to date. The exit status is 1 when the gate fails. The PDF needs the extra `pdf`; without
 it, the HTML is written all the same.
@@ -16,20 +17,21 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from trackmarshal.cli.answers import commit
 from trackmarshal.cli.days import COMMIT, day
+from trackmarshal.cli.drawing import drawings
 from trackmarshal.cli.output import print_problem, say
 from trackmarshal.cli.project import find_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
     from trackmarshal.cli.assessment import Assessment
-    from trackmarshal.ir.spec import Spec
-    from trackmarshal.records import SpecItem
     from trackmarshal.trace.case.inputs import Inputs
+    from trackmarshal.trace.case.loop import Loop
     from trackmarshal.trace.case.model import Document
+    from trackmarshal.trace.matrix import Matrix
 
 NAME = "safety-case"
 #: What is said where an extra is not installed: the document comes without what it is for.
@@ -49,21 +51,27 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--templates", metavar="DIR", help="templates in place of ours (default: as v-model.yaml says)"
     )
+    parser.add_argument(
+        "--words",
+        metavar="LANGUAGE|FILE",
+        help="the language of fixed words, or a file of them (default: as v-model.yaml says, or en)",
+    )
     parser.add_argument("--format", choices=("both", "html", "pdf"), default="both")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the document; 1 where the gate fails, 2 where a document cannot be read. Raises T430, T431 and T433."""
+    """Write the document; 1 where the gate fails, 2 where a document cannot be read. Raises T430, T431 and T433 to T437."""
     from trackmarshal import trace
     from trackmarshal.cli.assessment import assess
     from trackmarshal.trace.case import html, typst
 
     root = find_project(args)
     found = assess(root, run=False, quiet=args.quiet)
+    words = _words(args.words, found, root)
     given = _inputs(found, root, _day(args.day, root))
     folder = _templates(args.templates, found, root)
     problems: list[TrackmarshalError] = []
-    document = _drawn(given, problems)
+    document = _drawn(given, words, problems)
     made: dict[str, bytes] = {}
     if args.format in ("both", "html"):
         # Lone surrogates (from odd paths) have no encoding; a page must not fail on them.
@@ -103,6 +111,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _inputs(found: Assessment, root: Path, as_of: date) -> Inputs:
     from trackmarshal import __version__, trace
+    from trackmarshal.cli.recorded import recorded
+    from trackmarshal.cli.sheets import rule_sheets
     from trackmarshal.evaluation import load
     from trackmarshal.meaning.tool import tool
     from trackmarshal.trace.case.inputs import Inputs
@@ -113,42 +123,46 @@ def _inputs(found: Assessment, root: Path, as_of: date) -> Inputs:
     broken = any(finding.level == "error" for finding in said.findings)
     # Of specs with errors, the matrix says what is wrong; their rules are named there, and not explained.
     spec = None if broken else load(spec_folders(root), [], root)
+    sheets = {} if spec is None else dict(rule_sheets(spec, [item.name for item in said.items]))
     return Inputs(
         matrix, build(matrix, found.project, root), found.project, said.items, said.tests, found.results, found.runs,
-        trace.fault_rows(said.fault_cases, found.fault_results), {} if spec is None else dict(_sheets(spec, said.items)), commit(root),
+        trace.fault_rows(said.fault_cases, found.fault_results), sheets, commit(root),
         f"trackmarshal {__version__}", tool(), "" if spec is None else spec.fingerprint, _hashes(root, found.project.baseline),
+        drawings(root, said, sheets, lambda: found.sources), _loop(matrix, found, root),
+        recorded(root, {str(e.id): (e.id.place.file, e.id.place.line) for e in found.project.entries if e.kind == "review"}),
     )  # fmt: skip
 
 
-def _sheets(spec: Spec, items: Iterable[SpecItem]) -> Iterable[tuple[str, Mapping[str, Any]]]:
-    """By rule, what `show` says of it."""
-    from trackmarshal.reading.data import data
-    from trackmarshal.reading.rule import read
-    from trackmarshal.reading.sheet import Sheet, spec_text
-    from trackmarshal.reading.telling import tell
-    from trackmarshal.reading.words.english import ENGLISH
+def _loop(matrix: Matrix, found: Assessment, root: Path) -> Loop | None:
+    """The kept results of a closed loop that the project names; raises T437 for what is none."""
+    from trackmarshal.trace.case.loop import read
 
-    for item in items:
-        rule = spec.rule(item.name)
-        if rule is not None:
-            has = rule.typed is not None
-            sheet = Sheet(
-                rule, ENGLISH, spec_text(rule), read(rule, spec) if has else None, tell(rule, spec, ENGLISH) if has else None, None, ()
-            )  # fmt: skip
-            yield item.name, data(sheet)
+    path = found.project.closed_loop
+    if path is None:
+        return None
+    return read(root, str(path), matrix.graph.nodes["document", str(path)].attributes["fingerprint"])
 
 
-def _drawn(given: Inputs, problems: list[TrackmarshalError]) -> Document:
+def _words(named: str | None, found: Assessment, root: Path) -> Mapping[str, str]:
+    """The words that are asked for: a file by its path, in v-model.yaml from the project's folder. Raises T434 to T436."""
+    from trackmarshal.trace.case.words.language import words
+
+    if named is not None:
+        return words(named, Path())
+    return words(str(found.project.case_words or "en"), root)
+
+
+def _drawn(given: Inputs, words: Mapping[str, str], problems: list[TrackmarshalError]) -> Document:
     """The document with the argument drawn; in words where the engine that lays it out is not installed."""
     from trackmarshal.trace.case.content import content
 
     try:
-        return content(given)
+        return content(given, words)
     except TrackmarshalError as missing:
         if missing.code not in EXTRAS:
             raise
         problems.append(missing)
-        return content(replace(given, draw=False))
+        return content(replace(given, draw=False), words)
 
 
 def _day(said: str | None, root: Path) -> date:

@@ -12,8 +12,8 @@ _SOURCES = (
     "trackmarshal.runtime.codes", "trackmarshal.rulebooks.candidates", "trackmarshal.scenarios.codes", "trackmarshal.start.codes", "trackmarshal.lanes.codes",
     "trackmarshal.trajectories.codes", "trackmarshal.integration.planner", "trackmarshal.backends.reference.temporal", "trackmarshal.backends.c.codes",
     "trackmarshal.trace.codes", "trackmarshal.trace.graph.paths", "trackmarshal.trace.report.codes", "trackmarshal.trace.exchange.codes", "trackmarshal.cli.giving",
-    "trackmarshal.cli.days", "trackmarshal.trace.impact.codes", "trackmarshal.reading.formulas", "trackmarshal.reading.solving", "trackmarshal.trace.gsn.codes", "trackmarshal.trace.case.codes",
-    "trackmarshal.cli.acceptances",
+    "trackmarshal.cli.days", "trackmarshal.trace.impact.codes", "trackmarshal.reading.formulas", "trackmarshal.reading.solving", "trackmarshal.reading.drawing.drawn", "trackmarshal.cli.drawing", "trackmarshal.trace.gsn.codes", "trackmarshal.trace.case.codes",
+    "trackmarshal.cli.acceptances", "trackmarshal.cli.against",
 )  # fmt: skip
 
 

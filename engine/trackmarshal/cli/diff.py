@@ -20,7 +20,6 @@ from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
     from trackmarshal.comparing import Judged
-    from trackmarshal.evaluation import Evaluator
     from trackmarshal.scenarios.recording import Recording
 
 
@@ -76,12 +75,12 @@ class _Side:
     """One of the two: its spec, and the project that it belongs to."""
 
     def __init__(self, name: str, args: argparse.Namespace, folder: Path) -> None:
-        from trackmarshal.cli.replay import default_spec
+        from trackmarshal.cli.replay import Known, default_spec
         from trackmarshal.cli.revisions import read
 
         self._home = optional_project(args)
         self._settings = [Path(path) for path in args.settings]
-        self._known: dict[object, Evaluator] = {}
+        self._known = Known()
         path = Path(name)
         if (path / MARKER).is_file():
             self._project: Path | None = path.resolve()

@@ -140,8 +140,8 @@ def file_hash(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def run_inputs(evaluator: Evaluator, recording: str | None) -> dict[str, str]:
-    """What a replay rests on: the sha256 of the recording, each rule with all that it reads, the Supervisor's limits, the engine.
+def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> dict[str, str]:
+    """What a replay rests on: the sha256 of the recording, and of the files that it names, each rule with all that it reads, the Supervisor's limits, the engine.
 
     Of a run that is kept because it cannot be made again at any time, the rules alone (`recording` is None).
     """
@@ -154,17 +154,21 @@ def run_inputs(evaluator: Evaluator, recording: str | None) -> dict[str, str]:
     if recording is not None:
         limits = sha256(*(repr(value) for value in astuple(Limits.of(evaluator.spec))))
         others = {"recording": recording, "limits": limits, "engine": tool()}
+        if named:
+            others["named"] = named
     return dict(Meaning(evaluator.spec).run(evaluator.rules, others))
 
 
-def run_summary(outcome: Replay, evaluator: Evaluator, shown: str, source_hash: str) -> RunSummary:
-    """A replay as a record; `shown` is the scenario's path from the project."""
+def run_summary(
+    outcome: Replay, evaluator: Evaluator, shown: str, source_hash: str, named: str = ""
+) -> RunSummary:
+    """A replay as a record; `shown` is the scenario's path from the project, `named` the hash of the files that it names."""
     from trackmarshal.cli import operating
     from trackmarshal.scenarios.inputs import defaulted
     from trackmarshal.scenarios.labels import judged_by, label
     from trackmarshal.scenarios.overrides import overrides
 
-    inputs = run_inputs(evaluator, source_hash)
+    inputs = run_inputs(evaluator, source_hash, named)
     facts = []
     truth_of = outcome.recording.ground_truth
     for rule in evaluator.rules:

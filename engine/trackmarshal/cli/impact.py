@@ -12,6 +12,7 @@ from trackmarshal.cli.project import MARKER
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
+    from trackmarshal.trace import Project
     from trackmarshal.trace.impact import Version
 
 
@@ -78,7 +79,6 @@ def _then(name: str, commit: str, root: Path, folder: Path) -> Version:
     """The project as it was, read out of git into a folder."""
     from trackmarshal.cli.revisions import read, read_more
     from trackmarshal.cli.sources import Sources
-    from trackmarshal.meaning import tool
     from trackmarshal.trace import Finding, impact, requirements
     from trackmarshal.trace.findings import Place
 
@@ -92,20 +92,39 @@ def _then(name: str, commit: str, root: Path, folder: Path) -> Version:
     project = requirements.load(folder, [])
     named = [
         *(s.path for s in project.scenarios), *(s.kept for s in project.scenarios if s.kept), *project.campaigns, *project.sources,
-        *(e.path for e in project.evidence), *(path for e in project.entries for kind, path in e.links if kind == "backed_by"),
+        *(e.path for e in project.evidence), *(b.evidence for b in project.backing), *(path for e in project.entries for kind, path in e.links if kind == "backed_by"),
     ]  # fmt: skip
     read_more(commit, root, folder, named, called=name)
+    engine = _engine(name, commit, root, folder, project)
     try:
         sources = Sources(folder, project)
         said = sources.facts()
     except TrackmarshalError as problem:
         place = Place(problem.file or "", problem.line or 0)
         wrong = Finding(problem.code, "error", problem.message, place if problem.file else None)
-        return impact.version(folder, (), (), (), (), {}, engine=tool(), findings=[wrong])
+        return impact.version(folder, (), (), (), (), {}, engine=engine, findings=[wrong])
     read_more(commit, root, folder, [item.evidence for item in said.items if item.evidence], called=name)
     return impact.version(
-        folder, said.items, said.tests, said.fault_cases, said.parts, said.run_inputs, engine=tool(), findings=said.findings,
+        folder, said.items, said.tests, said.fault_cases, said.parts, said.run_inputs, engine=engine, findings=said.findings,
     )  # fmt: skip
+
+
+def _engine(name: str, commit: str, root: Path, folder: Path, project: Project) -> str:
+    """The engine that made the evidence then: of its sources where the project has them, else as the baseline's last acceptance says; empty where neither does."""
+    from trackmarshal.cli.revisions import read_more
+    from trackmarshal.meaning.tool import HERE, tool_of
+    from trackmarshal.trace import baseline
+
+    if HERE.is_relative_to(root):
+        sources = HERE.relative_to(root).as_posix()
+        read_more(commit, root, folder, [sources], called=name)
+        made = tool_of(folder / sources)
+        if made:
+            return made
+    if project.baseline:
+        read_more(commit, root, folder, [project.baseline], called=name)
+    held = baseline.load(folder, project, [])
+    return "" if held is None else held.acceptances[-1].engine
 
 
 __all__ = ["answer", "configure"]

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import os
 import sys
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,11 +20,12 @@ from typing import TYPE_CHECKING
 from trackmarshal.cli.output import progress, say, table
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import RuleFacts, RunSummary
+from trackmarshal.records import DriveFacts, LeastMargin, RuleFacts, RunSummary
 
 if TYPE_CHECKING:
     from trackmarshal.scenarios.field.build import Drive
     from trackmarshal.scenarios.field.judged import Judgement
+    from trackmarshal.scenarios.field.report import Report
 
 CODES = {
     "E435": (
@@ -94,14 +97,14 @@ def _report(args: argparse.Namespace, drive: Drive) -> int:
     else:
         say(*reports.text(made, table))
     if args.keep:
-        keep(Path(args.keep), "runs", [_summary(drive, judged, find_project(args))])
+        keep(Path(args.keep), "runs", [_summary(made, judged, find_project(args))])
         if not args.quiet:
             say(f"{args.keep}: the run is kept as evidence", file=sys.stderr)
     return int(any(one.cause not in (MAP, NOISE) for one in made.firings))
 
 
-def _summary(drive: Drive, judged: Judgement, root: Path) -> RunSummary:
-    """The run as evidence: what every rule said, and all that it was made from, by paths from the project."""
+def _summary(made: Report, judged: Judgement, root: Path) -> RunSummary:
+    """The run as evidence: what every rule said, how near it came to firing, and all that it was made from, by paths from the project."""
     import numpy as np
 
     from trackmarshal.cli.evidence import file_hash, now, run_inputs
@@ -110,7 +113,7 @@ def _summary(drive: Drive, judged: Judgement, root: Path) -> RunSummary:
     from trackmarshal.scenarios.overrides import overrides
     from trackmarshal.scenarios.recording import CANDIDATES
 
-    unsafe, spec = judged.unsafe, judged.evaluator.spec
+    drive, unsafe, spec = made.drive, judged.unsafe, judged.evaluator.spec
     inputs = run_inputs(judged.evaluator, None)
     facts = []
     for number, rule in enumerate(judged.evaluator.rules):
@@ -128,7 +131,21 @@ def _summary(drive: Drive, judged: Judgement, root: Path) -> RunSummary:
         bool(unsafe.any()) or bool(judged.faults), now(), dict(sorted(made_from.items())), inputs=inputs,
         overrides=tuple(map(str, overrides(drive.recording, spec))),
         defaults={name: ", ".join(rules) for name, rules in defaulted(drive.recording, spec, judged.evaluator.rules).items()},
+        drive=_driven(made),
     )  # fmt: skip
+
+
+def _driven(made: Report) -> DriveFacts:
+    """What the drive was and how near rules came to firing, rounded to what a reader can use; firings that the map is the cause of are left out."""
+    from trackmarshal.scenarios.field.causes import MAP
+
+    least = (
+        LeastMargin(one.rule, one.candidate, float(f"{one.margin:.6g}"), one.said, round(one.t, 3))
+        for one in made.margins
+        if math.isfinite(one.margin)
+    )
+    firings = Counter(one.rule for one in made.firings if one.cause != MAP)
+    return DriveFacts(round(made.hours, 6), round(made.km, 6), dict(sorted(firings.items())), tuple(least))
 
 
 def _from(root: Path, path: str) -> str:

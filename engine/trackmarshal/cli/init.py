@@ -20,6 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.sources import Sources
+    from trackmarshal.meaning import tool
     from trackmarshal.start.project import BASELINE, init
     from trackmarshal.start.writing import refuse_present
     from trackmarshal.trace import requirements
@@ -28,7 +29,7 @@ def run(args: argparse.Namespace) -> int:
     refuse_present(root, [BASELINE])
     written = init(root)
     made = Sources(root.resolve(), requirements.load(root.resolve(), [])).facts()
-    path, _ = trace.accept_baseline(root.resolve(), made.items, made.tests, [], made.parts)
+    path, _ = trace.accept_baseline(root.resolve(), made.items, made.tests, [], made.parts, engine=tool())
     written.append(path)
     if not args.quiet:
         say(*(f"wrote {root / path.resolve().relative_to(root.resolve())}" for path in written))

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from trackmarshal.runtime.verdict import RuleResult
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.scenarios.replay import Replay
+    from trackmarshal.semantics.compile import Compiled
 
 CODES = {
     "E431": ("a configuration that a recording names is not there", "A recording's `use` names configuration modules (a vehicle, a track) by their path from the project, or from the recording's own folder."),
@@ -182,16 +183,33 @@ def default_spec(project: Path) -> Path:
     return project / requirements.load(project, []).default_spec
 
 
+class Known:
+    """What recordings of one project share: evaluators, by all that they are made of, and compiled specs, by their paths and the project."""
+
+    def __init__(self) -> None:
+        self.evaluators: dict[object, Evaluator] = {}
+        self._compiled: dict[object, Compiled] = {}
+
+    def compile(self, paths: tuple[Path, ...], project: Path | None) -> Compiled:
+        """The specs of these paths, read at the first call; never raises for what is wrong with them."""
+        from trackmarshal.semantics.compile import compile_paths
+
+        found = self._compiled.get((paths, project))
+        if found is None:
+            found = self._compiled[paths, project] = compile_paths(paths, project)
+        return found
+
+
 def evaluator_for(
     recording: Recording, spec_path: Path, settings: list[Path], project: Path | None, rules: list[str] | None, backend: str,
-    folder: Path | None = None, more: Sequence[Path] = (), known: dict[object, Evaluator] | None = None,
+    folder: Path | None = None, more: Sequence[Path] = (), known: Known | None = None,
 ) -> Evaluator:  # fmt: skip
     """The chosen rules with the vehicle and track that the recording and the command line name.
 
     `folder` is where the recording lies, when its `source` is no path from here; `more` are specs beside the one.
-    With `known`, recordings with the same specs and configuration share an evaluator.
+    With `known`, recordings with the same specs and configuration share an evaluator, and those with the same specs what was compiled.
     """
-    from trackmarshal.evaluation import Evaluator, load
+    from trackmarshal.evaluation import Evaluator, configured
     from trackmarshal.scenarios.fields import check_fields, declared_names
     from trackmarshal.scenarios.overrides import known_params
     from trackmarshal.scenarios.replay import known_tables
@@ -205,25 +223,25 @@ def evaluator_for(
         None if rules is None else tuple(rules),
         backend,
     )
-    evaluator = None if known is None else known.get(made_of)
+    known = known or Known()
+    evaluator = known.evaluators.get(made_of)
     if evaluator is None:
-        spec: Spec = load([spec_path, *more], [*used, *settings], project)
+        spec: Spec = configured(known.compile((spec_path, *more), project), [*used, *settings], project)
         evaluator = Evaluator(spec, rules, backend, lambda: declared_names([spec, *project_specs(within)]))
-        if known is not None:
-            known[made_of] = evaluator
+        known.evaluators[made_of] = evaluator
     check_fields(recording, evaluator.spec, lambda: project_specs(within))
     tables, _ = known_tables(recording, evaluator.spec)
     try:
-        configured = evaluator.reader.settings(
+        given = evaluator.reader.settings(
             {"params": known_params(recording, evaluator.spec), "tables": tables}
         )
     except TrackmarshalError as error:
         error.file = error.file or recording.source
         raise
-    if configured.broken:
+    if given.broken:
         raise TrackmarshalError(
             "E403",
-            configured.broken[0],
+            given.broken[0],
             help="change the parameters in the spec, the configuration or the recording",
         )
     return evaluator
@@ -297,8 +315,10 @@ def _claim(recording: Recording, written: set[str]) -> None:
     written.add(name.casefold())
 
 
-def run_one(recording: Recording, evaluator: Evaluator, quiet: bool, brief: bool = False) -> Replay:
-    """Replay with a progress bar. brief: for a `summary` alone."""
+def run_one(
+    recording: Recording, evaluator: Evaluator, quiet: bool, brief: bool = False, keep: bool = False
+) -> Replay:
+    """Replay with a progress bar. brief: for a `summary` alone. keep: for pages, which explain it."""
     from trackmarshal.scenarios.fields import unnamed_track
     from trackmarshal.scenarios.overrides import unknown_params
     from trackmarshal.scenarios.replay import replay
@@ -306,7 +326,9 @@ def run_one(recording: Recording, evaluator: Evaluator, quiet: bool, brief: bool
     unnamed = unnamed_track(recording, evaluator)
     if unnamed and not quiet:
         say(f"note: {recording.name}: {unnamed}", file=sys.stderr)
-    outcome = replay(recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet), brief)
+    outcome = replay(
+        recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet), brief, keep
+    )
     unknown = [("table", name) for name in outcome.ignored]
     unknown += [("parameter", name) for name in unknown_params(recording, evaluator.spec)]
     for kind, name in () if quiet else unknown:

@@ -4,9 +4,12 @@ trackmarshal show friction
 trackmarshal show friction --as formula --expand
 trackmarshal show friction --format html > friction.html
 trackmarshal show friction --solve v
+trackmarshal show friction --draw --out friction.svg
+trackmarshal show friction --draw --over p.a --against v > friction.svg
 
 Without --as: the spec, the formula and the words; as html and json, the C function too. What a formula calls is listed below it, or written out in
-its place (--expand). With --solve, up to which value of a number the rule holds.
+its place (--expand). With --solve, up to which value of a number the rule holds. With --draw, the boundary of what the rule requires as an SVG
+picture, with its tests and, in a project, all that was recorded.
 """
 
 from __future__ import annotations
@@ -48,6 +51,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="V",
         help="a number to solve for: a field or a parameter (repeatable)",
     )
+    parser.add_argument(
+        "--draw", action="store_true", help="the boundary as an SVG picture, and nothing else"
+    )
+    parser.add_argument(
+        "--over",
+        metavar="X",
+        help="of a drawing: the input to the right (default: one of the two most telling)",
+    )
+    parser.add_argument("--against", metavar="Y", help="of a drawing: the input up")
+    parser.add_argument(
+        "--out", metavar="FILE", help="of a drawing: where it is written (default: standard output)"
+    )
     parser.add_argument("--format", choices=("text", "html", "json"), default="text")
     parser.add_argument(
         "--json", action="store_const", const="json", dest="format", help="the same as --format json"
@@ -65,6 +80,8 @@ def run(args: argparse.Namespace) -> int:
     spec = load(paths, settings, project)
     declared = load(paths, [], project) if settings else spec
     rule = _rule(args.rule, spec)
+    if args.draw or args.over or args.against or args.out:  # nothing else has any of these
+        return _draw(rule, spec, declared, paths, project, args)
     forms = args.forms or ([] if args.solve else _all(rule, args.format))
     tests = _tests(paths, project) if args.solve else ()
     sheet = _sheet(rule, spec, declared, forms, tests, args)
@@ -83,6 +100,37 @@ def run(args: argparse.Namespace) -> int:
             print(dump(data(sheet)))
         case _:
             raise AssertionError(f"unknown format {args.format}")
+    return 0
+
+
+def _draw(
+    rule: RuleInfo,
+    spec: Spec,
+    declared: Spec,
+    paths: Sequence[Path],
+    project: Path | None,
+    args: argparse.Namespace,
+) -> int:
+    """Write the picture; raises E493, and E494 where there is none. Of specs that are named, nobody knows what was recorded with them."""
+    from trackmarshal.cli.drawing import of_project
+    from trackmarshal.reading.drawing.making import drawings
+    from trackmarshal.trace.case.words.language import english
+    from trackmarshal.trace.report.svg.boundary import picture
+
+    recorded, distances = ([], None) if args.spec is not None or project is None else of_project(project)
+    tests = _tests(paths, project)
+    ((_, drawing),) = drawings([rule], spec, tests, recorded, distances, args.over, args.against, declared)
+    if "none" in drawing:
+        reason = english()[f"drawing.none.{drawing['none']}"].partition(": ")[2].rstrip(".")
+        raise TrackmarshalError(
+            "E494", f"`{rule.name}` has no drawing: {reason}", file=str(rule.span.file.path), line=rule.span.line,
+            help=f"trackmarshal show {rule.name} --as formula",
+        )  # fmt: skip
+    made = picture(drawing, english(), "boundary").svg + "\n"
+    if args.out is None:
+        print(made, end="")
+    else:
+        Path(args.out).write_text(made, encoding="utf-8")
     return 0
 
 

@@ -52,6 +52,7 @@ class Sources:
     """Everything that results are made from. Specs with errors are not replayed: what would run is not what the project demands."""
 
     def __init__(self, root: Path, project: Project) -> None:
+        from trackmarshal.cli.replay import Known
         from trackmarshal.meaning import Meaning, whole
 
         self.root, self.project = root, project
@@ -60,7 +61,9 @@ class Sources:
         self.broken = any(item.level == "error" for item in self.found)
         self.meaning = Meaning(self.compiled.spec)
         self.distances = distances(project)
-        self._shared: dict[object, Evaluator] = {}
+        self._shared = Known()
+        #: By scenario, the hash of the files that it names.
+        self._named: dict[str, str] = {}
 
     def facts(self) -> Facts:
         """What the matrix is made of, without results."""
@@ -77,7 +80,9 @@ class Sources:
         wrong = [_finding(item) for item in (*self.found, *loose) if item.level == "error"]
         inputs = {
             shown: evidence.run_inputs(
-                evaluator, None if shown in self._kept else evidence.file_hash(self.root / shown)
+                evaluator,
+                None if shown in self._kept else evidence.file_hash(self.root / shown),
+                self._named.get(shown, ""),
             )
             for shown, (_, evaluator) in self._scenarios.items()
         }
@@ -99,18 +104,21 @@ class Sources:
             yield evidence.test_result(outcome, inputs, self.meaning.fingerprint(rule))
 
     def replay(
-        self, shown: str, facts: Facts, quiet: bool
+        self, shown: str, facts: Facts, quiet: bool, keep: bool = False
     ) -> tuple[RunSummary, Replay, Evaluator, dict[str, float]]:
-        """The run of a scenario, and the parameters in force in it, in SI."""
+        """The run of a scenario, and the parameters in force in it, in SI. keep: for its page, which explains it."""
         from trackmarshal.cli.replay import run_one
         from trackmarshal.scenarios.overrides import known_params
 
         recording, evaluator = self._scenarios[shown]
-        outcome = run_one(recording, evaluator, quiet)
+        outcome = run_one(recording, evaluator, quiet, brief=True, keep=keep)
         digest = facts.run_inputs[shown]["recording"]
         changed = evaluator.reader.settings({"params": known_params(recording, evaluator.spec)}).params
+        summary = evidence.run_summary(
+            outcome, evaluator, shown, digest, facts.run_inputs[shown].get("named", "")
+        )
         params = {name: float(changed.get(name, info.value)) for name, info in evaluator.spec.params.items()}
-        return evidence.run_summary(outcome, evaluator, shown, digest), outcome, evaluator, params
+        return summary, outcome, evaluator, params
 
     def put_in(self, wanted: Iterable[tuple[str, str]], quiet: bool) -> Iterable[FaultResult]:
         """What comes of these faults, by campaign and id; those that cannot be put in are left out."""
@@ -132,8 +140,8 @@ class Sources:
     @cached_property
     def _scenarios(self) -> dict[str, tuple[Recording, Evaluator]]:
         """Every scenario's recording and the rules that it is replayed with; those that are not there are left to the matrix."""
+        from trackmarshal.cli.recordings import recorded
         from trackmarshal.cli.replay import evaluator_for
-        from trackmarshal.scenarios import load
         from trackmarshal.scenarios.field.header import header
         from trackmarshal.scenarios.field.mapping import read
 
@@ -143,7 +151,10 @@ class Sources:
             path = self.root / shown
             if path.is_file():
                 # Of a log that need not be here, the mapping alone says what it is evaluated with.
-                recording = header(read(path, shown)) if scenario.kept else load(path, shown)
+                if scenario.kept:
+                    recording = header(read(path, shown))
+                else:
+                    recording, self._named[shown] = recorded(self.root, path, shown)
                 more = [self.root / str(spec) for spec in scenario.specs]
                 spec = self.root / self.project.default_spec
                 evaluator = evaluator_for(

@@ -14,11 +14,13 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from trackmarshal.cli import asking, impact
+from trackmarshal.cli import against, asking, impact
+from trackmarshal.cli.beside import page_beside
 from trackmarshal.cli.days import day
 from trackmarshal.cli.output import say
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
+from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
     from trackmarshal.trace import Finding, Matrix
@@ -31,6 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     configure_relative(parser)
     asking.configure(parser)
     impact.configure(parser)
+    against.configure(parser)
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--gate", action="store_true", help="exit 1 when a gap is neither covered nor waived")
     what.add_argument(
@@ -71,6 +74,7 @@ def run(args: argparse.Namespace) -> int:
 def _run(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.assessment import assess
+    from trackmarshal.meaning import tool
 
     root = find_project(args)
     if args.format == "markdown":
@@ -79,6 +83,10 @@ def _run(args: argparse.Namespace) -> int:
         if args.impact is not None:
             return impact.answer(root, args)
         return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(), args)
+    if args.against is not None and args.format != "html":
+        raise TrackmarshalError(
+            "T364", f"`--against` shows nothing as {args.format}", help="add `--format html`"
+        )
     where = shown_from(args, root)
     today = day(args.day, root)
     found = assess(root, run=not args.as_is, again=args.rerun, quiet=args.quiet)
@@ -86,11 +94,12 @@ def _run(args: argparse.Namespace) -> int:
         said = found.facts
         target, weaker = trace.accept_baseline(
             root, said.items, said.tests, said.fault_cases, said.parts, by=args.by, reason=args.reason,
-            today=today, tell=found.weakening(),
+            today=today, tell=found.weakening(), engine=tool(),
         )  # fmt: skip
         say(f"wrote {target}", *(f"accepted by {args.by}: {change}" for change in weaker), file=sys.stderr)
     matrix = found.matrix(today)
-    made = trace.render(matrix, args.format, where=where, verbose=args.verbose)
+    beside = page_beside(found, matrix, args.against) if args.format == "html" else None
+    made = trace.render(matrix, args.format, where=where, verbose=args.verbose, beside=beside)
     if args.format in ("text", "github"):
         say(*made.removesuffix("\n").split("\n"))
     else:

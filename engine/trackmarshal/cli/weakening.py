@@ -53,7 +53,7 @@ class Weakening:
         left = {name: inputs for name, inputs in wanted.items() if name not in self._told}
         self._tell(left, _all_rules(before))
         return {
-            key: _together([(name, *self._told[name]) for name in names])
+            key: _together([(name, *self._told[name]) for name in names]) + self._kept(names)
             for key, names in rules.items()
             if names
         }
@@ -64,6 +64,21 @@ class Weakening:
         if kind in ("rule", "assumption"):
             return [self._items[name]] if name in self._items else []
         return [item for item in self._items.values() if key in item.inputs]
+
+    def _kept(self, names: Sequence[str]) -> str:
+        """That runs whose recordings need not be here say nothing of it, where these rules are evaluated in some: of them verdicts are kept, and no margins."""
+        found = [
+            str(scenario.path)
+            for scenario in self._project.scenarios
+            if scenario.kept
+            and not {f"rule {name}" for name in names}.isdisjoint(
+                self._facts.run_inputs.get(str(scenario.path), ())
+            )
+        ]
+        if not found:
+            return ""
+        more = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        return f"; nothing is told by the kept run of `{found[0]}`{more}, which has verdicts and no margins"
 
     def _tell(self, wanted: Mapping[str, Mapping[str, str]], others: str) -> None:
         """others: a hash of all rules that were accepted, since what is driven, and what rules over the run remember of it, is decided by all."""
@@ -172,11 +187,10 @@ class _Then:
 
     def pairs(self, now: Sources) -> tuple[list[Pair], int]:
         """All recordings of the project as it is, under its rules and under those of then; and how many could not be judged."""
-        from trackmarshal.cli.replay import evaluator_for
+        from trackmarshal.cli.replay import Known, evaluator_for
         from trackmarshal.comparing import Pair, judge
-        from trackmarshal.evaluation import Evaluator
 
-        known: dict[object, Evaluator] = {}
+        known = Known()
         pairs: list[Pair] = []
         lacking = 0
         scenarios = {str(scenario.path): scenario for scenario in now.project.scenarios if not scenario.kept}

@@ -1,0 +1,111 @@
+"""Drawings of the boundaries of a project's rules, kept from one start to the next: what they are made from is the same."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trackmarshal.cache import cache_folder, replace
+from trackmarshal.cli.facts import Facts
+
+if TYPE_CHECKING:
+    from trackmarshal.cli.sources import Sources
+    from trackmarshal.evaluation import Evaluator
+    from trackmarshal.records import SpecItem
+    from trackmarshal.scenarios.recording import Recording
+    from trackmarshal.testing.boundary import Distances
+
+CODES = {
+    "E494": (
+        "a rule without a drawing",
+        "`--draw` shows where a demand on numbers ends to be met. What a rule asks about shapes in the plane, about whether something is so, about many "
+        "things at once, or about the run so far, is no such demand; the message says which.",
+    ),
+}
+
+
+def drawings(
+    root: Path, facts: Facts, sheets: Mapping[str, Mapping[str, Any]], sources: Callable[[], Sources]
+) -> dict[str, Mapping[str, Any]]:
+    """By rule and assumption what `trackmarshal.reading.drawing` says of it, and `sha`, that of all that it is made from.
+
+    sheets: what `show` says of each of them: inputs have the names that they have there. sources: asked for where something has to be drawn anew.
+    """
+    keys = {item.name: _key(item, facts, sheets[item.name]) for item in facts.items if item.name in sheets}
+    path = _path(root)
+    kept = {} if path is None else _kept(path)
+    found = {name: kept[key] for name, key in keys.items() if key in kept}
+    missing = [name for name in keys if name not in found]
+    if missing:
+        found |= _made(missing, facts, sources())
+        if path is not None:
+            _keep(path, {keys[name]: drawing for name, drawing in found.items()})
+    return {name: {**drawing, "sha": keys[name]} for name, drawing in found.items()}
+
+
+def recordings(facts: Facts, sources: Sources) -> list[tuple[Recording, Evaluator]]:
+    """The project's recordings that are there, each with the rules that it is replayed with."""
+    return [one for shown, one in sources.recorded.items() if "recording" in facts.run_inputs.get(shown, {})]
+
+
+def of_project(root: Path) -> tuple[list[tuple[Recording, Evaluator]], Distances]:
+    """A project's recordings with the rules that they are replayed with, and by how much it moves limits."""
+    from trackmarshal.cli.sources import Sources
+    from trackmarshal.trace import requirements
+
+    sources = Sources(root, requirements.load(root, []))
+    return recordings(sources.facts(), sources), sources.distances
+
+
+def _made(names: Sequence[str], facts: Facts, sources: Sources) -> dict[str, Mapping[str, Any]]:
+    from trackmarshal.reading.drawing.making import drawings as made
+
+    rules = [rule for rule in sources.compiled.spec.rules if rule.name in names]
+    found = made(
+        rules, sources.compiled.spec, sources.prepared, recordings(facts, sources), sources.distances
+    )
+    # As it is read again: the first time is like all others.
+    return {name: json.loads(json.dumps(drawing)) for name, drawing in found}
+
+
+def _key(item: SpecItem, facts: Facts, sheet: Mapping[str, Any]) -> str:
+    """One hash of the rule with all that it reads and is called, its tests, the recordings that it is replayed with, and the engine."""
+    from trackmarshal.meaning.tool import tool
+
+    own = f"rule {item.name}"
+    tests = [[one.title, one.fingerprint, one.boundary] for one in facts.tests if one.rule == item.name]
+    runs = {
+        shown: {name: sha for name, sha in inputs.items() if name == own or not name.startswith("rule ")}
+        for shown, inputs in facts.run_inputs.items()
+        if own in inputs and "recording" in inputs
+    }
+    said = json.dumps([tool(), sheet, dict(item.inputs), tests, runs], sort_keys=True)
+    return hashlib.sha256(said.encode()).hexdigest()
+
+
+def _path(root: Path) -> Path | None:
+    folder = cache_folder()
+    if folder is None:
+        return None
+    return folder / f"drawings-{hashlib.sha256(os.fsencode(root.resolve())).hexdigest()[:32]}.json"
+
+
+def _keep(path: Path, found: Mapping[str, Mapping[str, Any]]) -> None:
+    content = json.dumps(found).encode()
+    replace(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+
+
+def _kept(path: Path) -> dict[str, Mapping[str, Any]]:
+    """What is kept, by its hash, if it is what was written."""
+    try:
+        held = path.read_bytes()
+        if hashlib.sha256(held[65:]).hexdigest().encode() != held[:64]:
+            return {}
+        found: dict[str, Mapping[str, Any]] = json.loads(held[65:])
+        return found
+    except (OSError, ValueError):
+        return {}

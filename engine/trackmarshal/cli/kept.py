@@ -1,0 +1,156 @@
+"""What is made of a project's files, kept from one start to the next for as long as the files are the same."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+from trackmarshal.cache import cache_folder, replace
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import below, read_regular
+
+T = TypeVar("T")
+
+
+def kept(
+    name: str,
+    root: Path,
+    folders: Iterable[str],
+    files: Iterable[str],
+    make: Callable[[], T],
+    to_json: Callable[[T], Mapping[str, Any]],
+    from_json: Callable[[Any], T],
+) -> tuple[T, str]:
+    """What is kept under a name, where everything that it was made from is as it was then; else made now, and kept. With it one hash of all
+    that it was made from, empty where that is not known.
+
+    folders: below which specs and requirements are looked for. files: what has to be looked at, whether it is there or not.
+    """
+    path, below_ = _path(name, root), sorted(folders)
+    known = None if path is None else _read(path, root, below_)
+    if known is not None:
+        try:
+            return from_json(known), known["state"]
+        except (ValueError, KeyError, TypeError, TrackmarshalError):
+            pass  # of another version of this program that has the same sources: made again
+    with opened(root) as found:
+        made = make()
+    # What was written while it was read may be of before or of after: nobody knows which, so it is not kept.
+    if path is not None and all(_about(os.path.join(root, name)) == was for name, was in found.items()):
+        return made, _keep(path, root, below_, sorted({*found, *files}), to_json(made))
+    return made, ""
+
+
+def _path(name: str, root: Path) -> Path | None:
+    folder = cache_folder()
+    if folder is None:
+        return None
+    return folder / f"{name}-{hashlib.sha256(os.fsencode(root.resolve())).hexdigest()[:32]}.json"
+
+
+#: Who wants to know which files are opened.
+_LISTENING: list[Callable[[str], None]] = []
+
+
+def _listen(event: str, args: tuple[Any, ...]) -> None:
+    if _LISTENING and event == "open" and isinstance(args[0], str | bytes):
+        path = os.path.realpath(os.fsdecode(args[0]))
+        for tell in _LISTENING:
+            tell(path)
+
+
+@cache
+def _hook() -> None:
+    """Listen for files that are opened. Nobody can stop listening, so it is done once."""
+    sys.addaudithook(_listen)
+
+
+@contextmanager
+def opened(root: Path) -> Iterator[dict[str, tuple[int, ...]]]:
+    """The files below a project's folder that are opened meanwhile, by their paths from it, and what each was like then; without those of Python
+    and of the cache."""
+    found: dict[str, tuple[int, ...]] = {}
+    inside, apart = (
+        os.path.join(os.path.realpath(root), ""),
+        os.path.join(os.path.realpath(cache_folder() or os.devnull), ""),
+    )
+
+    def tell(path: str) -> None:
+        if (
+            path.startswith(inside)
+            and not path.startswith(apart)
+            and not path.endswith((".py", ".pyc", ".so"))
+        ):
+            found.setdefault(path.removeprefix(inside), _about(path))
+
+    _hook()
+    _LISTENING.append(tell)
+    try:
+        yield found
+    finally:
+        _LISTENING.remove(tell)
+
+
+def _about(path: str) -> tuple[int, ...]:
+    """What is different of a file that was written, or is another one; nothing of one that is not there."""
+    try:
+        said = os.stat(path)
+    except OSError:
+        return ()
+    return said.st_ino, said.st_size, said.st_mtime_ns, said.st_ctime_ns
+
+
+def _state(root: Path, folders: list[str], files: list[str]) -> str:
+    """One hash of the contents of files, of the names of all that lies beside them, and of the specs and documents in folders."""
+    from trackmarshal.meaning.tool import whole
+
+    digest = hashlib.sha256(whole().encode())
+
+    def take(*said: object) -> None:
+        digest.update(json.dumps([str(part) for part in said]).encode())
+
+    for name in files:
+        try:
+            take(name, hashlib.sha256(read_regular(root / name)).hexdigest())
+        except (OSError, ValueError) as error:
+            take(name, type(error).__name__)
+    for folder in sorted({os.path.dirname(name) for name in files}):
+        try:
+            take(folder, sorted(os.listdir(root / folder)))
+        except OSError as error:
+            take(folder, type(error).__name__)
+    for folder in folders:
+        found, problems = below(root / folder, (".spec", ".yaml", ".yml"))
+        take(folder, found, [problem.filename for problem in problems])
+    return digest.hexdigest()
+
+
+def _keep(path: Path, root: Path, folders: list[str], files: list[str], made: Mapping[str, Any]) -> str:
+    """Keep it, and give the hash of what it was made from."""
+    state = _state(root, folders, files)
+    said = {"files": files, "state": state, **made}
+    content = json.dumps(said).encode()
+    replace(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+    return state
+
+
+def _read(path: Path, root: Path, folders: list[str]) -> Any:
+    """What is kept, if it is what was written, and made from what is there now; else None."""
+    try:
+        held = path.read_bytes()
+        if hashlib.sha256(held[65:]).hexdigest().encode() != held[:64]:
+            return None
+        said = json.loads(held[65:])
+        return said if said["state"] == _state(root, folders, said["files"]) else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+__all__ = ["kept", "opened"]
