@@ -13,11 +13,12 @@ from pathlib import Path
 import pytest
 
 from support.length import shared_out
-from support.planted import documents, evidence, harmless, specs
+from support.planted import answers, documents, evidence, harmless, specs
 from support.planted.edits import BASELINE, STORE, Fault, Harmless, all_of, committed, put, run_git, swap
 from support.planted.project import causes, judged, make
 
-FAULTS = [*documents.FAULTS, *specs.FAULTS, *evidence.FAULTS]
+FAULTS = [*documents.FAULTS, *specs.FAULTS, *evidence.FAULTS, *answers.FAULTS]
+EDITS = [*harmless.EDITS, *answers.EDITS]
 
 
 @pytest.fixture(scope="module")
@@ -35,10 +36,8 @@ def project(made: Path, tmp_path: Path) -> Iterator[Path]:
 
 def test_the_table_is_long_enough() -> None:
     assert len(FAULTS) >= 120
-    assert len(harmless.EDITS) >= 40
-    twice = [
-        name for name, number in Counter(e.name for e in (*FAULTS, *harmless.EDITS)).items() if number > 1
-    ]
+    assert len(EDITS) >= 40
+    twice = [name for name, number in Counter(e.name for e in (*FAULTS, *EDITS)).items() if number > 1]
     assert twice == []
 
 
@@ -55,7 +54,7 @@ def test_a_planted_fault_is_one_cause(fault: Fault, project: Path) -> None:
     assert status == fault.status
 
 
-@pytest.mark.parametrize("edit", shared_out(harmless.EDITS, 5), ids=lambda edit: edit.name)
+@pytest.mark.parametrize("edit", shared_out(EDITS, 5), ids=lambda edit: edit.name)
 def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
     """What is new is told as a note, since its removal would go unnoticed."""
     edit.edit(project)

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from closed_loop import places
-from closed_loop.condition import Condition, declared, every
+from closed_loop.condition import FAULTS, Condition, declared, every
 from closed_loop.link import PlannerProcess
 from closed_loop.loop import Run
 from closed_loop.origin import key, origins
@@ -97,7 +97,14 @@ def main(argv: Sequence[str] | None = None) -> int:
         if len(results) != len(list(every())):
             print("results are kept whole or not at all", file=sys.stderr)
             return 2
-        content = {"format": "trackmarshal-closed-loop", "version": 1, "origin": origin, "runs": results}
+        titles = {kind.id: kind.title for kind in FAULTS.values()}
+        content = {
+            "format": "trackmarshal-closed-loop",
+            "version": 1,
+            "origin": origin,
+            "faults": titles,
+            "runs": results,
+        }
         places.RESULTS.write_text(
             json.dumps(content, indent=None, separators=(",", ":")).replace('{"name"', '\n{"name"') + "\n",
             encoding="utf-8",

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -17,6 +18,7 @@ import yaml
 from golden.trace.cases import HERE
 from support.project import command
 from trackmarshal.trace.documents_safety import ASSURANCE, DESIGN, HAZARDS, LINK_SCHEMA
+from trackmarshal.trace.graph import schema
 from trackmarshal.trace.graph.kinds import LINKS, NODES
 from trackmarshal.trace.shapes import Count, Date, Flag, Many, Record, Shape, Text, Word
 
@@ -116,8 +118,49 @@ def test_the_questions_have_these_answers(tmp_path: Path) -> None:
         assert not expected or out == expected
 
 
+def schemas() -> list[str]:
+    """The schemas that the page shows: that of the warehouse, and one of methods and reviews."""
+    return re.findall(r"```yaml\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+
+
+def test_the_methods_that_are_named_are_those_of_the_program() -> None:
+    rows = (
+        PAGE.read_text("utf-8").partition("| method | is answered by |\n|---|---|\n")[2].partition("\n\n")[0]
+    )
+    named = [name for row in rows.split("\n") for name in re.findall("`([^`]*)`", row.split("|")[1])]
+    own = yaml.safe_load(schema.DEFAULT.read_text("utf-8"))["methods"]
+    assert sorted(named) == sorted(method["name"] for method in own)
+    without = {method["name"] for method in own if "any_of" not in method}
+    assert (
+        f"| {', '.join(f'`{name}`' for name in sorted(without, reverse=True))} | evidence that names" in rows
+    )
+
+
+def test_a_project_has_methods_and_reviews_of_its_own(tmp_path: Path) -> None:
+    """As the page shows them, in the warehouse: other words, other evidence, other things to be reviewed."""
+    root = tmp_path / "project"
+    shutil.copytree(HERE / "warehouse", root)
+    (root / "requirements" / "links.yaml").write_text(schemas()[1], "utf-8")
+    assert command(root, "trace", "--accept-baseline")[0] == 0
+    status, out, err = command(root, "trace", "--gate", "--format", "json")
+    said = json.loads(out)
+    assert (status, said["verdict"]) == (0, "pass with reservations"), out + err
+    assert [(one["kind"], one["id"]) for one in said["unreviewed"]] == [
+        ("requirement", "SW-1"), ("rule", "slow_near_people"), ("rule", "gentle"),
+    ]  # fmt: skip
+    needs = root / "requirements" / "needs.yaml"
+    text = needs.read_text("utf-8")
+    for word, found in (("wind tunnel", ("T255", "SYS-1:wind tunnel")), ("review", ("T123", None))):
+        needs.write_text(text.replace("verification: [test]", f"verification: [test, {word}]", 1), "utf-8")
+        status, out, _ = command(root, "trace", "--gate", "--format", "json")
+        assert [(f["code"], f["subject"]) for f in json.loads(out)["findings"] if f["level"] != "note"] == [
+            found
+        ]
+        assert status == 1
+
+
 def test_the_schema_that_is_shown_is_that_of_the_warehouse() -> None:
-    (shown,) = re.findall(r"```yaml\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+    shown, _ = schemas()
     assert yaml.safe_load(shown) == yaml.safe_load(
         (HERE / "warehouse" / "requirements" / "links.yaml").read_text("utf-8")
     )

@@ -6,13 +6,19 @@ import json
 import re
 import shutil
 from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import date
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import yaml
 
 from support.project import command
+from trackmarshal.cli.assessment import assess
+from trackmarshal.meaning.tool import tool
+from trackmarshal.trace.gsn.building import build
 
 WAREHOUSE = Path(__file__).parents[1] / "golden" / "trace" / "warehouse"
 DAY = "2026-06-02"
@@ -125,4 +131,71 @@ def graph_numbers(project: Path) -> dict[str, str]:
         1 for link in said["links"] if link["kind"] == "result" and link["source"] == "passed"
     )
     found["nodes/stage/all"] = len(said["stages"])
+    for kind in ("rule", "assumption"):  # of which nobody reviews any
+        number = said["counts"][f"{kind}s"]
+        if number:
+            found[f"unreviewed/{kind}"] = found[f"read/{kind}"] = number
+    for kind, ids in _read(documents).items():
+        open_ = ids - {one["id"] for document in documents for review in document.get("reviews", ()) for one in review["of"]}  # fmt: skip
+        if open_:
+            found[f"unreviewed/{kind}"], found[f"read/{kind}"] = len(open_), len(ids)
     return {id_: str(number) for id_, number in found.items()}
+
+
+def _read(documents: Sequence[Mapping[str, Any]]) -> dict[str, set[str]]:
+    """By kind, the ids of what a second person is expected to read; reviews of an older version are not told apart."""
+    fields = {
+        "operational design domain": "domains", "interface": "interfaces", "hazard": "hazards", "safety goal": "safety_goals", "analysis": "analyses",
+        "requirement": "requirements", "design element": "elements", "tool": "tools", "malfunction": "malfunctions",
+    }  # fmt: skip
+    return {
+        kind: {one["id"] for document in documents for one in document.get(field, ()) if one.get("status") != "obsolete"}
+        for kind, field in fields.items()
+    }  # fmt: skip
+
+
+def corpus(project: Path, page: Page, rules: bool = True) -> str:
+    """All that the project says, and the program of it: files, matrix, argument, and rules for readers where they are asked for; blanks as one.
+
+    Of outputs in JSON, the texts; a name in backquotes is told apart in the document, so that these count as blanks.
+    """
+    found, day = assess(project, run=False), date.fromisoformat(DAY)
+    texts = [*strings(json.loads(command(project, "trace", "--as-is", "--day", DAY, "--format", "json")[1]))]
+    case = build(found.matrix(day), found.project, project)
+    texts += [text for element in case.elements.values() for text in (element.id, element.text)]
+    texts += [f"{finding.code} {finding.message}" for finding in case.findings]
+    texts += [
+        path.read_text("utf-8")
+        for path in sorted(project.rglob("*"))
+        if path.suffix in (".yaml", ".spec", ".json")
+    ]
+    texts += [
+        text for text in page.texts if re.fullmatch(r"[0-9a-f]{40}|[0-9a-f]{64}|trackmarshal \d.*", text)
+    ]
+    if rules:
+        for rule in re.findall(r"^rule (\w+)", "\n".join(texts), re.MULTILINE):
+            texts.append(command(project, "show", rule, "--format", "json")[1])
+    texts += [f"{test.distance} {test.within}" for test in found.facts.tests]
+    commands = f"trackmarshal trace --gate --rerun trackmarshal case --day {DAY} --out DIR"
+    return " ".join("\n".join([*texts, tool(), DAY, commands]).replace("`", " ").split())
+
+
+def strings(value: object) -> Iterator[str]:
+    """All texts in a value from JSON, and numbers as texts."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield str(name)
+            yield from strings(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from strings(inner)
+    else:
+        yield str(value)
+
+
+def is_place(project: Path, text: str) -> bool:
+    """Whether a text is a place in a file of the project that is there."""
+    found = re.fullmatch(r"([\w./-]+):([1-9]\d*)(?::\d+)?", text)
+    if found is None or not (project / found[1]).is_file():
+        return False
+    return int(found[2]) <= len((project / found[1]).read_text("utf-8").splitlines())

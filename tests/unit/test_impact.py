@@ -14,6 +14,8 @@ import pytest
 
 from golden.trace.cases import HERE
 from support.project import command, run_command
+from trackmarshal.meaning.tool import HERE as HERE_OF_ENGINE
+from trackmarshal.meaning.tool import tool, tool_of
 from trackmarshal.records import ExternalTest, ResultsFile, save
 from trackmarshal.trace.impact.resting import order
 
@@ -82,7 +84,9 @@ def lower(root: Path) -> None:
 
 
 def without_commits(text: str) -> str:
-    return re.sub(r"\b[0-9a-f]{12}([0-9a-f]{28}\+?)?(?=\W)", "0" * 12, text)
+    return re.sub(
+        r"\b[0-9a-f]{12}([0-9a-f]{28}\+?)?(?=\W)", "0" * 12, text.replace(tool(), "trackmarshal 0.0.0")
+    )
 
 
 @pytest.mark.parametrize(
@@ -278,3 +282,77 @@ def test_circles_have_an_order(size: int) -> None:
     places = order(below)
     assert sorted(places.values()) == list(range(size + 1))
     assert places["test", "t"] > places[keys[-1]]
+
+
+def of_engine(root: Path, engine: str | None) -> None:
+    """The baseline accepted when that engine made the evidence; None: one that does not say."""
+    path = root / "requirements" / "baseline.json"
+    held = json.loads(path.read_text("utf-8"))
+    assert held["acceptances"][-1].pop("engine") == tool()
+    if engine is not None:
+        held["acceptances"][-1]["engine"] = engine
+    path.write_text(json.dumps(held), "utf-8")
+    git(root, "add", "-A")
+    git(root, "commit", "-qm", "accepted then")
+
+
+def test_with_another_engine_all_that_it_evaluates_is_made_again(robot: Path) -> None:
+    """Documents, reviews and rules are as they were."""
+    tests = 0
+    for path in (robot / "specs").glob("*.spec"):
+        tests += len(re.findall(r"^test ", path.read_text("utf-8"), re.M))
+    of_engine(robot, "trackmarshal 0.0.9 0123456789abcdef")
+    found = impact(robot)
+    assert [(one["kind"], one["how"]) for one in found["changed"]] == [("engine", "changed")]
+    assert found["changed"][0]["what"] == [
+        f"it was 0.0.9 0123456789abcdef, and is {tool().partition(' ')[2]}"
+    ]
+    assert found["engine"] == {"before": "trackmarshal 0.0.9 0123456789abcdef", "now": tool()}
+    assert {(one["kind"], one["do"], one["why"]) for one in found["again"]} == {
+        ("test", "run", "the engine has changed since")
+    }
+    assert len(found["again"]) == tests > 0
+    assert "SW-1" in found["requirements"]
+
+
+def test_with_another_engine_runs_are_made_again(car: Path) -> None:
+    of_engine(car, "trackmarshal 0.0.9 0123456789abcdef")
+    kinds = {one["kind"] for one in impact(car)["again"] if "engine" in one["why"]}
+    assert kinds == {"test", "run"}
+
+
+def test_an_engine_that_nobody_wrote_down_is_not_known(robot: Path) -> None:
+    of_engine(robot, None)
+    found = impact(robot)
+    assert (found["changed"], found["again"], found["engine"]["before"]) == ([], [], None)
+    for format in ("text", "markdown"):
+        said = command(robot, "trace", "--impact", "HEAD", "--format", format)[1]
+        assert "which engine made the evidence of `HEAD` is not known" in said
+
+
+def test_the_engine_of_a_folder_of_sources(tmp_path: Path) -> None:
+    """Of what evaluates, and of nothing else: the command line and its words come to no results."""
+    there = shutil.copytree(HERE_OF_ENGINE, tmp_path / "trackmarshal", ignore=shutil.ignore_patterns("*.pyc"))
+    assert tool_of(there) == tool()
+    with (there / "cli" / "main.py").open("a", encoding="utf-8") as file:
+        file.write("# nothing\n")
+    assert tool_of(there) == tool()
+    with (there / "node.py").open("a", encoding="utf-8") as file:
+        file.write("# nothing\n")
+    assert tool_of(there).rpartition(" ")[0] == tool().rpartition(" ")[0]
+    assert tool_of(there) != tool()
+    edit(there, "__init__.py", '__version__ = "', '__version__ = "9.')
+    assert tool_of(there).startswith("trackmarshal 9.")
+    assert tool_of(tmp_path / "nowhere") == ""
+
+
+def test_accepted_again_by_another_engine_is_one_acceptance_more(robot: Path) -> None:
+    path = robot / "requirements" / "baseline.json"
+    before = path.read_bytes()
+    assert command(robot, "trace", "--accept-baseline")[0] == 0
+    assert path.read_bytes() == before
+    of_engine(robot, "trackmarshal 0.0.9 0123456789abcdef")
+    assert command(robot, "trace", "--accept-baseline")[0] == 0
+    first, second = json.loads(path.read_text("utf-8"))["acceptances"]
+    assert (first["engine"], second["engine"]) == ("trackmarshal 0.0.9 0123456789abcdef", tool())
+    assert (second["weaker"], first["after"]) == ([], second["after"])

@@ -171,7 +171,7 @@ def test_run_outside_its_ground_truth_is_never_complete(tmp_path: Path) -> None:
     assert "✗ FAIL" in index.text
     assert "Run lies outside its ground truth" in index.text
     assert "✕ dynamic: outside" in page.text
-    assert "false alarm at 1, 1.1, 1.2" in page.text
+    assert "false alarm at 1 to 3 s" in page.text
     assert "✓ static: inside" in page.text
 
 
@@ -185,7 +185,8 @@ def test_demands_that_are_not_covered_are_named_even_when_the_gate_passes(tmp_pa
         "requirements": [{"id": name, "title": "", "stages": stages} for name, stages in cells.items()],
     }  # fmt: skip
     index, _ = written(tmp_path, [], summary=summary, missing=[])
-    assert "missing S-4 R-1 waived S-4 R-2" in index.text
+    assert "○ missing S-4 R-1 ⚑ waived S-4 R-2" in index.text
+    assert ("a", "href", "matrix.html#at=requirement%3AR-1") in index.attributes
     assert "1 of 3 demands of the V-model covered; 1 waived" in index.text
 
 

@@ -16,7 +16,8 @@ from support.report_runs import PLACES, SPEC, cycle, evaluator, large, other, ov
 from trackmarshal.scenarios.replay import replay
 from trackmarshal.scenarios.run_record import run_record
 from trackmarshal.trace.report.reading import read_run, stretches
-from trackmarshal.trace.report.svg import margin_plot, scene, timeline
+from trackmarshal.trace.report.scores import scores
+from trackmarshal.trace.report.svg import margin_plot, scene, score, timeline
 from trackmarshal.trace.report.svg.axis import Axis, margin_axis, nice_step, nice_ticks
 from trackmarshal.trace.report.svg.element import tag, text, thinned
 from trackmarshal.trace.report.svg.labels import Places, around
@@ -171,7 +172,7 @@ def pictures(run: Any) -> list[ET.Element]:
     for layout, frame in ((timeline.WIDE, WIDE), (timeline.NARROW, NARROW)):
         made += [
             timeline.timeline(run, layout, {}),
-            margin_plot.score_plot(run, layout),
+            score.score_figure(run, scores(run, {}), layout, "s"),
             *scene.scenes(run, frame),
         ]
         made += [margin_plot.margin_plot(run, rule, layout, f"k{i}") for i, rule in enumerate(run.rules)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 from dataclasses import replace
@@ -127,6 +128,44 @@ def test_what_became_weaker_is_accepted_by_somebody_for_a_reason(tmp_path: Path)
     done = json.loads(path.read_text("utf-8"))["acceptances"]
     assert len(done) == 2
     assert (done[1]["by"], done[1]["reason"], done[1]["weaker"]) == ("Ann Author", "the same twice", weaker)
+
+
+HAZARD = (
+    "document: hazards\ntitle: Hazards\nhazards:\n  - {id: H-1, title: A door closes, situation: At a stop., severity: S0, exposure: E4,\n"
+    "     controllability: C1, asil: QM, rationale: It is soft.}\n"
+)
+READ = (
+    "document: assurance\ntitle: Who\npersons: [{id: P-1, title: the maintainers}, {id: P-2, title: the safety manager}, {id: P-3, title: perception}, {id: P-4, title: Ben}]\n"
+    "reviews: [{id: RV-1, of: [{id: H-1, fingerprint: '%s'}], by: [P-4], made: 2026-05-01, outcome: accepted}]\n"
+)
+
+
+def test_what_nobody_reviewed_is_accepted_by_somebody_for_a_reason(tmp_path: Path) -> None:
+    """It is on a list that is closed, shown by number, and off it once it is reviewed."""
+    small = Small.copy(tmp_path)
+    before = json.loads((small.root / BASELINE).read_text("utf-8"))["content"]
+    (small.root / "requirements" / "hazards.yaml").write_text(HAZARD, "utf-8")
+    assert fails(small.root) == ["T382"]
+    with pytest.raises(TrackmarshalError) as caught:
+        trace.accept_baseline(small.root, ITEMS, TESTS)
+    assert caught.value.code == "T378"
+    _, weaker = trace.accept_baseline(
+        small.root, ITEMS, TESTS, by="Ann Author", reason="next week", today=TODAY
+    )
+    assert weaker == ["unreviewed hazard H-1 is new"]
+    after = json.loads((small.root / BASELINE).read_text("utf-8"))["content"]
+    assert sorted(after.keys() - before.keys()) == ["hazard H-1", "unreviewed hazard H-1"]
+    matrix = small.matrix()
+    assert (matrix.passes, matrix.verdict) == (True, "pass with reservations")
+    assert ("hazard", "H-1") in matrix.unreviewed
+    assert f"nobody has reviewed {len(matrix.unreviewed)} things" in matrix.reservations
+    said = hashlib.sha256(b"At a stop.").hexdigest()
+    (small.root / "requirements" / "assurance.yaml").write_text(READ % said, "utf-8")
+    matrix = small.matrix()
+    assert ("hazard", "H-1") not in matrix.unreviewed
+    assert [
+        f.code for f in matrix.findings if "off the list of what nobody has reviewed: `H-1`" in f.message
+    ] == ["T226"]
 
 
 def test_what_is_new_is_accepted_without_a_word(tmp_path: Path) -> None:

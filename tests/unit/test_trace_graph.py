@@ -168,7 +168,7 @@ def test_all_kinds_of_documents_together_have_no_findings(tmp_path: Path) -> Non
         "external test",
         "code",
     }
-    assert set(NODES) - engine - {"tool", "method"} == set(matrix.graph.by_kind)
+    assert set(NODES) - engine - {"method"} == set(matrix.graph.by_kind)
     for link in matrix.graph.links:
         assert link.state == "covers", link
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from support.project import command, run_command
+from trackmarshal.cli.answers import Answers
+from trackmarshal.cli.assessment import assess
 from trackmarshal.cli.weakening import Weakening
 from trackmarshal.store import FILE
+from trackmarshal.trace.values import Placed
 
 RULE = "  require   p.v <= v_event\n"
 SLACK = 'param slack : m/s = 0 m/s in [-50, 50]  source "of nobody"\n'
@@ -144,6 +148,23 @@ def test_where_nothing_changed_nothing_is_asked(car: Path, monkeypatch: pytest.M
 def test_as_is_runs_nothing(car: Path) -> None:
     rule(car, "p.v <= v_event + slack + 2 m/s")
     assert "; not told: nothing is run" in findings(car, "T370", "--as-is")[0]
+
+
+def test_of_a_kept_run_it_is_said_that_it_tells_nothing(car: Path) -> None:
+    """It has verdicts and no margins, and its recording need not be here."""
+    found = assess(car, run=False)
+    before = json.loads((car / "requirements" / "baseline.json").read_text("utf-8"))["content"]
+    (scenario,) = found.project.scenarios
+    kept = replace(scenario, kept=Placed.at("specs/away.run.json", scenario.path.place))
+    for given, ending in (
+        (scenario, "not told: nothing is run"),
+        (kept, "which has verdicts and no margins"),
+    ):
+        project = replace(found.project, scenarios=(given,))
+        answers = Answers(car, car / project.results, False)
+        told = Weakening(car, project, found.facts, answers, None)(before, ["rule speed_limit"])
+        assert told["rule speed_limit"].endswith(ending)
+        assert (f"the kept run of `{scenario.path}`" in told["rule speed_limit"]) is (given is kept)
 
 
 def test_it_stays_in_the_acceptance_and_in_reports(car: Path) -> None:

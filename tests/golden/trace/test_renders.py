@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -75,7 +76,7 @@ def test_one_verdict_everywhere(tmp_path: Path) -> None:
     """Three matrices, each with its verdict in the same words in every format and on the page of an assessment."""
     small = Small().matrix()
     matrices = {
-        PASS: replace(small, rows=(), findings=()),
+        PASS: replace(small, rows=(), findings=(), unreviewed=()),
         RESERVED: small,
         FAIL: broken(tmp_path).matrix(),
     }
@@ -108,8 +109,12 @@ def test_json_keeps_to_its_schema(tmp_path: Path) -> None:
 
 def test_html_is_self_contained(tmp_path: Path) -> None:
     page = trace.render(broken(tmp_path).matrix(), "html")
-    for outside in ("http:", "https:", "src=", "<link", "@import", "url(", "<script"):
+    for outside in ("http:", "https:", "src=", "<link", "@import", "url(", "fetch(", "import("):
         assert outside not in page, outside
+    assert re.findall(r"<script[^>]*>", page) == [
+        '<script type="application/json" id="walk-data">',
+        "<script>",
+    ]
     assert "<b>of the tyres</b>" not in page  # titles are text
     for word in ("covered", "missing", "failed", "stale", "waived", "partial"):
         assert word in page

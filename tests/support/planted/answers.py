@@ -1,0 +1,112 @@
+"""Faults in what only people and evidence of the right kind can show: reviews, and methods of verification."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from support.planted.edits import TODAY, Edit, Fault, Harmless, accepted, add, all_of, cut, put, swap
+from support.project import command
+
+R, V, H, D, A = (
+    f"requirements/{name}.yaml" for name in ("requirements", "v-model", "hazards", "design", "assurance")
+)
+F = "specs/scenarios/faults.yaml"
+CLOSING = "  - {id: HZ-2, title: A door closes, situation: At a stop., severity: S0, exposure: E4, controllability: C1, asil: QM, rationale: It is soft.}\n"
+REVIEW = "  - id: RV-2\n    of: [{id: S-1, fingerprint: '4e0096ae66101b0d371fb177e09d31c319e5dcb87f97a11781de41228a5c11b7'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
+DOORS = (
+    "document: requirements\ntitle: Doors\nrequirements:\n"
+    "  - id: S-5\n    title: Doors\n    statement: The shuttle shall drive with its doors closed.\n    rationale: Nobody falls out.\n"
+    "    refines: [S-1]\n    allocated_to: [DE-1]\n    owner: P-1\n    status: approved\n    asil: C\n    verified_by: [M-1, M-2]\n"
+    "    verification: [analysis]\n    source: concept of the drive, 6\n"
+)
+
+
+def agreed(edit: Edit) -> Edit:
+    """An edit that a person accepted by name."""
+
+    def both(root: Path) -> None:
+        edit(root)
+        who = ("--by", "Sam Safety", "--reason", "it is not needed", "--day", TODAY.isoformat())
+        status, _, err = command(root, "trace", "--accept-baseline", *who)
+        assert status == 0, err
+
+    return both
+
+
+def _listed(key: str) -> Callable[[dict[str, Any]], None]:
+    def change(said: dict[str, Any]) -> None:
+        said["content"][f"unreviewed {key}"] = {}
+
+    return change
+
+
+def _off(key: str) -> Callable[[dict[str, Any]], None]:
+    def change(said: dict[str, Any]) -> None:
+        del said["content"][f"unreviewed {key}"]
+
+    return change
+
+
+def _also(old: str, method: str, id_: str) -> Fault:
+    """One more method under `verification`, which nothing answers."""
+    edit = swap(R, f"verification: [{old}]", f"verification: [{old}, {method}]")
+    return Fault(f"{method} that nothing answers", edit, "T255", f"{id_}:{method}")
+
+
+_OWN_WORDS = "  denials: [steht|stehen noch aus]\n"
+_OWN = swap(V, "  campaigns:", f"{_OWN_WORDS}  campaigns:")
+_REVIEWED = swap(A, "works:\n", f"{REVIEW}works:\n")
+
+# fmt: off
+FAULTS = [
+    # methods: each kind that comes with the program
+    _also("test, scenario", "review", "S-1"),
+    _also("test, scenario", "analysis", "S-1"),
+    _also("test, scenario", "fault injection", "S-1"),
+    _also("test, scenario", "field run", "S-1"),
+    _also("test, scenario", "monitor", "S-1"),
+    _also("monitor", "measurement", "S-4"),
+    _also("monitor", "back-to-back test", "S-4"),
+    Fault("tests that nothing answers", swap(R, "asil: A(C)\n    verification: [analysis]", "asil: A(C)\n    verification: [analysis, test]"), "T255", "S-31:test"),
+    Fault("tests on the boundary that nothing answers", swap(R, "asil: A(C)\n    verification: [analysis]", "asil: A(C)\n    verification: [analysis, boundary test]"), "T255", "S-31:boundary test"),
+    Fault("scenarios that nothing answers", swap(R, "asil: A(C)\n    verification: [analysis]", "asil: A(C)\n    verification: [analysis, scenario]"), "T255", "S-31:scenario"),
+    # evidence of a kind taken away, and what remains when somebody accepted that
+    Fault("evidence that is no analysis any more", swap(V, ", methods: [analysis]", ""), "T373", "docs/planner.md at S-2-A"),
+    Fault("evidence that is no analysis any more, accepted", agreed(swap(V, ", methods: [analysis]", "")), "T255", "S-31:analysis"),
+    Fault("evidence of another method", swap(V, "methods: [analysis]", "methods: [review]"), "T373", "docs/planner.md at S-2-A"),
+    Fault("evidence of another method, accepted", agreed(swap(V, "methods: [analysis]", "methods: [review]")), "T255", "S-31:analysis"),
+    Fault("evidence of a method that there is not", swap(V, "methods: [analysis]", "methods: [analysis, faith]"), "T123"),
+    Fault("an analysis that leaves something open", swap(A, "    made: 2026-02-10\n", "    made: 2026-02-10\n    open: [Both have one clock.]\n"), "T376", "AN-1"),
+    Fault("an analysis that leaves something open, accepted", agreed(swap(A, "    made: 2026-02-10\n", "    made: 2026-02-10\n    open: [Both have one clock.]\n")), "T255", "S-3:analysis"),
+    Fault("the fault of a requirement struck, accepted", agreed(cut(F, "  - id: F-2\n", "")), "T255", "S-32:fault injection"),
+    # pages that say that they are no evidence
+    Fault("evidence that holds a place", put("docs/sensors.md", b"# Sensors\n\nThis page is a placeholder.\n"), "T253", "A-SEEN"),
+    Fault("evidence that is still to come", put("docs/sensors.md", b"# Sensors\n\nThe latency has **not yet been\nmeasured**.\n"), "T253", "A-SEEN"),
+    Fault("evidence that says so in words of the project", all_of(_OWN, put("docs/sensors.md", b"# Sensors\n\nDer Bericht steht noch aus.\n")), "T253", "A-SEEN"),
+    Fault("a phrase of the project struck", all_of(agreed(_OWN), swap(V, _OWN_WORDS, "")), "T371"),
+    Fault("a phrase that is none", swap(V, "  campaigns:", "  denials: ['|']\n  campaigns:"), "T124"),
+    Fault("a method of another name", swap(R, "verification: [test, scenario]", "verification: [test, scenarios]"), "T123"),
+    # reviews: the list is closed
+    Fault("a hazard that nobody reviewed", swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"), "T382", "HZ-2"),
+    Fault("a requirement that nobody reviewed", all_of(put("requirements/doors.yaml", DOORS.encode()), swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-5], methods")), "T382", "S-5"),
+    Fault("a goal that nobody reviewed", all_of(swap(R, "derived_from: [SH-RO]\n    achieves: [SG-1]", "derived_from: [SH-RO]\n    achieves: [SG-1, SG-2]"), add(H, "  - {id: SG-2, title: Slowly, statement: The shuttle shall not hit anybody hard., prevents: [HZ-1], asil: C, safe_state: at rest, tolerance: 1 s}\n")), "T382", "SG-2"),
+    Fault("an analysis that nobody reviewed", swap(A, "reviews:\n", "  - {id: AN-2, title: Braking, method: timing, of: [S-2], by: [P-2], made: 2026-02-11}\nreviews:\n"), "T382", "AN-2"),
+    Fault("the text of what was reviewed", swap(R, "keep enough room to stop behind", "keep some metres behind"), "T225", "S-3"),
+    Fault("the text of what was reviewed, accepted before it was on the list", all_of(agreed(swap(R, "keep enough room to stop behind", "keep ten metres behind")), accepted(_off("requirement S-3"), rehash=True)), "T382", "S-3"),
+    Fault("a review with another hash", swap(A, "18334bd78200d831", "18334bd78200d832"), "T376", "RV-1"),
+    Fault("reviewed, accepted, and the review struck", all_of(agreed(_REVIEWED), cut(A, "  - id: RV-2\n", "works:\n")), "T376", "RV-2"),
+    Fault("an entry struck from the list", accepted(_off("requirement S-1"), rehash=False), "T379"),
+    Fault("an entry struck from the list, its hash made again", accepted(_off("requirement S-1"), rehash=True), "T382", "S-1"),
+    Fault("an entry put on the list by hand", all_of(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"), accepted(_listed("hazard HZ-2"), rehash=False)), "T379"),
+    Fault("an entry put on the list by hand, its hash made again", all_of(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"), accepted(_listed("hazard HZ-2"), rehash=True)), "T380", rerun=True),
+]
+EDITS = [
+    Harmless("one more review", _REVIEWED),
+    Harmless("a method that is answered already", swap(R, "verification: [test, scenario]", "verification: [test, boundary test, scenario]")),
+    Harmless("a hazard that nobody reviewed, accepted by name", agreed(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"))),
+    Harmless("phrases of the project", _OWN),
+    Harmless("methods in another order", swap(R, "verification: [test, scenario]", "verification: [scenario, test]")),
+]
+# fmt: on

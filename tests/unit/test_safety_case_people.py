@@ -1,0 +1,139 @@
+"""What persons reviewed and signed, as version control knows it; what nobody reviewed; and the table that is left empty."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+import yaml
+
+from support.safety_case import Page, edit, html, made_ready
+
+WHO = {
+    "GIT_AUTHOR_NAME": "Rolf Reader", "GIT_AUTHOR_EMAIL": "rolf@example.org", "GIT_AUTHOR_DATE": "2026-03-02T23:30:00-0500",
+    "GIT_COMMITTER_NAME": "Maria Motor", "GIT_COMMITTER_EMAIL": "maria@example.org", "GIT_COMMITTER_DATE": "2026-03-03T09:00:00+0000",
+    "GIT_CONFIG_GLOBAL": "/dev/null", "GIT_CONFIG_SYSTEM": "/dev/null", "PATH": "/usr/bin:/bin",
+}  # fmt: skip
+
+
+def git(project: Path, *arguments: str, text: str = "") -> str:
+    done = subprocess.run(["git", *arguments], cwd=project, env=WHO, input=text, capture_output=True, text=True, check=True)  # fmt: skip
+    return done.stdout.strip()
+
+
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return made_ready(tmp_path_factory.mktemp("ready"))
+
+
+@pytest.fixture
+def warehouse(ready: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
+
+
+@pytest.fixture
+def committed(warehouse: Path) -> Path:
+    git(warehouse, "init", "-q")
+    git(warehouse, "add", "requirements", "specs")
+    git(warehouse, "commit", "-q", "-m", "what Rolf read")
+    return warehouse
+
+
+def review(page: Page, id_: str) -> str:
+    """The row of a review, as it is read."""
+    (row,) = re.findall(rf'<tr id="review-{id_}">(.*?)</tr>', page.html)
+    return re.sub(r"<[^>]*>", " ", row)
+
+
+def signed(project: Path) -> str:
+    """The last commit with a signature put into it, by git's own format; nobody holds it against a key here."""
+    head, _, message = git(project, "cat-file", "commit", "HEAD").partition("\n\n")
+    head += "\ngpgsig -----BEGIN SSH SIGNATURE-----\n U1NIU0lHAAAA\n -----END SSH SIGNATURE-----"
+    made = git(project, "hash-object", "-t", "commit", "-w", "--stdin", text=f"{head}\n\n{message}\n")
+    git(project, "update-ref", "HEAD", made)
+    return made
+
+
+def test_a_review_names_the_commit_that_it_stands_in(committed: Path) -> None:
+    commit = git(committed, "rev-parse", "HEAD")
+    said = review(html(committed), "RV-1")
+    assert commit in said
+    assert "Rolf Reader" in said  # who wrote it, not who put it there
+    assert "Maria Motor" not in said
+    assert "2026-03-02" in said  # the day where the author was
+    assert "commit without a signature" in said
+
+
+def test_a_signed_commit_is_called_so(committed: Path) -> None:
+    made = signed(committed)
+    said = review(html(committed), "RV-1")
+    assert made in said
+    assert "signed commit" in said
+    assert "without" not in said
+
+
+def test_a_word_like_a_signature_in_the_message_is_none(committed: Path) -> None:
+    git(committed, "commit", "-q", "--amend", "-m", "gpgsig -----BEGIN\n\ngpgsig mine")
+    assert "commit without a signature" in review(html(committed), "RV-1")
+
+
+def test_a_review_that_is_not_committed_stands_in_no_commit(warehouse: Path, committed: Path) -> None:
+    edit(committed, "requirements/people.yaml", "  - id: RV-1\n", "  - title: anew\n    id: RV-1\n")
+    assert "in no commit" in review(html(committed), "RV-1")
+
+
+def test_without_version_control_a_review_stands_in_no_commit(warehouse: Path) -> None:
+    assert "in no commit" in review(html(warehouse), "RV-1")
+
+
+def unreviewed(page: Page) -> dict[str, list[str]]:
+    """By kind, the ids that are told not to be reviewed."""
+    part = page.html.partition("<h2>Not reviewed</h2>")[2].partition("<h2>")[0]
+    rows = re.findall(r'<td data-label="kind">(.*?)</td>.*?<td data-label="which">(.*?)</td>', part)
+    return {kind: re.sub(r"<[^>]*>", "", ids).split(", ") for kind, ids in rows}
+
+
+def expected(project: Path) -> dict[str, set[str]]:
+    """All that there is to be read of some kinds, from the documents."""
+    said = [yaml.safe_load(path.read_text("utf-8")) for path in (project / "requirements").glob("*.yaml")]
+    fields = {"requirement": "requirements", "hazard": "hazards", "safety goal": "safety_goals", "design element": "elements"}  # fmt: skip
+    return {
+        kind: {one["id"] for document in said for one in document.get(field, ()) if one.get("status") != "obsolete"}
+        for kind, field in fields.items()
+    }  # fmt: skip
+
+
+def test_what_nobody_reviewed_is_listed_and_counted(warehouse: Path) -> None:
+    page = html(warehouse)
+    found, there, numbers = unreviewed(page), expected(warehouse), dict(page.numbers)
+    assert {kind: set(found[kind]) for kind in there} == {**there, "requirement": there["requirement"] - {"SYS-1"}}  # fmt: skip
+    for kind, ids in there.items():
+        assert numbers[f"read/{kind}"] == str(len(ids)), kind
+        assert numbers[f"unreviewed/{kind}"] == str(len(found[kind])), kind
+    assert "A program does not sign for one." in page.html
+
+
+def test_a_review_of_another_version_counts_for_nothing(warehouse: Path) -> None:
+    edit(warehouse, "requirements/needs.yaml", "more than 0.3 m/s.\n    rationale: Below", "more than 0.4 m/s.\n    rationale: Below")  # fmt: skip
+    assert "SYS-1" in unreviewed(html(warehouse))["requirement"]
+
+
+def test_the_table_for_signatures_is_there_and_empty(warehouse: Path) -> None:
+    page = html(warehouse)
+    (table,) = re.findall(r'<table class="blanks">(.*?)</table>', page.html, re.DOTALL)
+    assert re.findall(r"<th>(.*?)</th>", table) == ["name", "role", "organisation", "date", "signature"]
+    cells = re.findall(r"<td[^>]*>(.*?)</td>", table)
+    assert len(cells) == 25
+    assert set(cells) == {""}
+
+
+def test_a_project_without_persons_has_room_for_signatures_too(warehouse: Path) -> None:
+    (warehouse / "requirements/people.yaml").unlink()
+    page = html(warehouse)
+    assert "There are no reviews" in page.html
+    assert "No persons" in page.html
+    assert '<table class="blanks">' in page.html
+    assert {"SYS-1", "SYS-2"} <= set(unreviewed(page)["requirement"])

@@ -1,0 +1,272 @@
+"""Results in the safety case: faults that were put in, runs in a closed loop, drives of real vehicles. Every number is counted again from the evidence."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from support.project import command, copy_project
+from support.safety_case import DAY, Page, edit, html, made_ready
+from support.shared import REPOSITORY
+from trackmarshal.cli import assessment
+from trackmarshal.records import FaultCase, FaultResult
+
+
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return made_ready(tmp_path_factory.mktemp("ready"))
+
+
+@pytest.fixture
+def warehouse(ready: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
+
+
+@pytest.fixture(scope="module")
+def shipped(tmp_path_factory: pytest.TempPathFactory) -> Page:
+    return html(copy_project(tmp_path_factory.mktemp("shipped")), expect=1)
+
+
+def under(page: Page, beginning: str) -> dict[str, str]:
+    return {id_: text for id_, text in page.numbers if id_.startswith(beginning)}
+
+
+def picture(page: Page, name: str) -> str:
+    """The chart whose name begins so."""
+    (found,) = [svg for svg in re.findall(r"<svg.*?</svg>", page.html, re.DOTALL) if f"<title>{name}" in svg]
+    return found
+
+
+def words(svg: str) -> list[str]:
+    return re.findall(r"<text[^>]*>([^<]*)</text>", svg)
+
+
+# Closed loop.
+
+
+def counted(runs: list[dict[str, Any]]) -> dict[str, str]:
+    """All numbers that the document has of runs, counted from the file."""
+    found: dict[str, str] = {"loop/all/runs": str(len(runs))}
+    inside = [run for run in runs if run["beyond"] == ""]
+    found["loop/inside/runs"] = str(len(inside))
+    found["loop/inside/bad"] = str(sum(run["outcome"] in ("off_road", "contact") for run in inside))
+    for fault in {run["fault"] for run in runs}:
+        own = [run for run in runs if run["fault"] == fault]
+        begin = f"loop/{fault}"
+        found[f"{begin}/runs"] = str(len(own))
+        found |= {
+            f"{begin}/{outcome}": str(n) for outcome, n in Counter(run["outcome"] for run in own).items()
+        }
+        finders = Counter(
+            run["reaction"]["found"][0] for run in own if run["reaction"] and run["reaction"]["found"]
+        )
+        found |= {f"{begin}/found/{by}": str(n) for by, n in finders.items()}
+        below = sum(run["reaction"] is None and run["below"] is not None for run in own)
+        if below:
+            found[f"{begin}/below"] = str(below)
+        after = [run["reaction"]["after"] for run in own if run["reaction"]]
+        if after:
+            found[f"{begin}/reaction/least"] = f"{min(after):.2f}"
+            if min(after) != max(after):
+                found[f"{begin}/reaction/most"] = f"{max(after):.2f}"
+        found[f"{begin}/clearance"] = f"{min(run['clearance'] for run in own):.2f}"
+        gaps = [run["gap"] for run in own if run["gap"] is not None]
+        if gaps:
+            found[f"{begin}/gap"] = f"{min(gaps):.1f}"
+    return found
+
+
+def test_numbers_of_the_closed_loop_are_those_of_its_results(shipped: Page) -> None:
+    kept = json.loads((REPOSITORY / "tests/closed_loop/results.json").read_text("utf-8"))
+    assert under(shipped, "loop/") == counted(kept["runs"])
+    svg = picture(shipped, "What became of the car")
+    marks = {
+        "drives_on": "D", "resumed": "R", "stopped": "S", "off_road": "O", "contact": "C",
+    }  # fmt: skip
+    cells = Counter(f"{marks[run['outcome']]} {run['speed']:.0f}" for run in kept["runs"])
+    drawn = Counter(word for word in words(svg) if re.fullmatch(r"[A-Z] \d+", word))
+    assert drawn == cells
+    told = svg.partition("<desc>")[2].partition("</desc>")[0]
+    for run in kept["runs"]:
+        assert (
+            f"{run['fault']}, {run['track']}, {'with others' if run['traffic'] else 'alone'}, {run['speed']:.1f} m/s: "
+            in told
+        )
+
+
+def loop(project: Path, these: list[dict[str, Any]], **more: Any) -> Path:
+    """A project with kept results."""
+    said = {"format": "trackmarshal-closed-loop", "version": 1, "faults": {"P-1": "The planner <hangs>"}, "runs": these, **more}  # fmt: skip
+    (project / "loop.json").write_text(json.dumps(said), "utf-8")
+    edit(project, "requirements/v-model.yaml", "  specs: [specs]\n", "  specs: [specs]\n  closed_loop: loop.json\n")  # fmt: skip
+    return project
+
+
+RUN = {
+    "fault": "P-1", "requirement": "SYS-1", "beyond": "", "track": "hall", "traffic": False, "place": "aisle", "speed": 1.5, "below": None,
+    "reaction": {"after": 0.25, "found": ["slow_near_people"]}, "outcome": "stopped", "clearance": 0.5, "gap": None,
+}  # fmt: skip
+
+
+def test_a_run_that_ends_badly_is_counted_and_drawn_as_failed(warehouse: Path) -> None:
+    runs = [
+        RUN,
+        {
+            **RUN,
+            "place": "dock",
+            "outcome": "contact",
+            "reaction": None,
+            "below": 0.5,
+            "gap": 0.125,
+            "clearance": -0.25,
+        },
+    ]
+    page = html(loop(warehouse, runs))
+    assert under(page, "loop/") == counted(runs)
+    assert page.numbers.count(("loop/inside/bad", "1")) == 1
+    svg = picture(page, "What became of the car")
+    assert "P-1, hall, alone, 1.5 m/s: contact" in svg
+    assert re.search(r"<title>P-1, hall, alone, 1.5 m/s: contact</title><rect[^>]*#fbdfe1", svg)
+    assert "The planner &lt;hangs&gt;" in svg
+    assert "<hangs>" not in page.html
+
+
+@pytest.mark.parametrize(
+    ("runs", "more", "said"),
+    [
+        ([{**RUN, "outcome": "fine"}], {}, "the outcome of run 1 is 'fine'"),
+        ([RUN, {**RUN, "speed": "fast"}], {}, "`speed` of run 2 is no finite number"),
+        ([{**RUN, "clearance": None}], {}, "`clearance` of run 1"),
+        ([{**RUN, "reaction": {"after": 1}}], {}, "the reaction of run 1 does not say what found the fault"),
+        ([{**RUN, "reaction": {"found": ["x"], "after": None}}], {}, "`after` of run 1"),
+        ([{key: value for key, value in RUN.items() if key != "track"}], {}, "run 1 lacks"),
+        ([{**RUN, "traffic": 0}], {}, "run 1 lacks"),
+        ([3], {}, "run 1 is no object"),
+        ([RUN], {"version": 2}, "`version` 1"),
+        ([RUN], {"runs": {}}, "`runs` is to be a list"),
+    ],
+)
+def test_results_that_lack_something_are_refused(
+    warehouse: Path, runs: list[Any], more: dict[str, Any], said: str
+) -> None:
+    loop(warehouse, runs, **more)
+    status, _, err = command(warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY)
+    assert status == 2
+    assert "error[T437]" in err
+    assert "loop.json" in err
+    assert said in err
+
+
+def test_not_a_number_in_results_is_refused(warehouse: Path) -> None:
+    loop(warehouse, [{**RUN, "speed": float("nan")}])
+    assert command(warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY)[0] == 2
+    (warehouse / "loop.json").write_text("{", "utf-8")
+    assert command(warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY)[0] == 2
+    (warehouse / "loop.json").unlink()
+    status, _, err = command(warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY)
+    assert (status, "error[T437]" in err) == (2, True)
+
+
+def test_a_project_without_a_closed_loop_is_said_to_have_none(warehouse: Path) -> None:
+    assert "No results of a closed loop are declared." in html(warehouse).html
+
+
+# Drives of real vehicles.
+
+
+def test_numbers_of_a_drive_are_those_that_were_kept(shipped: Page) -> None:
+    (run,) = json.loads((REPOSITORY / "specs/field/lvms.run.json").read_text("utf-8"))["items"]
+    drive = run["drive"]
+    fired = sum(drive["firings"].values())
+    begin = "node/run/specs/field/lvms.yaml/"
+    assert under(shipped, begin) == {
+        f"{begin}cycles": str(run["cycles"]), f"{begin}hours": f"{drive['hours']:.4g}", f"{begin}km": f"{drive['km']:.4g}", f"{begin}firings": str(fired),
+        **{f"{begin}least {one['rule']} {one['candidate']}": one["shown"] for one in drive["least"]},
+    }  # fmt: skip
+    begin = "drive/specs/field/lvms.yaml/"
+    assert under(shipped, begin) == {
+        f"{begin}per hour": f"{fired / drive['hours']:.4g}", f"{begin}per km": f"{fired / drive['km']:.4g}",
+        **{f"{begin}t {one['rule']} {one['candidate']}": f"{one['t']:.4g}" for one in drive["least"]},
+    }  # fmt: skip
+    # The cycles are a tenth of a second apart, and the drive took as long as they do.
+    assert drive["hours"] * 3600 == pytest.approx(run["cycles"] / 10, rel=1e-3)
+    for one in drive["least"]:
+        number, _, unit = one["shown"].partition(" ")
+        factor = 1e-3 if unit == "ms" else 1.0
+        assert float(number) * factor == pytest.approx(one["margin"], rel=1e-3, abs=1e-9)
+
+
+def test_rules_that_a_drive_says_nothing_of_are_named(shipped: Page) -> None:
+    (run,) = json.loads((REPOSITORY / "specs/field/lvms.run.json").read_text("utf-8"))["items"]
+    silent = [
+        rule["rule"]
+        for rule in run["rules"]
+        if all(set(counts) == {"inactive"} for counts in rule["counts"].values())
+    ]
+    assert silent
+    assert re.search(
+        r"<dt>nothing to say</dt><dd>"
+        + ", ".join(f'<span class="given">{re.escape(rule)}</span>' for rule in silent)
+        + "</dd>",
+        shipped.html,
+    )
+
+
+# Faults.
+
+
+def with_faults(monkeypatch: pytest.MonkeyPatch, cases: list[FaultCase], results: list[FaultResult]) -> None:
+    """As if a campaign had been run."""
+    real = assessment.assess
+
+    def made(root: Path, **how: Any) -> Any:
+        found = real(root, **how)
+        found.facts = replace(found.facts, fault_cases=cases)
+        found.fault_results = results
+        return found
+
+    monkeypatch.setattr(assessment, "assess", made)
+
+
+def test_each_fault_says_what_found_it_and_how_soon(warehouse: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (warehouse / "one.yaml").write_text("", "utf-8")
+    case = [
+        FaultCase("one.yaml", f"F-{n}", f"fault {n}", requirement, n, "f" * 64, begin=2.0)
+        for n, requirement in enumerate(["SW-1", "SW-1", "SW-2", "SW-2"], 1)
+    ]
+    case.append(FaultCase("one.yaml", "F-5", "fault 5", "SW-2", 5, "", open="there is no target yet"))
+    case.append(FaultCase("two.yaml", "F-1", "another one", "SW-1", 1, "f" * 64, begin=1.0))
+    results = [
+        FaultResult("one.yaml", "F-1", "passed", "f" * 64, ("slow_near_people",), "", 2.3, 2.5, "previous_emergency", 1.9),
+        FaultResult("one.yaml", "F-2", "passed", "f" * 64, ("slow_near_people", "gentle"), "", 2.0, 2.5, "no_safe_trajectory"),
+        FaultResult("one.yaml", "F-3", "failed", "f" * 64, (), "", None, None, message="nothing fired"),
+        FaultResult("one.yaml", "F-4", "passed", "f" * 64),
+        FaultResult("two.yaml", "F-1", "passed", "f" * 64, ("gentle",), "", 1.3, 1.5, "no_safe_trajectory"),
+    ]  # fmt: skip
+    with_faults(monkeypatch, case, results)
+    page = html(warehouse)
+    assert under(page, "node/fault/") == {
+        "node/fault/one.yaml F-1/after": "0.3", "node/fault/one.yaml F-2/after": "0", "node/fault/two.yaml F-1/after": "0.3",
+    }  # fmt: skip
+    assert under(page, "nodes/fault/") == {
+        "nodes/fault/all": "6", "nodes/fault/covered": "4", "nodes/fault/failed": "1", "nodes/fault/open": "1",
+    }  # fmt: skip
+    told = picture(page, "Faults by").partition("<desc>")[2].partition("</desc>")[0].split("; ")
+    assert told == [
+        "SW-1, 0 s: 1", "SW-1, 0.3 s: 2", "SW-2, let pass: 1", "SW-2, otherwise: 1", "SW-2, impossible: 1",
+    ]  # fmt: skip
+    rows = re.findall(
+        r'<td data-label="fault"><code>(F-\d)</code> <span class="given">(.*?)</span></td>.*?<td data-label="found by">(.*?)</td>',
+        page.html,
+    )
+    assert [(id_, title, re.sub("<.*?>", "", by)) for id_, title, by in rows] == [
+        ("F-1", "fault 1", "slow_near_people"), ("F-2", "fault 2", "slow_near_people"), ("F-3", "fault 3", "nothing"), ("F-4", "fault 4", "nothing"),
+        ("F-5", "fault 5", ""), ("F-1", "another one", "gentle"),
+    ]  # fmt: skip

@@ -1,0 +1,137 @@
+"""What an assessment shows is used again where nothing changed that it was made from, and nowhere else."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from support.project import run_command
+from support.shared import REPOSITORY
+from trackmarshal.cli import sources
+
+tool = import_module("trackmarshal.meaning.tool")  # the package calls its function so
+SPEC = "specs/speed.spec"
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A new project in a folder of its own, which is the current one, with a cache of its own."""
+    root = tmp_path / "car"
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    assert run_command("init", str(root))[0] == 0
+    monkeypatch.chdir(root)
+    return root
+
+
+@pytest.fixture
+def made(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What is done, as it is done: specs compiled, tests run, scenarios replayed."""
+    done: list[str] = []
+
+    class Listening(sources.Sources):
+        def __init__(self, *args):  # type: ignore[no-untyped-def]
+            done.append("compiled")
+            super().__init__(*args)
+
+        def test(self, *args):  # type: ignore[no-untyped-def]
+            done.append("tested")
+            return super().test(*args)
+
+        def replay(self, *args):  # type: ignore[no-untyped-def]
+            done.append("replayed")
+            return super().replay(*args)
+
+    monkeypatch.setattr("trackmarshal.cli.assessment.Sources", Listening)
+    return done
+
+
+def pages(root: Path) -> dict[str, str]:
+    """Everything that was written, but for when."""
+    folder = root / "out/assess"
+    found = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
+    return {
+        name: re.sub(r"20\d\d-\d\d-\d\dT[\d:]+\+00:00", "", path.read_text("utf-8"))
+        for name, path in found.items()
+    }
+
+
+def test_an_unchanged_project_is_shown_again_with_nothing_made(project: Path, made: list[str]) -> None:
+    first = run_command("assess")
+    assert "replayed" in made
+    before = pages(project)
+    assert any(name.startswith("runs/") for name in before)
+    made.clear()
+    shutil.rmtree(project / "out/assess")
+    assert run_command("assess") == first
+    assert made == []
+    assert pages(project) == before
+
+
+def _replaced(name: str, old: str, new: str) -> Callable[[Path], None]:
+    def edit(root: Path) -> None:
+        path = root / name
+        text = path.read_text("utf-8")
+        assert old in text
+        path.write_text(text.replace(old, new, 1), "utf-8")
+
+    return edit
+
+
+def _kept_by_hand(root: Path) -> None:
+    (path,) = (root.parent / "cache").glob("shown-*.json")
+    held = path.read_bytes()
+    changed = held.replace(b'"met": true', b'"met":false', 1)
+    assert changed != held
+    path.write_bytes(changed)
+
+
+@pytest.mark.parametrize(
+    ("edit", "expected"),
+    [
+        (_replaced("specs/scenarios/too_fast.yaml", "s: 20,", "s: 21,"), {"compiled", "replayed"}),
+        (_replaced("specs/tracks/straight.yaml", "width: 10", "width: 11"), {"compiled", "replayed"}),
+        (_replaced(SPEC, "module ", "-- a comment, and all lines stand elsewhere\nmodule "), {"compiled", "replayed"}),
+        (_replaced(SPEC, "p.v <= v_event", "p.v < v_event"), {"compiled", "tested", "replayed"}),
+        (_kept_by_hand, {"compiled", "replayed"}),
+    ],
+    ids=["a bit of the scenario", "a bit of its track", "a comment", "a comparison", "what was kept"],
+)  # fmt: skip
+def test_whatever_changed_is_made_anew(
+    edit: Callable[[Path], None], expected: set[str], project: Path, made: list[str]
+) -> None:
+    run_command("assess")
+    made.clear()
+    edit(project)
+    run_command("assess")
+    assert set(made) == expected
+
+
+@pytest.mark.parametrize("changed", ["numpy", "evaluator"])
+def test_another_evaluator_makes_everything_anew(
+    changed: str, project: Path, made: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_command("assess")
+    made.clear()
+    if changed == "numpy":
+        monkeypatch.setattr(tool, "_numpy", lambda: b"another version")
+    else:
+        copy = tmp_path / "engine"
+        shutil.copytree(
+            REPOSITORY / "engine/trackmarshal", copy, ignore=shutil.ignore_patterns("__pycache__")
+        )
+        file = copy / "backends/numpy/logic.py"
+        file.write_bytes(file.read_bytes() + b"\n")
+        monkeypatch.setattr(tool, "HERE", copy)
+    tool.tool.cache_clear()
+    tool.whole.cache_clear()
+    try:
+        run_command("assess")
+    finally:
+        tool.tool.cache_clear()
+        tool.whole.cache_clear()
+    assert set(made) == {"compiled", "tested", "replayed"}
