@@ -31,8 +31,20 @@ _AS_CHROMIUM = "import os, sys; os.dup2(int(sys.argv[1]), 3); os.dup2(int(sys.ar
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
 
 
+#: What is answered where a page was asked something and left before it could answer.
+GONE = (
+    "Inspected target navigated or closed",
+    "Execution context was destroyed",
+    "Cannot find context with specified id",
+)
+
+
 class BrowserError(Exception):
     """The browser refused something, or did not answer."""
+
+
+class PageLeft(BrowserError):
+    """The page that was asked was left before it answered: another one comes."""
 
 
 class Page:
@@ -82,6 +94,18 @@ class Page:
         if "exceptionDetails" in found:
             raise BrowserError(str(found["exceptionDetails"].get("exception", found["exceptionDetails"])))
         return found["result"].get("value")
+
+    def until(self, script: str) -> None:
+        """Wait until an expression, which may await, holds on whatever page there is by then; raises BrowserError."""
+        end = time.monotonic() + 2 * PATIENCE
+        while time.monotonic() < end:
+            try:
+                if self.evaluate(f"(async () => Boolean({script}))()"):
+                    return
+            except PageLeft:
+                pass
+            time.sleep(0.02)
+        raise BrowserError(f"never so: {script}")
 
     def key(self, key: str) -> None:
         """Press a key such as ArrowRight on whatever has the focus."""
@@ -141,7 +165,8 @@ class _Pipe:
         self.wait(lambda: number in self._answers)
         answer = self._answers.pop(number)
         if "error" in answer:
-            raise BrowserError(f"{method}: {answer['error']}")
+            left = any(said in answer["error"].get("message", "") for said in GONE)
+            raise (PageLeft if left else BrowserError)(f"{method}: {answer['error']}")
         found: dict[str, Any] = answer["result"]
         return found
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -66,17 +65,9 @@ def click(page: Page, selector: str, text: str) -> None:
     found = page.evaluate(FIND % (json.dumps(selector), json.dumps(text)))
     assert found is not None, text
     page.click(*found)
-    wait(page, f"location.href !== {json.dumps(before)} && document.readyState === 'complete'")
-    page.evaluate(
-        "new Promise((done) => setTimeout(() => setTimeout(done, 20), 20))"
-    )  # what listens to the address has its turn
-
-
-def wait(page: Page, until: str) -> None:
-    end = time.monotonic() + 300  # machines that build something besides are slow
-    while not page.evaluate(f"Boolean({until})"):
-        assert time.monotonic() < end, until
-        time.sleep(0.02)
+    page.until(f"location.href !== {json.dumps(before)} && document.readyState === 'complete'")
+    # What listens to the address has its turn.
+    page.until("await new Promise((done) => setTimeout(() => setTimeout(() => done(true), 20), 20))")
 
 
 def card(page: Page) -> str:
@@ -85,7 +76,7 @@ def card(page: Page) -> str:
 
 def arrives(page: Page, node: str) -> None:
     """Wait until the card of a node is shown: an address is another one before the page that stands at it is drawn."""
-    wait(page, f"document.querySelector('article.card')?.dataset.node === {json.dumps(node)}")
+    page.until(f"document.querySelector('article.card')?.dataset.node === {json.dumps(node)}")
 
 
 def two_clicks(page: Page, pages: Path) -> None:
@@ -175,7 +166,7 @@ def test_a_cell_leads_to_what_counts_in_it(browser: Page, pages: Path) -> None:
     browser.evaluate(
         'document.querySelector(\'tr[data-node="requirement:S-1-A-4"] a.cell[title^="S-3-B"]\').click()'
     )
-    wait(browser, 'document.querySelector(".card")')
+    browser.until('document.querySelector(".card")')
     top = browser.evaluate('document.getElementById("cell-S-3-B").getBoundingClientRect().top')
     assert 0 < top < 400
 
@@ -281,10 +272,10 @@ def test_a_view_can_be_linked(browser: Page, pages: Path) -> None:
         "[...document.querySelectorAll('#view select, #view [type=search]')].map((one) => one.value)"
     ) == ["rule", "test", "", "D", "", "speed"]
     browser.evaluate("document.querySelector('#rows tr.row a').click()")
-    wait(browser, 'document.querySelector(".opened .card")')
+    browser.until('document.querySelector(".opened .card")')
     assert browser.evaluate(ROWS) == shown  # the card changes nothing of the view
     browser.evaluate("history.back()")
-    wait(browser, '!document.querySelector(".card")')
+    browser.until('!document.querySelector(".card")')
 
 
 def test_the_keyboard_does_it(browser: Page, pages: Path) -> None:
@@ -303,12 +294,12 @@ def test_the_keyboard_does_it(browser: Page, pages: Path) -> None:
             text="\r" if kind == "keyDown" else "",
             windowsVirtualKeyCode=13,
         )
-    wait(browser, 'document.querySelector(".opened .card")')
+    browser.until('document.querySelector(".opened .card")')
     browser.evaluate(
         "document.activeElement.dispatchEvent(new KeyboardEvent('keydown', { key: 'Escape', bubbles: true }))"
     )
-    wait(browser, '!document.querySelector(".card")')
-    wait(browser, 'document.activeElement.closest("tr.row")')
+    browser.until('!document.querySelector(".card")')
+    browser.until('document.activeElement.closest("tr.row")')
 
 
 def test_rows_are_made_when_they_are_asked_for(browser: Page, pages: Path) -> None:
@@ -428,7 +419,7 @@ def test_a_test_stands_in_the_drawing_of_its_rule(browser: Page, tmp_path: Path)
     )
     for key in (f"rule:{rule}", f"test:{test.id}"):
         browser.open(page, "#" + urlencode({"at": key}))
-        wait(browser, 'document.querySelector(".card img").complete')
+        browser.until('document.querySelector(".card img").complete')
         assert browser.evaluate(
             '[document.querySelector(".card img").naturalWidth, document.querySelector(".card img").naturalHeight]'
         ) == [70, 30]
