@@ -46,7 +46,9 @@ class Judging(Around):
         if not again:
             return True
         found = self._program.judge_all(list(again.values()))
-        return all(_said(self._known[key]) == _said(judged.rated) for key, judged in zip(again, found, strict=True))
+        return all(
+            _said(self._known[key]) == _said(judged.rated) for key, judged in zip(again, found, strict=True)
+        )
 
 
 def _said(rated: Mapping[str, Rated]) -> list[tuple[str, bytes, list[str]]]:
