@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
 import tempfile
 from pathlib import Path
+from typing import Any
 
 
 def cache_folder() -> Path | None:
@@ -36,3 +39,27 @@ def replace(path: Path, content: bytes) -> bool:
         Path(name).unlink(missing_ok=True)
         return False
     return True
+
+
+def of_project(name: str, root: Path) -> Path | None:
+    """Where something about a project is kept, by the project's folder; None where nothing can be kept."""
+    folder = cache_folder()
+    if folder is None:
+        return None
+    return folder / f"{name}-{hashlib.sha256(os.fsencode(root.resolve())).hexdigest()[:32]}.json"
+
+
+def keep(path: Path, said: Any) -> None:
+    """Write a value of JSON with the hash of its text before it."""
+    content = json.dumps(said, allow_nan=False).encode()
+    replace(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+
+
+def kept(path: Path) -> Any:
+    """The value, if what is there is what was written; else None."""
+    try:
+        held = path.read_bytes()
+        intact = hashlib.sha256(held[65:]).hexdigest().encode() == held[:64]
+        return json.loads(held[65:]) if intact else None
+    except (OSError, ValueError):
+        return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from hashlib import sha256
 from pathlib import Path
 
@@ -83,6 +84,29 @@ def test_another_track_is_another_run(project: Path, made: list[str]) -> None:
     made.clear()
     assert gate()[0] == 0
     assert made == ["compiled"]
+
+
+def test_another_track_is_another_run_of_all_that_name_it(project: Path, made: list[str]) -> None:
+    """Each of them, in whatever order they are read: none relies on another one having opened the file."""
+    scenarios, document = project / "specs/scenarios", project / "requirements/v-model.yaml"
+    text = (scenarios / "too_fast.yaml").read_text("utf-8")
+    declared = document.read_text("utf-8")
+    begin = declared.index("    - path: specs/scenarios/too_fast.yaml")
+    one = re.match(r"    - .*\n(?:      .*\n)*", declared[begin:])[0]  # type: ignore[index]
+    for name in ("again", "zealous"):
+        (scenarios / f"{name}.yaml").write_text(text.replace("name: too_fast", f"name: {name}"), "utf-8")
+    again, zealous = (
+        one.replace("too_fast", name).replace("title: ", f"title: {name} ") for name in ("again", "zealous")
+    )
+    document.write_text(declared.replace(one, again + one + zealous), "utf-8")
+    assert gate()[0] == 0
+    path = project / "specs/tracks/straight.yaml"
+    path.write_text(path.read_text("utf-8").replace("width: 10", "width: 11"), "utf-8")
+    made.clear()
+    gate()
+    assert sorted(name for name in made if "scenarios" in name) == [
+        f"specs/scenarios/{name}.yaml" for name in ("again", "too_fast", "zealous")
+    ]
 
 
 def test_what_changed_is_run_again_and_what_comes_back_is_known(project: Path, made: list[str]) -> None:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.cache import cache_folder, replace
+from trackmarshal import cache
 from trackmarshal.cli.facts import Facts
 
 if TYPE_CHECKING:
@@ -36,14 +35,14 @@ def drawings(
     sheets: what `show` says of each of them: inputs have the names that they have there. sources: asked for where something has to be drawn anew.
     """
     keys = {item.name: _key(item, facts, sheets[item.name]) for item in facts.items if item.name in sheets}
-    path = _path(root)
-    kept = {} if path is None else _kept(path)
+    path = cache.of_project("drawings", root)
+    kept = (None if path is None else cache.kept(path)) or {}
     found = {name: kept[key] for name, key in keys.items() if key in kept}
     missing = [name for name in keys if name not in found]
     if missing:
         found |= _made(missing, facts, sources())
         if path is not None:
-            _keep(path, {keys[name]: drawing for name, drawing in found.items()})
+            cache.keep(path, {keys[name]: drawing for name, drawing in found.items()})
     return {name: {**drawing, "sha": keys[name]} for name, drawing in found.items()}
 
 
@@ -85,27 +84,3 @@ def _key(item: SpecItem, facts: Facts, sheet: Mapping[str, Any]) -> str:
     }
     said = json.dumps([tool(), sheet, dict(item.inputs), tests, runs], sort_keys=True)
     return hashlib.sha256(said.encode()).hexdigest()
-
-
-def _path(root: Path) -> Path | None:
-    folder = cache_folder()
-    if folder is None:
-        return None
-    return folder / f"drawings-{hashlib.sha256(os.fsencode(root.resolve())).hexdigest()[:32]}.json"
-
-
-def _keep(path: Path, found: Mapping[str, Mapping[str, Any]]) -> None:
-    content = json.dumps(found).encode()
-    replace(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
-
-
-def _kept(path: Path) -> dict[str, Mapping[str, Any]]:
-    """What is kept, by its hash, if it is what was written."""
-    try:
-        held = path.read_bytes()
-        if hashlib.sha256(held[65:]).hexdigest().encode() != held[:64]:
-            return {}
-        found: dict[str, Mapping[str, Any]] = json.loads(held[65:])
-        return found
-    except (OSError, ValueError):
-        return {}

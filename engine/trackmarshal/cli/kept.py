@@ -12,7 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
-from trackmarshal.cache import cache_folder, replace
+from trackmarshal import cache as files_kept
+from trackmarshal.cache import cache_folder
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import below, read_regular
 
@@ -33,7 +34,7 @@ def kept(
 
     folders: below which specs and requirements are looked for. files: what has to be looked at, whether it is there or not.
     """
-    path, below_ = _path(name, root), sorted(folders)
+    path, below_ = files_kept.of_project(name, root), sorted(folders)
     known = None if path is None else _read(path, root, below_)
     if known is not None:
         try:
@@ -46,13 +47,6 @@ def kept(
     if path is not None and all(_about(os.path.join(root, name)) == was for name, was in found.items()):
         return made, _keep(path, root, below_, sorted({*found, *files}), to_json(made))
     return made, ""
-
-
-def _path(name: str, root: Path) -> Path | None:
-    folder = cache_folder()
-    if folder is None:
-        return None
-    return folder / f"{name}-{hashlib.sha256(os.fsencode(root.resolve())).hexdigest()[:32]}.json"
 
 
 #: Who wants to know which files are opened.
@@ -135,21 +129,16 @@ def _state(root: Path, folders: list[str], files: list[str]) -> str:
 def _keep(path: Path, root: Path, folders: list[str], files: list[str], made: Mapping[str, Any]) -> str:
     """Keep it, and give the hash of what it was made from."""
     state = _state(root, folders, files)
-    said = {"files": files, "state": state, **made}
-    content = json.dumps(said).encode()
-    replace(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
+    files_kept.keep(path, {"files": files, "state": state, **made})
     return state
 
 
 def _read(path: Path, root: Path, folders: list[str]) -> Any:
     """What is kept, if it is what was written, and made from what is there now; else None."""
+    said = files_kept.kept(path)
     try:
-        held = path.read_bytes()
-        if hashlib.sha256(held[65:]).hexdigest().encode() != held[:64]:
-            return None
-        said = json.loads(held[65:])
         return said if said["state"] == _state(root, folders, said["files"]) else None
-    except (OSError, ValueError, KeyError, TypeError):
+    except (KeyError, TypeError):
         return None
 
 

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from trackmarshal.cache import cache_folder, replace
+from trackmarshal import cache
 from trackmarshal.records import TestResult
 
 
@@ -39,25 +38,22 @@ class Shown:
 
 def kept(root: Path, state: str, results: Iterable[TestResult]) -> Shown | None:
     """What was kept of a project in this state, with tests that came to the same; None where there is nothing, or it was changed."""
-    path = _path(root)
+    path = cache.of_project("shown", root)
     if path is None or not state:
         return None
+    said = cache.kept(path)
     try:
-        held = path.read_bytes()
-        if hashlib.sha256(held[65:]).hexdigest().encode() != held[:64]:
-            return None
-        said = json.loads(held[65:])
         if said["key"] != _key(state, results):
             return None
         runs = [ShownRun(**run) for run in said["runs"]]
         return Shown(said["modules"], said["fingerprint"], said["uncovered"], runs)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (KeyError, TypeError):
         return None
 
 
 def keep(root: Path, state: str, results: Iterable[TestResult], shown: Shown) -> None:
     """Keep it for the next assessment, if it is known what it was made from."""
-    path = _path(root)
+    path = cache.of_project("shown", root)
     if path is not None and state:
         runs = [{"scenario": run.scenario, "met": run.met, "record": run.record} for run in shown.runs]
         said = {
@@ -66,15 +62,7 @@ def keep(root: Path, state: str, results: Iterable[TestResult], shown: Shown) ->
             "fingerprint": shown.fingerprint,
             "uncovered": shown.uncovered,
         }
-        content = json.dumps({**said, "runs": runs}, allow_nan=False).encode()
-        replace(path, hashlib.sha256(content).hexdigest().encode() + b"\n" + content)
-
-
-def _path(root: Path) -> Path | None:
-    folder = cache_folder()
-    if folder is None:
-        return None
-    return folder / f"shown-{hashlib.sha256(os.fsencode(root.resolve())).hexdigest()[:32]}.json"
+        cache.keep(path, {**said, "runs": runs})
 
 
 def _key(state: str, results: Iterable[TestResult]) -> str:
