@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-import os
 import statistics
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
+from measuring import command
+
 from trackmarshal.trace.case.words.language import SHIPPED
 
-ROOT = Path(__file__).resolve().parents[2]
 BOTH = "case of this project, HTML and PDF"
 #: What somebody who changed a word and wants to see it waits for.
 LIMITS = {BOTH: 6.0}
-_COMMAND = [sys.executable, "-m", "trackmarshal.cli.main"]
 
 
 def measure() -> dict[str, float]:
     # Results come from the store of this checkout: what is not there yet is run here, and counts for nothing.
-    subprocess.run([*_COMMAND, "trace", "--project", str(ROOT)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)  # fmt: skip
+    command("trace")
     found: dict[str, float] = {}
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
@@ -35,10 +32,5 @@ def measure() -> dict[str, float]:
 
 
 def _cost(out: Path, *arguments: str) -> float:
-    """CPU seconds of a command; that the gate may fail is not its business."""
-    command = [*_COMMAND, "case", "--project", str(ROOT), "--out", str(out), "--quiet", *arguments]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-        _, status, used = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    assert process.returncode in (0, 1), command
-    return used.ru_utime + used.ru_stime
+    """CPU seconds of the command."""
+    return command("case", "--out", str(out), "--quiet", *arguments)[0]

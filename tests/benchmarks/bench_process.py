@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import gzip
 import json
-import os
 import statistics
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
+
+from measuring import command
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORDED = ROOT.parent / "shared" / "data" / "scenarios" / "modena_T1_cutin_collision.saa"
@@ -35,36 +34,6 @@ LIMITS = {
     LONG: 10.0,
     **dict.fromkeys(RACING.values(), 10.0),
 }
-
-
-#: The command, and on the last line of standard error what it took. A shell starts it: a child of this process would
-#: be charged with this process's own peak memory.
-MEASURED = """
-import resource, sys
-from trackmarshal.cli.main import main
-status = main(sys.argv[1:])
-used = resource.getrusage(resource.RUSAGE_SELF)
-print(status, used.ru_utime + used.ru_stime, used.ru_maxrss, file=sys.stderr)
-"""
-
-
-def command(*arguments: str, cache: str | None = None) -> tuple[float, float]:
-    """CPU seconds (user and system) and peak memory in bytes of one run, from process start; `cache` is its cache folder."""
-    environment = None if cache is None else {**os.environ, "TRACKMARSHAL_CACHE": cache}
-    call = ["sh", "-c", '"$0" "$@"; true', sys.executable, "-c", MEASURED, *arguments]
-    done = subprocess.run(
-        call,
-        cwd=ROOT,
-        env=environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        check=False,
-    )
-    status, seconds, memory = done.stderr.splitlines()[-1].split()
-    if status not in ("0", "1"):
-        raise RuntimeError(f"trackmarshal {' '.join(arguments)} ended with {status}")
-    return float(seconds), float(memory) * 1024.0
 
 
 def long_spec(lines: int) -> str:

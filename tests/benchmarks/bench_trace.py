@@ -4,13 +4,14 @@ seconds, memory of the command, and size of the page."""
 from __future__ import annotations
 
 import json
-import os
 import random
 import statistics
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from measuring import command
 
 MIXED = "trace --as-is, 10,000 items with 22,500 links"
 MEMORY = f"{MIXED}: memory"
@@ -33,14 +34,14 @@ def measure() -> dict[str, float]:
         mixed, alone = Path(folder) / "mixed", Path(folder) / "alone"
         project(mixed, 6667, 1667)
         project(alone, 10_000, 0)
-        command = [sys.executable, "-m", "trackmarshal.cli.main", "trace", "--project", str(mixed)]
-        subprocess.run(
-            command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )  # runs the tests
-        runs = [_cost([*command, "--as-is"]) for _ in range(5)]
-        page = [*command, "--as-is", "--format", "html"]
-        size = len(subprocess.run(page, check=True, capture_output=True).stdout)  # keeps what rules look like
-        pages = [_cost(page) for _ in range(5)]
+        trace = ["trace", "--project", str(mixed)]
+        command(*trace)  # runs the tests
+        runs = [command(*trace, "--as-is") for _ in range(5)]
+        file = Path(folder) / "page.html"
+        page = [*trace, "--as-is", "--format", "html"]
+        command(*page, out=file)  # keeps what rules look like
+        size = file.stat().st_size
+        pages = [command(*page) for _ in range(5)]
         read = [sys.executable, "-c", _READ, str(alone)]
         seconds = [
             float(subprocess.run(read, check=True, capture_output=True, text=True).stdout) for _ in range(5)
@@ -52,15 +53,6 @@ def measure() -> dict[str, float]:
         SIZE: size,
         READ: statistics.median(seconds),
     }
-
-
-def _cost(command: list[str]) -> tuple[float, float]:
-    """CPU seconds and bytes of a command."""
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-        _, status, used = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    assert process.returncode == 0, command
-    return used.ru_utime + used.ru_stime, used.ru_maxrss * 1024.0
 
 
 def project(root: Path, number: int, rules: int) -> None:

@@ -4,11 +4,42 @@ from __future__ import annotations
 
 import os
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+#: The command, and on the last line of standard error what it took.
+_MEASURED = """
+import resource, sys
+from trackmarshal.cli.main import main
+status = main(sys.argv[1:])
+used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+print(status, sum(one.ru_utime + one.ru_stime for one in used), max(one.ru_maxrss for one in used), file=sys.stderr)
+"""
+
+
+def command(*arguments: str, cache: str | None = None, out: Path | None = None) -> tuple[float, float]:
+    """CPU seconds (user and system) and peak memory in bytes of one run of `trackmarshal`, from process start; `cache` is its cache folder, `out` where its
+    output goes.
+
+    That a gate fails, or a run is not as declared, is not its business; raises RuntimeError for all else.
+    """
+    environment = None if cache is None else {**os.environ, "TRACKMARSHAL_CACHE": cache}
+    # A shell starts it: a child of this process would be charged with this process's own peak memory.
+    call = ["sh", "-c", '"$0" "$@"; true', sys.executable, "-c", _MEASURED, *arguments]
+    with (out or Path(os.devnull)).open("wb") as stream:
+        done = subprocess.run(
+            call, cwd=ROOT, env=environment, stdout=stream, stderr=subprocess.PIPE, text=True, check=False
+        )
+    status, seconds, most = done.stderr.splitlines()[-1].split()
+    if status not in ("0", "1"):
+        raise RuntimeError(f"trackmarshal {' '.join(arguments)} ended with {status}")
+    return float(seconds), float(most) * 1024.0
 
 
 def median(run: Callable[[], object], repeats: int) -> float:

@@ -87,7 +87,7 @@ def _figure(name: str, value: float) -> str:
     if _unit(name) == "bytes":
         return f"{value / 1e6:.0f} MB"
     for factor, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us")):
-        if value >= factor:
+        if abs(value) >= factor:
             return f"{value / factor:.3g} {unit}"
     return f"{value / 1e-9:.3g} ns"
 
