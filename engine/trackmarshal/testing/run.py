@@ -109,7 +109,16 @@ def _problems(evaluator: Evaluator, tests: Sequence[PreparedTest]) -> list[tuple
 
 
 def _compared(test: PreparedTest, said: _Said) -> tuple[str, str]:
-    problem = "" if _as_expected(test, said) else mismatch(test, said.result())
+    if _as_expected(test, said):
+        return "passed", ""
+    result = said.result()
+    # An explanation of something else than was said must not pass for what was said.
+    if result.verdict != said.verdict or repr(result.margin) != repr(said.margin):
+        message = (
+            f"says {said.verdict} with {said.margin!r}, and explains {result.verdict} with {result.margin!r}"
+        )
+        return "error", message
+    problem = mismatch(test, result)
     return ("failed", problem) if problem else ("passed", "")
 
 
@@ -135,7 +144,7 @@ def _fails(spec: Spec, test: PreparedTest, formula: ir.Formula) -> bool:
     evaluator = Evaluator(Spec(**{**spec.__dict__, "rules": rules}), [rule.name], "reference")
     other = PreparedTest(**{**test.__dict__, "rule": rule})
     (said,) = _said(evaluator, [other])
-    return said.verdict in ("satisfied", "violated") and bool(_compared(other, said)[1])
+    return said.verdict in ("satisfied", "violated") and _compared(other, said)[0] == "failed"
 
 
 class _Said(NamedTuple):
