@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from trackmarshal.trace import look
 from trackmarshal.trace.case.making import printed
 from trackmarshal.trace.case.model import (
     Code,
@@ -73,9 +74,9 @@ class Printing:
             case Number():
                 return Markup('<span class="number" data-number="{}">{}</span>').format(piece.id, piece.value)
             case Status():
-                look = LIKE[piece.word]
+                like = LIKE[piece.word]
                 return Markup('<span class="chip is-{}"><span class="sign">{}</span> {}</span>').format(
-                    look, SIGNS[look], piece.text or self._words[f"status.{piece.word}"]
+                    like, SIGNS[like], piece.text or self._words[f"status.{piece.word}"]
                 )
             case Ref():
                 anchor = self._anchors.get(piece.key, "")
@@ -92,9 +93,7 @@ def marked(text: str, language: Markup) -> Markup:
     """Text of the program, with what stands between backquotes as code; language: an attribute that says which it is in."""
     from markupsafe import Markup
 
-    from trackmarshal.trace.render.html import marked as code
-
-    return Markup('<span class="made"{}>{}</span>').format(language, code(text))
+    return Markup('<span class="made"{}>{}</span>').format(language, look.marked(text))
 
 
 def there(document: Document) -> frozenset[str]:

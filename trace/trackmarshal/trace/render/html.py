@@ -34,17 +34,9 @@ _ENTRIES = {"param": "parameter", "evidence": "document"}
 
 def render(matrix: Matrix, beside: Beside | None = None) -> str:
     """The page."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
-    environment = Environment(
-        loader=FileSystemLoader([Path(__file__).parent / "page" / "templates", look.FOLDER]),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["marked"] = marked
+    environment = look.environment(Path(__file__).parent / "page" / "templates")
     given = beside or Beside()
     compared = given.compared or _since_accepted(matrix)
     kinds = matrix.graph.by_kind
@@ -73,19 +65,6 @@ def render(matrix: Matrix, beside: Beside | None = None) -> str:
         data=Markup(dumped(content(matrix, given))),  # nothing in it ends the element that it stands in
     )  # fmt: skip
     return page.rstrip() + "\n"
-
-
-def marked(text: str) -> Markup:
-    """Text, escaped, with what stands between backquotes as code."""
-    from markupsafe import Markup, escape
-
-    parts = text.split("`")
-    if len(parts) % 2 == 0:  # a backquote without its partner
-        return escape(text)
-    return Markup("").join(
-        Markup("<code>{}</code>").format(part) if number % 2 else escape(part)
-        for number, part in enumerate(parts)
-    )
 
 
 def bars(matrix: Matrix) -> list[tuple[Stage, dict[str, int], int]]:
@@ -199,4 +178,4 @@ def _difference(change: Change, graph: Graph) -> tuple[Change, str, str]:
     )
 
 
-__all__ = ["WAYS", "bars", "marked", "render"]
+__all__ = ["WAYS", "bars", "render"]
