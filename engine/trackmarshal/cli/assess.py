@@ -30,6 +30,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.cli.collecting import seldom
+
+    with seldom():
+        return _assessed(args)
+
+
+def _assessed(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.assessment import assess
     from trackmarshal.cli.evidence import now
