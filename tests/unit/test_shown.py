@@ -135,3 +135,88 @@ def test_another_evaluator_makes_everything_anew(
         tool.tool.cache_clear()
         tool.whole.cache_clear()
     assert set(made) == {"compiled", "tested", "replayed"}
+
+
+def _drawings(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The scenarios of which a page is drawn, as they are."""
+    from trackmarshal.trace.report import pages as report
+
+    drawn: list[str] = []
+    before = report.run_context
+
+    def listening(run, titles):  # type: ignore[no-untyped-def]
+        drawn.append(run.name)
+        return before(run, titles)
+
+    monkeypatch.setattr(report, "run_context", listening)
+    return drawn
+
+
+def _renamed(root: Path) -> None:
+    """Another title of every requirement, of which no result is made."""
+    for path in (root / "requirements").rglob("*.yaml"):
+        path.write_text(re.sub(r"(?m)^(\s*title: )", r"\1Now ", path.read_text("utf-8")), "utf-8")
+
+
+def _page_by_hand(root: Path) -> None:
+    (path,) = (root.parent / "cache").glob("pages-*.json")
+    held = path.read_bytes()
+    changed = held.replace(b"driven", b"drivem", 1)
+    assert changed != held
+    path.write_bytes(changed)
+
+
+@pytest.mark.parametrize(
+    ("edit", "again"),
+    [
+        (lambda root: None, False),
+        (_renamed, True),
+        (_replaced("specs/scenarios/too_fast.yaml", "s: 20,", "s: 21,"), True),
+        (_page_by_hand, True),
+    ],
+    ids=["nothing", "titles of requirements", "a bit of the scenario", "what was kept"],
+)
+def test_pages_of_runs_are_drawn_again_where_anything_on_them_changed(
+    edit: Callable[[Path], None], again: bool, project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_command("assess")
+    edit(project)
+    drawn = _drawings(monkeypatch)
+    run_command("assess")
+    assert bool(drawn) is again
+    found = pages(project)
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "nothing kept"))
+    run_command("assess")
+    assert pages(project) == found
+
+
+def test_pages_of_runs_are_drawn_again_by_another_program(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run_command("assess")
+    drawn = _drawings(monkeypatch)
+    monkeypatch.setattr("trackmarshal.cli.drawn.drawing", lambda: "another one")
+    run_command("assess")
+    assert drawn
+
+
+def test_the_date_of_a_page_is_that_of_its_assessment(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run_command("assess")
+    drawn = _drawings(monkeypatch)
+    monkeypatch.setattr("trackmarshal.cli.evidence.now", lambda: "2031-02-03T04:05:06+00:00")
+    run_command("assess")
+    assert drawn == []
+    found = [path.read_text("utf-8") for path in (project / "out/assess/runs").glob("*.html")]
+    assert found
+    assert all(page.count("<footer>2031-02-03T04:05:06+00:00</footer>") == 1 for page in found)
+
+
+def test_rules_on_the_page_of_the_matrix_are_those_of_now(project: Path, tmp_path: Path) -> None:
+    run_command("assess")
+    run_command("assess")  # with what the first one kept
+    known = pages(project)["matrix.html"]
+    _replaced(SPEC, "p.v <= v_event", "p.v < v_event")(project)
+    run_command("assess")
+    found = pages(project)["matrix.html"]
+    assert "p.v &lt; v_event" in found or "p.v < v_event" in found or "p.v \\u003c v_event" in found
+    assert found != known

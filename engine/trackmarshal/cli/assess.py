@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 from trackmarshal import __version__
 from trackmarshal.cli import against
 from trackmarshal.cli.beside import page_beside
+from trackmarshal.cli.drawn import Drawn
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project
-from trackmarshal.cli.shown import Shown, ShownRun, keep
+from trackmarshal.cli.shown import Shown, ShownRun, keep, key
 
 if TYPE_CHECKING:
     from trackmarshal.cli.assessment import Assessment
@@ -30,6 +31,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.cli.collecting import seldom
+
+    with seldom():
+        return _assessed(args)
+
+
+def _assessed(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.assessment import assess
     from trackmarshal.cli.evidence import now
@@ -45,6 +53,8 @@ def run(args: argparse.Namespace) -> int:
         shown = _shown(made)
         if not found:  # what is wrong with specs is said each time
             keep(root, made.facts.state, made.results, shown)
+    state = made.facts.state
+    drawn = Drawn(root, key(state, made.results) if state and not found else "")
     matrix = made.matrix()
     target.mkdir(parents=True, exist_ok=True)
     for format_ in ("json", "csv", "md"):
@@ -75,7 +85,9 @@ def run(args: argparse.Namespace) -> int:
         meta={"project": made.project.name or root.name, "created": now(), "tool": f"trackmarshal {__version__}",
               "python": platform.python_version(), "spec_fingerprint": shown.fingerprint, "command": "trackmarshal assess"},
         faults=trace.fault_rows(made.facts.fault_cases, made.fault_results),
+        drawn=drawn,
     )  # fmt: skip
+    drawn.keep()
     expected = {str(scenario.path): scenario.expect for scenario in made.project.scenarios}
     # Where rules are expected to fire, it is on what the ground truth knows nothing of: whether they did is the matrix's to say.
     judged = [run_ for run_ in made.runs if expected.get(run_.scenario) != "fire"]

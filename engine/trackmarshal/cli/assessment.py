@@ -68,6 +68,11 @@ class Assessment:
         """The project's specs, where they had to be compiled already."""
         return self._making.compiled
 
+    @property
+    def compiled_first(self) -> bool:
+        """Whether the facts were made from these sources, and not kept from an earlier start."""
+        return self._making.told
+
     def entries(self) -> dict[tuple[str, str], Entry]:
         """The entries of the evidence store that count, by kind and subject."""
         said, store = self.facts, self._answers.store
@@ -136,6 +141,8 @@ class _Making:
     def __init__(self, root: Path, project: Project, quiet: bool) -> None:
         self._root, self._project, self.quiet = root, project, quiet
         self.replays: list[tuple[RunSummary, Any, Any]] = []
+        #: Whether facts were made.
+        self.told = False
 
     @cached_property
     def sources(self) -> Sources:
@@ -146,6 +153,7 @@ class _Making:
         return self.sources if "sources" in vars(self) else None
 
     def facts(self) -> Facts:
+        self.told = True
         return self.sources.facts()
 
 

@@ -22,7 +22,11 @@ def page_beside(
     told = None if against is None else compared(against, found.root, found.project, matrix)
     broken = any(finding.level == "error" for finding in found.facts.findings)
     # Of specs with errors, the matrix says what is wrong; their rules are named there, and not explained.
-    said = None if broken else sheets(found.root, found.project, found.compiled)
+    said = (
+        None
+        if broken
+        else sheets(found.root, found.project, found.compiled, found.facts.state, found.compiled_first)
+    )
     return Beside(
         sheets={} if said is None else said.rules, clauses={} if said is None else said.clauses, tests={} if said is None else said.tests,
         runs=found.runs, entries=found.entries(), pages=pages or {}, index=index, compared=told,

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 from trackmarshal import __version__
 from trackmarshal.records import (
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
     from trackmarshal.testing.boundary import Distances
     from trackmarshal.testing.cases import PreparedTest
     from trackmarshal.testing.run import Outcome
+
+#: As long as an evaluator is there.
+_MEANINGS: WeakKeyDictionary[Evaluator, Meaning] = WeakKeyDictionary()
 
 
 def now() -> str:
@@ -147,7 +151,7 @@ def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> 
     """
     from dataclasses import astuple
 
-    from trackmarshal.meaning import Meaning, sha256, tool
+    from trackmarshal.meaning import sha256, tool
     from trackmarshal.runtime.cycle import Limits
 
     others = {}
@@ -156,7 +160,17 @@ def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> 
         others = {"recording": recording, "limits": limits, "engine": tool()}
         if named:
             others["named"] = named
-    return dict(Meaning(evaluator.spec).run(evaluator.rules, others))
+    return dict(_meaning(evaluator).run(evaluator.rules, others))
+
+
+def _meaning(evaluator: Evaluator) -> Meaning:
+    """What the rules of an evaluator rest on: the same for all scenarios that share it."""
+    from trackmarshal.meaning import Meaning
+
+    found = _MEANINGS.get(evaluator)
+    if found is None or found.spec is not evaluator.spec:
+        found = _MEANINGS[evaluator] = Meaning(evaluator.spec)
+    return found
 
 
 def run_summary(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal import cache
 from trackmarshal.cli.kept import kept
 
 if TYPE_CHECKING:
@@ -24,12 +25,27 @@ class Sheets:
     clauses: Mapping[str, str]
 
 
-def sheets(root: Path, project: Project, sources: Sources | None = None) -> Sheets:
-    """Those of a project: of `sources` where they are compiled already; else those that are kept, or made now."""
+def sheets(root: Path, project: Project, sources: Sources | None = None, state: str = "", fresh: bool = False) -> Sheets:  # fmt: skip
+    """Those of a project: of `sources` where they are compiled already; else those that are kept, or made now.
+
+    state: one hash of all that the project's facts were made from, the specs among them; empty where it is not known. fresh: they were made
+    from these `sources`, so that the sheets of these are of that state, too.
+    """
     from trackmarshal.trace import requirements
 
+    path = cache.of_project("sheets", root) if state else None
     if sources is not None:
-        return _of(sources)
+        made = _of(sources)
+        if path is not None and fresh:
+            cache.keep(path, {"of": state, **_said(made)})
+        return made
+    if path is not None:
+        said = cache.kept(path)
+        try:
+            if said["of"] == state:
+                return _read(said)
+        except (KeyError, TypeError, ValueError):
+            pass  # kept by itself, or nothing is
 
     def make() -> Sheets:
         from trackmarshal.cli.sources import Sources

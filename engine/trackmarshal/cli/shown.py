@@ -43,7 +43,7 @@ def kept(root: Path, state: str, results: Iterable[TestResult]) -> Shown | None:
         return None
     said = cache.kept(path)
     try:
-        if said["key"] != _key(state, results):
+        if said["key"] != key(state, results):
             return None
         runs = [ShownRun(**run) for run in said["runs"]]
         return Shown(said["modules"], said["fingerprint"], said["uncovered"], runs)
@@ -57,7 +57,7 @@ def keep(root: Path, state: str, results: Iterable[TestResult], shown: Shown) ->
     if path is not None and state:
         runs = [{"scenario": run.scenario, "met": run.met, "record": run.record} for run in shown.runs]
         said = {
-            "key": _key(state, results),
+            "key": key(state, results),
             "modules": shown.modules,
             "fingerprint": shown.fingerprint,
             "uncovered": shown.uncovered,
@@ -65,6 +65,7 @@ def keep(root: Path, state: str, results: Iterable[TestResult], shown: Shown) ->
         cache.keep(path, {**said, "runs": runs})
 
 
-def _key(state: str, results: Iterable[TestResult]) -> str:
+def key(state: str, results: Iterable[TestResult]) -> str:
+    """One hash of all that is shown: of what it is made from."""
     said = sorted([result.rule, result.title, result.outcome, result.unmoved] for result in results)
     return hashlib.sha256(json.dumps([state, said]).encode()).hexdigest()

@@ -97,10 +97,10 @@ class _Once(Reference):
 
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
-        self._known: dict[tuple[int, tuple[tuple[int, int], ...]], float] = {}
+        self._known: dict[tuple[ir.Num, tuple[tuple[int, int], ...]], float] = {}
 
     def number(self, node: ir.Num, env: dict[int, int]) -> float:
-        key = id(node), tuple(env.items())
+        key = node, tuple(env.items())
         value = self._known.get(key)
         if value is None:
             value = self._known[key] = super().number(node, env)

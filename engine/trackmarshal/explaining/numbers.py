@@ -33,15 +33,15 @@ def numbers(
             rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     if isinstance(node, ir.SweptInside | ir.SweptClear):
         rows.append(("swept", _way(node, env, values)))
-    called = {id(one.node): one for one in names if one.own}
+    called = {one.node: one for one in names if one.own}
     leaves: dict[str, str] = {}
     for part, levels in _parts(node):
         if not levels <= env.keys():
             continue  # of a number of many: there are many
         told = _leaf(part, env, values)
         unit = "1" if told is None else _unit(part, values.spec, kept or {})
-        if told is None and id(part) in called and isinstance(part, ir.Num):
-            one = called[id(part)]
+        if told is None and part in called and isinstance(part, ir.Num):
+            one = called[part]
             told, unit = (one.name, values.number(part, env)), one.unit
         if told is not None:
             leaves[told[0]] = _member(part, values.spec, told[1]) or measured(told[1], unit)

@@ -10,12 +10,13 @@ def describe(root: ir.IR, names: bool = True) -> str:
 
     names: with what its variables are called, which reports name; without, another name says the same.
     """
-    numbers: dict[int, int] = {}
+    numbers: dict[ir.IR, int] = {}
     lines: list[str] = []
 
     def visit(node: ir.IR) -> int:
-        if id(node) in numbers:
-            return numbers[id(node)]
+        known = numbers.get(node)
+        if known is not None:
+            return known
         parts = []
         said = node.__dict__
         if isinstance(node, ir.Compare):  # told as written: what is kept rests on fingerprints
@@ -36,9 +37,9 @@ def describe(root: ir.IR, names: bool = True) -> str:
                 )
             else:
                 parts.append(repr(value))
-        numbers[id(node)] = len(numbers)
+        number = numbers[node] = len(numbers)
         lines.append(f"{type(node).__name__} {' '.join(parts)}")
-        return numbers[id(node)]
+        return number
 
     visit(root)
     return "\n".join(lines)

@@ -8,7 +8,9 @@ compute alike is computed once. `Num` and `Formula` are closed unions: an evalua
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import islice
 from typing import Any, ClassVar, Literal, NamedTuple, ParamSpec, TypeAlias, TypeVar, cast
+from weakref import WeakKeyDictionary
 
 from trackmarshal.ir.operators import (
     OVER_RUN,
@@ -588,8 +590,20 @@ def operands(node: IR) -> list[Num | Formula]:
     return [child for child in node.children() if not isinstance(child, _SUBJECTS)]  # type: ignore[misc]
 
 
+#: What is below a node, without itself, as long as it is there: nodes do not change, and those of rules are gone through again and again.
+_BELOW: WeakKeyDictionary[IR, tuple[AnyNode, ...]] = WeakKeyDictionary()
+
+
 def below(root: AnyNode) -> Iterator[AnyNode]:
     """A node and all below it, each shared one once."""
+    found = _BELOW.get(root)
+    if found is None:
+        found = _BELOW[root] = tuple(islice(_walked(root), 1, None))
+    yield root
+    yield from found
+
+
+def _walked(root: AnyNode) -> Iterator[AnyNode]:
     seen: set[AnyNode] = set()
     stack: list[AnyNode] = [root]
     while stack:

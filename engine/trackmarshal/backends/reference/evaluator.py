@@ -64,11 +64,13 @@ class Reference:
         self.spec = spec
         self._kept = kept or {}
         self.frame = frame
-        self._truths: dict[tuple[int, tuple[tuple[int, int], ...]], Truth] = {}
-        self._series: dict[tuple[int, tuple[tuple[int, int], ...]], list[Truth]] = {}
-        self._lines: dict[int, geometry.Line] = {}
-        #: Of numbers, by node: the levels that they read, and what they were for what stood there.
-        self._numbers: dict[int, tuple[tuple[int, ...], dict[object, float]]] = {}
+        #: By node, as in all that follows: a node is equal to itself alone.
+        self._truths: dict[tuple[ir.Formula, tuple[tuple[int, int], ...]], Truth] = {}
+        self._series: dict[tuple[ir.Timed, tuple[tuple[int, int], ...]], list[Truth]] = {}
+        self._lines: dict[ir.Line, geometry.Line] = {}
+        self._regions: dict[ir.Area, geometry.Region | str] = {}
+        #: Of numbers: the levels that they read, and what they were for what stood there.
+        self._numbers: dict[ir.Num, tuple[tuple[int, ...], dict[object, float]]] = {}
         self._recalling: dict[tuple[tuple[ir.Kept, str], ...], Reference] = {}
 
     # Numbers --------------------------------------------------------------------------------------------------
@@ -79,9 +81,9 @@ class Reference:
             return node.value
         if type(node) in _READ_AT_ONCE:
             return self._number(node, env)
-        known = self._numbers.get(id(node))
+        known = self._numbers.get(node)
         if known is None:
-            known = self._numbers[id(node)] = (tuple(levels(node)), {})
+            known = self._numbers[node] = (tuple(levels(node)), {})
         read, values = known
         if len(env) <= len(read):  # every variable that is bound, mostly
             return self._number(node, env)
@@ -190,9 +192,9 @@ class Reference:
 
     def line(self, line: ir.Line) -> geometry.Line:
         """The points of a line, and whether it is closed."""
-        found = self._lines.get(id(line))
+        found = self._lines.get(line)
         if found is None:
-            found = self._lines[id(line)] = self._line(line)
+            found = self._lines[line] = self._line(line)
         return found
 
     def _line(self, line: ir.Line) -> geometry.Line:
@@ -221,7 +223,7 @@ class Reference:
 
     def truth(self, node: ir.Formula, env: Env) -> Truth:
         """The value of a formula between its worst and its best case."""
-        key = (id(node), tuple(env.items()))
+        key = (node, tuple(env.items()))
         value = self._truths.get(key)
         if value is None:
             value = self._truths[key] = self._truth(node, env)
@@ -293,9 +295,7 @@ class Reference:
             case ir.SweptInside():
                 start, end = self._pose(node.start, env), self._pose(node.end, env)
                 body = self.number(node.length, env), self.number(node.width, env), self._bend(node, env)
-                if node.area.kind == "zone":
-                    return geometry.hull_in_polygon_margin(self.zone(node.area), start, end, *body)
-                return geometry.hull_inside_margin(*self.corridor(node.area.name), start, end, *body)
+                return geometry.hull_margin_in(self._region(node.area), start, end, *body)
             case _:
                 assert_never(node)
 
@@ -314,6 +314,17 @@ class Reference:
 
     def zone(self, area: ir.Area) -> Sequence[Point]:
         return self.frame.settings.places.get(area.name, self.spec.places[area.name].points)
+
+    def _region(self, area: ir.Area) -> geometry.Region | str:
+        """The region that an area is, or what is wrong with it."""
+        found = self._regions.get(area)
+        if found is None:
+            if area.kind == "zone":
+                found = geometry.region_of(self.zone(area))
+            else:
+                found = geometry.region_between(*self.corridor(area.name))
+            self._regions[area] = found
+        return found
 
     def count(self, axis: ir.Axis) -> int:
         """How many values the variable of an axis takes."""
@@ -339,7 +350,7 @@ class Reference:
 
     def series(self, node: ir.Timed, env: Env) -> list[Truth]:
         """The value of a temporal formula at every sample of its timeline."""
-        key = (id(node), tuple(item for item in env.items() if item[0] != node.axis.level))
+        key = (node, tuple(item for item in env.items() if item[0] != node.axis.level))
         values = self._series.get(key)
         if values is None:
             values = self._series[key] = self._temporal(node, env)

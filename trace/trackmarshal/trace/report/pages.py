@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from functools import cache
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, partial
+from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.trace import look
 from trackmarshal.trace.report.overview import fault_context, index_context
-from trackmarshal.trace.report.reading import read_run
+from trackmarshal.trace.report.reading import Run, read_run
 from trackmarshal.trace.report.run_view import run_context
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+
+#: The parts of a page before and after its date, given all that it is made of besides its record, and what draws it.
+Drawing: TypeAlias = Callable[[Sequence[object], Callable[[], tuple[str, str]]], tuple[str, str]]
 
 _TEMPLATES = Path(__file__).with_name("templates")
 #: What `meta` and `checks` may hold, as it is where it is not given: templates fail on names that are not there.
@@ -37,6 +41,7 @@ def write_report(
     checks: Mapping[str, Any],
     meta: Mapping[str, Any],
     faults: Sequence[Mapping[str, str]] = (),
+    drawn: Drawing = lambda about, draw: draw(),
 ) -> Path:
     """Write index.html and runs/NAME.html and return the path of the index; raises T291 or T292.
 
@@ -46,7 +51,8 @@ def write_report(
     "file" and "line"), "help"}. checks: {"modules", "rules", "errors", "warnings", "tests", "failed": numbers, "failures":
     [{"rule", "title", "message", "place"}], "uncovered": [rules whose boundary lacks a test], "faults": (found as expected, put in)}; what is left out is said
     not to have been done. meta: {"project", "created", "tool", "python", "spec_fingerprint", "command", "versions": {name:
-    version}, "notes": [text]}; only what is given is shown. faults: rows of `trackmarshal.trace.fault_rows`. Equal input makes equal pages.
+    version}, "notes": [text]}; only what is given is shown. faults: rows of `trackmarshal.trace.fault_rows`. drawn: gives the
+    parts of a run's page before and after its date, drawn or kept, told all that the page is made of besides its record. Equal input makes equal pages.
     """
     meta, checks = {**_NO_META, **meta}, {**_NO_CHECKS, **checks}
     read = [read_run(record) for record in runs]
@@ -59,9 +65,10 @@ def write_report(
             "after": (read[number + 1].name, names[number + 1]) if number + 1 < len(read) else None,
             "matrix": None if matrix_html is None else f"../{matrix_html}",
         }
-        pages[_address(names[number])] = _page(
-            "run.html.j2", {**run_context(run, titles), **around, "meta": meta}
-        )
+        draw = partial(_run_page, run, titles, {**around, "meta": meta})
+        undated = {name: said for name, said in meta.items() if name != "created"}
+        before, after = drawn([names[number], titles, around, undated], draw)
+        pages[_address(names[number])] = before + escape(str(meta["created"])) + after
     linked = [(run, _address(name)) for run, name in zip(read, names)]
     pages["index.html"] = _page(
         "index.html.j2",
@@ -109,6 +116,14 @@ def _write(folder: Path, pages: Mapping[str, str]) -> None:
         raise TrackmarshalError(
             "T292", error.strerror or str(error), file=str(path), help="name another folder"
         ) from error
+
+
+def _run_page(run: Run, titles: Mapping[str, str], around: Mapping[str, Any]) -> tuple[str, str]:
+    """The page of a run before its date, which is the last that it says, and after it."""
+    undated = {**around["meta"], "created": ""}
+    page = _page("run.html.j2", {**run_context(run, titles), **around, "meta": undated})
+    before, end, after = page.rpartition("</footer>")
+    return before, end + after
 
 
 def _page(template: str, context: Mapping[str, Any]) -> str:

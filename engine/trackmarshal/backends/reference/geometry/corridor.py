@@ -45,8 +45,7 @@ def hull_inside_margin(
     bend: Sequence[float] = (),
 ) -> float:
     """The signed margin [m] of what a vehicle sweeps between two poses inside a corridor; NaN for an unusable one."""
-    region = corridor_region(_frozen(left), _frozen(right), closed)
-    return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width, bend)
+    return hull_margin_in(region_between(left, right, closed), pose0, pose1, length, width, bend)
 
 
 def hull_meets_margin(
@@ -63,7 +62,7 @@ def hull_meets_margin(
 
     It is minus the margin of lying outside: 0 where they touch.
     """
-    region = corridor_region(_frozen(left), _frozen(right), closed)
+    region = region_between(left, right, closed)
     if isinstance(region, str):
         return math.nan
     return -hull_margin(Outside(region.border, region.groups), pose0, pose1, length, width, bend)
@@ -73,25 +72,41 @@ def hull_in_polygon_margin(
     points: Points, pose0: Pose, pose1: Pose, length: float, width: float, bend: Sequence[float] = ()
 ) -> float:
     """The signed margin [m] of what a vehicle sweeps between two poses inside a simple polygon."""
-    region = polygon_region(_frozen(points))
+    return hull_margin_in(region_of(points), pose0, pose1, length, width, bend)
+
+
+def hull_margin_in(
+    region: Region | str, pose0: Pose, pose1: Pose, length: float, width: float, bend: Sequence[float] = ()
+) -> float:
+    """The same inside a region that is there already; NaN for what is none."""
     return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width, bend)
+
+
+def region_between(left: Points, right: Points, closed: bool) -> Region | str:
+    """The region between two borders, or what is wrong with them."""
+    return corridor_region(_frozen(left), _frozen(right), closed)
+
+
+def region_of(points: Points) -> Region | str:
+    """The inside of a simple polygon, or what is wrong with it."""
+    return polygon_region(_frozen(points))
 
 
 def in_zone_margin(x: float, y: float, points: Points) -> float:
     """The signed distance [m] of a point from the border of a simple polygon, positive inside."""
-    region = polygon_region(_frozen(points))
+    region = region_of(points)
     return math.nan if isinstance(region, str) else point_margin(region, x, y)
 
 
 def corridor_fault(left: Points, right: Points, closed: bool) -> str | None:
     """What makes a corridor unusable, with the place; None for a usable one."""
-    region = corridor_region(_frozen(left), _frozen(right), closed)
+    region = region_between(left, right, closed)
     return region if isinstance(region, str) else None
 
 
 def zone_fault(points: Points) -> str | None:
     """What makes a polygon unusable, with the place; None for a usable one."""
-    region = polygon_region(_frozen(points))
+    region = region_of(points)
     return region if isinstance(region, str) else None
 
 

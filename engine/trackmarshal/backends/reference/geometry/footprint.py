@@ -44,7 +44,10 @@ def convex_hull(points: Sequence[Point]) -> list[Point]:
     def half(ways: Sequence[Point]) -> list[Point]:
         kept: list[Point] = []
         for x, y in ways:
-            while len(kept) >= 2 and side(chain(kept[-2:], False)[0], x, y) <= 0.0:
+            while len(kept) >= 2:
+                (ax, ay), (bx, by) = kept[-2:]
+                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:  # `side` of a segment, written out
+                    break
                 kept.pop()
             kept.append((x, y))
         return kept[:-1]

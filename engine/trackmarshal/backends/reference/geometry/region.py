@@ -46,9 +46,22 @@ class Region:
         parts = [self.border[at : at + STRETCH] for at in range(0, len(self.border), STRETCH)]
         return [(box_of([point for ends in part for point in ends]), part) for part in parts]
 
+    @cached_property
+    def levels(self) -> list[list[tuple[float, float, tuple[tuple[Point, Point], ...]]]]:
+        """The sides of each group in stretches, with the least and the greatest y of each."""
+        parts = ([group[at : at + STRETCH] for at in range(0, len(group), STRETCH)] for group in self.groups)
+        return [
+            [(around.low, around.high, part) for part in of for around in [box_of([p for ends in part for p in ends])]]
+            for of in parts
+        ]  # fmt: skip
+
     def holds(self, x: float, y: float) -> bool:
         """Whether a point that is not on the border lies inside."""
-        return any(odd_crossings(x, y, group) for group in self.groups)
+        return any(
+            # a stretch that does not reach to both sides of the ray has no side that crosses it
+            odd_crossings(x, y, [ends for low, high, part in group if low <= y < high for ends in part])
+            for group in self.levels
+        )
 
 
 class Outside(Region):
@@ -152,21 +165,29 @@ def near(
         limit = surely(known, around.size)
         if around.apart(box) > limit:
             continue
-        left, right, low, high = box.wider(limit)
-        found += [
-            s
-            for s in (segment(a, b, origin) for a, b in part)
-            if not (s.ax < left > s.bx or s.ax > right < s.bx or s.ay < low > s.by or s.ay > high < s.by)
-        ]
+        wider = box.wider(limit)
+        found += [s for s in (segment(a, b, origin) for a, b in part) if not beyond(s, wider)]
     return found
 
 
 def gap(corners: Sequence[Point], hull: Sequence[Segment], border: Sequence[Segment]) -> float:
     """The distance of a hull from a border that does not enter it: a corner of one is nearest to a side of the other."""
-    from_corners = min(nearest(corners, s) for s in border)
-    starts = [(s.ax, s.ay) for s in border]
-    from_border = min(nearest(starts, edge) for edge in hull)
-    return min(from_corners, from_border)
+    around = box_of(corners)
+    least, close = math.inf, []
+    for s in border:
+        if beyond(s, around.wider(surely(least, abs(s.ex) + abs(s.ey)))):
+            continue  # farther than another one: so is its start
+        close.append((s.ax, s.ay))
+        least = min(least, nearest(corners, s))
+    from_border = min(nearest(close, edge) for edge in hull)
+    return min(least, from_border)
+
+
+def beyond(s: Segment, box: Box) -> bool:
+    """Whether a segment lies on one side of a box."""
+    left, right, low, high = box
+    ax, ay, bx, by, _, _ = s
+    return ax < left > bx or ax > right < bx or ay < low > by or ay > high < by
 
 
 def surely(known: float, size: float) -> float:
