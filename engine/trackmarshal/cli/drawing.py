@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.testing.boundary import Distances
 
+#: Of so many rules and assumptions, in the order of the specs, boundaries are drawn: more of them nobody looks through, and each takes 30 ms.
+MOST = 200
 CODES = {
     "E494": (
         "a rule without a drawing",
@@ -30,7 +32,7 @@ CODES = {
 def drawings(
     root: Path, facts: Facts, sheets: Mapping[str, Mapping[str, Any]], sources: Callable[[], Sources]
 ) -> dict[str, Mapping[str, Any]]:
-    """By rule and assumption what `trackmarshal.reading.drawing` says of it, and `sha`, that of all that it is made from.
+    """By rule and assumption what `trackmarshal.reading.drawing` says of it, and `sha`, that of all that it is made from; of the first `MOST` of them.
 
     sheets: what `show` says of each of them: inputs have the names that they have there. sources: asked for where something has to be drawn anew.
     """
@@ -85,14 +87,13 @@ def _made(names: Sequence[str], facts: Facts, sources: Sources) -> dict[str, Map
 
 
 def _keys(facts: Facts, sheets: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
-    """By name of all that can be asked for, what its drawing is kept under."""
+    """By name of all that are drawn, what the drawing is kept under."""
     tests: dict[str, list[Any]] = {}
     for one in facts.tests:
         tests.setdefault(one.rule, []).append([one.title, one.fingerprint, one.boundary])
+    items = [item for item in facts.items if item.name in sheets]
     return {
-        item.name: _key(item, facts, sheets[item.name], tests.get(item.name, []))
-        for item in facts.items
-        if item.name in sheets
+        item.name: _key(item, facts, sheets[item.name], tests.get(item.name, [])) for item in items[:MOST]
     }
 
 
