@@ -171,7 +171,7 @@ def test_wrapping_keeps_every_word_that_fits() -> None:
 
 def test_an_unknown_kind_is_not_drawn() -> None:
     case = one_of_each()
-    elements = {i: replace(e, kind="claim") if i == "Open" else e for i, e in case.elements.items()}
+    elements = {i: e._replace(kind="claim") if i == "Open" else e for i, e in case.elements.items()}
     with pytest.raises(ValueError, match="unknown kind of elements 'claim'"):
         drawn(replace(case, elements=elements))
 
