@@ -9,12 +9,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import markupsafe
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from support.project import command
 from support.safety_case import DAY, edit, html, made_ready
+from trackmarshal.trace.case.html import _text as html_text
 from trackmarshal.trace.case.typst import string as typst_string
 
 STRING = re.compile(r'"(?:[^"\\]|\\.)*"', re.DOTALL)
@@ -62,6 +64,11 @@ def test_a_text_is_one_string_of_typst(text: str) -> None:
     assert STRING.fullmatch(made)
     inside = re.sub(r"\\(.)", lambda match: "\n" if match[1] == "n" else match[1], made[1:-1])
     assert inside == "".join(c if c.isprintable() or c in "\n\u200b" else "\ufffd" for c in text)
+
+
+@given(st.text())
+def test_a_text_is_escaped_as_templates_escape_it(text: str) -> None:
+    assert html_text(text) == str(markupsafe.escape(text))
 
 
 def test_without_typst_the_page_comes_all_the_same(warehouse: Path, monkeypatch: pytest.MonkeyPatch) -> None:
