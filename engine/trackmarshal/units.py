@@ -136,6 +136,16 @@ def in_full(number: float, unit: str) -> str:
     return digits(number, unit) + ("" if unit == "1" else f" {unit}")
 
 
+def about(full: str) -> str:
+    """What `in_full` says, for sentences: of a number with more than six digits that matter six, with a sign that there are more: `≈ 1.32518`."""
+    number, _, unit = full.partition(" ")
+    value = float(number)
+    short = f"{value:g}"
+    if not math.isfinite(value) or float(short) == value or value.is_integer():
+        return full
+    return f"≈ {short} {unit}".rstrip()
+
+
 def digits(number: float, unit: str) -> str:
     """An SI number in a unit, without it, and with all of its digits: numbers that differ look different."""
     value = from_si(number, unit)

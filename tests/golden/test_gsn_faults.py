@@ -46,7 +46,7 @@ def test_every_fault_of_form_is_planted() -> None:
 def made(*elements: Element, links: tuple[Link, ...] = (), **fields: object) -> Case:
     """An argument without templates."""
     modules = (Module("G-1", "G-1", ""),)
-    case = Case("by hand", {e.id: replace(e, module=e.module or "G-1") for e in elements}, links, modules)
+    case = Case("by hand", {e.id: e._replace(module=e.module or "G-1") for e in elements}, links, modules)
     return with_statuses(replace(case, **fields))  # type: ignore[arg-type]
 
 
@@ -78,7 +78,7 @@ def test_a_goal_of_another_module_is_public_or_not_cited() -> None:
     below = goal("G-2", undeveloped=True, module="G-2")
     case = made(goal("G-1"), below, links=(supports("G-1", "G-2"),))
     assert codes(case) == ["T411", "T419"]
-    public = made(goal("G-1"), replace(below, public=True), links=(supports("G-1", "G-2"),))
+    public = made(goal("G-1"), below._replace(public=True), links=(supports("G-1", "G-2"),))
     assert codes(public) == ["T419"]
 
 
@@ -93,9 +93,9 @@ def test_evidence_without_a_hash() -> None:
 
     solution = Element("Sn-1", "solution", "A test.", None, None, leaf=SUPPORTED)
     held = Evidence("test", "gap: inside", "covered", "0" * 64, None)
-    sound = made(goal("G-1"), replace(solution, evidence=(held,)), links=(supports("G-1", "Sn-1"),))
+    sound = made(goal("G-1"), solution._replace(evidence=(held,)), links=(supports("G-1", "Sn-1"),))
     assert codes(sound) == []
-    bare = made(goal("G-1"), replace(solution, evidence=(held._replace(sha256=""),)), links=(supports("G-1", "Sn-1"),))  # fmt: skip
+    bare = made(goal("G-1"), solution._replace(evidence=(held._replace(sha256=""),)), links=(supports("G-1", "Sn-1"),))  # fmt: skip
     assert codes(bare) == ["T409"]
     none = made(goal("G-1"), solution, links=(supports("G-1", "Sn-1"),))
     assert codes(none) == ["T409", "T419"]
@@ -104,7 +104,7 @@ def test_evidence_without_a_hash() -> None:
 
 def test_an_unknown_kind_of_elements_or_links() -> None:
     with pytest.raises(ValueError, match="unknown kind of elements 'claim'"):
-        list(checks.check(made(replace(goal("G-1", undeveloped=True), kind="claim"))))
+        list(checks.check(made(goal("G-1", undeveloped=True)._replace(kind="claim"))))
 
 
 def test_an_unknown_kind_of_links() -> None:

@@ -68,7 +68,8 @@ class Walk:
         self._keys = [(data["kinds"][kind][0], id_) for kind, id_, *_ in data["nodes"]]
         for key, (_, _, title, place, status, *said) in zip(self._keys, data["nodes"]):
             names = [data["names"][number] for number in said[::2]]
-            self.nodes[key] = (title, self._place(place), self._status(status), dict(zip(names, said[1::2])))
+            texts = [text if isinstance(text, str) else data["texts"][text] for text in said[1::2]]
+            self.nodes[key] = (title, self._place(place), self._status(status), dict(zip(names, texts)))
         assert len(self.nodes) == len(data["nodes"])
         for way, source, target, state, place in data["links"]:
             end = tuple(target) if isinstance(target, list) else self._keys[target]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
@@ -341,6 +342,21 @@ def test_the_case_shows_a_drawing_of_each_rule_or_says_why_not(warehouse: Path) 
     assert rules
     assert page.count("<h4>Boundary</h4>") >= rules
     assert page.count('aria-label="Where ') + page.count("No drawing: ") == page.count("<h4>Boundary</h4>")
+
+
+def test_of_very_many_rules_the_first_are_drawn_and_it_is_said_how_the_others_are(
+    warehouse: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = html(warehouse).html
+    assert "draws this one" not in whole
+    drawn = whole.count('aria-label="Where ')
+    assert drawn > 1
+    monkeypatch.setattr(drawing, "MOST", 1)
+    page = html(warehouse).html
+    assert page.count('aria-label="Where ') + page.count("No drawing: ") == page.count("<h4>Boundary</h4>")
+    assert 'aria-label="Where slow_near_people ends' in page
+    assert page.count('aria-label="Where ') < drawn
+    assert re.findall(r"<code>(trackmarshal show \w+ --draw)</code> draws this one", page)
 
 
 def test_what_is_kept_is_used_and_what_was_changed_is_made_again(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -156,7 +155,7 @@ def test_the_program_s_templates_are_those_of_a_project_without_its_own(tmp_path
     _, with_own = argument(own)
     (own.root / "requirements" / "argument.yaml").unlink()
     _, without = argument(own)
-    strip = lambda case: {i: replace(e, origin=None) for i, e in case.elements.items()}  # noqa: E731
+    strip = lambda case: {i: e._replace(origin=None) for i, e in case.elements.items()}  # noqa: E731
     assert strip(with_own) == strip(without)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import subprocess
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -12,6 +13,7 @@ import pytest
 
 from golden.gsn.cases import argued, argument
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.trace.case.words.language import english
 from trackmarshal.trace.gsn.case import KINDS, Case, Element, Evidence, Link, Module, Point
 from trackmarshal.trace.gsn.modules import LIMIT
 from trackmarshal.trace.gsn.picture import layout
@@ -21,6 +23,7 @@ from trackmarshal.trace.gsn.picture.svg import pictures
 from trackmarshal.trace.gsn.picture.wrapping import width, wrapped
 from trackmarshal.trace.gsn.statuses import with_statuses
 
+ENGLISH = english()
 SVG = "{http://www.w3.org/2000/svg}"
 EVIL = "<script>alert(1)</script> & \"quoted\" 'so' ]]> <!-- \x07 $x$ #let \\end{a} " + "ж漢" * 3
 
@@ -42,9 +45,9 @@ def one_of_each(text: str = "It holds.") -> Case:
     return with_statuses(Case(text, {e.id: e for e in elements}, tuple(Link(*k, None) for k in links), modules))  # fmt: skip
 
 
-def drawn(case: Case, module: int = 0) -> str:
+def drawn(case: Case, module: int = 0, words: Mapping[str, str] = ENGLISH) -> str:
     files = {m.name: f"{m.name}.svg" for m in case.modules}
-    return pictures(case, [case.modules[module]], files)[0]
+    return pictures(case, [case.modules[module]], files, words)[0]
 
 
 def test_every_kind_is_drawn_and_said() -> None:
@@ -95,7 +98,7 @@ def test_markup_in_a_project(tmp_path: Path) -> None:
     _, case = argument(small)
     assert case.findings == ()
     files = {m.name: f"{m.name}.svg" for m in case.modules}
-    for made in pictures(case, case.modules, files):
+    for made in pictures(case, case.modules, files, ENGLISH):
         ElementTree.fromstring(made)
         assert "<b " not in made
 
@@ -107,7 +110,7 @@ def test_same_argument_same_bytes() -> None:
 def test_all_pictures_of_a_project_are_small_and_fit_on_a_page(tmp_path: Path) -> None:
     _, case = argument(argued(tmp_path))
     files = {m.name: f"{m.name}.svg" for m in case.modules}
-    for module, made in zip(case.modules, pictures(case, case.modules, files)):
+    for module, made in zip(case.modules, pictures(case, case.modules, files, ENGLISH)):
         shown = content(case, module).shown
         assert len(shown) <= LIMIT
         tree = ElementTree.fromstring(made)
@@ -126,7 +129,7 @@ def test_elements_of_a_picture_do_not_overlap(tmp_path: Path) -> None:
     _, case = argument(argued(tmp_path))
     for module in case.modules:
         shown = content(case, module)
-        boxes = {id_: box(one) for id_, one in shown.shown.items()}
+        boxes = {id_: box(one, ENGLISH) for id_, one in shown.shown.items()}
         (placed,) = layout.laid_out([(shown, boxes)])
         spans = {i: (x - boxes[i].width / 2, x + boxes[i].width / 2, y - boxes[i].height / 2, y + boxes[i].height / 2) for i, (x, y) in placed.centres.items()}  # fmt: skip
         names = list(spans)
@@ -142,7 +145,7 @@ def test_elements_of_a_picture_do_not_overlap(tmp_path: Path) -> None:
 @pytest.mark.parametrize("text", ["It holds.", EVIL, "a" * 300, "word " * 200, "/very/long/path/to/some_recording.tmrec.jsonl.gz"])  # fmt: skip
 def test_words_fit_into_their_outline(kind: str, text: str) -> None:
     element = Element(f"E-{text[:60]}", kind, text, None, None, module="M" * 60, status="with reservations")
-    size = box(Shown(element, True))
+    size = box(Shown(element, True), ENGLISH)
     room = size.width - 4
     for line in [*size.lines, *size.module]:
         assert width(line, FONT) <= room
@@ -168,7 +171,7 @@ def test_wrapping_keeps_every_word_that_fits() -> None:
 
 def test_an_unknown_kind_is_not_drawn() -> None:
     case = one_of_each()
-    elements = {i: replace(e, kind="claim") if i == "Open" else e for i, e in case.elements.items()}
+    elements = {i: e._replace(kind="claim") if i == "Open" else e for i, e in case.elements.items()}
     with pytest.raises(ValueError, match="unknown kind of elements 'claim'"):
         drawn(replace(case, elements=elements))
 

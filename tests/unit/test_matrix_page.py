@@ -299,6 +299,66 @@ def test_rules_are_as_show_has_them(warehouse: Path) -> None:
             assert sheet["words"]["demand"] == shown["words"]["demand"]
 
 
+def drawings(project: Path) -> tuple[dict[str, str], dict[str, str]]:
+    """Of the matrix page of a project whose gate may fail: pictures, and why there is none."""
+    status, out, err = command(project, "trace", "--format", "html", "--day", DAY, "--as-is")
+    assert status in (0, 1), err
+    walk = Walk(out)
+    return tuple({**walk.of("rule", name), **walk.of("assumption", name)} for name in ("drawings", "undrawn"))  # type: ignore[return-value]
+
+
+def test_drawings_that_are_kept_are_shown_and_none_that_is_stale(warehouse: Path, tmp_path: Path) -> None:
+    import shutil
+
+    project = tmp_path / "drawn"
+    shutil.copytree(warehouse, project)
+    assert drawings(project) == ({}, {})  # nothing was drawn for it
+    command(project, "case", "--out", str(tmp_path / "out"), "--day", DAY, "--format", "html", "--quiet")
+    drawn, undrawn = drawings(project)
+    assert "slow_near_people" in drawn
+    assert drawn.keys() | undrawn.keys() == set(re.findall(r"^rule (\w+)", (project / "specs/robot.spec").read_text("utf-8"), re.MULTILINE))  # fmt: skip
+    assert all(reason.startswith("No drawing: ") for reason in undrawn.values())
+    for rule, svg in drawn.items():
+        status, shown, err = command(project, "show", rule, "--draw")
+        assert (status, shown) == (0, svg + "\n"), err
+    spec = project / "specs/robot.spec"
+    text = spec.read_text("utf-8")
+    assert text.count("require   robot.v <= 0.3 m/s") == 1
+    spec.write_text(text.replace("require   robot.v <= 0.3 m/s", "require   robot.v <= 0.4 m/s"), "utf-8")
+    now, _ = drawings(project)
+    assert "slow_near_people" not in now
+    assert now.items() < drawn.items()
+
+
+def test_a_page_holds_so_many_letters_of_drawings(
+    warehouse: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import shutil
+
+    from trackmarshal.cli import beside
+
+    project = tmp_path / "full"
+    shutil.copytree(warehouse, project)
+    command(project, "case", "--out", str(tmp_path / "out"), "--day", DAY, "--format", "html", "--quiet")
+    drawn, undrawn = drawings(project)
+    first, *others = drawn
+    assert others
+    monkeypatch.setattr(beside, "DRAWN", len(drawn[first]))
+    assert drawings(project) == ({first: drawn[first]}, undrawn)
+
+
+def test_what_is_said_over_and_over_stands_once() -> None:
+    """Values of attributes: 10,000 requirements have few statuses, sources and methods."""
+    _, walk = page_of(Small())
+    said = Counter(text for *_, one in walk.nodes.values() for text in one.values())
+    often = {text for text, times in said.items() if times > 1 and len(text) > 10}
+    assert "approved" not in often
+    assert {"paper, section V-A"} <= often
+    held = next(text for kind, text in walk.elements.scripts if kind == "application/json")
+    nodes = json.dumps(json.loads(held)["nodes"], ensure_ascii=False)
+    assert [text for text in often if json.dumps(text, ensure_ascii=False) in nodes] == []
+
+
 def test_tests_stand_as_they_are_written(warehouse: Path) -> None:
     walk = made(warehouse, "--as-is")
     texts = walk.of("test", "tests")

@@ -399,6 +399,26 @@ def test_formulas_are_formulas_and_nothing_else(browser: Page, tmp_path: Path) -
     assert browser.evaluate("window.hit") is None
 
 
+def test_a_rule_without_a_drawing_says_why_or_how_it_is_drawn(browser: Page, tmp_path: Path) -> None:
+    matrix = Small().matrix()
+    drawn, other, told = sorted(node.id for node in matrix.graph.by_kind["rule"])
+    formula = {"clauses": [{"kind": "require", "depth": 0, "said": "", "mathml": "<math><mi>x</mi></math>"}],
+               **{name: [] for name in ("definitions", "machines", "parameters", "tables", "places", "inputs")}}  # fmt: skip
+    beside = Beside(
+        sheets={rule: {"spec": "rule", "formula": formula} for rule in (drawn, other, told)},
+        drawings={drawn: '<svg xmlns="http://www.w3.org/2000/svg" width="7" height="3"></svg>'},
+        undrawn={told: "No drawing: it is about a <b>stretch</b>."},
+    )
+    page = tmp_path / "page.html"
+    page.write_text(trace.render(matrix, "html", beside=beside), "utf-8")
+    for rule in (drawn, other, told):
+        browser.open(page, "#" + urlencode({"at": f"rule:{rule}"}))
+        arrives(browser, f"rule:{rule}")
+        assert (browser.evaluate('document.querySelectorAll(".card img").length') == 1) == (rule == drawn)
+        assert (f"trackmarshal show {rule} --draw draws it" in card(browser)) == (rule == other)
+        assert ("No drawing: it is about a <b>stretch</b>." in card(browser)) == (rule == told)
+
+
 def test_a_test_stands_in_the_drawing_of_its_rule(browser: Page, tmp_path: Path) -> None:
     """An image is drawn, and no script in it runs."""
     svg = '<svg xmlns="http://www.w3.org/2000/svg" width="70" height="30"><script>parent.hit=1</script><path d="M0 0L9 9" class="äö#%"/></svg>'

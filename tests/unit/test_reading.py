@@ -154,6 +154,37 @@ def test_a_formula_of_300_signs_has_lines(tmp_path: Path) -> None:
     assert Parser(signs(mathml.formula(demand.formula, 60))).whole() == whole
 
 
+def test_arguments_of_a_call_that_is_too_wide_fill_lines() -> None:
+    """What has lines of its own stands apart from them; nothing is left out, and nothing comes before what it stood behind."""
+    names = tuple(at.Name(f"argument_{number}") for number in range(8))
+    long = at.Call(
+        at.Name("f"),
+        (
+            at.Chain(
+                at.Name("first_of_all"),
+                tuple(at.Joined(at.Sign("+"), at.Name("another_one")) for _ in range(4)),
+            ),
+        ),
+    )
+    assert block(at.Call(at.Name("call"), names), 60) == [
+        "call(",
+        "  argument_0, argument_1, argument_2, argument_3,",
+        "  argument_4, argument_5, argument_6, argument_7",
+        ")",
+    ]
+    assert block(at.Call(at.Name("call"), (*names[:2], long, *names[2:])), 60) == [
+        "call(",
+        "  argument_0, argument_1,",
+        "  f(",
+        "    first_of_all + another_one + another_one + another_one",
+        "      + another_one",
+        "  ),",
+        "  argument_2, argument_3, argument_4, argument_5,",
+        "  argument_6, argument_7",
+        ")",
+    ]
+
+
 def test_a_rule_with_40_definitions(tmp_path: Path) -> None:
     chain = "".join(f"define d{k}(v: m/s) -> m/s = d{k - 1}(v) + {k} m/s\n" for k in range(1, 41))
     rule, spec = rule_of(
@@ -193,6 +224,21 @@ def test_markup_in_titles_is_text(tmp_path: Path) -> None:
     assert "&lt;script&gt;" in made
     assert "49" not in made
     assert made.count("<html") == 1
+
+
+def test_numbers_in_sentences_have_six_digits_and_say_that_there_are_more(tmp_path: Path) -> None:
+    rule, spec = rule_of(
+        tmp_path,
+        'param third : 1 = 1 / 3\nparam half : 1 = 1 / 2\nrule r "r"\n  require ego.v <= third * half * top\n',
+    )
+    (demand,) = tell(rule, spec, ENGLISH).demand
+    assert "third (≈ 0.333333)" in demand
+    assert "half (0.5)" in demand
+    assert "top (180 km/h)" in demand
+    (setting,) = [
+        one for one in data(sheet(rule, spec))["formula"]["parameters"] if one["name"].endswith("third")
+    ]
+    assert setting["written"] == "0.3333333333333333"  # whole where parameters are listed
 
 
 def test_names_beyond_ascii_are_shown_and_escaped() -> None:

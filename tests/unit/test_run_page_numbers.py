@@ -22,6 +22,7 @@ from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import replay
 from trackmarshal.scenarios.run_record import run_record
 from trackmarshal.scenarios.supervised import frame_at
+from trackmarshal.trace.report.pages import write_report
 from trackmarshal.trace.report.reading import Run, read_run
 from trackmarshal.trace.report.run_view import run_context
 from trackmarshal.trace.report.scores import score_rows, scores, size_of
@@ -259,6 +260,19 @@ def test_parameters_in_force_with_what_they_replaced(tmp_path: Path) -> None:
     own = {row["name"]: row for row in setting_rows(read(tmp_path, overtaking()))["small"]}["v_max"]
     assert (own["value"], own["replaced"]) == ("30 m/s", "")
     assert "small.spec" in own["span"]
+
+
+def test_parameters_have_six_digits_and_all_of_them_where_a_pointer_rests(tmp_path: Path) -> None:
+    """A page says so, and how the number goes on; of one with few digits there is no more to be said."""
+    assert SPEC.count("= 30 m/s") == 1
+    made = record(tmp_path, overtaking(), SPEC.replace("= 30 m/s", "= 100 m/s / 3"))
+    row = {row["name"]: row for row in setting_rows(read_run(made))["small"]}["v_max"]
+    assert (row["value"], row["exact"]) == ("≈ 33.3333 m/s", "33.333333333333336 m/s")
+    write_report(tmp_path / "out", [made], None, {}, [], {}, {})
+    (page,) = (tmp_path / "out" / "runs").glob("*.html")
+    assert 'title="33.333333333333336 m/s">≈ 33.3333 m/s</td>' in page.read_text("utf-8")
+    own = {row["name"]: row for row in setting_rows(read(tmp_path, overtaking()))["small"]}["v_max"]
+    assert own["exact"] == ""
 
 
 def test_tables_of_stretches(tmp_path: Path) -> None:

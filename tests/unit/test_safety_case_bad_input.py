@@ -5,15 +5,18 @@ from __future__ import annotations
 import json
 import re
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
+import markupsafe
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from support.project import command
 from support.safety_case import DAY, edit, html, made_ready
+from trackmarshal.trace.case.html import _text as html_text
 from trackmarshal.trace.case.typst import string as typst_string
 
 STRING = re.compile(r'"(?:[^"\\]|\\.)*"', re.DOTALL)
@@ -63,6 +66,11 @@ def test_a_text_is_one_string_of_typst(text: str) -> None:
     assert inside == "".join(c if c.isprintable() or c in "\n\u200b" else "\ufffd" for c in text)
 
 
+@given(st.text())
+def test_a_text_is_escaped_as_templates_escape_it(text: str) -> None:
+    assert html_text(text) == str(markupsafe.escape(text))
+
+
 def test_without_typst_the_page_comes_all_the_same(warehouse: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "typst", None)
     status, _, err = command(warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY, "--quiet")
@@ -90,17 +98,67 @@ def test_without_a_layout_engine_the_argument_comes_in_words(
     assert "It is not drawn here" in (out / "safety-case.html").read_text("utf-8")
 
 
-def test_large_rules_and_bare_requirements(warehouse: Path) -> None:
-    """A formula of three hundred symbols, a rule that calls forty definitions, five hundred requirements, one without anything."""
+def large_rules(project: Path) -> None:
+    """A rule that calls forty definitions, and one with a formula of three hundred symbols."""
     definitions = "\n".join(
         f"define d{n}(x: m/s) = {f'd{n - 1}(x)' if n else 'x'} + {n} m/s" for n in range(40)
     )
     long = " + ".join(f"{n} * robot.v" for n in range(1, 76))
-    with (warehouse / "specs/robot.spec").open("a", encoding="utf-8") as file:
+    with (project / "specs/robot.spec").open("a", encoding="utf-8") as file:
         file.write(
             f'\n{definitions}\n\nrule many "Many"\n  satisfies SW-1\n  require d39(robot.v) <= 9 m/s\n'
         )
         file.write(f'\nrule long "Long"\n  satisfies SW-1\n  require {long} <= 1 m/s\n')
+
+
+@pytest.mark.skipif(shutil.which("pdftotext") is None, reason="pdftotext is not installed")
+def test_large_rules_are_whole_on_paper(warehouse: Path) -> None:
+    """Every term and every definition is in the text of the PDF, and no line of it is wider than the page."""
+    pytest.importorskip("typst", reason="sets the PDF")
+    large_rules(warehouse)
+    status, _, err = command(
+        warehouse, "case", "--out", str(warehouse / "pdf"), "--day", DAY, "--format", "pdf"
+    )
+    assert status == 1, err
+    pdf = warehouse / "pdf" / "safety-case.pdf"
+    boxes = subprocess.run(["pdftotext", "-bbox", str(pdf), "-"], check=True, capture_output=True).stdout
+    pages = re.findall(rb'<page width="([\d.]+)".*?</page>', boxes, re.DOTALL)
+    assert pages
+    for page in re.findall(rb"<page .*?</page>", boxes, re.DOTALL):
+        wide = float(re.findall(rb'<page width="([\d.]+)"', page)[0])
+        assert max((float(x) for x in re.findall(rb'xMax="([\d.]+)"', page)), default=0.0) <= wide - 50
+    words = [word.decode() for word in re.findall(rb">([^<>\n]+)</word>", boxes)]
+    assert {str(n) for n in range(1, 76)} <= set(words)
+    assert {f"d{n}" for n in range(40)} <= {word.partition("(")[0] for word in words}
+
+
+@pytest.mark.parametrize(
+    ("entry", "code", "there"),
+    [
+        ("{id: EMPTY-1}", "T120", True),
+        ("{id: EMPTY-1, title: Nothing else}", "T120", True),
+        ("{id: '<b>$x$#eval(1)', title: T, statement: It shall be., rationale: R, status: draft, asil: QM, verification: [test], source: S}", "T124", False),
+    ],
+)  # fmt: skip
+def test_a_requirement_without_anything_and_an_id_that_is_markup(
+    warehouse: Path, entry: str, code: str, there: bool
+) -> None:
+    """Each is said on the first pages; the first is in its chapter all the same, of the other only the message is left, as text."""
+    with (warehouse / "requirements/needs.yaml").open("a", encoding="utf-8") as file:
+        file.write(f"  - {entry}\n")
+    page = html(warehouse, expect=1)
+    assert code in page.first
+    assert ('id="requirement-EMPTY-1"' in page.html) == there
+    assert "b" not in page.tags
+    assert there or any("<b>$x$#eval(1)" in text for text in page.texts)
+    if there:
+        for field in ("asil", "rationale", "source", "statement", "status"):
+            assert f"has no <code>{field}</code>" in page.html
+
+
+def test_large_rules_and_bare_requirements(warehouse: Path) -> None:
+    """A formula of three hundred symbols, a rule that calls forty definitions, five hundred requirements, one without anything."""
+    large_rules(warehouse)
     with (warehouse / "requirements/needs.yaml").open("a", encoding="utf-8") as file:
         for number in range(500):
             file.write(

@@ -17,13 +17,15 @@ from trackmarshal.trace.case import words as room
 from trackmarshal.trace.case.content import NAMES
 from trackmarshal.trace.case.loop import OUTCOMES
 from trackmarshal.trace.graph.kinds import NODES
+from trackmarshal.trace.gsn import picture
+from trackmarshal.trace.gsn.case import KINDS, LINKS
 from trackmarshal.trace.report.svg import boundary
 
 FOLDER = Path(room.__file__).parent
 #: Beginnings of names that are put together with something of the graph or of a record.
 MADE = (
     "lacking.", "status.", "meaning.", "thing.", "what.", "level.", "expect.", "fired.", "review.", "clause.", "label.tests_", "label.faults_", "open.", "drawing.none.", "drawing.letter.", "drawing.boundary", "drawing.satisfied", "drawing.violated",
-    "loop.mark.", *(f"loop.{outcome}" for outcome in OUTCOMES), "faults.", "tools.T", "term.",
+    "loop.mark.", *(f"loop.{outcome}" for outcome in OUTCOMES), "faults.", "tools.T", "term.", "gsn.kind.", "gsn.state.", *(f"gsn.{kind}" for kind in LINKS),
 )  # fmt: skip
 
 
@@ -50,7 +52,11 @@ def test_words_are_in_one_place_and_none_is_left_over() -> None:
     words = file("en")
     source = "".join(
         path.read_text("utf-8")
-        for path in (*FOLDER.parent.rglob("*"), Path(boundary.__file__))
+        for path in (
+            *FOLDER.parent.rglob("*"),
+            *Path(picture.__file__).parent.glob("*.py"),
+            Path(boundary.__file__),
+        )
         if path.suffix in (".py", ".j2")
     )
     unused = [
@@ -92,6 +98,28 @@ def test_a_german_case_says_the_same_in_german(warehouse: Path) -> None:
     assert '<span class="made">' not in german.html  # sentences of the program say that they are English
     fixed = {text for name, text in file("en").items() if len(text) > 25 and "{" not in text and name in file("de")}  # fmt: skip
     assert [text for text in german.texts if text in fixed] == []
+
+
+def test_pictures_of_the_argument_are_in_german_but_for_what_people_wrote(warehouse: Path) -> None:
+    english, german = html(warehouse), html(warehouse, "--words", "de")
+    pictures = [
+        re.findall(r'<svg [^>]*role="group".*?</svg>', page.html, re.DOTALL) for page in (english, german)
+    ]
+    assert len(pictures[0]) == len(pictures[1]) > 1
+    words = [file("en"), file("de")]
+    fixed = [words[0][f"gsn.kind.{kind}"] for kind in KINDS] + ["module", "Supported by", "In the context of", "undeveloped", "in the module"]  # fmt: skip
+    whole = [" ".join(re.sub(r"<[^>]+>", "\n", "".join(one)).split()) for one in pictures]
+    assert "Goal G-Top: " in whole[0]
+    assert "Ziel G-Top: " in whole[1]
+    assert "✓ gestützt" in whole[1]
+    assert "Gestützt durch: " in whole[1]
+    assert "Modul G-Top" in whole[1]
+    for word in fixed:
+        assert not re.search(rf"(?<![\w-]){word}(?= [A-Z][\w-]*[,:]|: |[,)])", whole[1]), word
+    assert not re.search(r"(✓|◐|✗) (supported|with reservations|not supported)", whole[1])
+    # Titles and sentences stay.
+    for title in re.findall(r'<text [^>]*font-size="10.5"[^>]*>([^<]+)</text>', pictures[0][0]):
+        assert title in whole[1]
 
 
 def test_the_project_says_in_which_language(warehouse: Path) -> None:

@@ -21,6 +21,7 @@ from trackmarshal.units import (
     UNIT_PATTERN,
     UNITS,
     Dimension,
+    about,
     from_si,
     in_full,
     name,
@@ -181,3 +182,24 @@ def test_what_is_not_shown_is_refused() -> None:
 )  # fmt: skip
 def test_numbers_that_differ_are_written_differently(number: float, unit: str, text: str) -> None:
     assert in_full(number, unit) == text
+
+
+@pytest.mark.parametrize(
+    ("full", "said"),
+    [
+        ("1.325178389398573", "≈ 1.32518"), ("16.666666666666668 m/s", "≈ 16.6667 m/s"), ("60 km/h", "60 km/h"), ("1.32518", "1.32518"),
+        ("-0.3333333333333333 1/m", "≈ -0.333333 1/m"), ("1234567.0", "1234567.0"), ("nan", "nan"), ("inf m", "inf m"), ("-inf", "-inf"),
+        ("9.80665 m/s^2", "9.80665 m/s^2"),
+    ],
+)  # fmt: skip
+def test_sentences_have_six_digits(full: str, said: str) -> None:
+    assert about(full) == said
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_what_is_left_out_of_a_number_is_little_and_said(value: float) -> None:
+    said = about(in_full(value, "m"))
+    number = float(said.removeprefix("≈ ").removesuffix(" m"))
+    assert said.endswith(" m")
+    assert (number == value) != said.startswith("≈ ")
+    assert math.isclose(number, value, rel_tol=5.1e-6)

@@ -34,8 +34,10 @@ if TYPE_CHECKING:
     from trackmarshal.trace.matrix import Matrix
 
 NAME = "safety-case"
-#: What is said where an extra is not installed: the document comes without what it is for.
-EXTRAS = frozenset({"T424", "T432"})
+#: So many letters that no font has are named.
+UNSHOWN = 8
+#: What is said where an extra is not installed, or a font lacks letters: the document comes without what it is for, and says so.
+EXTRAS = frozenset({"T424", "T432", "T438"})
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -61,6 +63,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write the document; 1 where the gate fails, 2 where a document cannot be read. Raises T430, T431 and T433 to T437."""
+    from trackmarshal.trace.collector import no_collection
+
+    with no_collection():
+        return _run(args)
+
+
+def _run(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.assessment import assess
     from trackmarshal.trace.case import html, typst
@@ -79,6 +88,9 @@ def run(args: argparse.Namespace) -> int:
     if args.format in ("both", "pdf"):
         source = typst.source(document, folder)
         try:
+            source, letters = typst.spelled(source)
+            if letters:
+                problems.append(_unshown(letters))
             made[f"{NAME}.pdf"] = typst.pdf(source, document.day)
         except TrackmarshalError as missing:
             problems.append(missing)
@@ -130,6 +142,14 @@ def _inputs(found: Assessment, root: Path, as_of: date) -> Inputs:
         f"trackmarshal {__version__}", tool(), "" if spec is None else spec.fingerprint, _hashes(root, found.project.baseline),
         drawings(root, said, sheets, lambda: found.sources), _loop(matrix, found, root),
         recorded(root, {str(e.id): (e.id.place.file, e.id.place.line) for e in found.project.entries if e.kind == "review"}),
+    )  # fmt: skip
+
+
+def _unshown(letters: str) -> TrackmarshalError:
+    named = ", ".join(f"{letter} (U+{ord(letter):04X})" for letter in letters[:UNSHOWN])
+    more = f" and {len(letters) - UNSHOWN} more" if len(letters) > UNSHOWN else ""
+    return TrackmarshalError(
+        "T438", f"the PDF has no font for {named}{more}, and has their numbers instead", help="the HTML has them; in titles and ids, other letters can be read on paper too"
     )  # fmt: skip
 
 

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.testing.boundary import Distances
 
+#: Of so many rules and assumptions, in the order of the specs, boundaries are drawn: more of them nobody looks through, and each takes 30 ms.
+MOST = 200
 CODES = {
     "E494": (
         "a rule without a drawing",
@@ -30,20 +32,33 @@ CODES = {
 def drawings(
     root: Path, facts: Facts, sheets: Mapping[str, Mapping[str, Any]], sources: Callable[[], Sources]
 ) -> dict[str, Mapping[str, Any]]:
-    """By rule and assumption what `trackmarshal.reading.drawing` says of it, and `sha`, that of all that it is made from.
+    """By rule and assumption what `trackmarshal.reading.drawing` says of it, and `sha`, that of all that it is made from; of the first `MOST` of them.
 
     sheets: what `show` says of each of them: inputs have the names that they have there. sources: asked for where something has to be drawn anew.
     """
-    keys = {item.name: _key(item, facts, sheets[item.name]) for item in facts.items if item.name in sheets}
     path = cache.of_project("drawings", root)
-    kept = (None if path is None else cache.kept(path)) or {}
-    found = {name: kept[key] for name, key in keys.items() if key in kept}
+    keys = _keys(facts, sheets)
+    found = _under(keys, path)
     missing = [name for name in keys if name not in found]
     if missing:
         found |= _made(missing, facts, sources())
         if path is not None:
             cache.keep(path, {keys[name]: drawing for name, drawing in found.items()})
     return {name: {**drawing, "sha": keys[name]} for name, drawing in found.items()}
+
+
+def kept_drawings(
+    root: Path, facts: Facts, sheets: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Mapping[str, Any]]:
+    """Those of `drawings` that were made once and are made from what is there now; nothing is drawn."""
+    path = cache.of_project("drawings", root)
+    return _under(_keys(facts, sheets), path) if path is not None and path.is_file() else {}
+
+
+def _under(keys: Mapping[str, str], path: Path | None) -> dict[str, Mapping[str, Any]]:
+    """By name, what is kept under its key."""
+    kept = (None if path is None else cache.kept(path)) or {}
+    return {name: kept[key] for name, key in keys.items() if key in kept}
 
 
 def recordings(facts: Facts, sources: Sources) -> list[tuple[Recording, Evaluator]]:
@@ -71,12 +86,22 @@ def _made(names: Sequence[str], facts: Facts, sources: Sources) -> dict[str, Map
     return {name: json.loads(json.dumps(drawing)) for name, drawing in found}
 
 
-def _key(item: SpecItem, facts: Facts, sheet: Mapping[str, Any]) -> str:
+def _keys(facts: Facts, sheets: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """By name of all that are drawn, what the drawing is kept under."""
+    tests: dict[str, list[Any]] = {}
+    for one in facts.tests:
+        tests.setdefault(one.rule, []).append([one.title, one.fingerprint, one.boundary])
+    items = [item for item in facts.items if item.name in sheets]
+    return {
+        item.name: _key(item, facts, sheets[item.name], tests.get(item.name, [])) for item in items[:MOST]
+    }
+
+
+def _key(item: SpecItem, facts: Facts, sheet: Mapping[str, Any], tests: Sequence[Any]) -> str:
     """One hash of the rule with all that it reads and is called, its tests, the recordings that it is replayed with, and the engine."""
     from trackmarshal.meaning.tool import tool
 
     own = f"rule {item.name}"
-    tests = [[one.title, one.fingerprint, one.boundary] for one in facts.tests if one.rule == item.name]
     runs = {
         shown: {name: sha for name, sha in inputs.items() if name == own or not name.startswith("rule ")}
         for shown, inputs in facts.run_inputs.items()

@@ -79,6 +79,7 @@ def _chosen(case: Case, name: str | None) -> list[Module]:
 
 def _rendered(argument: Case, modules: list[Module], args: argparse.Namespace) -> dict[str, str]:
     """Texts by the names of their files."""
+    from trackmarshal.trace.case.words.language import english
     from trackmarshal.trace.gsn import gsn2x, outline, records
     from trackmarshal.trace.gsn.picture.svg import pictures
     from trackmarshal.trace.report.pages import page_names
@@ -93,7 +94,7 @@ def _rendered(argument: Case, modules: list[Module], args: argparse.Namespace) -
         )
     match args.format:
         case "svg":
-            return dict(zip((files[m.name] for m in modules), pictures(argument, modules, files)))
+            return dict(zip((files[m.name] for m in modules), pictures(argument, modules, files, english())))
         case "yaml":
             return {files[m.name]: gsn2x.render(argument, m) for m in modules}
         case "json":

@@ -161,13 +161,21 @@ class _Breaking:
     def _fenced(
         self, before: Sequence[Layout], inside: Sequence[Layout], closing: at.Closing, indent: int
     ) -> list[Line]:
+        """What stands in parentheses begins on a line of its own, further to the right. What fits on a line stands beside others there."""
         made = [Line(indent, tuple(before))]
+        filling = False
         for number, part in enumerate(inside):
-            fits = not isinstance(part, at.Fraction) or self._fits(part, indent + 1)
-            below = self.lines(part if fits else _with_sign(part), indent + 1)
-            if number < len(inside) - 1:
-                below[-1] = Line(below[-1].indent, (*below[-1].parts, at.Sign(",")))
+            comma = (at.Sign(","),) if number < len(inside) - 1 else ()
+            fits = self._fits(part, indent + 1, 2 * len(comma))
+            last = made[-1]
+            if fits and filling and self._fits(at.Row((*last.parts, part, *comma)), indent + 1):
+                made[-1] = Line(last.indent, (*last.parts, part, *comma))
+                continue
+            wide = isinstance(part, at.Fraction) and not self._fits(part, indent + 1)
+            below = self.lines(_with_sign(part) if wide else part, indent + 1)
+            below[-1] = Line(below[-1].indent, (*below[-1].parts, *comma))
             made += below
+            filling = fits
         return [*made, Line(indent, (at.Sign(closing),))]
 
     def _binder(self, piece: at.Binder, indent: int) -> list[Line]:

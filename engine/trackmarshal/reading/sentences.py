@@ -15,7 +15,7 @@ from trackmarshal.ir.spec import ParamInfo
 from trackmarshal.reading.phrases import Phrases, called, parameters_of, plain
 from trackmarshal.reading.words import Words
 from trackmarshal.syntax import ast
-from trackmarshal.units import in_full
+from trackmarshal.units import about, in_full
 
 #: How tightly phrases hold together: what is looser than its place asks for has a letter.
 LOOSE, LISTED, ADDED, MULTIPLIED, WHOLE = range(5)
@@ -160,7 +160,7 @@ class Sentences(Phrases):
         if info.name in self._said:
             return name
         self._said.add(info.name)
-        return self.words.parameter.format(a=name, b=in_full(info.value, node.written or info.unit))
+        return self.words.parameter.format(a=name, b=about(in_full(info.value, node.written or info.unit)))
 
     def _arithmetic(self, node: typed.Arithmetic) -> str:
         match node.op:

@@ -19,7 +19,7 @@ from trackmarshal.reading.drawing.demand import BROKEN, HOLDS, UNKNOWN, Demand, 
 from trackmarshal.reading.drawing.quantities import Quantity
 from trackmarshal.reading.drawing.recorded import thinned
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
-from trackmarshal.units import from_si, in_full, parse_unit, written
+from trackmarshal.units import about, from_si, in_full, parse_unit, written
 
 CODES = {
     "E493": (
@@ -166,7 +166,7 @@ def _unlike(plane: _Plane, fixed: Floats, test: Standing) -> list[str]:
             and value != info.value
             and not any(one.field == ("", name) for one in demand.quantities)
         ):
-            told.append(f"{info.short} = {in_full(value, info.unit)}")
+            told.append(f"{info.short} = {about(in_full(value, info.unit))}")
     tables = {node.table for node in ir.below(demand.body) if isinstance(node, ir.Lookup | ir.GridLookup)}
     told += [f"another {name.rpartition('.')[2]}" for name in sorted(test.settings.tables) if name in tables]
     for number, one in enumerate(demand.quantities):

@@ -11,6 +11,7 @@ CODES = {
     "T435": ("words that are missing", "A file of words has all the words that the program has in English: with some of them missing, the document would be in two languages. The message lists them."),
     "T436": ("a word that does not fit", "A word of a file of words is none that the document has, has other places to fill in than the English one, or has a number in it. Numbers of the document come from the link graph, so that each can be found there again."),
     "T437": ("results of a closed loop that cannot be used", "The file that v-model.yaml names under `closed_loop` holds no results of runs in a closed loop, or some that lack what the safety case says of them."),
+    "T438": ("letters that the PDF has no font for", "The PDF is set in fonts that come with typst, whatever fonts the machine has, so that it is the same everywhere. They have no glyph for these letters; `‹U+6F22›` stands for each of them in the PDF. The HTML has the letters themselves."),
 }  # fmt: skip
 
 __all__ = ["CODES"]

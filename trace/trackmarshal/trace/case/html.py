@@ -27,6 +27,8 @@ from trackmarshal.trace.render.words import LIKE, SIGNS
 if TYPE_CHECKING:
     from markupsafe import Markup
 
+_ESCAPED = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&#34;", "'": "&#39;"})
+
 
 def render(document: Document, folder: Path | None = None) -> str:
     """The page. folder: templates of the project, in place of ours. Raises TrackmarshalError T430 for a template that cannot be used."""
@@ -48,45 +50,44 @@ class Printing:
     def line(self, line: Line) -> Markup:
         from markupsafe import Markup
 
-        return Markup("").join(map(self._piece, line))
+        # A case of thousands of things has hundreds of thousands of pieces: they are put together as strings, each of which is escaped here.
+        return Markup("".join(map(self._piece, line)))
 
-    def _piece(self, piece: Piece) -> Markup:
-        from markupsafe import Markup, escape
-
+    def _piece(self, piece: Piece) -> str:
+        """HTML: whatever is no markup of ours is escaped."""
         match piece:
             case Fixed():
-                return escape(piece.text)
+                return _text(piece.text)
             case Given():
-                return Markup('<span class="given">{}</span>').format(piece.text)
+                return f'<span class="given">{_text(piece.text)}</span>'
             case Written():
-                place = (
-                    Markup(' <span class="place">{}</span>').format(piece.place)
-                    if piece.place
-                    else Markup("")
-                )
-                return Markup(
-                    '<span class="people" title="{}"><span class="pen">✎ </span>{}</span>{}'
-                ).format(self._words["people"], piece.text, place)
+                place = f' <span class="place">{_text(piece.place)}</span>' if piece.place else ""
+                by = _text(self._words["people"])
+                return f'<span class="people" title="{by}"><span class="pen">✎ </span>{_text(piece.text)}</span>{place}'
             case Made():
                 return marked(piece.text, self._english)
             case Code():
-                return Markup("<code>{}</code>").format(piece.text)
+                return f"<code>{_text(piece.text)}</code>"
             case Number():
-                return Markup('<span class="number" data-number="{}">{}</span>').format(piece.id, piece.value)
+                return f'<span class="number" data-number="{_text(piece.id)}">{_text(piece.value)}</span>'
             case Status():
                 like = LIKE[piece.word]
-                return Markup('<span class="chip is-{}"><span class="sign">{}</span> {}</span>').format(
-                    like, SIGNS[like], piece.text or self._words[f"status.{piece.word}"]
-                )
+                said = _text(piece.text or self._words[f"status.{piece.word}"])
+                return f'<span class="chip is-{like}"><span class="sign">{SIGNS[like]}</span> {said}</span>'
             case Ref():
                 anchor = self._anchors.get(piece.key, "")
                 if anchor not in self._there:
-                    return Markup('<span class="given">{}</span>').format(piece.text)
-                return Markup('<a href="#{}">{}</a>').format(anchor, piece.text)
+                    return f'<span class="given">{_text(piece.text)}</span>'
+                return f'<a href="#{_text(anchor)}">{_text(piece.text)}</a>'
             case Inline():
-                return Markup(piece.mathml)  # made of escaped text already
+                return piece.mathml  # made of escaped text already
             case _:
                 raise TypeError(f"unknown piece {piece!r}")
+
+
+def _text(text: str) -> str:
+    """Text that is no markup, as jinja2 escapes what templates write."""
+    return text.translate(_ESCAPED)
 
 
 def marked(text: str, language: Markup) -> Markup:

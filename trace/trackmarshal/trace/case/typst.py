@@ -35,6 +35,10 @@ _RUN = 12
 #: So many letters at least stand in a line of a table as wide as the text; a row that needs at most so many lines stays on one page.
 _LINE, _HALF_PAGE = 90, 30
 _BREAK = re.compile(r"(?<=[/_.:\-])(?=\w)")
+#: What typst says of a letter that no font has.
+_UNSHOWN = re.compile(r'the text `"(.)"` could not be displayed')
+#: Ids with hyphens, which stand on one line unless they are too long for a column of a table.
+_ID = re.compile(r"(?<![\w-])[A-Z][A-Z0-9]*(?:-[A-Z0-9]+)+(?:\.[0-9]+)?(?![\w-])")
 
 
 def source(document: Document, folder: Path | None = None) -> str:
@@ -60,9 +64,7 @@ def pdf(text: str, day: str) -> bytes:
     try:
         import typst
     except ImportError as missing:
-        raise TrackmarshalError(
-            "T432", "there is no PDF, as typst is not installed", help="pip install 'trackmarshal[pdf]'"
-        ) from missing
+        raise _no_typst() from missing
     from datetime import UTC, datetime
 
     try:
@@ -75,6 +77,43 @@ def pdf(text: str, day: str) -> bytes:
     if not isinstance(made, bytes):
         raise TypeError(f"typst made {type(made).__name__} of one document")
     return made
+
+
+def spelled(text: str) -> tuple[str, str]:
+    """A source in which a letter that no font of the PDF has is told by its number, `‹U+6F22›`: typst leaves it out without a word. And these letters.
+
+    Raises T432 where typst is not installed.
+    """
+    lacking = "".join(_lacking(sorted({char for char in text if char > "\x7f" and char.isprintable()})))
+    return text.translate({ord(char): f"‹U+{ord(char):04X}›" for char in lacking}), lacking
+
+
+def _lacking(letters: Sequence[str]) -> list[str]:
+    """Those letters that no font has: documents for archives are to show all of theirs, and typst says of each that it does not."""
+    try:
+        import typst
+    except ImportError as missing:
+        raise _no_typst() from missing
+    try:
+        typst.compile(
+            "\n".join(f"#{string(char)}" for char in letters).encode(),
+            ignore_system_fonts=True,
+            pdf_standards="a-2b",
+        )
+    except RuntimeError as refused:
+        found = _UNSHOWN.findall(str(getattr(refused, "diagnostic", "") or refused))
+        if not found or set(found) - set(letters):
+            raise TrackmarshalError(
+                "T433", f"typst does not say which letters it can show: {refused}"
+            ) from refused
+        return sorted(set(found))
+    return []
+
+
+def _no_typst() -> TrackmarshalError:
+    return TrackmarshalError(
+        "T432", "there is no PDF, as typst is not installed", help="pip install 'trackmarshal[pdf]'"
+    )
 
 
 def string(text: str) -> str:
@@ -149,14 +188,14 @@ class Printing:
             case Fixed():
                 return string(piece.text)
             case Given():
-                return string(broken_long(piece.text))
+                return text(piece.text)
             case Written():
                 place = f"; place({string(broken(piece.place))})" if piece.place else ""
-                return f"people({string('✎ ' + piece.text)}){place}"
+                return f"people({{{string('✎ ')}; {text(piece.text)}}}){place}"
             case Made():
                 return marked(piece.text)
             case Code():
-                return f"code({string(broken(piece.text))})"
+                return f"code({_name(piece.text)})"
             case Number():
                 return string(piece.value)
             case Status():
@@ -164,8 +203,8 @@ class Printing:
                 return f"chip({string(look)}, {string(SIGNS[look] + ' ' + (piece.text or self._words[f'status.{piece.word}']))})"
             case Ref():
                 anchor = self._anchors.get(piece.key, "")
-                text = string(broken_long(piece.text))
-                return f"to({string(anchor)}, {text})" if anchor in self.there else text
+                said = _name(piece.text) if _ID.fullmatch(piece.text) else string(broken_long(piece.text))
+                return f"to({string(anchor)}, {said})" if anchor in self.there else said
             case Inline():
                 return f"[{piece.typst}]".replace("[$ ", "[$").replace(" $]", "$]")
             case _:
@@ -177,14 +216,31 @@ def broken_long(text: str) -> str:
     return " ".join(broken(word) if len(word) > _RUN else word for word in text.split(" "))
 
 
-def marked(text: str) -> str:
+def text(said: str) -> str:
+    """Text in which ids stay on one line, as expressions of Typst."""
+    made, at = list[str](), 0
+    for found in _ID.finditer(said):
+        if len(found[0]) <= _RUN:
+            made += [string(broken_long(said[at : found.start()])), _name(found[0])]
+            at = found.end()
+    made.append(string(broken_long(said[at:])))
+    return "; ".join(one for one in made if one != '""') or '""'
+
+
+def _name(said: str) -> str:
+    """A name, whole where it is an id that fits into a column; others may be broken."""
+    whole = len(said) <= _RUN and _ID.fullmatch(said)
+    return f"box({string(said)})" if whole else string(broken(said))
+
+
+def marked(said: str) -> str:
     """Text of the program, with what stands between backquotes as code."""
-    parts = text.split("`")
+    parts = said.split("`")
     if len(parts) % 2 == 0:
-        return string(broken_long(text))
+        return text(said)
     return "; ".join(
-        f"code({string(broken(part))})" if number % 2 else string(broken_long(part)) for number, part in enumerate(parts) if part
+        f"code({_name(part)})" if number % 2 else text(part) for number, part in enumerate(parts) if part
     ) or '""'  # fmt: skip
 
 
-__all__ = ["pdf", "source", "string"]
+__all__ = ["pdf", "source", "spelled", "string"]

@@ -45,8 +45,7 @@ class Evidence(NamedTuple):
     place: Place | None
 
 
-@dataclass(frozen=True, slots=True)
-class Element:
+class Element(NamedTuple):
     """A node of the argument. `place`: where the thing that it is about stands; `origin`: the template, or the entry, that made it."""
 
     id: str

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
 
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.graph.graph import Graph, Key, Node, holds
@@ -76,7 +75,7 @@ class Filling:
                 case "left-out":
                     gone.add(id_)
                 case "open":
-                    self.elements[id_] = replace(element, undeveloped=True)
+                    self.elements[id_] = element._replace(undeveloped=True)
                 case "never" | "always":
                     pass
                 case other:

@@ -202,7 +202,7 @@ def _assigned(case: Case, roots: Sequence[str]) -> Case:
         modules.append(Module(f"Beside-{part[0]}", part[0], "What the top goal does not reach."))
         home.update(dict.fromkeys(part, modules[-1].name))
     elements = {
-        id_: replace(e, module=home[id_], public=id_ in begins and id_ != roots[0]) for id_, e in case.elements.items()
+        id_: e._replace(module=home[id_], public=id_ in begins and id_ != roots[0]) for id_, e in case.elements.items()
     }  # fmt: skip
     return replace(case, elements=elements, modules=tuple(modules))
 

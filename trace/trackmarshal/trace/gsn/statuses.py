@@ -24,7 +24,7 @@ def with_statuses(case: Case) -> Case:
     found: dict[str, str] = {}
     for id_ in below_first(case):
         found[id_] = _status(case, case.elements[id_], found)
-    elements = {id_: replace(e, status=found[id_]) for id_, e in case.elements.items()}
+    elements = {id_: e._replace(status=found[id_]) for id_, e in case.elements.items()}
     return replace(case, elements=elements)
 
 

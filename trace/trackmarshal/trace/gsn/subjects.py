@@ -76,7 +76,8 @@ class Subjects:
         there = _there(held.items)
         if there:
             status = worst([self._standing(row, stage, held, item) for item in there])
-            node = Node("evidence", cell.id, summary(there), cell.place, {**cell.attributes, "summary": summary(there), "names": names(there)})  # fmt: skip
+            said = summary(there)
+            node = Node("evidence", cell.id, said, cell.place, {**cell.attributes, "summary": said, "names": names(there)})  # fmt: skip
             found = tuple(
                 Evidence(i.kind, _called(i), i.status, self._digest(i, row), i.place) for i in there
             )

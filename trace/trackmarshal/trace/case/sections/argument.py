@@ -33,7 +33,7 @@ _OPENING = '<?xml version="1.0" encoding="UTF-8"?>\n'
 def argument(writing: Writing) -> Section:
     """Each module drawn; where nothing can be drawn, in words."""
     case = writing.given.argument
-    pictures = drawn(case, writing.anchors) if writing.given.draw else None
+    pictures = drawn(case, writing.anchors, writing.words) if writing.given.draw else None
     blocks: list[Block] = [writing.paragraph("argument.how")]
     if len(case.modules) > 1:
         blocks.append(writing.named("argument.modules", [_named(writing, case.modules[:SHOWN], refs=True)]))
@@ -66,13 +66,13 @@ def _named(writing: Writing, modules: Sequence[Module], refs: bool = False) -> B
     return writing.table(columns, rows, keys)
 
 
-def drawn(case: Case, anchors: Mapping[Key, str]) -> list[str]:
+def drawn(case: Case, anchors: Mapping[Key, str], words: Mapping[str, str]) -> list[str]:
     """The pictures of the modules that are shown, for a page that holds all of them: elements from elsewhere lead to their module's place there. Raises T424, T425."""
     from trackmarshal.trace.gsn.picture.svg import pictures
 
     places = {module.name: f"#{anchors['module', module.name]}" for module in case.modules}
     modules = case.modules[:SHOWN]
-    return [_inside(svg, number) for number, svg in enumerate(pictures(case, modules, places))]
+    return [_inside(svg, number) for number, svg in enumerate(pictures(case, modules, places, words))]
 
 
 def _inside(svg: str, number: int) -> str:

@@ -86,6 +86,9 @@ def _item(writing: Writing, item: SpecItem) -> Part:
     if item.name in writing.given.drawings:
         drawing = writing.given.drawings[item.name]
         blocks.append(writing.named("rules.drawing", [_drawing(writing, drawing)], level=4))
+    elif "formula" in sheet:
+        how = writing.paragraph("drawing.more", command=Code(f"trackmarshal show {item.name} --draw"))
+        blocks.append(writing.named("rules.drawing", [how], level=4))
     title: Line = (Code(item.name), Fixed(" "), Given(item.title))
     return writing.part(title, blocks, key, level=3)
 

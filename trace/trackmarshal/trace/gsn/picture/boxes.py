@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
+from trackmarshal.trace.gsn.case import Element
 from trackmarshal.trace.gsn.picture.content import Shown
 from trackmarshal.trace.gsn.picture.wrapping import width, wrapped
 
@@ -34,46 +36,53 @@ class Box(NamedTuple):
     status: str
 
 
-def box(shown: Shown) -> Box:
-    """The size of an element with its text. Raises ValueError for an unknown kind."""
+def box(shown: Shown, words: Mapping[str, str]) -> Box:
+    """The size of an element with its text; words: the fixed ones, by name. Raises ValueError for an unknown kind."""
     element = shown.element
-    status = element.status or (element.state if element.state else "")
+    status = standing(element, words)
+    module = words["gsn.in"].format(module=element.module) if shown.away else ""
     match element.kind:
         case "goal" | "counter goal" | "context":
-            return _rectangle(shown, BOX, BOX - 2 * PAD, status)
+            return _rectangle(shown, BOX, BOX - 2 * PAD, status, module)
         case "strategy":
-            return _rectangle(shown, BOX, BOX - 2 * PAD - LEAN, status)
+            return _rectangle(shown, BOX, BOX - 2 * PAD - LEAN, status, module)
         case "solution" | "counter solution":
-            return _circle(shown, status)
+            return _circle(shown, status, module)
         case "assumption" | "justification":
-            return _ellipse(shown)
+            return _ellipse(shown, module)
         case other:
             raise ValueError(f"unknown kind of elements {other!r}")
 
 
-def _rectangle(shown: Shown, wide: float, room: float, status: str) -> Box:
+def standing(element: Element, words: Mapping[str, str]) -> str:
+    """How far an element is supported, or what came of a defeater, in words; empty where there is neither."""
+    if element.status:
+        return words[f"status.{element.status}"]
+    return words[f"gsn.state.{element.state}"] if element.state else ""
+
+
+def _rectangle(shown: Shown, wide: float, room: float, status: str, module_of: str) -> Box:
     name = wrapped(shown.element.id, room, FONT, 2, bold=True)
     lines = wrapped(shown.element.text, room, FONT, LINES)
-    module = wrapped(f"in {shown.element.module}", room - 14, FONT - 1, 2) if shown.away else []
+    module = wrapped(module_of, room - 14, FONT - 1, 2) if module_of else []
     rows = len(name) + len(lines) + bool(status)
     return Box(wide, 2 * PAD + rows * LINE + (len(module) * LINE + 4 if module else 0), name, lines, module, status)  # fmt: skip
 
 
-def _circle(shown: Shown, status: str) -> Box:
+def _circle(shown: Shown, status: str, module_of: str) -> Box:
     """The smallest circle, in steps, whose chords are long enough for what stands at their height."""
     for diameter in range(96, 260, 6):
         room = diameter * 0.74
         name = wrapped(shown.element.id, room * 0.8, FONT, 2, bold=True)
         lines = wrapped(shown.element.text, room, FONT, LINES)
-        module = wrapped(f"in {shown.element.module}", room * 0.8, FONT - 1, 2) if shown.away else []
+        module = wrapped(module_of, room * 0.8, FONT - 1, 2) if module_of else []
         rows = [*((line, True) for line in name), *((line, False) for line in lines), *((line, False) for line in module), *([(status, True)] if status else [])]  # fmt: skip
         if _inside(rows, diameter / 2 - 3, diameter / 2 - 3):
             return Box(float(diameter), float(diameter), name, lines, module, status)
     return Box(260.0, 260.0, name, lines, module, status)
 
 
-def _ellipse(shown: Shown) -> Box:
-    module_of = f"in {shown.element.module}" if shown.away else ""
+def _ellipse(shown: Shown, module_of: str) -> Box:
     for height in range(64, 320, 8):
         wide = max(BOX, height * 1.7)
         room = wide * 0.74
@@ -96,4 +105,4 @@ def _inside(rows: list[tuple[str, bool]], across: float, up: float) -> bool:
     return True
 
 
-__all__ = ["BOX", "DIAMOND", "FONT", "LEAN", "LINE", "OVAL", "PAD", "ROUND", "Box", "box"]
+__all__ = ["BOX", "DIAMOND", "FONT", "LEAN", "LINE", "OVAL", "PAD", "ROUND", "Box", "box", "standing"]

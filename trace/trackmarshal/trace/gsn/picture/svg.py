@@ -11,6 +11,7 @@ from trackmarshal.trace.gsn.picture.boxes import FONT, LINE, PAD, Box, box
 from trackmarshal.trace.gsn.picture.content import Content, Shown, content
 from trackmarshal.trace.gsn.picture.layout import APART, Placed, laid_out
 from trackmarshal.trace.gsn.picture.outlines import INK, cross, link, outline
+from trackmarshal.trace.gsn.picture.said import described, evidence, heading, said
 from trackmarshal.trace.gsn.picture.wrapping import width, wrapped
 from trackmarshal.trace.gsn.statuses import defeated
 from trackmarshal.trace.report.svg.element import short, tag
@@ -32,24 +33,34 @@ _TOO_SMALL = 420.0
 STRUCK = "#e08a92"
 #: Where letters would be smaller than this on A4, in points, it is tried with rows of fewer elements, and less room between rows.
 SMALL, CLOSER = 7.0, ((ONE_ROW, 0.3), (3, APART), (3, 0.3), (2, 0.3))
-#: So much evidence is listed where a pointer rests on a solution; all of it is in the export as JSON.
-LISTED = 12
 
 
-def pictures(case: Case, modules: Sequence[Module], files: Mapping[str, str]) -> list[str]:
-    """The picture of each of some modules, in order. files: the names of the modules' files, which away elements lead to. Raises T424, T425."""
+def pictures(
+    case: Case, modules: Sequence[Module], files: Mapping[str, str], words: Mapping[str, str]
+) -> list[str]:
+    """The picture of each of some modules, in order. files: the names of the modules' files, which away elements lead to; words: the fixed ones by
+    name, as the safety case has them. Raises T424, T425.
+    """
     contents = [content(case, module) for module in modules]
-    boxes = [{id_: box(shown) for id_, shown in c.shown.items()} for c in contents]
+    boxes = [{id_: box(shown, words) for id_, shown in c.shown.items()} for c in contents]
     placed = laid_out(list(zip(contents, boxes)))
     for one_row, apart in CLOSER:
         small = [n for n, p in enumerate(placed) if _scale(*_size(p)) * FONT < SMALL]
         for n, other in zip(small, laid_out([(contents[n], boxes[n]) for n in small], one_row, apart)):
             placed[n] = max(placed[n], other, key=lambda p: _scale(*_size(p)))
-    return [_picture(case, c, b, p, files) for c, b, p in zip(contents, boxes, placed)]
+    return [
+        _picture(case, shown, sizes, places, files, words)
+        for shown, sizes, places in zip(contents, boxes, placed)
+    ]
 
 
 def _picture(
-    case: Case, shown: Content, boxes: Mapping[str, Box], placed: Placed, files: Mapping[str, str]
+    case: Case,
+    shown: Content,
+    boxes: Mapping[str, Box],
+    placed: Placed,
+    files: Mapping[str, str],
+    words: Mapping[str, str],
 ) -> str:
     wide, high = _size(placed)
     dx, dy = (wide - placed.width) / 2, MARGIN + HEAD
@@ -57,27 +68,27 @@ def _picture(
         part for one in shown.links for part in _link(one.kind, placed.curves.get((one.source, one.target)))
     ]
     elements = [
-        _element(case, one, boxes[id_], placed.centres[id_], files) for id_, one in shown.shown.items()
+        _element(case, one, boxes[id_], placed.centres[id_], files, words) for id_, one in shown.shown.items()
     ]
-    name, said = _heading(case, shown), _described(shown)
+    name, told = heading(case, shown, words), described(shown, words)
     body = [
         tag("rect", x=0.0, y=0.0, width=wide, height=high, fill="#ffffff"),
-        *_head(case, shown, wide),
+        *_head(case, shown, wide, words),
         tag(
             "g",
             *lines,
             *elements,
-            *_points(case, shown, boxes, placed),
+            *_points(case, shown, boxes, placed, words),
             transform=f"translate({short(dx)} {short(dy)})",
         ),
-        *_foot(wide, high),
+        *_foot(high, words),
     ]
     scale = _scale(wide, high)
     opening = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{short(wide * MM * scale)}mm" height="{short(high * MM * scale)}mm" '
         f'viewBox="0 0 {short(wide)} {short(high)}" role="group" aria-labelledby="name said" font-family="{escape(FAMILY)}" font-size="{FONT}">'
     )
-    named = [tag("title", escape(_text(name)), id="name"), tag("desc", escape(_text(said)), id="said")]
+    named = [tag("title", escape(_text(name)), id="name"), tag("desc", escape(_text(told)), id="said")]
     return "\n".join(['<?xml version="1.0" encoding="UTF-8"?>', opening, *named, *body, "</svg>"]) + "\n"
 
 
@@ -92,32 +103,8 @@ def _scale(wide: float, high: float) -> float:
     return min(1.0, max(lying, standing) / MM)
 
 
-def _heading(case: Case, shown: Content) -> str:
-    status = case.elements[shown.module.root].status
-    return f"{case.project}: module {shown.module.name}" + (f", {status}" if status else "")
-
-
-def _described(shown: Content) -> str:
-    """The picture in words: each element with what supports it, what it stands in the context of, what challenges it."""
-    lines = []
-    for id_, one in shown.shown.items():
-        said = _said(one)
-        for kind, words in (("supported_by", "supported by"), ("in_context_of", "in the context of"), ("challenges", "challenges")):  # fmt: skip
-            others = [k.target for k in shown.links if k.source == id_ and k.kind == kind]
-            said += f" {words.capitalize()}: {', '.join(others)}." if others else ""
-        lines.append(said)
-    return "\n".join(lines)
-
-
-def _said(one: Shown) -> str:
-    e = one.element
-    words = [e.kind.capitalize(), f"{e.id}:", e.text if e.text.endswith((".", ":")) else f"{e.text}."]
-    marks = [e.status or e.state, "undeveloped" if e.undeveloped else "", f"in the module {e.module}" if one.away else ""]  # fmt: skip
-    return " ".join([*words, *(f"({', '.join(m for m in marks if m)})" for _ in [0] if any(marks))])
-
-
-def _head(case: Case, shown: Content, wide: float) -> list[str]:
-    title = wrapped(_heading(case, shown), wide - 2 * MARGIN, 13.0, 1, bold=True)
+def _head(case: Case, shown: Content, wide: float, words: Mapping[str, str]) -> list[str]:
+    title = wrapped(heading(case, shown, words), wide - 2 * MARGIN, 13.0, 1, bold=True)
     below = wrapped(shown.module.title, wide - 2 * MARGIN, FONT, 1)
     return [
         _words(MARGIN, MARGIN + 13, title[0], font_size=13.0, font_weight="bold", fill=INK),
@@ -125,10 +112,11 @@ def _head(case: Case, shown: Content, wide: float) -> list[str]:
     ]
 
 
-def _foot(wide: float, high: float) -> list[str]:
+def _foot(high: float, words: Mapping[str, str]) -> list[str]:
     """What the colours and signs mean, in one line."""
     found, x, y = [], MARGIN, high - MARGIN
-    for word, (sign, stroke, fill) in STATUS.items():
+    for status, (sign, stroke, fill) in STATUS.items():
+        word = words[f"status.{status}"]
         found += [
             tag("rect", x=x, y=y - 9, width=12.0, height=11.0, fill=fill, stroke=stroke),
             _words(x + 16, y, f"{sign} {word}", fill=stroke, font_size=9.0),
@@ -141,7 +129,9 @@ def _link(kind: str, curve: Sequence[tuple[float, float]] | None) -> list[str]:
     return link(kind, curve) if curve else []
 
 
-def _points(case: Case, shown: Content, boxes: Mapping[str, Box], placed: Placed) -> list[str]:
+def _points(
+    case: Case, shown: Content, boxes: Mapping[str, Box], placed: Placed, words: Mapping[str, str]
+) -> list[str]:
     """Confidence points: a black square with its id, at an element's upper left corner or on a link."""
     found = []
     for point in case.points:
@@ -153,19 +143,27 @@ def _points(case: Case, shown: Content, boxes: Mapping[str, Box], placed: Placed
             x, y = x - size.width / 2, y - size.height / 2
         else:
             continue  # it is in another picture
-        said = _text(f"Confidence point {point.id}: {point.text}")
+        told = _text(words["gsn.point"].format(id=point.id, text=point.text))
         square = tag("rect", x=x - 4, y=y - 4, width=8.0, height=8.0, fill=INK)
         halo = {"stroke": "#ffffff", "stroke_width": 2.5, "paint_order": "stroke"}  # over lines and outlines
         name = _words(x + 7, y - 2, point.id, font_size=9.0, fill=INK, **halo)
-        found.append(tag("g", tag("title", escape(said)), square, name, role="img", aria_label=said))
+        found.append(tag("g", tag("title", escape(told)), square, name, role="img", aria_label=told))
     return found
 
 
-def _element(case: Case, one: Shown, size: Box, at: tuple[float, float], files: Mapping[str, str]) -> str:
+def _element(
+    case: Case,
+    one: Shown,
+    size: Box,
+    at: tuple[float, float],
+    files: Mapping[str, str],
+    words: Mapping[str, str],
+) -> str:
     element = one.element
+    told = said(one, words)
     sign, stroke, fill = _colours(element)
     parts = [
-        tag("title", escape(_text("\n".join([_said(one), *_evidence(element)])))),
+        tag("title", escape(_text("\n".join([told, *evidence(element, words)])))),
         *outline(one, size, at, fill, stroke),
     ]
     if defeated(case, element.id):  # under the words, which stay readable
@@ -186,16 +184,9 @@ def _element(case: Case, one: Shown, size: Box, at: tuple[float, float], files: 
     for number, (line, how) in enumerate(texts):
         low = gap if number >= len(texts) - len(size.module) else 0.0
         parts.append(_words(x, baseline + number * LINE + low, line, text_anchor="middle", **{"fill": INK, **how}))  # fmt: skip
-    drawn = tag("g", *parts, role="img", aria_label=_text(_said(one)))
+    drawn = tag("g", *parts, role="img", aria_label=_text(told))
     address = files.get(element.module) if one.away else None
     return tag("a", drawn, href=address) if address else drawn
-
-
-def _evidence(element: Element) -> list[str]:
-    """The first pieces of evidence of a solution, with the beginnings of their hashes."""
-    shown = [f"{e.kind} {e.name}: {e.status}, sha256 {e.sha256[:12] or 'not known'}" for e in element.evidence[:LISTED]]  # fmt: skip
-    more = len(element.evidence) - LISTED
-    return [*shown, *([f"and {more} more"] if more > 0 else [])]
 
 
 def _colours(element: Element) -> tuple[str, str, str]:

@@ -26,12 +26,14 @@ class Beside:
 
     sheets: by rule or assumption, what `trackmarshal show RULE --format json` says. tests: by rule and title, the lines of a test. entries: of the
     evidence store, by kind and subject. pages: by scenario, the address of the run's page. index: the address of the page above.
-    drawings: by rule or assumption, where it ends to be met, as SVG that stands by itself. clauses: the words of kinds of clauses. compared: in place of the difference from the accepted baseline.
+    drawings: by rule or assumption, where it ends to be met, as SVG that stands by itself; undrawn: why there is no such picture. clauses: the words of
+    kinds of clauses. compared: in place of the difference from the accepted baseline.
     """
 
     sheets: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     clauses: Mapping[str, str] = field(default_factory=dict)
     drawings: Mapping[str, str] = field(default_factory=dict)
+    undrawn: Mapping[str, str] = field(default_factory=dict)
     tests: Mapping[tuple[str, str], str] = field(default_factory=dict)
     runs: Sequence[RunSummary] = ()
     entries: Mapping[tuple[str, str], Entry] = field(default_factory=dict)

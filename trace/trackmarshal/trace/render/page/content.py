@@ -6,6 +6,7 @@ Nodes are called by their number, kinds and statuses by theirs: the page of 10,0
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -20,14 +21,16 @@ from trackmarshal.trace.render.page.beside import Beside
 from trackmarshal.trace.render.words import LIKE, MEANINGS, SIGNS
 
 FORMAT = "trackmarshal-walk"
-VERSION = 1
+VERSION = 2
 #: Kinds of items of cells that are nodes of another kind.
 _NODE_OF = {"monitor": "assumption"}
 #: What of a rule for readers the page shows; the Typst source of formulas is for the document.
-_FORMS = ("spec", "said", "words")
+_FORMS = ("spec", "words")
 _KINDS = {kind: number for number, kind in enumerate(NODES)}
 _WAYS = {way: number for number, way in enumerate(LINKS)}
 _STATES = {state: number for number, state in enumerate(STATES)}
+#: Texts of so many letters take no more room than their number.
+_SHORT = 4
 #: From best to worst, as `SIGNS` has them.
 _STATUSES = {status: number for number, status in enumerate(SIGNS)}
 
@@ -46,6 +49,7 @@ def content(matrix: Matrix, beside: Beside) -> dict[str, Any]:
     rows = {numbers["requirement", str(row.requirement.id)]: row for row in matrix.rows}
     standing = _standing(matrix, numbers)
     files, names, makers = _Table(), _Table(), _Table()
+    texts = _repeated(graph)
     made: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
@@ -62,7 +66,7 @@ def content(matrix: Matrix, beside: Beside) -> dict[str, Any]:
         "nodes": [
             [
                 _KINDS[node.kind], node.id, node.title, _place(node.place, files), standing.get(number, -1),
-                *(part for name, text in node.attributes.items() if text for part in (names[name], text)),
+                *(part for name, text in node.attributes.items() if text for part in (names[name], texts.get(text, text))),
             ]
             for number, node in enumerate(graph.nodes.values())
         ],
@@ -83,6 +87,11 @@ def content(matrix: Matrix, beside: Beside) -> dict[str, Any]:
             for key in numbers
             if key[0] in ("rule", "assumption") and key[1] in beside.drawings
         },
+        "undrawn": {
+            numbers[key]: beside.undrawn[key[1]]
+            for key in numbers
+            if key[0] in ("rule", "assumption") and key[1] in beside.undrawn
+        },
         "tests": {
             numbers[key]: text
             for (rule, title), text in beside.tests.items()
@@ -99,7 +108,13 @@ def content(matrix: Matrix, beside: Beside) -> dict[str, Any]:
             if (key := (kind, subject)) in numbers
         },
     }  # fmt: skip
-    return {**made, "files": list(files), "names": list(names), "makers": [list(maker) for maker in makers]}
+    return {
+        **made,
+        "files": list(files),
+        "names": list(names),
+        "texts": list(texts),
+        "makers": [list(maker) for maker in makers],
+    }
 
 
 class _Table(dict[Any, int]):
@@ -108,6 +123,13 @@ class _Table(dict[Any, int]):
     def __missing__(self, said: Any) -> int:
         self[said] = len(self)
         return self[said]
+
+
+def _repeated(graph: Graph) -> dict[str, int]:
+    """Numbers for attributes that are said more than once, where a number is shorter: a status, a source, a reason."""
+    said = Counter(text for node in graph.nodes.values() for text in node.attributes.values())
+    often = (text for text, times in said.items() if times > 1 and len(text) > _SHORT)
+    return {text: number for number, text in enumerate(often)}
 
 
 def _place(place: Place | None, files: _Table) -> list[int]:

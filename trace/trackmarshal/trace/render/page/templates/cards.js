@@ -94,7 +94,7 @@ function rule(number) {
     (sheet.tables || []).forEach(([name, rows]) => parts.push(make("p", {}, make("code", {}, name)), table(rows[0], rows.slice(1))));
     (sheet.places || []).forEach(([name, kind, points]) => parts.push(make("p", {}, kind + " ", make("code", {}, name), ", " + points + " points")));
   }
-  parts.push(drawing(number));
+  parts.push(...(drawing(number) ? [drawing(number)] : undrawn(number, sheet)));
   if (sheet.words) parts.push(heading("in words"), ...[...sheet.words.demand, ...sheet.words.definitions].map((text) => make("p", {}, text)));
   if (sheet.parameters) {
     parts.push(heading("parameters in force"), table(["parameter", "value", "range", "source"], sheet.parameters.map(([name, , value, range, from]) => {
@@ -111,6 +111,13 @@ function rule(number) {
 function drawing(number) {
   const source = data.drawings[number];
   return source ? make("img", { class: "drawing", src: "data:image/svg+xml," + encodeURIComponent(source), alt: "where " + nodes[number].id + " ends to be met" }) : null;
+}
+
+// Why there is no drawing of a rule, or how to come by it: nothing is drawn for this page, as that takes long.
+function undrawn(number, sheet) {
+  const said = data.undrawn[number];
+  if (said || !sheet.clauses) return [said ? make("p", { class: "soft" }, said) : null];
+  return [make("p", { class: "soft" }, ...marked("No drawing of what is there now is kept: `trackmarshal show " + nodes[number].id + " --draw` draws it, `trackmarshal case` all."))];
 }
 
 // The lines of a test, and the drawing that it stands in.

@@ -3,7 +3,7 @@ const data = JSON.parse(document.getElementById("walk-data").textContent);
 const where = ([file, line, column]) => (file === undefined ? "" : data.files[file] + (line ? ":" + line : "") + (column ? ":" + column : ""));
 const nodes = data.nodes.map(([kind, id, title, place, status, ...said]) => {
   const attributes = {};
-  for (let one = 0; one < said.length; one += 2) attributes[data.names[said[one]]] = said[one + 1];
+  for (let one = 0; one < said.length; one += 2) attributes[data.names[said[one]]] = typeof said[one + 1] === "number" ? data.texts[said[one + 1]] : said[one + 1];
   return { kind: data.kinds[kind][0], id, title, place: where(place), status, said: attributes };
 });
 const statuses = data.statuses.map(([word, sign, meaning]) => ({ word, sign, meaning }));
