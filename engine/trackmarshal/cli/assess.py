@@ -16,7 +16,7 @@ from trackmarshal import __version__
 from trackmarshal.cli import against
 from trackmarshal.cli.beside import page_beside
 from trackmarshal.cli.drawn import Drawn
-from trackmarshal.cli.output import say
+from trackmarshal.cli.output import count, say, told
 from trackmarshal.cli.project import find_project
 from trackmarshal.cli.shown import Shown, ShownRun, keep, key
 
@@ -97,8 +97,8 @@ def _assessed(args: argparse.Namespace) -> int:
     unlike = sorted({*unmet, *(run_.scenario for run_ in outside)})
     if not args.quiet:
         print(
-            f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {len(made.runs)} scenarios run, "
-            f"{len(made.fault_results) - len(faults)} of {len(made.fault_results)} faults found as expected, {len(gaps)} gaps"
+            f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {count(len(made.runs), 'scenario')} run, "
+            f"{len(made.fault_results) - len(faults)} of {len(made.fault_results)} faults found as expected, {told(gaps, matrix)}"
         )
         for run_ in made.runs:
             if run_.uncovered and expected.get(run_.scenario) == "ground_truth":

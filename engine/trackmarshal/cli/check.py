@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.cli.output import count
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
@@ -42,16 +43,12 @@ def run(args: argparse.Namespace) -> int:
     if args.format == "text" and not args.quiet:
         rules = len(compiled.spec.rules)
         warnings = len(found) - errors
-        what = f"{_count(len(compiled.order), 'module')}, {_count(rules, 'rule or assumption', 'rules and assumptions')}"
-        summary = f"{what}: {_count(errors, 'error')}, {_count(warnings, 'warning')}"
+        what = f"{count(len(compiled.order), 'module')}, {count(rules, 'rule or assumption', 'rules and assumptions')}"
+        summary = f"{what}: {count(errors, 'error')}, {count(warnings, 'warning')}"
         print(summary, file=sys.stderr if found else sys.stdout)
     if any(isinstance(f, TrackmarshalError) for f in found):  # something could not be read at all
         return 2
     return 1 if errors else 0
-
-
-def _count(number: int, one: str, many: str | None = None) -> str:
-    return f"{number} {one if number == 1 else many or one + 's'}"
 
 
 def examine(compiled: Compiled, project: Path | None) -> list[Diagnostic | TrackmarshalError]:

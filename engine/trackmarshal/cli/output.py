@@ -8,11 +8,14 @@ import sys
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from time import monotonic
-from typing import Any, TextIO, TypeVar
+from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.verdict import About, RuleResult
 from trackmarshal.units import written
+
+if TYPE_CHECKING:
+    from trackmarshal.trace import Finding, Matrix
 
 
 def number(value: float) -> float | str:
@@ -20,6 +23,18 @@ def number(value: float) -> float | str:
     if math.isfinite(value):
         return value
     return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
+
+
+def count(number: int, one: str, many: str | None = None) -> str:
+    """How many of something, in words of its own number: `1 gap`, `2 gaps`."""
+    return f"{number} {one if number == 1 else many or one + 's'}"
+
+
+def told(gaps: Sequence[Finding], matrix: Matrix) -> str:
+    """How many findings fail the gate: those that stand for themselves, and those that follow from them."""
+    following = sum(finding in matrix.causes for finding in gaps)
+    own = count(len(gaps) - following, "gap")
+    return f"{own}, and {following} that follow{'s' if following == 1 else ''}" if following else own
 
 
 def rule_json(result: RuleResult) -> dict[str, Any]:

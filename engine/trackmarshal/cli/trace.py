@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING
 from trackmarshal.cli import against, asking, impact
 from trackmarshal.cli.beside import page_beside
 from trackmarshal.cli.days import day
-from trackmarshal.cli.output import say
+from trackmarshal.cli.output import say, told
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
-    from trackmarshal.trace import Finding, Matrix
+    pass
 
 FORMATS = ("text", "json", "csv", "md", "markdown", "html", "sarif", "github", "junit")
 
@@ -106,16 +106,7 @@ def _run(args: argparse.Namespace) -> int:
         print(made, end="")
     gaps = trace.gate(matrix) if args.gate else []
     if args.gate and args.format == "text" and not args.quiet:
-        print(f"gate: {_gaps(gaps, matrix)}" if gaps else "gate: passed", file=sys.stderr)
+        print(f"gate: {told(gaps, matrix)}" if gaps else "gate: passed", file=sys.stderr)
     if matrix.unusable:
         return 2
     return 1 if gaps else 0
-
-
-def _gaps(gaps: list[Finding], matrix: Matrix) -> str:
-    """How many findings fail the gate: those that stand for themselves, and those that follow from them."""
-    following = sum(finding in matrix.causes for finding in gaps)
-    own = len(gaps) - following
-    return f"{own} gap{'' if own == 1 else 's'}" + (
-        f", and {following} that follow{'s' if following == 1 else ''}" if following else ""
-    )
