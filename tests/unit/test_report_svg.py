@@ -216,6 +216,26 @@ def test_timeline_has_a_row_a_rule_and_a_segment_a_stretch(tmp_path: Path) -> No
     assert [n for n in notes if "outside" in n] == ["0.9 s: missed: outside the ground truth"]
 
 
+def test_that_a_cycle_is_unsafe_is_asked_of_no_rule_that_is_judged_with_others(tmp_path: Path) -> None:
+    truth = (None, True, False, *(None,) * 37)
+    run = read_run(record(tmp_path, overtaking(ground_truth={"dynamic": truth, "static": (True,) * 40})))
+    dynamic = [rule for rule in run.rules if run.judged_by(rule) == "dynamic"]
+    static = [rule for rule in run.rules if run.judged_by(rule) == "static"]
+    assert len(dynamic) > 1 and static
+    for rule in dynamic:
+        assert run.asked_of([rule])[:3] == [None, True, None]
+    assert run.asked_of(dynamic)[:3] == [None, True, False]
+    # What is not asked of one of them is not asked of all, and what one of them has to do, all of them do.
+    assert run.asked_of([dynamic[0], *static])[:3] == [None, True, None]
+    assert run.asked_of([*dynamic, *static])[:3] == [None, True, False]
+    unjudged = read_run(record(tmp_path, overtaking(ground_truth={"dynamic": truth})))
+    (without, *_) = (rule for rule in unjudged.rules if unjudged.judged_by(rule) != "dynamic")
+    assert unjudged.asked_of([without]) == [None] * 40
+    assert unjudged.asked_of([dynamic[0], without])[:3] == [None] * 3
+    behind = ET.fromstring(margin_plot.margin_plot(run, dynamic[0], timeline.WIDE, "k"))
+    assert {e.get("class") for e in behind.iter(f"{SVG}rect")} & {"g-safe", "g-unsafe"} == {"g-safe"}
+
+
 def test_timeline_columns_line_up_with_margins(tmp_path: Path) -> None:
     run = read_run(record(tmp_path, overtaking()))
     first = ET.fromstring(timeline.timeline(run, timeline.WIDE, {}))

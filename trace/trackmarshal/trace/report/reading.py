@@ -148,11 +148,23 @@ class Run:
         lanes = [lane.verdict for rule in self.rules if rule.kind == kind for lane in rule.lanes.values()]
         return [any(letters[i] in UNSAFE for letters in lanes) for i in range(self.cycles)]
 
-    def truth_of(self, rule: Rule) -> Sequence[bool | None]:
-        """The first ground truth that judges a rule; empty where none does."""
+    def judged_by(self, rule: Rule) -> str:
+        """The kind of the first ground truth that judges a rule."""
         judging = [t["kind"] for t in self.record["truths"] if rule.name in t.get("rules", ())]
         by_name = any("rules" in t for t in self.record["truths"])
-        return self.truth.get(judging[0] if judging else "" if by_name else rule.kind, ())
+        return judging[0] if judging else "" if by_name else rule.kind
+
+    def asked_of(self, rules: Sequence[Rule]) -> list[bool | None]:
+        """Per cycle what the ground truth asks of some rules: True where none of them may be against it, False where one of them has to be, as
+        no other rule could be the one that is, None where it leaves both."""
+        kinds = {rule.name: self.judged_by(rule) for rule in rules}
+        others = {self.judged_by(rule) for rule in self.rules if rule.name not in kinds}
+        truths = {kind: self.truth.get(kind) or [None] * self.cycles for kind in kinds.values()}
+        alone = [truth for kind, truth in truths.items() if kind not in others]
+        return [
+            False if any(truth[i] is False for truth in alone) else all(truth[i] for truth in truths.values()) or None
+            for i in range(self.cycles)
+        ]  # fmt: skip
 
     def whole_truth(self) -> list[bool | None]:
         """All kinds of ground truth together: unsafe where one says so, safe where all do, else free."""

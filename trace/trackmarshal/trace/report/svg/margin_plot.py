@@ -38,7 +38,7 @@ def margin_plot(run: Run, rule: Rule, layout: Layout, key: str) -> str:
     ]
     up = margin_axis(values, HEIGHT - BOTTOM, TOP)
     parts = [
-        *truth_behind(run, run.truth_of(rule), across, PANEL),
+        *truth_behind(run, run.asked_of([rule]), across, PANEL),
         *_grid(run, rule, across, up, layout),
     ]
     below = tag(

@@ -115,9 +115,7 @@ def _requirement(
     run: Run, score: Score, across: Axis, layout: Layout, panel: Panel, key: str
 ) -> Iterator[str]:
     up = Bent(-1.0, 1.0, panel.foot, panel.top)
-    truths = {tuple(truth) for rule in score.rules if (truth := run.truth_of(rule))}
-    if len(truths) == 1:  # rules of several kinds have no truth in common
-        yield from truth_behind(run, truths.pop(), across, panel)
+    yield from truth_behind(run, run.asked_of(score.rules), across, panel)
     name = score.requirement or "without a requirement"
     if layout.gutter:
         room = layout.gutter - 52
