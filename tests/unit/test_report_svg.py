@@ -221,7 +221,8 @@ def test_that_a_cycle_is_unsafe_is_asked_of_no_rule_that_is_judged_with_others(t
     run = read_run(record(tmp_path, overtaking(ground_truth={"dynamic": truth, "static": (True,) * 40})))
     dynamic = [rule for rule in run.rules if run.judged_by(rule) == "dynamic"]
     static = [rule for rule in run.rules if run.judged_by(rule) == "static"]
-    assert len(dynamic) > 1 and static
+    assert len(dynamic) > 1
+    assert static
     for rule in dynamic:
         assert run.asked_of([rule])[:3] == [None, True, None]
     assert run.asked_of(dynamic)[:3] == [None, True, False]
