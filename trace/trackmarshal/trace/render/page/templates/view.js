@@ -136,11 +136,16 @@ function render() {
   if (printing) document.querySelectorAll(".card details").forEach((one) => (one.open = true));
 }
 
+// What Escape closed: its row has the focus again once the page is without it, which is later than the key.
+let closing = "";
+
 function follow(event) {
   if (event && location.hash && !location.hash.includes("=")) return; // a place on this page
   state = read();
   window_ = FIRST;
   render();
+  if (closing) [...document.querySelectorAll("tr.row")].find((one) => one.dataset.node === closing)?.querySelector("a").focus();
+  closing = "";
   if (!location.hash) return;
   const target = (state.cell && document.getElementById("cell-" + state.cell)) || (state.at && document.querySelector(".card")) || (event && document.getElementById("matrix"));
   if (target) target.scrollIntoView({ block: "start" });
@@ -166,9 +171,8 @@ document.addEventListener("keydown", (event) => {
     event.preventDefault();
     form.elements.q.focus();
   } else if (event.key === "Escape" && state.at) {
-    const back = state.at;
+    closing = state.at;
     location.hash = address({ at: "", cell: "" });
-    requestAnimationFrame(() => [...document.querySelectorAll("tr.row")].find((one) => one.dataset.node === back)?.querySelector("a").focus());
   }
 });
 window.addEventListener("hashchange", follow);
