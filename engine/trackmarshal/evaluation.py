@@ -21,7 +21,7 @@ from trackmarshal.runtime.contract.tracks import places_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import SAFE_CODES, Judged, Program, Rated
 from trackmarshal.runtime.stamps import stamp_after
-from trackmarshal.runtime.verdict import VERDICTS, About, CaseResult, RuleResult
+from trackmarshal.runtime.verdict import About, Briefly, CaseResult, RuleResult
 
 if TYPE_CHECKING:
     from trackmarshal.batches import Batch
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 #: Evaluators by name, the default first; `auto` is generated C where that can be had, else numpy.
 BACKENDS = ("numpy", "reference", "c", "auto")
-_INACTIVE = VERDICTS.index("inactive")
 #: Why generated C cannot be had: a rule, a compiler or an input that it has to do without.
 _NO_C = ("E470", "E471", "E472", "E473")
 #: Frames that are evaluated together.
@@ -263,33 +262,29 @@ class Evaluator:
             for f in frame.faults
             if not candidate or f.signal not in frame.candidates or f.signal == candidate
         ]
+        rules: Mapping[str, RuleResult]
         if brief:
-            given = zip(self._in_brief, rated.verdicts, rated.margins)
-            rules = {
-                idle.rule: idle
-                if code == _INACTIVE and margin == idle.margin
-                else RuleResult(idle.rule, VERDICTS[code], float(margin), idle.unit, advisory=idle.advisory)
-                if code in SAFE_CODES
-                else rated.explain(place, series)
-                for place, (idle, code, margin) in enumerate(given)
+            against = {
+                self.rules[place].name: rated.explain(place, series)
+                for place, code in enumerate(rated.verdicts)
+                if code not in SAFE_CODES
             }
+            rules = Briefly(self._in_brief, rated.verdicts, rated.margins, against)
         else:
             rules = {rule.name: rated.explain(place, series) for place, rule in enumerate(self.rules)}
         return CaseResult(frame.id, rules, tuple(faults), frame.settings.broken)
 
     @cached_property
-    def _in_brief(self) -> list[RuleResult]:
-        """What each rule says where it does not apply, in the unit of its margin where nobody looks for what decided."""
-        return [
-            RuleResult(
-                rule.name,
-                "inactive",
-                math.inf,
-                "1" if rule.unit == MIXED else rule.unit,
-                advisory=rule.advisory,
+    def _in_brief(self) -> dict[str, tuple[int, RuleResult]]:
+        """By name each rule's number, and what it says where it does not apply, in the unit of its margin where nobody looks for what decided."""
+        units = ("1" if rule.unit == MIXED else rule.unit for rule in self.rules)
+        return {
+            rule.name: (
+                place,
+                RuleResult(rule.name, "inactive", math.inf, unit, advisory=rule.advisory),
             )
-            for rule in self.rules
-        ]
+            for place, (rule, unit) in enumerate(zip(self.rules, units))
+        }
 
     @property
     def sweeps(self) -> bool:

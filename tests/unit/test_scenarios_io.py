@@ -230,6 +230,34 @@ def test_wrong_lines_are_refused_with_their_number(text: str, code: str, line: i
     assert caught.value.help
 
 
+@pytest.mark.parametrize("other", ["1e999", "-1e999", "true"])
+@pytest.mark.parametrize("place", [0, 1])
+def test_one_number_of_a_column_that_is_none(other: str, place: int) -> None:
+    """Beside an infinite one of the other sign too, with which it adds up to no infinite one."""
+    for beside in ("1.0", "1e999"):
+        column = ",".join((other, beside) if place == 0 else (beside, other))
+        text = FIRST.replace('"a":[0.0,0.0]', f'"a":[{column}]', 1)
+        assert text != FIRST
+        with pytest.raises(TrackmarshalError) as caught:
+            recording_io.decode(f"{HEAD}\n{text}".encode(), "x")
+        assert (caught.value.code, caught.value.line) == ("D141", 2)
+
+
+def test_numbers_whose_sum_is_none_are_read() -> None:
+    text = FIRST.replace('"a":[0.0,0.0]', '"a":[1.7e308,1.7e308]', 1)
+    found = recording_io.decode(f"{HEAD}\n{text}".encode(), "x")
+    assert found.cycles[0].candidates["driving"]["a"] == [1.7e308, 1.7e308]
+
+
+@pytest.mark.parametrize("before", ["", HEAD + "\n"])
+def test_a_byte_order_mark_within_is_named(before: str) -> None:
+    """As where files were joined; the one at the start is taken off."""
+    assert recording_io.decode(f"\ufeff{HEAD}\n{FIRST}".encode(), "x").name == "sample"
+    with pytest.raises(TrackmarshalError, match="byte order mark") as caught:
+        recording_io.decode(f"\ufeff{before}\ufeff{FIRST}".encode(), "x")
+    assert caught.value.code == "D140"
+
+
 def test_what_is_not_utf8_is_refused_with_its_line() -> None:
     with pytest.raises(TrackmarshalError) as caught:
         recording_io.decode(HEAD.encode() + b"\n\xff", "x")

@@ -132,6 +132,25 @@ def test_arrays_are_taken_and_not_stacked_again(spec: Spec) -> None:
     assert not np.shares_memory(evaluator.program.run(cases).batch.table("plan", "v"), stack[0])
 
 
+def test_cases_of_several_arrays(spec: Spec) -> None:
+    """As candidates of cycles are: each was read with its like, and they take turns."""
+    evaluator = Evaluator(spec, None, "numpy")
+    apart = [evaluator.read_all([case(10.0 * array + k, 2.0 * k) for k in range(6)]) for array in range(3)]
+    longer = evaluator.read_all([case(90.0 + k, 2.0, 3.0) for k in range(6)])
+    assert all(one.columns["plan"].stack is not None for cases in (*apart, longer) for one in cases)
+    first, second, third = apart
+    turns = [one for pair in zip(first, second) for one in pair]
+    for cases in (
+        turns, turns[::-1], turns[3:], [*first[:3], *second[3:], *first[3:]], [first[2], first[0], first[3]], [first[0], first[3], first[2]], [first[4], first[4], *second],
+        [first[0], second[0]], [first[0], second[0], third[0]], [*turns, third[5]],
+        [one for pair in zip(first, longer) for one in pair], [*longer, *first],
+    ):  # fmt: skip
+        table = evaluator.program.run(cases).batch.table("plan", "v")
+        for row, one in zip(table.tolist(), cases, strict=True):
+            own = one.columns["plan"].column("v").tolist()
+            assert row[: len(own)] == own
+
+
 def test_a_flaw_in_one_case_is_not_one_of_its_neighbours(spec: Spec) -> None:
     """What is wrong with one is named in that one, wherever it stands among those that are read together."""
     flawed: list[dict[str, Any]] = [

@@ -90,9 +90,10 @@ class Stateless(ABC):
 
 def rated(
     rules: Sequence[RuleInfo], frame: Frame, values: Callable[[], CaseValues], verdicts: bytes | None = None,
-    margins: Sequence[float] = (),
+    margins: Sequence[float] = (), never_decide: frozenset[int] | None = None,
 ) -> Rated:  # fmt: skip
-    """The outcome of rules on one frame: as given, or as the values of their formulas say."""
+    """The outcome of rules on one frame: as given, or as the values of their formulas say. never_decide: the numbers of advisory ones, where
+    they are known already."""
     if verdicts is None:
         outcomes = [outcome(rule, frame, values()) for rule in rules]
         own = [
@@ -109,7 +110,7 @@ def rated(
         said = VERDICTS[codes[number]], float(margins[number])
         return rule_result(rules[number], frame, values(), said, series)
 
-    return Rated(codes, margins, explain, advisory(rules))
+    return Rated(codes, margins, explain, advisory(rules) if never_decide is None else never_decide)
 
 
 #: A code that no verdict has: a rule that did not run is never taken for one that said something.

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from trackmarshal.ir.spec import Spec
     from trackmarshal.runtime.verdict import RuleResult
     from trackmarshal.scenarios.recording import Recording
-    from trackmarshal.scenarios.replay import Replay
+    from trackmarshal.scenarios.replay import CycleOutcome, Replay
     from trackmarshal.semantics.compile import Compiled
 
 CODES = {
@@ -374,14 +374,15 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
 
     times = [cycle.t for cycle in outcome.cycles]
     rows = []
+    against: dict[tuple[str, str], list[CycleOutcome]] = {}
+    for cycle in outcome.cycles:
+        for candidate, results in cycle.results.items():
+            for one in results.against:
+                against.setdefault((one.rule, candidate), []).append(cycle)
     for rule in evaluator.rules:
         for candidate in ("driving", "emergency"):
-            unsafe = [
-                c
-                for c in outcome.cycles
-                if candidate in c.results and c.results[candidate].rules[rule.name].fired
-            ]
-            if not unsafe:
+            unsafe = against.get((rule.name, candidate))
+            if unsafe is None:
                 continue
             worst = min(unsafe, key=lambda c: _badness(c.results[candidate].rules[rule.name]))
             result = worst.results[candidate].rules[rule.name]

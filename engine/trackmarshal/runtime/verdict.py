@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -11,6 +11,9 @@ from trackmarshal.source import Span
 from trackmarshal.units import beside
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from trackmarshal.ir.nodes import Formula
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
@@ -116,16 +119,60 @@ def decides(result: RuleResult) -> str:
     return f" of a scale, by {beside(witness.margin, witness.unit, witness.shown)}"
 
 
+class Briefly(Mapping[str, RuleResult]):
+    """Results by the names of rules: of those that are not against a case the verdict and the margin, made when they are asked for, since of a
+    long run hardly any of them is. `against` has all others.
+
+    idle: by name each rule's number, and its result where it does not apply.
+    """
+
+    __slots__ = ("_codes", "_idle", "_margins", "against")
+
+    def __init__(
+        self,
+        idle: Mapping[str, tuple[int, RuleResult]],
+        codes: bytes,
+        margins: Sequence[float] | NDArray[np.float64],
+        against: Mapping[str, RuleResult],
+    ) -> None:
+        if not len(idle) == len(codes) == len(margins):
+            raise ValueError(f"{len(codes)} verdicts and {len(margins)} margins of {len(idle)} rules")
+        self._idle, self._codes, self._margins, self.against = idle, codes, margins, against
+
+    def __getitem__(self, name: str) -> RuleResult:
+        found = self.against.get(name)
+        if found is not None:
+            return found
+        number, idle = self._idle[name]
+        verdict, margin = VERDICTS[self._codes[number]], float(self._margins[number])
+        if verdict == idle.verdict and margin == idle.margin:
+            return idle
+        return RuleResult(name, verdict, margin, idle.unit, advisory=idle.advisory)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._idle)
+
+    def __len__(self) -> int:
+        return len(self._idle)
+
+
 @dataclass(frozen=True, slots=True)
 class CaseResult:
     """All chosen rules on one case; safe only when none is violated or undefined, but for advisory ones, the input contract holds, and so
     does every constraint of the spec: where one is broken, the rules are unsound, whatever they say. By advisory rules alone nothing is safe."""
 
     id: object
-    rules: dict[str, RuleResult]
+    rules: Mapping[str, RuleResult]
     faults: tuple[str, ...] = field(default=())
     #: Constraints that do not hold with the case's parameters.
     broken: tuple[str, ...] = field(default=())
+
+    @property
+    def against(self) -> Collection[RuleResult]:
+        """The results of rules that are against it, advisory ones too."""
+        if isinstance(self.rules, Briefly):
+            return self.rules.against.values()
+        return [result for result in self.rules.values() if result.fired]
 
     @property
     def safe(self) -> bool:
@@ -133,5 +180,5 @@ class CaseResult:
             any(not result.advisory for result in self.rules.values())
             and not self.faults
             and not self.broken
-            and not any(result.unsafe for result in self.rules.values())
+            and not any(result.unsafe for result in self.against)
         )

@@ -28,14 +28,22 @@ def _nan(_name: str) -> float:
     return math.nan
 
 
+#: Made once: a text is often one line of thousands. By whether constants are read.
+_DECODERS = {
+    constants: json.JSONDecoder(parse_constant=_nan if constants else _no_constant, object_pairs_hook=_pairs)
+    for constants in (False, True)
+}
+
+
 def parse(text: str, *, constants: bool = False) -> Any:
     """One JSON text to its value. With `constants`, NaN, Infinity and -Infinity are read, all as NaN.
 
     Raises BadJson, also for nesting and for digits without end.
     """
+    if text.startswith("\ufeff"):  # of which decoders know nothing
+        raise BadJson("a byte order mark stands elsewhere than at the start of a file")
     try:
-        constant = _nan if constants else _no_constant
-        value = json.loads(text, parse_constant=constant, object_pairs_hook=_pairs)
+        value = _DECODERS[constants].decode(text)
         if "\\u" in text:  # an escaped half of a pair of surrogates is no character, and cannot be printed
             json.dumps(value, ensure_ascii=False).encode()
         return value

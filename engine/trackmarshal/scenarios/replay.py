@@ -166,8 +166,7 @@ def _truths(
             unsafe = [bool(found) for found in against[kind]]
         else:
             unsafe = [
-                any(result.rules[name].unsafe for result in cycle.results.values() for name in names)
-                for cycle in cycles
+                any(one.unsafe and one.rule in names for one in _said_against(cycle)) for cycle in cycles
             ]
         times = [cycle.t for cycle in cycles]
         missed = tuple(t for t, safe, found in zip(times, truth, unsafe) if safe is False and not found)
@@ -218,17 +217,17 @@ def _unexpected(
 
     No ground truth speaks of a rule that has none, and of one that is against another candidate, or by another object, than its own are about.
     """
-    open_ = [
+    open_ = {
         rule.name
         for rule in evaluator.rules
         if declared.isdisjoint(judged_by(rule, evaluator.spec, recording))
-    ]
+    }
     own: dict[str, list[tuple[str, Label]]] = {}
     for name, label in labels(recording).items():
         if name in declared:
             own.setdefault(label.rule, []).append((name, label))
     for number, cycle in enumerate(cycles):
-        by_rule = any(result.rules[name].unsafe for result in cycle.results.values() for name in open_)
+        by_rule = any(one.unsafe and one.rule in open_ for one in _said_against(cycle))
         by_rule = by_rule or any(
             result.rules[rule].unsafe
             and not any(
@@ -244,6 +243,12 @@ def _unexpected(
         may_be = any(recording.ground_truth[kind][number] is not True for kind in declared & set(TRUTHS))
         if by_rule or (by_input and not may_be):
             yield cycle.t
+
+
+def _said_against(cycle: CycleOutcome) -> Iterator[RuleResult]:
+    """What rules are against in a cycle, whichever candidate it is."""
+    for result in cycle.results.values():
+        yield from result.against
 
 
 def _uncovered(recording: Recording, evaluator: Evaluator, declared: set[str]) -> Iterator[str]:

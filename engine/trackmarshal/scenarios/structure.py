@@ -236,7 +236,8 @@ def _value(value: Any, name: str, own: Iterable[str], where: str) -> Any:
 
 def _column(value: Any, name: str, where: str) -> list[Any]:
     column = _list(value, where)
-    if {float}.issuperset(map(type, column)) and all(map(math.isfinite, column)):  # nearly always
+    # Nearly always: a sum is finite only if all numbers are.
+    if {float}.issuperset(map(type, column)) and math.isfinite(sum(column)):
         return column
     return [_value(item, name, COLUMNS, f"{where}[{i}]") for i, item in enumerate(column)]
 

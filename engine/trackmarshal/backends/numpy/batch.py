@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,23 @@ from trackmarshal.runtime.frame import Columns, Frame
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+#: Where arrays hold fewer cases than this on average, these are read one by one.
+FEW_TOGETHER = 2
+
+
+class _Together(NamedTuple):
+    """Cases whose numbers stand in one array (places, numbers, count), and the place of each."""
+
+    stack: Floats
+    cases: list[int]
+    places: list[int]
+
+    def rows(self, row: int) -> Floats:
+        """(cases, count): a column of each."""
+        first, count = self.places[0], len(self.places)
+        if self.places == list(range(first, first + count)):
+            return self.stack[first : first + count, row]
+        return self.stack[:, row].take(self.places, axis=0)
 
 
 class Tables:
@@ -40,7 +57,7 @@ class Batch:
         self.remembered: Mapping[ir.Kept, float] = {}
         self._tables = tables
         self._own: dict[str, list[Columns]] = {}
-        self._runs: dict[str, list[Floats] | None] = {}
+        self._together: dict[str, list[_Together] | None] = {}
         self._counts: dict[str, list[int]] = {}
         self._sizes: dict[ir.Axis, int] = {}
         self._columns: dict[tuple[str, str], Floats] = {}
@@ -144,34 +161,36 @@ class Batch:
         """The numbers of a column, of arrays that were put into one already where they were."""
         own = self.own(signal)
         row = own[0].names.rows[field]
-        if signal not in self._runs:
-            self._runs[signal] = self._read_together(own)
-        runs = self._runs[signal]
-        if runs is None:
+        if signal not in self._together:
+            self._together[signal] = self._read_together(own)
+        together = self._together[signal]
+        if together is None:
             return self._padded([columns.values[row] for columns in own], signal)
-        return runs[0][:, row] if len(runs) == 1 else np.concatenate([run[:, row] for run in runs])
+        if len(together) == 1:
+            return together[0].rows(row)
+        made = np.empty((self.size, own[0].count))
+        for one in together:
+            made[one.cases] = one.rows(row)
+        return made
 
     @staticmethod
-    def _read_together(own: Sequence[Columns]) -> list[Floats] | None:
-        """The arrays (cases, numbers, count) of runs of cases that were read together; None where those are few, or of many sizes."""
-        found: list[tuple[Floats, int, int]] = []
-        whole: Floats | None = None
-        first = following = 0
-        for columns in own:
+    def _read_together(own: Sequence[Columns]) -> list[_Together] | None:
+        """The arrays that the numbers of cases were put into; None where those are many, or of many sizes."""
+        found: dict[int, _Together] = {}
+        for case, columns in enumerate(own):
             if columns.stack is None:
                 return None
-            if columns.stack[0] is whole and columns.stack[1] == following:
-                following += 1
-                continue
-            if whole is not None:
-                found.append((whole, first, following))
-            whole, first = columns.stack
-            following = first + 1
-        assert whole is not None
-        found.append((whole, first, following))
-        if len(found) > 1 and (2 * len(found) > len(own) or len({run.shape[2] for run, _, _ in found}) > 1):
+            stack, place = columns.stack
+            one = found.get(id(stack))
+            if one is None:
+                one = found[id(stack)] = _Together(stack, [], [])
+            one.cases.append(case)
+            one.places.append(place)
+        if len(found) > 1 and (
+            FEW_TOGETHER * len(found) > len(own) or len({one.stack.shape[2] for one in found.values()}) > 1
+        ):
             return None
-        return [run[begin:end] for run, begin, end in found]
+        return list(found.values())
 
     def _padded(self, rows: list[NDArray[Any]], signal: str) -> Floats:
         """(cases, longest)."""

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from trackmarshal.backends.numpy.batch import Batch, Tables
 from trackmarshal.backends.numpy.code import Code
-from trackmarshal.backends.numpy.logic import AT_LEAST, NEITHER, Side, Value, value
-from trackmarshal.backends.numpy.views import CaseView
+from trackmarshal.backends.numpy.logic import AT_LEAST, NEITHER, Value, value
+from trackmarshal.backends.numpy.views import CaseView, Reading
 from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.program import Rated
+from trackmarshal.runtime.program import Rated, advisory
 from trackmarshal.runtime.verdict import VERDICTS
 
 #: Codes of verdicts: their places in VERDICTS.
@@ -152,7 +152,8 @@ class Run:
         self.batch = batch
         self._values = values
         self._made: dict[ir.IR, Value] = {}
-        self._closed: dict[ir.IR, tuple[list[Any], ...]] = {}
+        #: What has been asked of single cases: the worst and the best case of formulas.
+        self.readings: dict[ir.IR, tuple[Reading, Reading]] = {}
         self._recalled: dict[ir.IR, dict[tuple[str, ...], Run]] = {}
 
     def of(self, node: ir.Formula) -> Value:
@@ -181,31 +182,17 @@ class Run:
         batch.remembered = kept
         return program.run_on(batch)
 
-    def closed(self, node: ir.Formula) -> tuple[list[Any], ...]:
-        """A formula without free variables in every case: worst sat, worst margin, best sat, best margin."""
-        known = self._closed.get(node)
-        if known is None:
-            worst_side, best_side = self.of(node)
-            worst = self._listed(worst_side)
-            best = worst if best_side is worst_side else self._listed(best_side)
-            known = self._closed[node] = (*worst, *best)
-        return known
-
-    def _listed(self, side: Side) -> tuple[list[Any], list[Any]]:
-        size = self.batch.size
-        return _of_cases(side.sat, size).ravel().tolist(), _of_cases(side.margin, size).ravel().tolist()
-
     def rated(self) -> list[Rated]:
         """The outcome of every frame; witnesses are looked for when they are asked for."""
         codes, margins = self.verdicts
         by_frame = codes.T.tobytes()
-        width = len(self.program.rules)
+        width, never_decide = len(self.program.rules), advisory(self.program.rules)
         return [
             rated(
                 self.program.rules, frame, partial(CaseView, self, index),
-                by_frame[index * width : (index + 1) * width], margins[:, index].tolist(),
+                by_frame[index * width : (index + 1) * width], own, never_decide,
             )
-            for index, frame in enumerate(self.batch.cases)
+            for index, (frame, own) in enumerate(zip(self.batch.cases, margins.T.tolist()))
         ]  # fmt: skip
 
     @cached_property

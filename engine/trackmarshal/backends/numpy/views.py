@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.numpy import places
-from trackmarshal.backends.numpy.logic import Value
+from trackmarshal.backends.numpy.logic import AT_LEAST, NEITHER, Side, Value
 from trackmarshal.backends.witness import Sides, unknown_in
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
@@ -15,6 +15,56 @@ from trackmarshal.runtime.verdict import Bound, Truth
 
 if TYPE_CHECKING:
     from trackmarshal.backends.numpy.program import Run
+
+
+#: Of so many values a case they are all made Python's at once: asking an array for one takes as long as making some dozens of them.
+LISTED = 32
+
+
+class _Entries:
+    """An array's values as Python's, by case and by what variables stand for."""
+
+    __slots__ = ("_lengths", "_steps", "_take")
+
+    def __init__(self, array: Any, size: int) -> None:
+        few = array.size <= LISTED * size
+        self._take: Callable[[int], Any] = array.ravel().tolist().__getitem__ if few else array.item
+        #: By axis how many values further the next entry is: none where all have the same one.
+        self._steps: list[int] = []
+        self._lengths = array.shape
+        step = 1
+        for length in reversed(array.shape):
+            self._steps.insert(0, 0 if length == 1 else step)
+            step *= length
+
+    def at(self, index: int, env: Mapping[int, int]) -> Any:
+        steps = self._steps
+        if not steps:
+            return self._take(0)
+        place = index * steps[0]
+        for level, position in env.items():
+            step = steps[1 + level]
+            if step and not 0 <= position < self._lengths[1 + level]:  # there is another one's value
+                raise IndexError(f"entry {position} of {self._lengths[1 + level]}")
+            place += position * step
+        return self._take(place)
+
+
+class Reading:
+    """One side of a formula's value, case by case."""
+
+    __slots__ = ("_at_zero", "_margins", "_sats")
+
+    def __init__(self, side: Side, size: int) -> None:
+        self._margins = _Entries(side.margin, size)
+        self._sats = _Entries(side.sat, size) if side.says == NEITHER else None
+        self._at_zero = bool(side.says & AT_LEAST)
+
+    def at(self, index: int, env: Mapping[int, int]) -> Bound:
+        margin = self._margins.at(index, env)
+        if self._sats is not None:
+            return Bound(self._sats.at(index, env), margin)
+        return Bound(margin > 0.0 or (self._at_zero and margin == 0.0), margin)
 
 
 class CaseView:
@@ -30,13 +80,14 @@ class CaseView:
         return self._run.program.spec
 
     def truth(self, node: ir.Formula, env: dict[int, int]) -> Truth:
-        if not env:
-            worst_sat, worst, best_sat, best = self._run.closed(node)
-            index = self._index
-            return Truth(Bound(worst_sat[index], worst[index]), Bound(best_sat[index], best[index]))
-        value = self._of(node)
-        bound = self._bound(value.worst, env)
-        return Truth(bound, bound if value.best is value.worst else self._bound(value.best, env))
+        made = self._run.readings.get(node)
+        if made is None:
+            value, size = self._of(node), self._run.batch.size
+            worst = Reading(value.worst, size)
+            made = worst, worst if value.best is value.worst else Reading(value.best, size)
+            self._run.readings[node] = made
+        bound = made[0].at(self._index, env)
+        return Truth(bound, bound if made[1] is made[0] else made[1].at(self._index, env))
 
     def recalled(self, node: ir.Formula, env: dict[int, int], kept: Mapping[ir.Kept, float]) -> Truth:
         return self._run.recalled(node, kept, self._index).truth(node, env)
@@ -46,11 +97,6 @@ class CaseView:
         place = self._run.program.code.least.get(node)
         least: places.Least | None = None if place is None else self._run._values[place]
         return self._run.of(node) if least is None else least.value
-
-    def _bound(self, side: Any, env: dict[int, int]) -> Bound:
-        return Bound(
-            side.sat.item(*self._place(side.sat, env)), side.margin.item(*self._place(side.margin, env))
-        )
 
     def _place(self, array: Any, env: dict[int, int]) -> list[Any]:
         """Where in an array the case has its value; empty for an array without axes, which has one value for all."""

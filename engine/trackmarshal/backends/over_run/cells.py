@@ -4,23 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
-from typing import Any, NamedTuple, assert_never
+from typing import Any, NamedTuple
 
-from trackmarshal.backends.over_run.counts import Range, compared
+from trackmarshal.backends.over_run.asking import Key, asking, operands_of, stepping
 from trackmarshal.backends.over_run.history import looks_ahead, parts_of, recalled_of, recalls_of, sets_of
 from trackmarshal.backends.over_run.lives import ANY_CYCLES, Arrivals, Lives
-from trackmarshal.backends.over_run.machines import Possible, begun, is_in, kept, stepped, unknown, widened
+from trackmarshal.backends.over_run.machines import Possible, begun, unknown, widened
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.windows import Item, Sliding, folding
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import Extreme
-from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, least, negate
-from trackmarshal.runtime.verdict import Bound, Truth
+from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED
+from trackmarshal.runtime.verdict import Truth
 
-#: What variables of sets stand for, by the level of their axes: ids.
-Ids = Mapping[int, str]
-Key = tuple[str, ...]
 #: What has a memory of its own: an operator, or a state machine, of which there is one whatever is asked of it.
 Holder = ir.OverRun | ir.Counted | ir.Machine
 #: Before all stamps [ns]; generated C has the same.
@@ -241,131 +236,42 @@ class Present:
             return self.now.leaf(node, key)
         known = self._known.get((node, key))
         if known is None:
-            like = self.like if self.now.shares(node) else None
-            known = self._known[node, key] = self._value(node, key) if like is None else like.leaf(node, key)
+            like = self.like
+            if like is not None and self.now.shares(node):
+                known = like.leaf(node, key)
+            else:
+                known = asking(node)(self, key)
+            self._known[node, key] = known
         return known
 
     def over(self, holder: Holder, key: Key) -> bool:
         """Whether what was remembered is of elements of which nothing is any more."""
-        return any(name in one.over for name, (_, one) in self._lasting(holder, key))
+        return bool(self.lives) and any(name in one.over for name, (_, one) in self._lasting(holder, key))
 
     def without(self, holder: Holder, key: Key) -> bool:
         """Whether there is no place for one of these elements."""
-        return any(name in one.without for name, (_, one) in self._lasting(holder, key))
+        return bool(self.lives) and any(name in one.without for name, (_, one) in self._lasting(holder, key))
 
     def sure(self, holder: Holder, key: Key) -> bool:
         """Whether nothing came before the first cycle of these elements."""
-        return all(after.seen[name].sure for name, (after, _) in self._lasting(holder, key))
+        return not self.lives or all(after.seen[name].sure for name, (after, _) in self._lasting(holder, key))
 
     def _lasting(self, holder: Holder, key: Key) -> list[tuple[str, tuple[Lives, Arrivals]]]:
         return [(name, self.lives[axis.signal]) for axis, name in zip(sets_of(holder), key) if axis.forget]
 
     def brought(self, holder: Holder, key: Key) -> Any:
         """What this cycle brings to what has a memory: the operands of an operator, the states that a machine may be in now."""
-        return self.possible(holder, key) if isinstance(holder, ir.Machine) else self.operands(holder, key)
-
-    def operands(self, node: ir.OverRun | ir.Counted, key: Key) -> tuple[Truth, ...]:
-        """The operands of an operator in this cycle."""
-        ids = _ids(node, key)
-        return tuple(self._of(operand, ids) for operand in node.operands)
+        return (
+            self.possible(holder, key) if isinstance(holder, ir.Machine) else operands_of(holder)(self, key)
+        )
 
     def possible(self, machine: ir.Machine, key: Key) -> Possible:
         """The states that a machine may be in after this cycle."""
         known = self._machines.get((machine, key))
-        if known is None and self.like is not None and self.now.shares(machine):
-            known = self._machines[machine, key] = self.like.possible(machine, key)
-        if known is None and self.without(machine, key):
-            known = self._machines[machine, key] = unknown(machine)
         if known is None:
-            ids = _ids(machine, key)
-            guards = [self._of(guard, ids) for guard in machine.guards]
-            before = self.cells.before(machine, key, self)
-            known = self._machines[machine, key] = stepped(
-                machine,
-                before,
-                self.now.t,
-                guards,
-                lambda number: self.now.measured(number, _named(number, ids)),
-            )
+            if self.like is not None and self.now.shares(machine):
+                known = self.like.possible(machine, key)
+            else:
+                known = unknown(machine) if self.without(machine, key) else stepping(machine)(self, key)
+            self._machines[machine, key] = known
         return known
-
-    def _recalled(self, node: ir.Formula, key: Key) -> Truth:
-        ids = _ids(node, key)
-        known = {
-            one: kept(one.machine, one.name, self.possible(one.machine, _named(one.machine, ids)), self.now.t)
-            for one in recalled_of(node)
-        }
-        return self.now.recalled(node, key, known)
-
-    def _of(self, node: ir.Formula, ids: Ids) -> Truth:
-        return self.leaf(node, _named(node, ids))
-
-    def _value(self, node: ir.Formula, key: Key) -> Truth:
-        if recalls_of(node):
-            return self._recalled(node, key)
-        ids = _ids(node, key)
-        match node:
-            case ir.OverRun() if self.without(node, key):
-                return UNDEFINED
-            case ir.OverRun():
-                value: Truth = self.cells.value(node, key, self, self.operands(node, key))
-                return value
-            case ir.Counted():
-                count = Range(0, ANY_CYCLES)
-                if not self.without(node, key):
-                    count = self.cells.value(node, key, self, self.operands(node, key))
-                return compared(node, count, self.now.number(node.limit))
-            case ir.InState():
-                return is_in(self.possible(node.machine, key), node.state)
-            case ir.Not():
-                return negate(self._of(node.operand, ids))
-            case ir.Connective():
-                return connect(node.op, self._of(node.left, ids), self._of(node.right, ids))
-            case ir.Guarded():
-                guard = self._of(node.guard, ids)
-                if not (guard.worst.sat or guard.best.sat):
-                    return TRUE
-                body = self._of(node.body, ids)
-                worst = body.worst if guard.best.sat else TRUE.worst
-                return Truth(worst, body.best if guard.worst.sat else TRUE.best)
-            case ir.Quantify():
-                return self._quantify(node, ids)
-            case _:
-                raise AssertionError(f"{type(node).__name__} is no formula over the run")
-
-    def _quantify(self, node: ir.Quantify, ids: Ids) -> Truth:
-        """Elements that may be in range count in the worst case of `for all` and in the best of `exists`; those that surely are, in the other."""
-        match node.extreme:
-            case Extreme.LEAST:
-                join = least
-            case Extreme.GREATEST:
-                join = greatest
-            case _:
-                assert_never(node.extreme)
-        worst = best = Bound(*node.extreme.neutral)
-        for name in self.now.ids[node.axis.signal]:
-            inner = {**ids, node.axis.level: name}
-            guard = TRUE if node.guard is None else self._of(node.guard, inner)
-            surely, possibly = guard.worst.sat, guard.best.sat
-            if not (surely or possibly):
-                continue  # nobody asks for the body, which may take long
-            body = self._of(node.body, inner)
-            if possibly if join is least else surely:
-                worst = join(worst, body.worst)
-            if surely if join is least else possibly:
-                best = join(best, body.best)
-        return Truth(worst, best)
-
-
-@cache
-def _levels(node: ir.Formula | ir.Num | ir.Machine) -> tuple[int, ...]:
-    """Of the variables of sets that are free in a node, in the order of keys."""
-    return tuple(axis.level for axis in sets_of(node))
-
-
-def _named(node: ir.Formula | ir.Num | ir.Machine, ids: Ids) -> Key:
-    return tuple(map(ids.__getitem__, _levels(node)))
-
-
-def _ids(node: ir.Formula | ir.Machine, key: Key) -> dict[int, str]:
-    return dict(zip(_levels(node), key))

@@ -62,7 +62,7 @@ class Now:
 
     def shares(self, node: ir.Formula | ir.Machine) -> bool:
         """Whether what something comes to after the same past is the same for `like`."""
-        return self.like is not None and not self.differs & _signals(node)
+        return self.like is not None and self.differs.isdisjoint(_signals(node))
 
     def measured(self, node: ir.Num, ids: tuple[str, ...]) -> float:
         """A number of this cycle, for elements of the sets that its variables are of; NaN where it has none."""
@@ -98,9 +98,9 @@ class Now:
         return found
 
     def _leaf(self, node: ir.Formula, ids: tuple[str, ...]) -> Truth:
-        if self.frame.unusable(_reads(node)) is not None:
+        if self.frame.faults and self.frame.unusable(_reads(node)) is not None:
             return UNDEFINED
-        return self.values.truth(node, self.env(node, ids))
+        return self.values.truth(node, self.env(node, ids) if ids else {})
 
 
 def happening(frame: Frame, values: CaseValues, like: Now | None = None) -> Now:

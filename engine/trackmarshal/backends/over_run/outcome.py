@@ -34,8 +34,7 @@ class Pending:
     decided: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
+class Outcome(NamedTuple):
     """What a rule says in a cycle. about: this cycle, then earlier ones whose verdict was decided, or whose margin became final, in it."""
 
     verdict: str

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from trackmarshal.runtime.decision import Decision
 
 
+#: Verdicts' places in VERDICTS.
+_CODES = {name: code for code, name in enumerate(VERDICTS)}
 #: What depends on the candidate that is rated, or driven.
 _OF_CANDIDATES = frozenset((PLAN, FOLLOWED, IS_EMERGENCY))
 
@@ -221,15 +223,18 @@ class Remembering:
 
     def _rated(self, state: Any, now: Now, inner: Outcomes) -> Rated:
         plain, frame = inner.rated, now.frame
-        found = [
-            _blocked(frame) if frame.unusable(rule.reads) is not None else outcome
-            for rule, outcome in zip(self._over, self._engine.judge(state, now))
-        ]
+        found = self._engine.judge(state, now)
+        if frame.faults:
+            found = [
+                _blocked(frame) if frame.unusable(rule.reads) is not None else outcome
+                for rule, outcome in zip(self._over, found)
+            ]
         without = self._engine.without(state, now)
-        verdicts, margins = bytearray(), []
-        for over, place in self._places:
-            verdicts.append(VERDICTS.index(found[place].verdict) if over else plain.verdicts[place])
-            margins.append(found[place].margin if over else float(plain.margins[place]))
+        codes, known = plain.verdicts, plain.margins
+        verdicts = bytes(
+            [_CODES[found[place].verdict] if over else codes[place] for over, place in self._places]
+        )
+        margins = [found[place].margin if over else float(known[place]) for over, place in self._places]
 
         def explain(number: int, series: bool = False) -> RuleResult:
             over, place = self._places[number]
@@ -246,7 +251,7 @@ class Remembering:
                 else plain.explain(place, series)
             )
 
-        return Rated(bytes(verdicts), margins, explain, self._advisory)
+        return Rated(verdicts, margins, explain, self._advisory)
 
 
 def remembers(rule: RuleInfo) -> bool:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any, NamedTuple
 
-from trackmarshal.backends.over_run.cells import Cells, Holder, Key, Taken
+from trackmarshal.backends.over_run.asking import Key
+from trackmarshal.backends.over_run.cells import Cells, Holder, Taken
 from trackmarshal.backends.over_run.history import Earlier, Past, sets_of
 from trackmarshal.backends.over_run.lives import Lives, Seen
 from trackmarshal.backends.over_run.machines import Held, Possible

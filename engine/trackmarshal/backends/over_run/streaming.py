@@ -66,6 +66,8 @@ class Streaming:
         self._nodes = cells_of(formula for formulas in by_rule for formula in formulas)
         #: Which rules may still change what they say of a cycle when it is past.
         self._ahead = [any(map(looks_ahead, formulas)) for formulas in by_rule]
+        #: Where no rule may, nothing is open after its own cycle, and no cycle is kept.
+        self._looks_ahead = any(self._ahead)
         of_ahead = [formula for formulas, ahead in zip(by_rule, self._ahead) if ahead for formula in formulas]
         self._leaves = tuple(
             dict.fromkeys(leaf for formula in of_ahead for leaf in leaves(formula, parts_ahead))
@@ -97,6 +99,8 @@ class Streaming:
     def judge(self, state: _Kept, now: Now) -> list[Outcome]:
         present = self._at(self._fresh(state), now)
         self._judged = *self._judged[-1:], (state, present)
+        if not self._looks_ahead:
+            return [self._at_once(rule, present) for rule in self._rules]
         return self._outcomes(state, [*state.cycles, self._past(state, now, present)], present)
 
     def without(self, state: _Kept, now: Now) -> Without:
@@ -107,6 +111,10 @@ class Streaming:
 
     def commit(self, state: _Kept, now: Now) -> _Kept:
         present = self._present(self._fresh(state), now)
+        if not self._looks_ahead:
+            state.cells.remember(now, present)
+            state.taken = True
+            return _Kept(state.cells, [], state.dropped, 0, state.pending, state.earlier)
         known = {
             (leaf, ids): present.leaf(leaf, ids)
             for leaf in self._leaves
@@ -156,15 +164,18 @@ class Streaming:
 
     def _outcomes(self, state: _Kept, cycles: list[Past], present: Present) -> list[Outcome]:
         history = History(cycles, False, parts_ahead, state.earlier)
-        now, found = Pending(len(cycles) - 1, present.now.name, False), []
-        for rule, open_, pending in zip(self._rules, self._ahead, state.pending):
-            assert rule.formula is not None
-            if open_:
-                found.append(self._open(rule, state, pending, now, history))
-            else:
-                active = TRUE if rule.active is None else present.leaf(rule.active, ())
-                found.append(at_once(now.name, present.leaf(rule.formula, ()), active))
-        return found
+        now = Pending(len(cycles) - 1, present.now.name, False)
+        return [
+            self._open(rule, state, pending, now, history) if open_ else self._at_once(rule, present)
+            for rule, open_, pending in zip(self._rules, self._ahead, state.pending)
+        ]
+
+    @staticmethod
+    def _at_once(rule: RuleInfo, present: Present) -> Outcome:
+        """What a rule says that looks back alone: it is settled in its own cycle."""
+        assert rule.formula is not None
+        active = TRUE if rule.active is None else present.leaf(rule.active, ())
+        return at_once(present.now.name, present.leaf(rule.formula, ()), active)
 
     def _open(
         self, rule: RuleInfo, state: _Kept, pending: Sequence[Pending], now: Pending, history: History

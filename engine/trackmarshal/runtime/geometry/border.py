@@ -9,8 +9,10 @@ import numpy as np
 
 from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, starts_of
 
-#: Consecutive segments that share a bounding disc.
-BLOCK = 16
+#: Consecutive segments that share a bounding disc, and how many of a block's segments share a smaller one.
+BLOCK, PART = 16, 4
+#: With more points than this it is worth looking for the parts of blocks that are near.
+FEW_POINTS = 64
 #: The sine of a bend below which both sides of the border count as straight: rounding could decide between them.
 STRAIGHT = 1e-6
 #: Distances that are held at once while blocks are searched.
@@ -68,17 +70,24 @@ class Border:
             array.flags.writeable = False
 
     def _blocks(self, firsts: Ints) -> None:
-        """Bounding discs of runs of segments, each centred at a point of the border."""
+        """Bounding discs of runs of segments, and of the parts of those, each centred at a point of the border."""
         runs = []
         for first, last in pairwise(firsts.tolist()):
             begins = np.arange(first, last, BLOCK)
             runs.append(np.minimum(begins[:, None] + np.arange(BLOCK), last - 1))
         self.runs = np.concatenate(runs)
-        middle = self.runs[:, BLOCK // 2]
-        self.disc_x, self.disc_y = self.ax[middle], self.ay[middle]
-        dx = np.stack([self.ax[self.runs], self.bx[self.runs]]) - self.disc_x[:, None]
-        dy = np.stack([self.ay[self.runs], self.by[self.runs]]) - self.disc_y[:, None]
-        self.disc_radius = np.sqrt(dx * dx + dy * dy).max(axis=(0, 2)) + SLACK
+        self.parts = self.runs.reshape(-1, PART)
+        self.disc_x, self.disc_y, self.disc_radius = self._discs(self.runs)
+        #: By block, x, y and radius of the discs of its parts.
+        self.part_discs = np.stack(self._discs(self.parts)).reshape(3, len(self.runs), -1)
+
+    def _discs(self, runs: Ints) -> tuple[Floats, Floats, Floats]:
+        """Centres and radii of discs around runs of segments."""
+        middle = runs[:, runs.shape[1] // 2]
+        x, y = self.ax[middle], self.ay[middle]
+        dx = np.stack([self.ax[runs], self.bx[runs]]) - x[:, None]
+        dy = np.stack([self.ay[runs], self.by[runs]]) - y[:, None]
+        return x, y, np.sqrt(dx * dx + dy * dy).max(axis=(0, 2)) + SLACK
 
     def distance(self, x: Floats, y: Floats, k: Ints) -> Floats:
         """The distance of points from segments: to the line where the foot lies within, else to the nearer end."""
@@ -119,16 +128,20 @@ class Border:
         return k, distance
 
     def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
-        point, k, distance = self._in_blocks(x, y, 0.0)
+        point, block = self._near_blocks(x, y, 0.0)
+        if x.size > FEW_POINTS:
+            point, k = self._near_parts(x, y, point, block)
+        else:
+            k = self.runs.take(block, axis=0)
+        distance = self.distance(x.take(point)[:, None], y.take(point)[:, None], k)
         best = np.minimum.reduceat(np.minimum.reduce(distance, axis=1), starts_of(point))
         places = (distance == best.take(point)[:, None]).ravel().nonzero()[0]
         if places.size > best.size:
-            places = places[starts_of(point.take(places // BLOCK))]
+            places = places[starts_of(point.take(places // k.shape[1]))]
         return k.ravel().take(places), best
 
-    def _in_blocks(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints, Floats]:
-        """Points and blocks in pairs, where a block may have a segment at most `reach` farther than the nearest one: which
-        points, and segments and distances by place in the block."""
+    def _near_blocks(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints]:
+        """Points and blocks in pairs, where a block may have a segment at most `reach` farther than the nearest one."""
         dx, dy = x[:, None] - self.disc_x, y[:, None] - self.disc_y
         dx *= dx
         dy *= dy
@@ -136,12 +149,28 @@ class Border:
         centre = np.sqrt(dx, out=dx)
         limit = np.minimum.reduce(centre, axis=1) + (reach + SLACK)
         centre -= self.disc_radius
-        point, run = (centre <= limit[:, None]).nonzero()
-        k = self.runs.take(run, axis=0)
-        return point, k, self.distance(x.take(point)[:, None], y.take(point)[:, None], k)
+        point, block = (centre <= limit[:, None]).nonzero()
+        return point, block
+
+    def _near_parts(self, x: Floats, y: Floats, point: Ints, block: Ints) -> tuple[Ints, Ints]:
+        """Of points and blocks in pairs those of points and parts of blocks where a part may have the nearest segment: which points, and the
+        segments of each part."""
+        px, py, radius = self.part_discs.take(block, axis=1)
+        px -= x.take(point)[:, None]
+        py -= y.take(point)[:, None]
+        px *= px
+        py *= py
+        px += py
+        centre = np.sqrt(px, out=px)
+        nearest = np.minimum.reduceat(np.minimum.reduce(centre, axis=1), starts_of(point)) + SLACK
+        centre -= radius
+        pair, part = (centre <= nearest.take(point)[:, None]).nonzero()
+        return point.take(pair), self.parts.take(block.take(pair) * (BLOCK // PART) + part, axis=0)
 
     def _near(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints, Floats]:
-        point, k, distance = self._in_blocks(x, y, reach)
+        point, block = self._near_blocks(x, y, reach)
+        k = self.runs.take(block, axis=0)
+        distance = self.distance(x.take(point)[:, None], y.take(point)[:, None], k)
         nearest = np.minimum.reduceat(distance.min(axis=1), starts_of(point)) + (reach + SLACK)
         kept = (distance <= nearest[point, None]).ravel().nonzero()[0]
         return point[kept // BLOCK], k.ravel()[kept], distance.ravel()[kept]
