@@ -31,6 +31,7 @@ from trackmarshal.runtime.contract import EVENT, LINES, RECORD, SET, Contract, S
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door.lines import line
+from trackmarshal.runtime.door.values import entries, is_a, mapping
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.lines import Line
@@ -114,6 +115,7 @@ class Record:
         written says how many are missing."""
         number = -1 if decision.number is None else decision.number
         times = [number, decision.t, *readings, self._missed]
+        self._missed += 1  # until it is written
         outcome = decided(decision)
         row = b""
         kept = self._kept
@@ -125,7 +127,6 @@ class Record:
                 row = b""
         if not row:
             row = self._layout.batch([*times, json.dumps(_plain(cycle)), *_empty(self._inputs), *outcome])
-        self._missed += 1
         try:
             self._write(row)
         except OSError:
@@ -439,40 +440,58 @@ def _spelt(value: Any) -> Any:
 
 
 def _plain(value: Any, depth: int = 0) -> Any:
-    """Anything as strict JSON data: what JSON does not have is {"$": kind, ...}."""
+    """Anything as strict JSON data: what JSON does not have is {"$": kind, ...}. What the door takes comes back as what it takes alike."""
     kind = type(value)
     if value is None or kind in (bool, str):
         return value
     if isinstance(value, str):  # whatever is derived from it is taken as the text that it is
         return str.__str__(value)
-    if kind is int:
-        return value if abs(value) < 2**63 else {"$": "int", "of": hex(value)}
-    if kind is float or isinstance(value, np.floating):
-        number = float(value)
+    if is_a(value, int) and kind is not bool:
+        whole = int.__pos__(value)
+        return whole if abs(whole) < 2**63 else {"$": "int", "of": hex(whole)}
+    if is_a(value, (float, np.floating)):
+        number = float.__pos__(value) if is_a(value, float) else float(value)
         return number if math.isfinite(number) else {"$": str(number)}
-    if isinstance(value, np.bool_ | np.integer):
+    if (
+        isinstance(value, np.bool_ | np.integer) and value.dtype.kind in "biu"
+    ):  # spans of time are whole numbers to numpy
         return {"$": "scalar", "type": value.dtype.str, "of": value.item()}
     if depth < 8:
-        if kind is Cycle:
-            given = [getattr(value, name, None) for name in _CYCLE] + [sorted(value.also)]
-            return {"$": "cycle", "of": [_plain(item, depth + 1) for item in given]}
-        if kind is dict:
-            pairs = [(key, _plain(item, depth + 1)) for key, item in value.items()]
-            if all(type(key) is str for key in value) and "$" not in value:
-                return dict(pairs)
-            return {"$": "dict", "of": [(_plain(key, depth + 1), item) for key, item in pairs]}
-        if kind is Line:
-            return {"$": "line", "of": value.points.tolist()}
-        if kind is list:
-            return [_plain(item, depth + 1) for item in value]
-        if kind is tuple:
-            return {"$": "tuple", "of": [_plain(item, depth + 1) for item in value]}
-        if kind is np.ndarray and value.dtype.kind in "iufbU":
-            array = (
-                value if value.dtype.itemsize <= 8 or value.dtype.kind == "U" else value.astype(np.float64)
-            )
-            values = _plain(array.ravel().tolist(), depth + 1)
-            return {"$": "array", "type": array.dtype.str, "shape": array.shape, "of": values}
+        try:
+            return _composed(value, depth + 1)
+        except Exception:  # what was handed in has a say in how it is read
+            pass
+    return {"$": "opaque", "kind": kind.__name__}
+
+
+def _composed(value: Any, depth: int) -> Any:
+    """The same of what is made of others."""
+    kind = type(value)
+    if is_a(value, Cycle):
+        given = [getattr(value, name, None) for name in _CYCLE] + [sorted(value.also)]
+        return {"$": "cycle", "of": [_plain(item, depth) for item in given]}
+    if is_a(value, Mapping):
+        held = mapping(value)
+        pairs = [(key, _plain(item, depth)) for key, item in held.items()]
+        if all(type(key) is str for key in held) and "$" not in held:
+            return dict(pairs)
+        return {"$": "dict", "of": [(_plain(key, depth), item) for key, item in pairs]}
+    if kind is Line:
+        return {"$": "line", "of": value.points.tolist()}
+    if is_a(value, (list, tuple)):
+        items = [_plain(item, depth) for item in entries(value)]
+        return items if is_a(value, list) else {"$": "tuple", "of": items}
+    if kind is np.ma.MaskedArray:
+        parts = [_plain(part, depth) for part in (np.ma.getdata(value), np.ma.getmaskarray(value))]
+        return {"$": "masked", "of": parts}
+    if kind in (np.ndarray, np.memmap) and value.dtype.kind in "iufbU":
+        wide = value.dtype.itemsize > 8 and value.dtype.kind != "U"
+        array = value.astype(np.float64) if wide else value
+        items = _plain(array.ravel().tolist(), depth)
+        return {"$": "array", "type": array.dtype.str, "shape": array.shape, "of": items}
+    if kind is np.ndarray and value.dtype == object:
+        items = [_plain(item, depth) for item in value.ravel().tolist()]
+        return {"$": "objects", "shape": value.shape, "of": items}
     return {"$": "opaque", "kind": kind.__name__}
 
 
@@ -504,6 +523,13 @@ def _unplain(value: Any) -> Any:
             return tuple(_unplain(item) for item in of)
         case "array":
             return np.array(_unplain(of), dtype=value["type"]).reshape(value["shape"])
+        case "masked":
+            data, mask = (_unplain(part) for part in of)
+            return np.ma.MaskedArray(data, mask)
+        case "objects":
+            held = np.empty(len(of), dtype=object)
+            held[:] = [_unplain(item) for item in of]
+            return held.reshape(value["shape"])
         case "scalar":
             return np.dtype(value["type"]).type(of)
         case "opaque":
