@@ -6,6 +6,7 @@ import math
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
 
 import trackmarshal as tm
@@ -114,3 +115,38 @@ def test_a_stamp_in_time_while_the_clock_is_wrong(backend: str) -> None:
     assert run.step(cycle(0, 0.0)).safe
     assert names(run.step(cycle(1, 0.1), math.nan)) == [("bad_clock", "clock", "")]
     assert run.step(cycle(2, 0.2)).safe
+
+
+@BACKENDS
+@pytest.mark.parametrize("name", ["a\0b", "\ud800"])
+@pytest.mark.parametrize("where", ["signals", "objects"])
+def test_a_name_that_no_text_of_c_has(backend: str, name: str, where: str) -> None:
+    """It is unknown as any other is: number and stamp of the cycle are remembered, so the next one is good."""
+    run = Run(backend, REMEMBERS)
+    assert run.step(cycle(0, 0.0, objects=cars(a=1.0))).safe
+    others: dict[str, Any] = {"objects": {**cars(a=1.0), name: [1.0]}} if where == "objects" else {name: 1.0}
+    decision = run.step(cycle(1, 0.1, **{"objects": cars(a=1.0), **others}))
+    assert [each[:2] for each in names(decision)] == [("unknown", where)]
+    for reason in (*decision.reasons, names(decision)[0][2]):
+        assert "\0" not in reason
+        assert reason.encode("utf-8")
+    assert names(run.step(cycle(2, 0.2, objects=cars(a=1.0)))) == []
+
+
+@BACKENDS
+def test_headings_too_far_apart_to_be_subtracted(backend: str) -> None:
+    """Where the stored trajectory leads, nobody can say: the car is not on it, and the state machine still works."""
+    run = Run(backend)
+    assert run.step(cycle(0, 0.0, plan(heading=[1.7e308, -1.7e308]))).safe
+    decision = run.step(cycle(1, 0.1, plan(v=[70.0, 0.0])))
+    assert (decision.state, decision.lost, names(decision)) == ("no_safe_trajectory", "apart", [])
+
+
+@BACKENDS
+def test_a_trajectory_that_ends_beyond_all_numbers(backend: str) -> None:
+    """Also where the caller has numpy raise what overflows."""
+    with np.errstate(all="raise"):
+        run = Run(backend)
+        assert run.step(cycle(0, 1e308, plan(t=[0.0, 1.7e308]))).safe
+        decision = run.step(None, 1e308)
+    assert (decision.state, names(decision)) == ("previous_emergency", [("missing_cycle", "cycle", "")])
