@@ -150,3 +150,35 @@ def test_a_trajectory_that_ends_beyond_all_numbers(backend: str) -> None:
         assert run.step(cycle(0, 1e308, plan(t=[0.0, 1.7e308]))).safe
         decision = run.step(None, 1e308)
     assert (decision.state, names(decision)) == ("previous_emergency", [("missing_cycle", "cycle", "")])
+
+
+@BACKENDS
+@pytest.mark.parametrize("far", [1e300, 1.7e308])
+def test_a_plan_that_nobody_can_count_to_the_end(backend: str, far: float) -> None:
+    """Nothing is known of the course that it ends; the other rules are judged, and go on remembering."""
+    run = Run(backend, REMEMBERS)
+    assert run.step(cycle(0, 0.0, objects=cars(a=1.0))).safe
+    decision = run.step(cycle(1, 0.1, plan(t=[0.0, far]), objects=cars(a=1.0)))
+    assert names(decision) == []
+    assert {(one.rule, one.verdict) for one in decision.violations} == {("slow", "undefined")}
+    after = run.step(cycle(2, 0.2, objects=cars(a=1.0)))
+    assert after.safe, after.reasons
+
+
+@BACKENDS
+@pytest.mark.parametrize("begin", [4.1e9, -4.1e9, 1e15])
+def test_stamps_that_are_no_nanoseconds_of_any_run(backend: str, begin: float) -> None:
+    """No evaluator judges rules that remember at such a time, where another one could not; those that do not remember are judged."""
+    remembering = Run(backend, REMEMBERS)
+    for number in range(2):
+        decision = remembering.step(cycle(number, begin + 10.0 * number, objects=cars(a=1.0)))
+        assert (decision.safe, decision.state) == (False, "no_emergency_yet")
+    assert Run(backend).step(cycle(0, begin)).safe
+
+
+@BACKENDS
+def test_the_farthest_stamps_of_a_run(backend: str) -> None:
+    run = Run(backend, REMEMBERS, longest_gap=math.inf)
+    for number, t in enumerate((-3.9e9, -3.9e9 + 0.5, 3.9e9, 3.9e9 + 0.5)):
+        decision = run.step(cycle(number, t, objects=cars(a=1.0)))
+        assert decision.safe, decision.reasons
