@@ -90,9 +90,12 @@ class Record:
         #: How long the file is up to its last whole row, and cycles since then that could not be written.
         self._end = 0
         self._missed = 0
+        #: How many cycles there were, which the last row says.
+        self._cycles = 0
         head = {
             "format": FORMAT,
             "version": VERSION,
+            "counted": True,
             "identity": dict(identity),
             "limits": {name: _spelt(value) for name, value in asdict(limits).items()},
         }
@@ -116,6 +119,7 @@ class Record:
         number = -1 if decision.number is None else decision.number
         times = [number, decision.t, *readings, self._missed]
         self._missed += 1  # until it is written
+        self._cycles += 1
         outcome = decided(decision)
         row = b""
         kept = self._kept
@@ -155,9 +159,8 @@ class Record:
         if self._file >= 0:
             for part in self._snapshots.rest():
                 self._beside(part)
-            if self._missed:
-                times = [-1, math.nan, math.nan, math.nan, self._missed]
-                self._write(self._layout.batch([*times, "", *_empty(self._inputs), *_empty_decision()]))
+            times = [self._cycles, math.nan, math.nan, math.nan, self._missed]
+            self._write(self._layout.batch([*times, "", *_empty(self._inputs), *_empty_decision()]))
             self._write(END)
             os.close(self._file)
             self._file = -1
@@ -259,7 +262,7 @@ class Recorded:
 @dataclass(frozen=True, slots=True)
 class Run:
     """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle; missed: cycles that could not be
-    written; snapshots: the whole ones, in order."""
+    written; snapshots: the whole ones, in order; damage: what is gone from it or changed in it, in words, empty for nothing."""
 
     identity: dict[str, Any]
     limits: Limits
@@ -268,6 +271,7 @@ class Run:
     rest: int
     missed: int = 0
     snapshots: tuple[Snapshot, ...] = ()
+    damage: str = ""
 
 
 def is_record(data: bytes) -> bool:
@@ -307,6 +311,7 @@ def read(data: bytes, shown: str) -> Run:
     kept: dict[tuple[str, str], Any] = {}
     missed = 0
     snapshots = Parts()
+    counted: int | None = None
     for row in layout.rows(data):
         try:
             missed += int(row.values[len(_TIMES) - 1])
@@ -314,15 +319,25 @@ def read(data: bytes, shown: str) -> Run:
                 cycles.append(_recorded(row.values, inputs, kept))
             elif row.values[len(_TIMES)]:
                 snapshots.add(row.values[len(_TIMES)], len(cycles))
+            else:
+                counted = int(row.values[0])
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             message = f"cycle {len(cycles)} of the record cannot be read: {error}"
             raise TrackmarshalError("D162", message, file=shown, help="it was not written here") from error
         end = row.end
     rest = data[end:]
     ended = rest == END
+    damage = ""
+    if not ended and rest and not layout.torn(rest):
+        damage = f"behind {len(cycles)} cycles it is damaged: what comes there was not cut off, but changed"
+    elif ended and head.get("counted") is True and counted != len(cycles) + missed:
+        closed = (
+            "does not say after how many it was closed" if counted is None else f"was closed after {counted}"
+        )
+        damage = f"it has {len(cycles) + missed} cycles, and {closed}: rows are gone, or not its own"
     return Run(
-        identity, limits, tuple(cycles), ended, 0 if ended else len(rest), missed, tuple(snapshots.whole)
-    )
+        identity, limits, tuple(cycles), ended, 0 if ended else len(rest), missed, tuple(snapshots.whole), damage,
+    )  # fmt: skip
 
 
 def _identity(given: Any) -> dict[str, Any]:
