@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from support.cycles import PERIOD, SPEED, cycle
 from support.supervised import ROOT
 from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.arrow import END, layout_of
+from trackmarshal.runtime.record import read
 
 
 @pytest.fixture
@@ -67,11 +70,49 @@ def test_lines(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_cut_off_in_the_last_cycle(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    record.write_bytes(record.read_bytes()[:-100])
+    whole = record.read_bytes()
+    found = layout_of(whole)
+    assert found is not None
+    *_, last, _ = (row.end for row in found[0].rows(whole))  # and the row that says that the record is closed
+    record.write_bytes(whole[: last - 100])
     status, out, _ = replay(capsys, str(record))
     assert status == 0
     assert "4 cycles" in out
     assert "not closed" in out
+
+
+@pytest.mark.parametrize(
+    "forged", ["first", "last", "middle", "twice", "all after the second", "end", "changed", "longer"]
+)
+def test_a_record_that_is_not_what_was_written(
+    record: Path, capsys: pytest.CaptureFixture[str], forged: str
+) -> None:
+    """Whole rows that are gone or stand twice, the last one, which closes it, and a changed byte in the middle: each is noticed."""
+    whole = record.read_bytes()
+    found = layout_of(whole)
+    assert found is not None
+    ends = [len(found[0].schema), *(row.end for row in found[0].rows(whole))]
+    rows = [whole[begin:end] for begin, end in zip(ends, ends[1:])]
+    changed = bytearray(rows[1])
+    changed[-9] ^= 1
+    longer = bytearray(rows[1])
+    longer[longer.index(struct.pack("<q", len(rows[1]) - len(found[0]._template))) + 2] ^= 1
+    kept = {
+        "first": rows[1:],
+        "last": [*rows[:-2], rows[-1]],
+        "middle": [*rows[:2], *rows[3:]],
+        "twice": [*rows[:2], *rows[1:]],
+        "all after the second": rows[:2],
+        "end": rows[:-1],
+        "changed": [rows[0], bytes(changed), *rows[2:]],
+        "longer": [rows[0], bytes(longer), *rows[2:]],
+    }[forged]
+    record.write_bytes(whole[: ends[0]] + b"".join(kept) + END)
+    run = read(record.read_bytes(), "forged")
+    assert run.damage
+    status, _, err = replay(capsys, str(record))
+    assert status == 1
+    assert run.damage in err
 
 
 def test_cut_off_in_the_head(record: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -50,6 +50,8 @@ def replay_record(
             f"note: {path}: another spec was in force than the one given here; its decisions may differ",
             file=sys.stderr,
         )
+    if run.damage and not quiet:
+        say(f"note: {path}: {run.damage}", file=sys.stderr)
     first = 0 if begin is None else _place(begin, run, path)
     snapshot, refused = (None, None) if begin is None else nearest(run, box, first)
     if refused is not None and not quiet:
@@ -75,7 +77,7 @@ def replay_record(
     else:
         began = None if begin is None else start
         say(*_summary(path, run, decisions, found, first, began))
-    return 1 if found or run.missed else 0
+    return 1 if found or run.missed or run.damage else 0
 
 
 def _place(begin: str, run: Run, path: str) -> int:

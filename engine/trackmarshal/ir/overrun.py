@@ -17,6 +17,18 @@ def nanoseconds(seconds: float) -> int:
     return round(seconds * 1e9)
 
 
+#: Stamps of a run stay below this, for every evaluator: times of generated C are whole nanoseconds in 64 bits, and sums with windows fit.
+FURTHEST = 4_000_000_000_000_000_000
+
+
+def stamped(seconds: float) -> int:
+    """The stamp of a cycle in whole nanoseconds. Raises ValueError or OverflowError for one that no run has."""
+    stamp = nanoseconds(seconds)
+    if not -FURTHEST < stamp < FURTHEST:
+        raise ValueError(f"a run has stamps within {FURTHEST / 1e9:g} s of 0, not {seconds!r} s")
+    return stamp
+
+
 #: What `over_run` found, as long as a formula is there.
 _OVER_RUN: WeakKeyDictionary[ir.AnyNode, bool] = WeakKeyDictionary()
 

@@ -119,10 +119,14 @@ class Executing:
         i = 0
         while i + 2 < len(due) and due[i + 1] <= now:
             i += 1
-        share = min(1.0, max(0.0, (now - due[i]) / (due[i + 1] - due[i])))
+        step = due[i + 1] - due[i]
+        # Samples that a large stamp has moved to one time: behind them, the second one.
+        share = min(1.0, max(0.0, (now - due[i]) / step)) if step > 0.0 else float(now > due[i])
         sample = {}
         for name in self._layout.plan:
             before, after = source.column(group, name)[i : i + 2]
-            step = math.remainder(after - before, math.tau) if name == "heading" else after - before
+            step = after - before
+            if name == "heading":
+                step = math.remainder(step, math.tau) if math.isfinite(step) else math.nan
             sample[name] = before + share * step
         return Setpoint(action, why, number, i, share, sample)

@@ -260,12 +260,7 @@ class Layout:
             head = bytearray(view[at : at + size])
             (length,) = _INT.unpack_from(head, self._length_at)
             numbers = self._buffers.unpack_from(head, self._buffers_at)
-            for place, count in (
-                (self._length_at, 8),
-                (self._nodes_at, self._nodes.size),
-                (self._buffers_at, self._buffers.size),
-            ):
-                head[place : place + count] = bytes(count)
+            self._blank(head)
             end = at + size + length
             if head != self._template or not length >= 8 or end > len(data):
                 return
@@ -277,6 +272,28 @@ class Layout:
                 return
             yield Row(values, end)
             at = end
+
+    def torn(self, rest: bytes) -> bool:
+        """Whether what is behind the whole batches can be the beginning of what was written when the process ended, and is not damaged."""
+        size = len(self._template)
+        head = bytearray(rest[:size])
+        self._blank(head)
+        if END.startswith(rest) or len(rest) < size:
+            return END.startswith(rest) or self._template.startswith(head)
+        (length,) = _INT.unpack_from(rest, self._length_at)
+        numbers = self._buffers.unpack_from(rest, self._buffers_at)
+        end = max(map(sum, zip(numbers[::2], numbers[1::2])))
+        return head == self._template and end <= length < end + 8 and size + length > len(rest)
+
+    def _blank(self, head: bytearray) -> None:
+        """Take out of the message before a body, or of its beginning, what each row has of its own."""
+        for place, count in (
+            (self._length_at, 8),
+            (self._nodes_at, self._nodes.size),
+            (self._buffers_at, self._buffers.size),
+        ):
+            end = min(place + count, len(head))
+            head[place:end] = bytes(max(0, end - place))
 
     def _values(self, body: bytes, numbers: Sequence[int]) -> list[Any] | None:
         """The values of a row; None where the places of its columns make no sense, checksum or not."""

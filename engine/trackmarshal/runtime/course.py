@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import replace
 from typing import NamedTuple
 
-from trackmarshal.ir.overrun import nanoseconds
+from trackmarshal.ir.overrun import nanoseconds, stamped
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import CourseInfo, RuleInfo
 from trackmarshal.runtime.frame import Columns, Frame, Joined, Names
@@ -159,6 +159,8 @@ def _columns(info: CourseInfo, names: Names, lived: Lived, frame: Frame) -> Colu
         truths = [
             plan.column(name).tolist() if name in there else [_MISSING] * plan.count for name in names.flags
         ]
+        if not all(math.isfinite(t * 1e9) for t in values[0]):  # when they are due, nobody can count
+            return _unknown(names)
         for row in zip(*values, *truths):
             due = nanoseconds(row[0])
             if due > spans[-1][1]:
@@ -173,9 +175,22 @@ def _columns(info: CourseInfo, names: Names, lived: Lived, frame: Frame) -> Colu
     return made
 
 
+def _unknown(names: Names) -> Columns:
+    """One sample, now, of which nothing is known."""
+    import numpy as np
+
+    made = Columns(
+        names,
+        np.full((len(names.numbers), 1), np.nan),
+        np.full((len(names.flags), 1), _MISSING, dtype=np.int8),
+    )
+    made.joined = Joined(0, np.zeros(1), np.zeros(1), (), ())
+    return made
+
+
 def _stamp(frame: Frame) -> int:
     assert frame.t is not None, "a cycle of a run has a stamp"
-    return nanoseconds(frame.t)
+    return stamped(frame.t)
 
 
 def _loaded(pieces: Pieces, names: Names) -> Lived:

@@ -71,7 +71,14 @@ class Fault:
 
 def fault(name: str, signal: str, field: str = "", index: int | None = None, message: str = "") -> Fault:
     """A fault by its name; raises KeyError for a name that is none."""
-    return Fault(FAULTS[name], signal, field, index, message)
+    return Fault(FAULTS[name], signal, _sayable(field), index, _sayable(message))
+
+
+def _sayable(text: str) -> str:
+    """A text that may be of what was handed in: what no encoding has, and what would end a text of C, stands as its number."""
+    if text.isascii() and "\0" not in text:
+        return text
+    return text.encode("utf-8", "backslashreplace").decode("utf-8").replace("\0", "\\x00")
 
 
 def name_of(fault: Fault) -> str:

@@ -43,8 +43,7 @@ class Plan:
     @cached_property
     def due(self) -> list[float]:
         """When each sample is due on the Supervisor's clock, in s."""
-        due: list[float] = (self.columns.column("t") + self.t).tolist()
-        return due
+        return [t + self.t for t in self.columns.listed("t")]
 
     @property
     def end(self) -> float:
@@ -89,10 +88,15 @@ class Plan:
                     share = min(max(share, (least - begin) / length, 0.0), (most - begin) / length, 1.0)
                 away = _length(x - (px[i] + share * dx), y - (py[i] + share * dy))
                 if away < best.away:
-                    turn = math.remainder(heading[i + 1] - heading[i], math.tau)
+                    turn = _turned(heading[i + 1] - heading[i])
                     best = Spot(away, heading[i] + share * turn, v[i] + share * (v[i + 1] - v[i]))
             begin = end
         return best
+
+
+def _turned(turn: float) -> float:
+    """A turn the shorter way round; NaN for one of headings that lie too far apart to be subtracted."""
+    return math.remainder(turn, math.tau) if math.isfinite(turn) else math.nan
 
 
 def _length(dx: float, dy: float) -> float:

@@ -31,6 +31,7 @@ from trackmarshal.runtime.contract import EVENT, LINES, RECORD, SET, Contract, S
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door.lines import line
+from trackmarshal.runtime.door.values import entries, is_a, mapping
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.lines import Line
@@ -89,9 +90,12 @@ class Record:
         #: How long the file is up to its last whole row, and cycles since then that could not be written.
         self._end = 0
         self._missed = 0
+        #: How many cycles there were, which the last row says.
+        self._cycles = 0
         head = {
             "format": FORMAT,
             "version": VERSION,
+            "counted": True,
             "identity": dict(identity),
             "limits": {name: _spelt(value) for name, value in asdict(limits).items()},
         }
@@ -114,6 +118,8 @@ class Record:
         written says how many are missing."""
         number = -1 if decision.number is None else decision.number
         times = [number, decision.t, *readings, self._missed]
+        self._missed += 1  # until it is written
+        self._cycles += 1
         outcome = decided(decision)
         row = b""
         kept = self._kept
@@ -125,7 +131,6 @@ class Record:
                 row = b""
         if not row:
             row = self._layout.batch([*times, json.dumps(_plain(cycle)), *_empty(self._inputs), *outcome])
-        self._missed += 1
         try:
             self._write(row)
         except OSError:
@@ -154,9 +159,8 @@ class Record:
         if self._file >= 0:
             for part in self._snapshots.rest():
                 self._beside(part)
-            if self._missed:
-                times = [-1, math.nan, math.nan, math.nan, self._missed]
-                self._write(self._layout.batch([*times, "", *_empty(self._inputs), *_empty_decision()]))
+            times = [self._cycles, math.nan, math.nan, math.nan, self._missed]
+            self._write(self._layout.batch([*times, "", *_empty(self._inputs), *_empty_decision()]))
             self._write(END)
             os.close(self._file)
             self._file = -1
@@ -258,7 +262,7 @@ class Recorded:
 @dataclass(frozen=True, slots=True)
 class Run:
     """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle; missed: cycles that could not be
-    written; snapshots: the whole ones, in order."""
+    written; snapshots: the whole ones, in order; damage: what is gone from it or changed in it, in words, empty for nothing."""
 
     identity: dict[str, Any]
     limits: Limits
@@ -267,6 +271,7 @@ class Run:
     rest: int
     missed: int = 0
     snapshots: tuple[Snapshot, ...] = ()
+    damage: str = ""
 
 
 def is_record(data: bytes) -> bool:
@@ -306,6 +311,7 @@ def read(data: bytes, shown: str) -> Run:
     kept: dict[tuple[str, str], Any] = {}
     missed = 0
     snapshots = Parts()
+    counted: int | None = None
     for row in layout.rows(data):
         try:
             missed += int(row.values[len(_TIMES) - 1])
@@ -313,15 +319,25 @@ def read(data: bytes, shown: str) -> Run:
                 cycles.append(_recorded(row.values, inputs, kept))
             elif row.values[len(_TIMES)]:
                 snapshots.add(row.values[len(_TIMES)], len(cycles))
+            else:
+                counted = int(row.values[0])
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             message = f"cycle {len(cycles)} of the record cannot be read: {error}"
             raise TrackmarshalError("D162", message, file=shown, help="it was not written here") from error
         end = row.end
     rest = data[end:]
     ended = rest == END
+    damage = ""
+    if not ended and rest and not layout.torn(rest):
+        damage = f"behind {len(cycles)} cycles it is damaged: what comes there was not cut off, but changed"
+    elif ended and head.get("counted") is True and counted != len(cycles) + missed:
+        closed = (
+            "does not say after how many it was closed" if counted is None else f"was closed after {counted}"
+        )
+        damage = f"it has {len(cycles) + missed} cycles, and {closed}: rows are gone, or not its own"
     return Run(
-        identity, limits, tuple(cycles), ended, 0 if ended else len(rest), missed, tuple(snapshots.whole)
-    )
+        identity, limits, tuple(cycles), ended, 0 if ended else len(rest), missed, tuple(snapshots.whole), damage,
+    )  # fmt: skip
 
 
 def _identity(given: Any) -> dict[str, Any]:
@@ -439,40 +455,58 @@ def _spelt(value: Any) -> Any:
 
 
 def _plain(value: Any, depth: int = 0) -> Any:
-    """Anything as strict JSON data: what JSON does not have is {"$": kind, ...}."""
+    """Anything as strict JSON data: what JSON does not have is {"$": kind, ...}. What the door takes comes back as what it takes alike."""
     kind = type(value)
     if value is None or kind in (bool, str):
         return value
     if isinstance(value, str):  # whatever is derived from it is taken as the text that it is
         return str.__str__(value)
-    if kind is int:
-        return value if abs(value) < 2**63 else {"$": "int", "of": hex(value)}
-    if kind is float or isinstance(value, np.floating):
-        number = float(value)
+    if is_a(value, int) and kind is not bool:
+        whole = int.__pos__(value)
+        return whole if abs(whole) < 2**63 else {"$": "int", "of": hex(whole)}
+    if is_a(value, (float, np.floating)):
+        number = float.__pos__(value) if is_a(value, float) else float(value)
         return number if math.isfinite(number) else {"$": str(number)}
-    if isinstance(value, np.bool_ | np.integer):
+    if (
+        isinstance(value, np.bool_ | np.integer) and value.dtype.kind in "biu"
+    ):  # spans of time are whole numbers to numpy
         return {"$": "scalar", "type": value.dtype.str, "of": value.item()}
     if depth < 8:
-        if kind is Cycle:
-            given = [getattr(value, name, None) for name in _CYCLE] + [sorted(value.also)]
-            return {"$": "cycle", "of": [_plain(item, depth + 1) for item in given]}
-        if kind is dict:
-            pairs = [(key, _plain(item, depth + 1)) for key, item in value.items()]
-            if all(type(key) is str for key in value) and "$" not in value:
-                return dict(pairs)
-            return {"$": "dict", "of": [(_plain(key, depth + 1), item) for key, item in pairs]}
-        if kind is Line:
-            return {"$": "line", "of": value.points.tolist()}
-        if kind is list:
-            return [_plain(item, depth + 1) for item in value]
-        if kind is tuple:
-            return {"$": "tuple", "of": [_plain(item, depth + 1) for item in value]}
-        if kind is np.ndarray and value.dtype.kind in "iufbU":
-            array = (
-                value if value.dtype.itemsize <= 8 or value.dtype.kind == "U" else value.astype(np.float64)
-            )
-            values = _plain(array.ravel().tolist(), depth + 1)
-            return {"$": "array", "type": array.dtype.str, "shape": array.shape, "of": values}
+        try:
+            return _composed(value, depth + 1)
+        except Exception:  # what was handed in has a say in how it is read
+            pass
+    return {"$": "opaque", "kind": kind.__name__}
+
+
+def _composed(value: Any, depth: int) -> Any:
+    """The same of what is made of others."""
+    kind = type(value)
+    if is_a(value, Cycle):
+        given = [getattr(value, name, None) for name in _CYCLE] + [sorted(value.also)]
+        return {"$": "cycle", "of": [_plain(item, depth) for item in given]}
+    if is_a(value, Mapping):
+        held = mapping(value)
+        pairs = [(key, _plain(item, depth)) for key, item in held.items()]
+        if all(type(key) is str for key in held) and "$" not in held:
+            return dict(pairs)
+        return {"$": "dict", "of": [(_plain(key, depth), item) for key, item in pairs]}
+    if kind is Line:
+        return {"$": "line", "of": value.points.tolist()}
+    if is_a(value, (list, tuple)):
+        items = [_plain(item, depth) for item in entries(value)]
+        return items if is_a(value, list) else {"$": "tuple", "of": items}
+    if kind is np.ma.MaskedArray:
+        parts = [_plain(part, depth) for part in (np.ma.getdata(value), np.ma.getmaskarray(value))]
+        return {"$": "masked", "of": parts}
+    if kind in (np.ndarray, np.memmap) and value.dtype.kind in "iufbU":
+        wide = value.dtype.itemsize > 8 and value.dtype.kind != "U"
+        array = value.astype(np.float64) if wide else value
+        items = _plain(array.ravel().tolist(), depth)
+        return {"$": "array", "type": array.dtype.str, "shape": array.shape, "of": items}
+    if kind is np.ndarray and value.dtype == object:
+        items = [_plain(item, depth) for item in value.ravel().tolist()]
+        return {"$": "objects", "shape": value.shape, "of": items}
     return {"$": "opaque", "kind": kind.__name__}
 
 
@@ -504,6 +538,13 @@ def _unplain(value: Any) -> Any:
             return tuple(_unplain(item) for item in of)
         case "array":
             return np.array(_unplain(of), dtype=value["type"]).reshape(value["shape"])
+        case "masked":
+            data, mask = (_unplain(part) for part in of)
+            return np.ma.MaskedArray(data, mask)
+        case "objects":
+            held = np.empty(len(of), dtype=object)
+            held[:] = [_unplain(item) for item in of]
+            return held.reshape(value["shape"])
         case "scalar":
             return np.dtype(value["type"]).type(of)
         case "opaque":

@@ -249,7 +249,7 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
         )
     first = next(one.cycle for one in run.cycles if one.value("faults") == "[]")
     left_out = len(run.cycles) - len(kept)
-    notes = [stopped] if stopped else []
+    notes = [note for note in (stopped, run.damage) if note]
     if left_out:
         notes.append(f"{left_out} of {len(run.cycles)} cycles of the record are left out")
     obstacles = _records(first.signals.get("obstacles", {}))

@@ -318,6 +318,7 @@ class Stepper:
         if len(data) != sum(size for _, size in self.lasting):
             raise ValueError("it is of another size")
         self._numbering.put(numbers, following)
+        self._rest = (None, b"")  # words of ids, as they were numbered before
         begin = 0
         for at, size in self.lasting:
             ctypes.memmove(self.context + at, data[begin : begin + size], size)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from trackmarshal.backends.results import CaseValues
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.constants import constant_value
-from trackmarshal.ir.overrun import nanoseconds, sets
+from trackmarshal.ir.overrun import sets, stamped
 from trackmarshal.ir.reads import reads
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.kleene import UNDEFINED
@@ -109,8 +109,8 @@ def happening(frame: Frame, values: CaseValues, like: Now | None = None) -> Now:
     ids = {name: columns.ids for name, columns in frame.columns.items()}
     differs = None if like is None else differing(frame, like.frame)
     if differs is None:
-        return Now(nanoseconds(frame.t), frame.number, ids, frame, values)
-    return Now(nanoseconds(frame.t), frame.number, ids, frame, values, like, differs)
+        return Now(stamped(frame.t), frame.number, ids, frame, values)
+    return Now(stamped(frame.t), frame.number, ids, frame, values, like, differs)
 
 
 def differing(frame: Frame, other: Frame) -> frozenset[str] | None:

@@ -29,7 +29,12 @@ STAMP = (
     _demand("not_finite", "t", f"(t >= -{MOST!r}) & (t <= {MOST!r})"),
     _demand("repeated", "t", "(begun == 0) | (fabs(since) > shortest_gap)"),
     _demand("out_of_order", "t", "(begun == 0) | (since > 0.0)"),
-    _demand("early", "t", "((t - now) <= clock_tolerance) | (now != now)"),
+    # Where the clock is wrong, only a stamp that follows soon is known to be none of the future: one that is kept refuses all that come before it.
+    _demand(
+        "early",
+        "t",
+        "((t - now) <= clock_tolerance) | ((now != now) & (begun == 1) & (since <= longest_gap))",
+    ),
 )
 #: Of a stamp that is in order; each by itself.
 TIMELY = (

@@ -9,12 +9,9 @@ from typing import assert_never
 from trackmarshal.backends.c.over_run.future import settled
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import over_run, parts, recalled, recalls, sets
+from trackmarshal.ir.overrun import FURTHEST, over_run, parts, recalled, recalls, sets
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.source import Span
-
-#: Times of generated C are whole nanoseconds in 64 bits; stamps and windows stay below this, so that their sums fit.
-MOST_NANOSECONDS = 4_000_000_000_000_000_000
 
 
 @dataclass(frozen=True)
@@ -138,8 +135,8 @@ def obstacle(node: Holder) -> str | None:
     """Why generated C cannot keep what an operator or machine needs; None where it can."""
     if len(sets(node)) > 1:
         return "generated C keeps no memory for each pair of elements"
-    if not isinstance(node, ir.Machine) and max(node.lower or 0, node.upper or 0) > MOST_NANOSECONDS:
-        return f"the window is longer than {MOST_NANOSECONDS / 1e9:g} s"
+    if not isinstance(node, ir.Machine) and max(node.lower or 0, node.upper or 0) > FURTHEST:
+        return f"the window is longer than {FURTHEST / 1e9:g} s"
     return None
 
 
