@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from support.project import run_command
 from trackmarshal.cli import facts
+from trackmarshal.cli.recordings import recorded
 
 
 @pytest.mark.parametrize("meanwhile", [None, "written", "gone", "another"])
@@ -37,3 +39,83 @@ def test_what_is_written_while_it_is_read_is_not_kept(
         spec.write_text("after")
     facts.facts(root, ["specs"], [], make)
     assert len(made) == (1 if meanwhile is None else 2)
+
+
+@pytest.mark.parametrize(
+    "how", ["a folder", "a folder elsewhere now", "a file", "a file elsewhere now", "a path"]
+)
+def test_what_links_lead_to_is_read_again_when_it_is_another(
+    how: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Specs that projects share lie outside of each, and a green cell must not outlive an edit of them."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    root, shared, other = tmp_path / "project", tmp_path / "shared", tmp_path / "other"
+    for folder in (root, shared, other):
+        folder.mkdir()
+        (folder / "a.spec").write_text(folder.name)
+    specs = root / "specs"
+    named = "specs"
+    if how.startswith("a folder"):
+        specs.symlink_to(shared)
+    elif how.startswith("a file"):
+        specs.mkdir()
+        (specs / "a.spec").symlink_to(shared / "a.spec")
+    else:
+        named = "../shared"
+    made: list[str] = []
+
+    def make() -> facts.Facts:
+        made.append((root / named / "a.spec").resolve().read_text())
+        return facts.Facts([], [], [], {}, [], [])
+
+    def asked() -> None:
+        facts.facts(root, [named], [], make)
+
+    asked()
+    asked()
+    assert made == ["shared"]
+    link = specs if how.startswith("a folder") else specs / "a.spec"
+    if how.endswith("elsewhere now"):
+        link.unlink()
+        link.symlink_to(other if link == specs else other / "a.spec")
+    else:
+        (shared / "a.spec").write_text("weaker")
+    asked()
+    assert made == ["shared", "other" if how.endswith("elsewhere now") else "weaker"]
+
+
+def test_what_is_written_meanwhile_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file that is written aside and gone again is none that facts were made from."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    root = tmp_path / "project"
+    (root / "specs").mkdir(parents=True)
+    made: list[int] = []
+
+    def make() -> facts.Facts:
+        made.append(1)
+        aside = tmp_path / "aside"
+        aside.write_text("x")
+        aside.unlink()
+        return facts.Facts([], [], [], {}, [], [])
+
+    facts.facts(root, ["specs"], [], make)
+    facts.facts(root, ["specs"], [], make)
+    assert made == [1]
+
+
+def test_a_run_rests_on_a_track_outside_of_the_project_too(tmp_path: Path) -> None:
+    """What projects share is as much a part of the run as what lies beside the scenario; where it lies is not."""
+    assert run_command("init", str(tmp_path / "car"))[0] == 0
+    hashes = []
+    for place, width in [("shared", 10), ("shared", 12), ("elsewhere", 12)]:
+        track = tmp_path / "car" / "specs" / "tracks" / "straight.yaml"
+        text = track.read_text("utf-8")
+        outside = tmp_path / place / "straight.yaml"
+        outside.parent.mkdir(exist_ok=True)
+        outside.write_text(text.replace("width: 10", f"width: {width}"), "utf-8")
+        track.unlink()
+        track.symlink_to(outside)
+        shown = "specs/scenarios/too_fast.yaml"
+        hashes.append(recorded(tmp_path / "car", tmp_path / "car" / shown, shown)[1])
+    assert "" not in hashes
+    assert hashes[0] != hashes[1] == hashes[2]

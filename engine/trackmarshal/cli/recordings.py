@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def recorded(root: Path, path: Path, shown: str) -> tuple[Recording, str]:
-    """A recording, and one sha256 of the files of the project that it was read from besides its own; empty where there are none.
+    """A recording, and one sha256 of the files that it was read from besides its own; empty where there are none.
 
     Specs are left out: what they mean is hashed elsewhere.
     """
@@ -29,5 +29,12 @@ def recorded(root: Path, path: Path, shown: str) -> tuple[Recording, str]:
     )
     if not others:
         return recording, ""
-    hashes = [(name, hashlib.sha256((root / name).read_bytes()).hexdigest()) for name in others]
+    # Where a file outside of the project is, is another matter on another machine.
+    hashes = [
+        (
+            os.path.basename(name) if os.path.isabs(name) else name,
+            hashlib.sha256((root / name).read_bytes()).hexdigest(),
+        )
+        for name in others
+    ]
     return recording, hashlib.sha256(json.dumps(hashes).encode()).hexdigest()
