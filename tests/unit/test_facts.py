@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from support.project import run_command
 from trackmarshal.cli import facts
 from trackmarshal.cli.recordings import recorded
+from trackmarshal.library import LIBRARY
 
 
 @pytest.mark.parametrize("meanwhile", [None, "written", "gone", "another"])
@@ -101,6 +103,32 @@ def test_what_is_written_meanwhile_is_not_read(tmp_path: Path, monkeypatch: pyte
     facts.facts(root, ["specs"], [], make)
     facts.facts(root, ["specs"], [], make)
     assert made == [1]
+
+
+def test_a_run_rests_on_what_a_spec_says_of_its_vehicle_and_on_its_truth(tmp_path: Path) -> None:
+    """Neither has to be read by a rule: the one makes the trajectories, the other says which are to be unsafe."""
+    root = tmp_path / "car"
+    assert run_command("init", str(root))[0] == 0
+    vehicle, scenario = root / "veh.spec", root / "specs" / "scenarios" / "too_fast.yaml"
+    own = (LIBRARY / "vehicles" / "devbot.spec").read_text("utf-8").replace("vehicles.devbot", "veh", 1)
+    speed = root / "specs" / "speed.spec"
+    speed.write_text(speed.read_text("utf-8") + "\nparam due : m/s = 40 m/s\n", "utf-8")
+    said = scenario.read_text("utf-8").replace("vehicle: vehicles.devbot", "vehicle: ../../veh.spec")
+    scenario.write_text(said.replace("as: static", "unsafe: 'ego.v > due'"), "utf-8")
+
+    def now() -> str:
+        shown = "specs/scenarios/too_fast.yaml"
+        return recorded(root, scenario, shown)[1]
+
+    vehicle.write_text(own, "utf-8")
+    first = now()
+    vehicle.write_text(own + "\n-- measured twice\n", "utf-8")
+    assert now() == first
+    vehicle.write_text(re.sub(r"(param drag .*?= )0.854", r"\g<1>5", own), "utf-8")
+    assert now() != first
+    vehicle.write_text(own, "utf-8")
+    speed.write_text(speed.read_text("utf-8").replace("= 40 m/s", "= 20 m/s"), "utf-8")
+    assert now() != first
 
 
 def test_a_run_rests_on_a_track_outside_of_the_project_too(tmp_path: Path) -> None:

@@ -23,6 +23,9 @@ DOORS = (
 )
 
 
+_SECOND = "  - {stage: S-4-A, requirements: [S-4], at_least: partial}\n"
+
+
 def agreed(edit: Edit) -> Edit:
     """An edit that a person accepted by name."""
 
@@ -72,6 +75,8 @@ FAULTS = [
     Fault("tests that nothing answers", swap(R, "asil: A(C)\n    verification: [analysis]", "asil: A(C)\n    verification: [analysis, test]"), "T255", "S-31:test"),
     Fault("tests on the boundary that nothing answers", swap(R, "asil: A(C)\n    verification: [analysis]", "asil: A(C)\n    verification: [analysis, boundary test]"), "T255", "S-31:boundary test"),
     Fault("scenarios that nothing answers", swap(R, "asil: A(C)\n    verification: [analysis]", "asil: A(C)\n    verification: [analysis, scenario]"), "T255", "S-31:scenario"),
+    # a demand taken away that stood beside another one on its stage
+    Fault("a demand of two on a stage", all_of(agreed(swap(V, "[S-32, S-4], at_least: partial}", "[S-32], at_least: partial}\n" + _SECOND.rstrip())), swap(V, _SECOND, "")), "T371", "S-4-A, partial"),
     # evidence of a kind taken away, and what remains when somebody accepted that
     Fault("evidence that is no analysis any more", swap(V, ", methods: [analysis]", ""), "T373", "docs/planner.md at S-2-A"),
     Fault("evidence that is no analysis any more, accepted", agreed(swap(V, ", methods: [analysis]", "")), "T255", "S-31:analysis"),
