@@ -318,3 +318,15 @@ def test_a_v_model_that_names_no_specs_says_why(verb: str) -> None:
     assert status == 2, out + err
     assert "error[T124]: an entry of `specs` is `../rules`" in err
     assert "requirements/v-model.yaml:8" in err
+
+
+def test_a_test_that_names_the_wrong_sample_is_told_the_right_one() -> None:
+    text = SPEC + """
+test fast "all of it"
+  given plan = line(v: 20 m/s)
+  expect satisfied, at p = 3
+"""
+    Path("small.spec").write_text(text, encoding="utf-8")
+    status, out, err = run_command("test", "small.spec")
+    assert status == 1
+    assert "expected p = 3 to decide, got p = 0\n" in out + err
