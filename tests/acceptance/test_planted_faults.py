@@ -64,6 +64,21 @@ def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
     assert status == 0
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "a title of a rule",
+        "a title of a test",
+        "rules in another order",
+        "the baseline moved with all that was accepted",
+    ],
+)
+def test_what_is_worded_otherwise_comes_out_again(name: str, project: Path) -> None:
+    """Running everything again accuses nobody of an edit that results do not depend on."""
+    next(edit for edit in EDITS if edit.name == name).edit(project)
+    assert judged(project, rerun=True) == (0, [])
+
+
 def test_two_faults_are_two_causes(project: Path) -> None:
     """What they have in common, an open cell, hides neither."""
     swap("specs/rules.spec", "expect violated, margin -1 m/s^2", "expect satisfied")(project)

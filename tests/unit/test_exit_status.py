@@ -290,3 +290,43 @@ def test_assess_and_trace_see_a_constraint_that_does_not_hold() -> None:
     status, text = assessed("ground_truth", *cycles, more=more.format(1))
     assert status == 1
     assert "error[E307]" in text
+
+
+@pytest.mark.parametrize("verb", ["check", "fmt", "test"])
+def test_specs_are_where_the_v_model_says(verb: str) -> None:
+    """Of every verb: `check` and `fmt` of a project with two folders may not pass over the second one."""
+    assert run_command("init", "car")[0] == 0
+    model = Path("car/requirements/v-model.yaml")
+    said = model.read_text("utf-8").replace("  specs: [specs]", "  specs: [specs, more]")
+    model.write_text(said, "utf-8")
+    Path("car/more").mkdir()
+    Path("car/more/bad.spec").write_text("module bad\nuse signals\nrule r require ego.v < 3\n", "utf-8")
+    more = ("--check",) if verb == "fmt" else ()
+    status, out, err = run_command(verb, *more, "--project", "car")
+    assert status == (2 if verb == "test" else 1), out + err
+    assert "bad.spec" in out + err
+
+
+@pytest.mark.parametrize("verb", ["check", "fmt", "test", "trace", "assess"])
+def test_a_v_model_that_names_no_specs_says_why(verb: str) -> None:
+    """And not that a folder is missing of which nobody spoke."""
+    assert run_command("init", "car")[0] == 0
+    Path("car/specs").rename("car/rules")
+    model = Path("car/requirements/v-model.yaml")
+    model.write_text(model.read_text("utf-8").replace("  specs: [specs]", "  specs: [../rules]"), "utf-8")
+    status, out, err = run_command(verb, "--project", "car")
+    assert status == 2, out + err
+    assert "error[T124]: an entry of `specs` is `../rules`" in err
+    assert "requirements/v-model.yaml:8" in err
+
+
+def test_a_test_that_names_the_wrong_sample_is_told_the_right_one() -> None:
+    text = SPEC + """
+test fast "all of it"
+  given plan = line(v: 20 m/s)
+  expect satisfied, at p = 3
+"""
+    Path("small.spec").write_text(text, encoding="utf-8")
+    status, out, err = run_command("test", "small.spec")
+    assert status == 1
+    assert "expected p = 3 to decide, got p = 0\n" in out + err

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,6 +30,9 @@ CODES = {
         "acceptance (a shallow clone, as continuous integration often makes one).",
     ),
 }  # fmt: skip
+#: Where the V-model says which file is the baseline.
+_MODEL = Path("requirements") / "v-model.yaml"
+_NAMED = re.compile(r"""^[ ]+baseline:[ ]*["']?([^\s"'#]+)""", re.MULTILINE)
 #: So many versions are looked at.
 _MOST = 200
 
@@ -42,14 +46,18 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
         return
     place = Place(baseline)
     try:
-        commits = _git(
-            root, "log", "--first-parent", f"--max-count={_MOST}", "--format=%H", "--", baseline
-        ).split()
+        moved = _moved(root, baseline)
+        files = [baseline] if not moved else [str(_MODEL), *moved]
+        commits = _log(root, files)
         cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
         versions = [
             ("", path.read_bytes()),
-            *((commit, _version(root, commit, baseline)) for commit in commits),
+            *(
+                (commit, _version(root, commit, _named(root, commit) if moved else baseline))
+                for commit in commits
+            ),
         ]
+        versions = [versions[0], *(each for each in versions[1:] if each[1] and not _is_none(each[1]))]
     except (OSError, subprocess.SubprocessError):
         yield warning(
             "T381",
@@ -58,7 +66,7 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
             "put it under version control",
         )
         return
-    if not commits:
+    if not versions[1:]:
         yield warning(
             "T381", "who accepted the baseline is not known: it was never committed", place, "commit it"
         )
@@ -78,7 +86,10 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
             return
         at = f"in commit {commit[:12]}" if commit else "since the last commit"
         message = f"the baseline was changed {at} without an acceptance: {why}"
-        help_ = f"restore it: `git checkout {versions[number + 1][0][:12]} -- {baseline}`, and accept what is there now"
+        then = versions[number + 1][0]
+        was = _named(root, then) if moved else baseline
+        again = "" if was == baseline else f", name `{was}` as the baseline"
+        help_ = f"restore it: `git checkout {then[:12]} -- {was}`{again}, and accept what is there now"
         yield error("T380", message, place, help_)
         return
     if cut:
@@ -88,6 +99,35 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
             place,
             "`git fetch --unshallow`",
         )
+
+
+def _log(root: Path, files: list[str], *words: str) -> list[str]:
+    """The commits that changed files, the last one first."""
+    most = f"--max-count={_MOST}"
+    return _git(root, "log", "--first-parent", most, "--format=%H", *words, "--", *files).split()
+
+
+def _moved(root: Path, baseline: str) -> list[str]:
+    """All files that the V-model named as its baseline at some time, where it is not this one alone."""
+    changed = _log(root, [str(_MODEL)], "-G", "baseline:")
+    named = {_named(root, each) for commit in ["HEAD", *changed] for each in (commit, f"{commit}^")}
+    named = {each for each in named if each} | {baseline}
+    return sorted(named) if len(named) > 1 else []
+
+
+def _named(root: Path, commit: str) -> str:
+    """The file that the V-model of a commit names as its baseline; empty where it names none."""
+    found = _NAMED.search(_version(root, commit, _MODEL.as_posix()).decode("utf-8", "replace"))
+    return found[1] if found else ""
+
+
+def _is_none(data: bytes) -> bool:
+    """Whether it is no baseline of any format: a file that was cut, or emptied, takes no acceptance back."""
+    try:
+        said = json.loads(data)
+        return not isinstance(said, dict) or not isinstance(said.get("version"), int)
+    except (ValueError, RecursionError):
+        return True
 
 
 def _version(root: Path, commit: str, baseline: str) -> bytes:

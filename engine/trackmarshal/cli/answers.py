@@ -3,6 +3,7 @@ made from is the same."""
 
 from __future__ import annotations
 
+import json
 import platform
 import subprocess
 import sys
@@ -15,8 +16,10 @@ from trackmarshal.store import Entry, Store
 
 #: What results of earlier versions do not say.
 _LATER = ("ranges",)
-#: What says where something stands or when it was made, and not what came out.
-_APART = ("file", "line", "created")
+#: What says where something stands, when it was made, or how the specs are worded, titles included, and not what came out.
+_APART = ("file", "line", "created", "spec_fingerprint")
+#: What stands in the order of the specs.
+_IN_ANY_ORDER = ("rules",)
 
 
 class Answers:
@@ -49,7 +52,8 @@ class Answers:
         if before is not None:
             unlike = [
                 name for name in sorted({*before.result, *result})
-                if name not in _APART and not (name in _LATER and name not in before.result) and before.result.get(name) != result.get(name)
+                if name not in _APART and not (name in _LATER and name not in before.result)
+                and _sorted(name, before.result.get(name)) != _sorted(name, result.get(name))
             ]  # fmt: skip
             if not unlike:
                 return
@@ -67,6 +71,13 @@ class Answers:
             said = {"tool": tool(), "commit": commit(self._root), "platform": _platform()}
             self.store.add(entry.by(**said) for entry in self._new)
             self._new = []
+
+
+def _sorted(name: str, value: Any) -> Any:
+    """A field to be compared: rules in an order that is not that of the specs."""
+    if name not in _IN_ANY_ORDER or not isinstance(value, list):
+        return value
+    return sorted(json.dumps(each, sort_keys=True) for each in value)
 
 
 def commit(root: Path) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.output import count
 from trackmarshal.cli.places import configure_relative, shown_from
-from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.cli.project import find_project, optional_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
 
     project = optional_project(args)
     where = shown_from(args, project, ("json", "sarif", "github"))
-    paths = [Path(p) for p in args.paths] or [find_project(args) / "specs"]
+    paths = [Path(p) for p in args.paths] or spec_folders(find_project(args))
     compiled = compile_paths(paths, project)
     found = examine(compiled, project)
     print_findings(found, args.format, where)

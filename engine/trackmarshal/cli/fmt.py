@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 from trackmarshal.cli.output import print_problem, say
-from trackmarshal.cli.project import find_project
+from trackmarshal.cli.project import find_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
 
 
@@ -29,7 +29,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.source import read
     from trackmarshal.syntax.format import format_text
 
-    paths = [Path(p) for p in args.paths] or [find_project(args) / "specs"]
+    paths = [Path(p) for p in args.paths] or spec_folders(find_project(args))
     status, changed, seen = 0, 0, 0
     for path in (file for given in paths for file in spec_files(given)):
         seen += 1

@@ -49,12 +49,14 @@ def kept(
     return made, ""
 
 
+#: What says of an `open` that it writes.
+_WRITES = os.O_WRONLY | os.O_RDWR
 #: Who wants to know which files are opened.
 _LISTENING: list[Callable[[str], None]] = []
 
 
 def _listen(event: str, args: tuple[Any, ...]) -> None:
-    if _LISTENING and event == "open" and isinstance(args[0], str | bytes):
+    if _LISTENING and event == "open" and isinstance(args[0], str | bytes) and not args[2] & _WRITES:
         path = os.path.realpath(os.fsdecode(args[0]))
         for tell in _LISTENING:
             tell(path)
@@ -68,20 +70,19 @@ def _hook() -> None:
 
 @contextmanager
 def opened(root: Path) -> Iterator[dict[str, tuple[int, ...]]]:
-    """The files below a project's folder that are opened meanwhile, by their paths from it, and what each was like then; without those of Python
-    and of the cache."""
+    """The files that are opened meanwhile to be read, and what each was like then: those below a project's folder by their paths from it, others,
+    to which links and `..` lead, by their own. Without those of the cache, of Python and of this program, which has a hash of its own."""
+    from trackmarshal.meaning.tool import HERE
+
     found: dict[str, tuple[int, ...]] = {}
-    inside, apart = (
-        os.path.join(os.path.realpath(root), ""),
-        os.path.join(os.path.realpath(cache_folder() or os.devnull), ""),
+    inside, program, *apart = (
+        os.path.join(os.path.realpath(folder), "")
+        for folder in (root, HERE, cache_folder() or os.devnull, "/dev", "/proc", "/sys")
     )
+    aside = (*apart, program) if not program.startswith(inside) else tuple(apart)
 
     def tell(path: str) -> None:
-        if (
-            path.startswith(inside)
-            and not path.startswith(apart)
-            and not path.endswith((".py", ".pyc", ".so"))
-        ):
+        if not path.startswith(aside) and not path.endswith((".py", ".pyc", ".so")):
             found.setdefault(path.removeprefix(inside), _about(path))
 
     _hook()
@@ -102,7 +103,7 @@ def _about(path: str) -> tuple[int, ...]:
 
 
 def _state(root: Path, folders: list[str], files: list[str]) -> str:
-    """One hash of the contents of files, of the names of all that lies beside them, and of the specs and documents in folders."""
+    """One hash of the contents of files, of the names of all that lies beside them, and of the specs and documents in folders, and where they are."""
     from trackmarshal.meaning.tool import whole
 
     digest = hashlib.sha256(whole().encode())
@@ -123,6 +124,9 @@ def _state(root: Path, folders: list[str], files: list[str]) -> str:
     for folder in folders:
         found, problems = below(root / folder, (".spec", ".yaml", ".yml"))
         take(folder, found, [problem.filename for problem in problems])
+        # A link that leads elsewhere now has the same name as before.
+        take(*map(os.path.realpath, sorted({path.parent for path in found})))
+        take(*(os.path.realpath(path) for path in found if path.is_symlink()))
     return digest.hexdigest()
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.output import say
-from trackmarshal.cli.project import find_project
+from trackmarshal.cli.project import find_project, spec_folders
 
 if TYPE_CHECKING:
     from trackmarshal.start.pieces import Place
@@ -73,7 +73,7 @@ def _place(root: Path) -> Place:
     known, unreadable = demanded(root)
     if unreadable:
         raise unreadable[0]
-    specs = [root / str(path) for path in project.specs] or [root / "specs"]
+    specs = [root / str(path) for path in project.specs] or spec_folders(root)
     compiled = compile_paths(specs, root)
     compiled.raise_errors()
     folder = specs[0] if specs[0].is_dir() else specs[0].parent

@@ -52,7 +52,21 @@ def project_of(folder: Path) -> Path | None:
 
 
 def spec_folders(project: Path) -> list[Path]:
-    """The folders that the project names as its specs: those of which `assess` and `trace` ask for tests."""
-    from trackmarshal.trace import requirements
+    """The folders that the project names as its specs: those of which `assess` and `trace` ask for tests.
 
-    return [project / str(path) for path in requirements.load(project, []).specs] or [project / "specs"]
+    Where the V-model cannot be read so far, `specs`; raises what is wrong with it where that is not there either.
+    """
+    from trackmarshal.trace import requirements
+    from trackmarshal.trace.findings import Finding
+
+    wrong: list[Finding] = []
+    named = requirements.load(project, wrong).specs
+    usual = project / "specs"
+    if not named and not usual.exists():
+        for each in wrong:
+            if each.level == "error" and each.place is not None and each.place.file == MARKER.as_posix():
+                place = each.place
+                raise TrackmarshalError(
+                    each.code, each.message, file=place.file, line=place.line, help=each.help
+                )
+    return [project / str(path) for path in named] or [usual]

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 
 def recorded(root: Path, path: Path, shown: str) -> tuple[Recording, str]:
-    """A recording, and one sha256 of the files of the project that it was read from besides its own; empty where there are none.
+    """A recording, and one sha256 of what it was made from besides its own file; empty where that is nothing.
 
-    Specs are left out: what they mean is hashed elsewhere.
+    What specs mean for rules is hashed elsewhere; here, of specs, what its vehicles are, and when it has to be unsafe.
     """
     from trackmarshal.scenarios import load
 
@@ -27,7 +27,17 @@ def recorded(root: Path, path: Path, shown: str) -> tuple[Recording, str]:
     others = sorted(
         name for name in found if os.path.realpath(root / name) != own and not name.endswith(".spec")
     )
-    if not others:
+    by_specs = [recording.of_specs] * bool(recording.of_specs)
+    if any(name.endswith(".spec") for name in found):
+        by_specs.append(repr(sorted(recording.ground_truth.items())))
+    if not others and not by_specs:
         return recording, ""
-    hashes = [(name, hashlib.sha256((root / name).read_bytes()).hexdigest()) for name in others]
+    # Where a file outside of the project is, is another matter on another machine.
+    hashes = [
+        (
+            os.path.basename(name) if os.path.isabs(name) else name,
+            hashlib.sha256((root / name).read_bytes()).hexdigest(),
+        )
+        for name in others
+    ] + [("specs", hashlib.sha256("\0".join(by_specs).encode()).hexdigest())] * bool(by_specs)
     return recording, hashlib.sha256(json.dumps(hashes).encode()).hexdigest()

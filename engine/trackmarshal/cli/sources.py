@@ -30,10 +30,11 @@ def read_specs(root: Path, project: Project) -> tuple[Compiled, list[PreparedTes
     A rule with an error is left out, so whatever it was to cover is a gap, beside the error itself.
     """
     from trackmarshal.cli.check import unconstrained
+    from trackmarshal.cli.project import spec_folders
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
 
-    compiled = compile_paths([root / str(path) for path in project.specs] or [root / "specs"], root)
+    compiled = compile_paths([root / str(path) for path in project.specs] or spec_folders(root), root)
     if compiled.failures:
         raise compiled.failures[0]
     prepared, found = prepare(compiled)

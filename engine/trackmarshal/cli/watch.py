@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from trackmarshal.cli.output import say
-from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.cli.project import find_project, optional_project, spec_folders
 
 #: Time between two looks, s, and for how long nothing may have changed before a round begins: editors save in several steps.
 LOOK = 0.25
@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     watched = [Path(path) for path in args.paths]
     if not watched:
         root = find_project(args)
-        watched = [root / "specs", root / "requirements"]
+        watched = [*spec_folders(root), root / "requirements"]
     else:
         optional_project(args)
     try:

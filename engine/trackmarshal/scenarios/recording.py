@@ -73,6 +73,8 @@ class Recording:
     given: dict[str, float] = field(default_factory=dict)
     #: Why something is overridden or given: by the name of the parameter, table or input.
     because: dict[str, str] = field(default_factory=dict)
+    #: What its cycles were made from besides its own file and data: the values that specs say of vehicles, in full.
+    of_specs: str = field(default="", compare=False)
 
     def signals(self, cycle: Cycle, candidate: str) -> dict[str, Any]:
         """The signals of one check: plan, ego, objects, obstacles, track, and whether it is the emergency plan.

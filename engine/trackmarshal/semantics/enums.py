@@ -42,10 +42,16 @@ def unknown(enumeration: Enumeration, name: str, span: Span) -> UnknownMember:
     return UnknownMember(span, enumeration.name.rpartition(".")[2], name, known, hint)
 
 
-def hint(value: typed.AnyMember) -> str:
-    """What to write in place of a member that stands where a number or a formula belongs."""
+def hint(value: typed.AnyMember, asked_for: str = "", op: str = "==") -> str:
+    """What to write in place of a member that stands where a number or a formula belongs, or is compared with a word."""
     written = " ".join(value.span.text.split())
-    return f"ask for a member: `{written} is {value.enumeration.members[0]}`"
+    members = value.enumeration.members
+    asks = f"{written} is {asked_for if asked_for in members else members[0]}"
+    return (
+        f"ask for a member: `{asks}`"
+        if op in ("==", "<", "<=", ">", ">=")
+        else f"ask for a member: `not ({asks})`"
+    )
 
 
 def asked(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.Formula:

@@ -420,9 +420,7 @@ class Expressions:
     def _comparison(self, expr: ast.Binary, ctx: Context) -> typed.Formula:
         """Two numbers, or a count and a number that no input changes."""
         op, span = known(expr.op, typed.COMPARISONS), expr.span
-        left, right = self.all(
-            lambda: self._compared(expr.left, ctx), lambda: self._compared(expr.right, ctx)
-        )
+        left, right = self._compared(expr, ctx)
         if isinstance(left, typed.Count) and not isinstance(right, typed.Count):
             return typed.CountComparison(op, left, self._limit(right), False, span)
         if isinstance(right, typed.Count) and not isinstance(left, typed.Count):
@@ -432,9 +430,30 @@ class Expressions:
         self._compare(expr.op, left, right, span)
         return typed.Comparison(op, left, right, span)
 
-    def _compared(self, expr: ast.Expr, ctx: Context) -> typed.Number | typed.Count:
-        value = self.value(expr, ctx)
-        return value if isinstance(value, typed.Count) else self._numeric(value, expr)
+    def _compared(self, expr: ast.Binary, ctx: Context) -> list[Any]:
+        """Both sides: numbers, or counts. Two members, or two formulas, are one mistake."""
+        members: list[typed.MemberNode] = []
+
+        def left_side() -> typed.Value:
+            value = self.value(expr.left, ctx)
+            if isinstance(value, typed.MemberNode) and isinstance(expr.right, ast.Name):
+                members.append(value)
+                hint = enums.hint(value, expr.right.name, expr.op)
+                self.fail(WrongKind(_span(expr.left), "a number", value_spoken(value), hint))
+            return value
+
+        def right_side() -> typed.Value:
+            if members:
+                raise Poison  # the word is one of its members, or meant to be
+            return self.value(expr.right, ctx)
+
+        def number(value: typed.Value, side: ast.Expr) -> typed.Number | typed.Count:
+            return value if isinstance(value, typed.Count) else self._numeric(value, side)
+
+        left, right = self.all(left_side, right_side)
+        if isinstance(left, typed.FormulaNode) and isinstance(right, typed.FormulaNode):
+            self.fail(WrongKind(_span(expr.left), "a number", "a formula", _of_formulas(expr)))
+        return self.all(lambda: number(left, expr.left), lambda: number(right, expr.right))
 
     def _limit(self, number: typed.Number) -> typed.Number:
         """What a count is compared with: a plain number made of literals and parameters."""
@@ -765,6 +784,16 @@ def _never_empty(range_: typed.Range) -> bool:
 def _span(expr: ast.Expr) -> Span:
     span: Span = expr.__dict__["span"]
     return span
+
+
+def _of_formulas(expr: ast.Binary) -> str:
+    """What to write for two formulas between which `==` stands, or another comparison."""
+    left, right = (" ".join(_span(side).text.split()) for side in (expr.left, expr.right))
+    if expr.op not in ("==", "!="):
+        return "compare numbers, or join formulas with `and`, `or`, `implies`, `iff`, `xor`"
+    if isinstance(expr.right, ast.Boolean):
+        return f"write `{left}`" if expr.right.value == (expr.op == "==") else f"write `not ({left})`"
+    return f"write `({left}) {'iff' if expr.op == '==' else 'xor'} ({right})`"
 
 
 def _factor(left: Dimension, right: Dimension, a: str, b: str) -> str:

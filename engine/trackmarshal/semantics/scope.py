@@ -100,14 +100,33 @@ class Scope:
             return found[0]
         if name in self.broken:
             return None  # its declaration has an error of syntax, which was reported
-        hint = close_matches(name, self.names() | extra)
+        has_fields = span.file.text[span.end : span.end + 1] == "."
+        known = (self._records() | extra) - set(BUILT_IN) if has_fields else self.names() | extra
+        hint = close_matches(name, known)
         if self.incomplete and not hint:
             return None  # the module that could not be loaded may declare it
-        return self.unknown(name, span, what, hint)
+        return self.unknown(name, span, what, hint or (self._to_bind(name) if has_fields else ""))
+
+    def _records(self) -> set[str]:
+        """Names that may have fields."""
+        no_fields = (ast.Define, ast.Table, ast.Place)
+        found = {name: symbol.item for name, symbol in self.own.items()}
+        found |= {name: symbols[0].item for name, symbols in self.used.items() if name not in found}
+        return {name for name, item in found.items() if not isinstance(item, no_fields)}
+
+    def _to_bind(self, name: str) -> str:
+        """How a variable comes to be; empty where there is nothing that it could range over."""
+        symbols = [*self.own.items(), *((each, found[0]) for each, found in self.used.items())]
+        signals = [(each, symbol.item) for each, symbol in symbols if isinstance(symbol.item, ast.Signal)]
+        found = [each for each, item in signals if item.kind in ("trajectory", "series")]
+        found += [each for each, item in signals if item.many]
+        return f"bind it, such as by `for all {name} in {found[0]}`, or declare it" if found else ""
 
     def unknown(self, name: str, span: Span, what: str, hint: str) -> UnknownName:
         """What is said of a name that is not declared; a module that declares it comes before names that are alike."""
         modules = self._elsewhere(name, what, self.module)
+        if name.lower() in ("true", "false"):
+            hint = f"write `{name.lower()}`"
         hint = _unit_with_blanks(name, span) or hint or "declare it, or `use` the module that declares it"
         return UnknownName(span, what, name, hint, modules)
 

@@ -31,7 +31,7 @@ _HERE = {
 #: Texts whose second half the parser stumbles over.
 _ACROSS = {
     "<>": "write `!=`", "**": "write `^` for a power", "==": "write `=` once, to name a value", "^^": "write `^` once",
-    "++": "write `+` once", "//": "a comment starts with `--`", "--": "a comment starts with `--`", "..": "write `[a, b]` for a range", "!!": "write `not`",
+    "++": "write `+` once", "->": "write `implies` for a consequence", "/*": "a comment starts with `--` and ends with its line", "//": "a comment starts with `--`", "--": "a comment starts with `--`", "..": "write `[a, b]` for a range", "!!": "write `not`",
 }  # fmt: skip
 
 #: Words of other languages where a quantifier or an operator stands.
@@ -61,13 +61,20 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
             return _without_comma(number.group())
     if found == "(" and "TIMES" in expected and re.search(r"[0-9)][ \t]*\Z", text[:start]):
         return "write `*` to multiply"
+    if found == "=" and "COMPARE" in expected and "COLON" in expected:
+        return "an argument stands behind its name and `:`, such as `v: 20 m/s`; `==` compares"
     if found == "=" and text[start + 1 : start + 2] not in "=<>" and "COMPARE" in expected:
         return "write `==` to compare"
+    if found[:1] in ("'", "_") and text[max(0, start - 1) : start].isdigit():
+        return "digits of a number stand together: `10000`"
     if found == "==" and "EQUAL" in expected:
         return "write `=` to name a value; `==` compares"
     if found == "=" and text[max(0, start - 2) : start] == "==":
         return "write `==` to compare"
-    if found in ("<", "<=", ">", ">=", "==", "!=", "≤", "≥", "≠") and text[start - 1 : start + 1] != "<>":
+    if found in ("<", "<=", ">", ">=", "==", "!=", "≤", "≥", "≠") and text[start - 1 : start + 1] not in (
+        "<>",
+        "->",
+    ):
         if expected & {"AND", "OR"} and "COMPARE" not in expected:
             return "join what must hold together with `and`"
         return ""
@@ -92,6 +99,10 @@ def _word(found: str, line: str, expected: set[str]) -> str:
         return "a predicate that is called `to` stands before its arguments: write `to(a, b)`, or rename it"
     if found == "for":
         return "write `for all NAME in DOMAIN`" if expected & {"_FOR_ALL", "NOT"} else ""
+    if found == "if" and expected & {"COMPARE", "AND"}:
+        return "a condition comes first: `whenever CONDITION` above `require`, or `CONDITION implies ...`"
+    if found == "then" and re.match(r"\s*whenever\b", line):
+        return "what must hold then is said by `require`, in the next line"
     if found in RESERVED and expected <= {"NAME", "ID", "CONSECUTIVE"} and expected:
         return f"`{found}` is a word of the language and cannot be a name"
     if found in DECLARATIONS and "NAME" not in expected:

@@ -370,7 +370,7 @@ class _Preparation:
             self.fail(call.span, f"`{builder.name}`: {error.message}", error.help or "")
 
     def _arguments(self, call: ast.Call, builder: Builder) -> dict[str, float]:
-        def argument(named: str, value: ast.Expr) -> tuple[str, float]:
+        def argument(place: int, named: str, value: ast.Expr) -> tuple[str, float]:
             parameter = builder.parameters.get(named)
             takes = f"`{builder.name}` takes " + ", ".join(builder.parameters)
             if not named:
@@ -381,12 +381,17 @@ class _Preparation:
                     f"`{builder.name}` has no argument `{named}`",
                     close_matches(named, builder.parameters) or takes,
                 )
-            if call.names.count(named) > 1:
+            if named in call.names[:place]:
                 self.fail(_span(value), f"`{named}` is given twice", "keep one of them")
             return named, self._number(value, parameter.unit, f"the argument `{named}`")
 
         arguments = dict(
-            self._x.all(*(lambda n=n, v=v: argument(n, v) for n, v in zip(call.names, call.args)))
+            self._x.all(
+                *(
+                    lambda i=i, n=n, v=v: argument(i, n, v)
+                    for i, (n, v) in enumerate(zip(call.names, call.args))
+                )
+            )
         )
         missing = [n for n, p in builder.parameters.items() if p.required and n not in arguments]
         if missing:
@@ -411,12 +416,13 @@ class _Preparation:
     def _entries(self, record: ast.RecordValue, read: Any) -> dict[str, Any]:
         """The entries of `{ name: value }`, each read by a function of both."""
 
-        def entry(field: str, value: ast.Expr) -> tuple[str, Any]:
-            if record.names.count(field) > 1:
+        def entry(place: int, field: str, value: ast.Expr) -> tuple[str, Any]:
+            if field in record.names[:place]:
                 self.fail(_span(value), f"`{field}` is given twice", "keep one of them")
             return field, read(field, value)
 
-        return dict(self._x.all(*(lambda n=n, v=v: entry(n, v) for n, v in zip(record.names, record.values))))
+        entries = enumerate(zip(record.names, record.values))
+        return dict(self._x.all(*(lambda i=i, n=n, v=v: entry(i, n, v) for i, (n, v) in entries)))
 
     def _field(self, signal: SignalType, field: str, span: Span) -> FieldType:
         kind = signal.field(field)

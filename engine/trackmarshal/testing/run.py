@@ -214,7 +214,8 @@ def mismatch(test: PreparedTest, result: RuleResult) -> str:
     if test.binder is not None:
         binders = result.witness.binders if result.witness is not None else {}
         if str(binders.get(test.binder)) != test.at:
-            return f"expected {test.binder} = {test.at} to decide, got {binders or 'nothing'}"
+            decided = ", ".join(f"{name} = {value}" for name, value in binders.items())
+            return f"expected {test.binder} = {test.at} to decide, got {decided or 'nothing'}"
     return ""
 
 

@@ -6,7 +6,23 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from support.planted.edits import TODAY, Edit, Fault, Harmless, accepted, add, all_of, cut, put, swap
+from support.planted.edits import (
+    BASELINE,
+    TODAY,
+    Edit,
+    Fault,
+    Harmless,
+    accepted,
+    add,
+    all_of,
+    committed,
+    cut,
+    git,
+    gone,
+    moved,
+    put,
+    swap,
+)
 from support.project import command
 
 R, V, H, D, A = (
@@ -21,6 +37,9 @@ DOORS = (
     "    refines: [S-1]\n    allocated_to: [DE-1]\n    owner: P-1\n    status: approved\n    asil: C\n    verified_by: [M-1, M-2]\n"
     "    verification: [analysis]\n    source: concept of the drive, 6\n"
 )
+
+
+_SECOND = "  - {stage: S-4-A, requirements: [S-4], at_least: partial}\n"
 
 
 def agreed(edit: Edit) -> Edit:
@@ -72,6 +91,13 @@ FAULTS = [
     Fault("tests that nothing answers", swap(R, "asil: A(C)\n    verification: [analysis]", "asil: A(C)\n    verification: [analysis, test]"), "T255", "S-31:test"),
     Fault("tests on the boundary that nothing answers", swap(R, "asil: A(C)\n    verification: [analysis]", "asil: A(C)\n    verification: [analysis, boundary test]"), "T255", "S-31:boundary test"),
     Fault("scenarios that nothing answers", swap(R, "asil: A(C)\n    verification: [analysis]", "asil: A(C)\n    verification: [analysis, scenario]"), "T255", "S-31:scenario"),
+    # a baseline that begins anew, with what is there now
+    Fault("another file named as the baseline", agreed(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), "T380", rerun=True),
+    Fault("another file named as the baseline, committed", all_of(agreed(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
+    Fault("the baseline removed in one commit, and accepted anew in another", all_of(gone(BASELINE), committed("tidy"), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
+    Fault("the baseline emptied in one commit, and accepted anew in another", all_of(put(BASELINE, b""), committed("tidy"), gone(BASELINE), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
+    # a demand taken away that stood beside another one on its stage
+    Fault("a demand of two on a stage", all_of(agreed(swap(V, "[S-32, S-4], at_least: partial}", "[S-32], at_least: partial}\n" + _SECOND.rstrip())), swap(V, _SECOND, "")), "T371", "S-4-A, partial"),
     # evidence of a kind taken away, and what remains when somebody accepted that
     Fault("evidence that is no analysis any more", swap(V, ", methods: [analysis]", ""), "T373", "docs/planner.md at S-2-A"),
     Fault("evidence that is no analysis any more, accepted", agreed(swap(V, ", methods: [analysis]", "")), "T255", "S-31:analysis"),
@@ -103,6 +129,7 @@ FAULTS = [
     Fault("an entry put on the list by hand, its hash made again", all_of(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"), accepted(_listed("hazard HZ-2"), rehash=True)), "T380", rerun=True),
 ]
 EDITS = [
+    Harmless("the baseline moved with all that was accepted", all_of(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json"), moved(BASELINE, "requirements/accepted.json"), git("add", "."), committed("moved"))),
     Harmless("one more review", _REVIEWED),
     Harmless("a method that is answered already", swap(R, "verification: [test, scenario]", "verification: [test, boundary test, scenario]")),
     Harmless("a hazard that nobody reviewed, accepted by name", agreed(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"))),

@@ -60,6 +60,7 @@ def _tool(said: dict[str, Any]) -> None:
 # fmt: off
 FAULTS = [
     # the gate and its stages
+    Fault("a scenario named a second time as one from the field", swap(V, SCENARIO, SCENARIO + "\n    - {path: " + HURRY + ", title: " + SCENARIO.replace("synthetic", "field")), "T130", HURRY),
     Fault("the gate cut to one stage", cut(V, "  - {stage: S-2-A, requirements: [S-31]}\n", "waivers:"), "T371", "S-2-A, covered"),
     Fault("a stage left out of the gate", swap(V, "  - {stage: S-4-B, requirements: [S-1]}\n", ""), "T371", "S-4-B, covered"),
     Fault("a requirement left out of the gate", swap(V, "{stage: S-4-A, requirements: [S-32, S-4], at_least: partial}", "{stage: S-4-A, requirements: [S-32], at_least: partial}"), "T371", "S-4-A, partial"),

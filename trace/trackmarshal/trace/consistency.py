@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from trackmarshal.trace import wording
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
@@ -23,11 +23,26 @@ def check(project: Project) -> Iterator[Finding]:
     yield from _unique("subsystem", (s.id for s in project.subsystems))
     yield from _unique("stage", (s.id for s in project.stages))
     yield from _unique("waiver", (w.id for w in project.waivers))
+    yield from _twice("scenario", (s.path for s in project.scenarios))
+    yield from _twice("campaign", project.campaigns)
+    yield from _twice("report", (j.path for j in project.junit), [j.stage for j in project.junit])
     if project.modelled is not None:
         yield from _model(project)
     for requirement in project.requirements:
         yield from wording.check(requirement)
     yield from _v_model(project)
+
+
+def _twice(what: str, paths: Iterable[Placed], stages: Sequence[str] = ()) -> Iterator[Finding]:
+    """Files, of which none may be named twice (at one stage, where there are stages): the second would say something else of it unseen."""
+    first: dict[tuple[str, str], Placed] = {}
+    for number, path in enumerate(paths):
+        stage = stages[number] if stages else ""
+        before = first.setdefault((str(path), stage), path)
+        if before is not path:
+            message = f"the {what} `{path}` is named twice" + f" at `{stage}`" * bool(stage)
+            also = ((before.place, "first named here"),)
+            yield Finding("T130", "error", message, path.place, "keep one of the entries", str(path), also)
 
 
 def _unique(what: str, ids: Iterable[Placed]) -> Iterator[Finding]:

@@ -62,7 +62,8 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     rows = _cycles(mapping, log)
     times = log.t[rows]
     driven = candidates.driving(motion, times, mapping.horizon, mapping.step)
-    braked = candidates.emergency(motion, times, mapping.step, _braking(mapping))
+    braking = _braking(mapping)
+    braked = candidates.emergency(motion, times, mapping.step, braking)
     cycles = []
     for row, driving, emergency in zip(rows, driven, braked):
         if emergency is None:
@@ -86,7 +87,7 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     recording = Recording(
         mapping.name, mapping.source, tuple(cycles), {"left": borders[0], "right": borders[1], "closed": mapping.closed},
         use=(mapping.vehicle, *mapping.use), notes=tuple(_notes(mapping, log, noise, motion, name, len(cycles))),
-        **given(mapping),
+        of_specs=repr(braking), **given(mapping),
     )  # fmt: skip
     return Drive(mapping, log, noise, motion, filled(recording), name, _sources(mapping, log))
 

@@ -85,6 +85,7 @@ def run(declared: Declaration, shown: str) -> Recording:
         use=declared.use,
         notes=declared.notes,
         because={**because, **declared.because},
+        of_specs="\n".join(repr(car.vehicle) for car in (declared.ego, *declared.others) if car.vehicle.spec),
     )
 
 

@@ -24,6 +24,8 @@ Entry: TypeAlias = dict[str, Value]
 UNREVIEWED = "unreviewed"
 #: By kind and name (`requirement RR-1`), what it is.
 Content: TypeAlias = dict[str, Entry]
+#: Entries that may be in several pieces; of others of one name the first counts, and the second is an error (T130).
+_TOGETHER = ("gate ", "evidence ")
 
 
 def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph) -> Content:
@@ -35,8 +37,21 @@ def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph) -> Conte
         *_specs(spec, hashes),
         *_reviews(project, graph),
     ):
-        found.setdefault(key, {name: value for name, value in entry.items() if value})
+        said = {name: value for name, value in entry.items() if value}
+        if key in found and key.startswith(_TOGETHER):
+            found[key] = _both(found[key], said)
+        found.setdefault(key, said)
     return dict(sorted(found.items()))
+
+
+def _both(one: Entry, other: Entry) -> Entry:
+    """What two entries of one name ask for together, such as two demands on a stage, so that the loss of either is noticed."""
+    return other | {
+        name: _list([*value, *more])
+        if isinstance(value, list) and isinstance(more := other.get(name, []), list)
+        else value
+        for name, value in one.items()
+    }
 
 
 def _reviews(project: Project, graph: Graph) -> Iterator[tuple[str, Entry]]:
