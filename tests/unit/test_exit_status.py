@@ -321,11 +321,14 @@ def test_a_v_model_that_names_no_specs_says_why(verb: str) -> None:
 
 
 def test_a_test_that_names_the_wrong_sample_is_told_the_right_one() -> None:
-    text = SPEC + """
+    text = (
+        SPEC
+        + """
 test fast "all of it"
   given plan = line(v: 20 m/s)
   expect satisfied, at p = 3
 """
+    )
     Path("small.spec").write_text(text, encoding="utf-8")
     status, out, err = run_command("test", "small.spec")
     assert status == 1
