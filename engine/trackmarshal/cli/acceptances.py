@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -31,8 +30,7 @@ CODES = {
     ),
 }  # fmt: skip
 #: Where the V-model says which file is the baseline.
-_MODEL = Path("requirements") / "v-model.yaml"
-_NAMED = re.compile(r"""^[ ]+baseline:[ ]*["']?([^\s"'#]+)""", re.MULTILINE)
+_MODEL = "requirements/v-model.yaml"
 #: So many versions are looked at.
 _MOST = 200
 
@@ -47,15 +45,12 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
     place = Place(baseline)
     try:
         moved = _moved(root, baseline)
-        files = [baseline] if not moved else [str(_MODEL), *moved]
-        commits = _log(root, files)
+        commits = _log(root, [_MODEL, *moved] if moved else [baseline])
+        named = _named(root, commits) if moved else dict.fromkeys(commits, baseline)
         cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
         versions = [
             ("", path.read_bytes()),
-            *(
-                (commit, _version(root, commit, _named(root, commit) if moved else baseline))
-                for commit in commits
-            ),
+            *((commit, _version(root, commit, named[commit])) for commit in commits if commit in named),
         ]
         versions = [versions[0], *(each for each in versions[1:] if each[1] and not _is_none(each[1]))]
     except (OSError, subprocess.SubprocessError):
@@ -87,7 +82,7 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
         at = f"in commit {commit[:12]}" if commit else "since the last commit"
         message = f"the baseline was changed {at} without an acceptance: {why}"
         then = versions[number + 1][0]
-        was = _named(root, then) if moved else baseline
+        was = named[then]
         again = "" if was == baseline else f", name `{was}` as the baseline"
         help_ = f"restore it: `git checkout {then[:12]} -- {was}`{again}, and accept what is there now"
         yield error("T380", message, place, help_)
@@ -101,24 +96,44 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
         )
 
 
-def _log(root: Path, files: list[str], *words: str) -> list[str]:
+def _log(root: Path, files: list[str]) -> list[str]:
     """The commits that changed files, the last one first."""
     most = f"--max-count={_MOST}"
-    return _git(root, "log", "--first-parent", most, "--format=%H", *words, "--", *files).split()
+    return _git(root, "log", "--first-parent", most, "--format=%H", "--", *files).split()
 
 
 def _moved(root: Path, baseline: str) -> list[str]:
     """All files that the V-model named as its baseline at some time, where it is not this one alone."""
-    changed = _log(root, [str(_MODEL)], "-G", "baseline:")
-    named = {_named(root, each) for commit in ["HEAD", *changed] for each in (commit, f"{commit}^")}
-    named = {each for each in named if each} | {baseline}
+    changed = _log(root, [_MODEL])
+    named = {*_named(root, ["HEAD", *changed, *(f"{commit}^" for commit in changed)]).values(), baseline}
     return sorted(named) if len(named) > 1 else []
 
 
-def _named(root: Path, commit: str) -> str:
-    """The file that the V-model of a commit names as its baseline; empty where it names none."""
-    found = _NAMED.search(_version(root, commit, _MODEL.as_posix()).decode("utf-8", "replace"))
-    return found[1] if found else ""
+def _named(root: Path, commits: list[str]) -> dict[str, str]:
+    """By commit the file that its V-model names as the baseline, read as the project's is; without those that name none."""
+    from trackmarshal.trace import tree
+
+    asked = "".join(f"{commit}:./{_MODEL}\n" for commit in commits)
+    done = subprocess.run(
+        ["git", "-C", str(root), "cat-file", "--batch"], input=asked.encode(), capture_output=True, check=True, timeout=60
+    )  # fmt: skip
+    known: dict[bytes, str] = {}
+    found: dict[str, str] = {}
+    rest = done.stdout
+    for commit in commits:
+        head, _, rest = rest.partition(b"\n")
+        if head.endswith(b" missing"):
+            continue
+        name, _, size = head.split()
+        if name not in known:
+            model = tree.parse(rest[: int(size)], _MODEL, [])
+            for key in ("project", "baseline"):
+                model = model.entries.get(key) if isinstance(model, tree.Mapping) else None
+            known[name] = model.text if isinstance(model, tree.Scalar) else ""
+        rest = rest[int(size) + 1 :]
+        if known[name]:
+            found[commit] = known[name]
+    return found
 
 
 def _is_none(data: bytes) -> bool:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import yaml
 
 from support.planted.edits import (
     BASELINE,
@@ -54,6 +57,18 @@ def agreed(edit: Edit) -> Edit:
     return both
 
 
+def _in_braces(name: str) -> Edit:
+    """The V-model's settings as YAML in braces, with another file as the baseline."""
+
+    def edit(root: Path) -> None:
+        said = yaml.safe_load((root / V).read_text("utf-8"))
+        said["project"]["baseline"] = f"requirements/{name}"
+        parts = (f"{key}: {json.dumps(value, default=str)}" for key, value in said.items())
+        (root / V).write_text("\n".join(parts) + "\n", "utf-8")
+
+    return edit
+
+
 def _listed(key: str) -> Callable[[dict[str, Any]], None]:
     def change(said: dict[str, Any]) -> None:
         said["content"][f"unreviewed {key}"] = {}
@@ -94,6 +109,7 @@ FAULTS = [
     # a baseline that begins anew, with what is there now
     Fault("another file named as the baseline", agreed(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), "T380", rerun=True),
     Fault("another file named as the baseline, committed", all_of(agreed(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
+    Fault("another file named as the baseline, always written in braces", all_of(_in_braces("baseline.json"), git("add", "."), git("commit", "--amend", "-qm", "The shuttle"), agreed(_in_braces("accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
     Fault("the baseline removed in one commit, and accepted anew in another", all_of(gone(BASELINE), committed("tidy"), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
     Fault("the baseline emptied in one commit, and accepted anew in another", all_of(put(BASELINE, b""), committed("tidy"), gone(BASELINE), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
