@@ -36,6 +36,21 @@ AS_SHIPPED = (
 )  # fmt: skip
 assert all((Path(__file__).parent / file).is_file() for file in AS_SHIPPED)
 
+#: The files that take longest in `make acceptance`, the longest first: whoever begins one of them last waits for it alone.
+LONGEST = (
+    "property/test_door_fuzz.py", "differential/test_c_supervisor.py", "differential/test_c_over_run.py", "differential/test_c_forgetting.py",
+    "differential/test_c_supervisor_remembers.py", "differential/test_c_course.py", "differential/test_c_geometry.py",
+    "differential/test_c_generated.py",
+)  # fmt: skip
+assert all((Path(__file__).parent / file).is_file() for file in LONGEST)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """At length the longest come first; the others stay in their order."""
+    if AT_LENGTH:
+        places = {str(Path(__file__).parent / file): place for place, file in enumerate(LONGEST)}
+        items.sort(key=lambda item: places.get(str(item.path), len(places)))
+
 
 @pytest.fixture(scope="module", autouse=True)
 def optimization(request: pytest.FixtureRequest) -> Iterator[None]:

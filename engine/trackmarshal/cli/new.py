@@ -73,7 +73,7 @@ def _place(root: Path) -> Place:
     known, unreadable = demanded(root)
     if unreadable:
         raise unreadable[0]
-    specs = [root / str(path) for path in project.specs] or spec_folders(root)
+    specs = spec_folders(root, project)
     compiled = compile_paths(specs, root)
     compiled.raise_errors()
     folder = specs[0] if specs[0].is_dir() else specs[0].parent

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.trace.model import Project
 
 CODES = {
     "E410": (
@@ -51,8 +55,8 @@ def project_of(folder: Path) -> Path | None:
     return next((folder for folder in (here, *here.parents) if (folder / MARKER).is_file()), None)
 
 
-def spec_folders(project: Path) -> list[Path]:
-    """The folders that the project names as its specs: those of which `assess` and `trace` ask for tests.
+def spec_folders(project: Path, known: Project | None = None) -> list[Path]:
+    """The folders that the project names as its specs: those of which `assess` and `trace` ask for tests. known: its V-model, where that was read.
 
     Where the V-model cannot be read so far, `specs`; raises what is wrong with it where that is not there either.
     """
@@ -60,9 +64,11 @@ def spec_folders(project: Path) -> list[Path]:
     from trackmarshal.trace.findings import Finding
 
     wrong: list[Finding] = []
-    named = requirements.load(project, wrong).specs
+    named = (known or requirements.load(project, wrong)).specs
     usual = project / "specs"
     if not named and not usual.exists():
+        if known is not None:
+            requirements.load(project, wrong)
         for each in wrong:
             if each.level == "error" and each.place is not None and each.place.file == MARKER.as_posix():
                 place = each.place

@@ -34,7 +34,7 @@ def read_specs(root: Path, project: Project) -> tuple[Compiled, list[PreparedTes
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
 
-    compiled = compile_paths([root / str(path) for path in project.specs] or spec_folders(root), root)
+    compiled = compile_paths(spec_folders(root, project), root)
     if compiled.failures:
         raise compiled.failures[0]
     prepared, found = prepare(compiled)

@@ -7,6 +7,7 @@ from bisect import bisect_right
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from trackmarshal.runtime.contract.conditions import remainder
 from trackmarshal.runtime.frame import Columns
 
 if TYPE_CHECKING:
@@ -88,15 +89,10 @@ class Plan:
                     share = min(max(share, (least - begin) / length, 0.0), (most - begin) / length, 1.0)
                 away = _length(x - (px[i] + share * dx), y - (py[i] + share * dy))
                 if away < best.away:
-                    turn = _turned(heading[i + 1] - heading[i])
+                    turn = remainder(heading[i + 1] - heading[i], math.tau)
                     best = Spot(away, heading[i] + share * turn, v[i] + share * (v[i + 1] - v[i]))
             begin = end
         return best
-
-
-def _turned(turn: float) -> float:
-    """A turn the shorter way round; NaN for one of headings that lie too far apart to be subtracted."""
-    return math.remainder(turn, math.tau) if math.isfinite(turn) else math.nan
 
 
 def _length(dx: float, dy: float) -> float:

@@ -22,7 +22,8 @@ def _sqrt(x: float) -> float:
     return math.sqrt(x) if x >= 0.0 else math.nan
 
 
-def _remainder(x: float, y: float) -> float:
+def remainder(x: float, y: float) -> float:
+    """That of C's library, which does not raise: NaN where there is none, as of a turn between headings too far apart to be subtracted."""
     return math.remainder(x, y) if math.isfinite(x) else math.nan
 
 
@@ -39,7 +40,7 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
     "fabs": abs,
     "floor": _floor,
     "sqrt": _sqrt,
-    "remainder": _remainder,
+    "remainder": remainder,
 }
 
 
