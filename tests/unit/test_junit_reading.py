@@ -146,6 +146,28 @@ def test_a_suite_that_lacks_what_it_counts(tmp_path: Path, counts: str, refused:
     assert caught.value.code == "T335"
 
 
+@pytest.mark.parametrize(
+    ("counts", "refused"),
+    [
+        ('skipped="2"', False), ('skipped="3"', True), ('skipped="2" disabled="2"', False), ('disabled="3"', True), ('skipped="0"', False),
+    ],
+)  # fmt: skip
+def test_a_test_that_was_skipped_is_not_listed_as_if_it_had_run(
+    tmp_path: Path, counts: str, refused: bool
+) -> None:
+    """Also one that was skipped and broke afterwards counts as skipped, and one that says so by its status."""
+    broke = '<testcase name="y"><skipped/><error/></testcase>'
+    report = (
+        f'<testsuite {counts}><testcase name="x"/>{broke}<testcase name="z" status="notrun"/></testsuite>'
+    )
+    if not refused:
+        assert [test.outcome for test in read(tmp_path, report)] == ["passed", "error", "skipped"]
+        return
+    with pytest.raises(TrackmarshalError) as caught:
+        read(tmp_path, report)
+    assert caught.value.code == "T335"
+
+
 def test_entities_are_refused_before_they_grow(tmp_path: Path) -> None:
     lines = [f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 30)]
     report = f'<!DOCTYPE t [<!ENTITY e0 "x">{"".join(lines)}]><testsuite name="&e29;"/>'

@@ -195,6 +195,7 @@ class _Reader:
         for suite in self._suites:
             suite.tests += 1
             suite.failing += case.bad
+            suite.skipping += case.skipped
         self._tests.append(case.record(self._tool, self._shown, self._digest))
 
 

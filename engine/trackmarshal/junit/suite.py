@@ -23,8 +23,9 @@ class Suite:
         self.created: str = attributes.get("timestamp", "") or (above.created if above else "")
         self.first = first  #: the place of its first test among all
         self.requirements: list[str] = []
-        self.tests = self.failing = 0
-        self._said = {name: _count(attributes, name) for name in ("tests", "failures", "errors")}
+        self.tests = self.failing = self.skipping = 0
+        counts = ("tests", "failures", "errors", "skipped", "disabled")
+        self._said = {name: _count(attributes, name) for name in counts}
 
     def lacking(self) -> str:
         """What it says it holds and does not list; empty when there is nothing."""
@@ -34,6 +35,11 @@ class Suite:
         bad = said["failures"] + said["errors"]
         if bad > self.failing:
             return f"the suite `{self.name}` says that {bad} tests failed, and lists {self.failing}"
+        left_out = max(said["skipped"], said["disabled"])  # some runners count the same tests in both
+        if left_out > self.skipping:
+            return (
+                f"the suite `{self.name}` says that {left_out} tests were skipped, and lists {self.skipping}"
+            )
         return ""
 
 
@@ -51,12 +57,14 @@ class Case:
         self._message = ""
         self.requirements: list[str] = []
         self.failing = 0  #: how many failures and errors it names: some runners list several
+        self.skipped = False  #: whether anything says so, whatever else came of it
         for name in ("status", "result"):
             self._status(name, attributes.get(name, ""))
 
     def _status(self, name: str, word: str) -> None:
         status = word.strip().lower()
         if status in _NOT_RUN:
+            self.skipped = True
             self._set("skipped", "")
         elif status in _FAILED or status == "error":
             self._set("error" if status == "error" else "failed", "")
@@ -71,6 +79,7 @@ class Case:
     def say(self, outcome: str, message: str) -> None:
         """One of the elements that say what came of it."""
         self.failing += outcome != "skipped"
+        self.skipped |= outcome == "skipped"
         self._set(outcome, message)
 
     def explain(self, text: str) -> None:
