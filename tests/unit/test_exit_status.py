@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -208,6 +210,15 @@ def test_an_option_before_the_verb_is_not_lost() -> None:
     assert run_command("--project", "nowhere")[0] == 2
     assert run_command("--nonsense", "check", "small.spec")[0] == 2
     assert run_command("--version")[0] == 0
+
+
+@pytest.mark.parametrize(("arguments", "status"), [(("check", "small.spec"), 0), (("check", "none.spec"), 2)])
+def test_the_package_runs_as_a_module(arguments: tuple[str, ...], status: int) -> None:
+    """Where the folder of commands is not on the path, as after `pip install --user`."""
+    done = subprocess.run(
+        [sys.executable, "-m", "trackmarshal", *arguments], capture_output=True, check=False
+    )
+    assert done.returncode == status, done.stderr
 
 
 V_MODEL = """document: v-model
