@@ -22,7 +22,7 @@ from trackmarshal.runtime.door.door import Admission, Door
 from trackmarshal.runtime.faults import name_of
 
 ROOT = Path(__file__).resolve().parents[2]
-#: Cycles that `make test` mutates; `make acceptance` sets a million.
+#: Cycles that `make test` mutates; `make acceptance` sets 250,000.
 CYCLES = int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "1500"))
 
 
