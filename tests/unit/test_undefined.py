@@ -44,3 +44,32 @@ def test_flags_of_inner_variables(rule: str, signals: dict[str, Any], backend: s
     assert found.verdict == "undefined"
     assert found.reason
     assert evaluator.case({"signals": {"plan": PLAN, "objects": OBJECTS}}).rules[rule].verdict != "undefined"
+
+
+BESIDE = """
+module beside
+signal plan : trajectory { t: s increasing, v: m/s }
+signal objects : set of object { v: m/s }
+signal ego : state { v: m/s }
+rule beside "A variable of its own in a guard, which is asked beside a timeline"
+  whenever ego.v >= (if exists o in objects: o.v > 1 m/s then 1 m/s else sqrt(-1 m^2/s^2))
+  along plan as p
+  require p.v > 2 m/s
+"""
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("objects", "reason"),
+    [
+        ([], "`sqrt(-1)` has no value"),
+        ([{"v": 0.5}], "`sqrt(-1)` has no value"),
+        ([{"v": 0.5}, {"v": None}], "objects[1].v is missing, or no number"),
+    ],
+)
+def test_a_variable_in_a_guard_is_not_the_sample_at_which_the_rule_is_asked(
+    objects: list[Any], reason: str, backend: str
+) -> None:
+    signals = {"plan": {"t": [0.0, 1.0], "v": [1.0, 1.0]}, "objects": objects, "ego": {"v": 5.0}}
+    found = Evaluator(tm.loads(BESIDE), None, backend).case({"signals": signals}).rules["beside"]
+    assert (found.verdict, found.reason) == ("undefined", reason)
