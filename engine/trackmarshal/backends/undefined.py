@@ -23,16 +23,10 @@ _NUMBERS = (
     ir.Direction, ir.Distance, ir.StationGap, ir.StretchRoom, ir.OnLane, ir.Ordinal, ir.Fold,
 )  # fmt: skip
 
-#: What binds a variable of its own.
-_MANY = (ir.Quantify, ir.Fold)
-
 
 def why(node: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
     """In words, what is undefined in a formula that is, for these values of its variables."""
     parts = list(ir.below(node))
-    # A variable that is bound inside has the level of one that is bound beside the formula: its values are not that one's.
-    own = {part.axis.level for part in parts if isinstance(part, _MANY)}
-    env = {level: index for level, index in env.items() if level not in own}
     return (
         _inputs(parts, env, frame)
         or _of_many(parts, env, frame)
@@ -43,7 +37,7 @@ def why(node: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
 
 def _of_many(parts: list[ir.AnyNode], env: Env, frame: Frame) -> str:
     """The inputs without a value of the first sample or element of many of which a number, or a condition that it hangs on, speaks."""
-    for many in (part for part in parts if isinstance(part, _MANY)):
+    for many in (part for part in parts if isinstance(part, ir.Quantify | ir.Fold)):
         below = [part for each in (many.guard, many.body) if each is not None for part in ir.below(each)]
         for index in range(frame.columns[many.axis.signal].count - many.axis.width + 1):
             found = _inputs(below, {**env, many.axis.level: index}, frame)

@@ -95,7 +95,7 @@ class Descent:
         while node is not None:
             step = self._step(node, env)
             if isinstance(step, Witness):
-                self.decisive = (node, env)
+                self.decisive = (node, scope(node, env))
                 return step
             if step is None:
                 return None
@@ -164,8 +164,8 @@ class Descent:
                     binders[name] = self._values.name(axis, env[level] + offset)
         unit = node.unit if isinstance(node, ir.Compare) else "1" if isinstance(node, ir.Flag) else "m"
         shown = node.shown if isinstance(node, ir.Compare) else ""
-        margin = self._truth(node, env).margin
-        return Witness(binders, margin, unit, node.span, shown, _places(node, env), (node, env))
+        margin, own = self._truth(node, env).margin, scope(node, env)
+        return Witness(binders, margin, unit, node.span, shown, _places(node, own), (node, own))
 
     def _pick(self, node: ir.Connective, env: Env, extreme: Extreme) -> tuple[ir.Formula, Env] | None:
         """The side with the verdict of the whole and the deciding margin; of equal ones the first that is about an input."""
@@ -258,6 +258,18 @@ class Descent:
         ):
             return node.right, {**env, level: at}
         return None if before is None else (node.left, {**env, level: before})
+
+
+def scope(node: ir.Formula, env: Env) -> Env:
+    """The variables that a formula stands among. One bound inside it may have the level of a timeline beside which it is asked, as in a guard
+    of a rule along that: the timeline's sample is no value of it."""
+    inside = _binds(node)
+    return env if inside.isdisjoint(env) else {level: at for level, at in env.items() if level not in inside}
+
+
+@lru_cache(maxsize=4096)
+def _binds(node: ir.Formula) -> frozenset[int]:
+    return frozenset(part.axis.level for part in ir.below(node) if isinstance(part, ir.Quantify | ir.Fold))
 
 
 def _places(node: ir.Formula, env: Env) -> tuple[tuple[str, int], ...]:
