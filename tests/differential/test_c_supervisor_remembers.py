@@ -16,8 +16,8 @@ from trackmarshal.evaluation import Evaluator
 
 pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-1")]
 
-#: A quarter of those of the Supervisor whose rules remember nothing: each takes several times as long.
-RUNS = max(8, int(os.environ.get("TRACKMARSHAL_RUNS", "8")) // 4)
+#: A tenth of those of the Supervisor whose rules remember nothing: each takes three times as long.
+RUNS = max(8, int(os.environ.get("TRACKMARSHAL_RUNS", "8")) // 10)
 PARTS = 4
 
 
@@ -33,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("part", range(PARTS))
 def test_generated_runs(part: int, folder: Path) -> None:
-    """TRACKMARSHAL_RUNS=4*N makes N runs of 50 cycles with faults of every kind."""
+    """TRACKMARSHAL_RUNS=10*N makes N runs of 50 cycles with faults of every kind."""
     verdicts, driven = Counter[tuple[str, str]](), Counter[str]()
     for seed in range(part, RUNS, PARTS):
         pair = Pair(evaluator(folder))
