@@ -24,6 +24,7 @@ from support.planted.edits import (
     gone,
     moved,
     put,
+    remade,
     swap,
 )
 from support.project import command
@@ -89,6 +90,29 @@ def _also(old: str, method: str, id_: str) -> Fault:
     return Fault(f"{method} that nothing answers", edit, "T255", f"{id_}:{method}")
 
 
+def _anew(root: Path) -> None:
+    """What is there is accepted in a baseline without any history."""
+    (root / BASELINE).unlink()
+    agreed(lambda _: None)(root)
+
+
+def _by_nobody(held: dict[str, Any]) -> None:
+    """One more acceptance, written by hand, that names nothing of what is less."""
+    del held["content"]["requirement S-9"]
+    held["acceptances"].append({**held["acceptances"][-1], "by": "", "reason": ""})
+
+
+def _taken_back(root: Path) -> None:
+    """A requirement more, accepted and committed; then it is gone, and so is the version of the baseline that held it."""
+    before = (root / BASELINE).read_bytes()
+    more = put("requirements/doors.yaml", DOORS.encode())
+    asked = swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-5], methods")
+    all_of(agreed(all_of(more, asked)), git("add", "."), committed("doors"))(root)
+    unasked = swap(V, "requirements: [S-31, S-5], methods", "requirements: [S-31], methods")
+    all_of(gone("requirements/doors.yaml"), unasked, put(BASELINE, before), committed("tidy"))(root)
+
+
+_STRUCK = cut(R, "  - id: S-9\n", "")
 _OWN_WORDS = "  denials: [steht|stehen noch aus]\n"
 _OWN = swap(V, "  campaigns:", f"{_OWN_WORDS}  campaigns:")
 _REVIEWED = swap(A, "works:\n", f"{REVIEW}works:\n")
@@ -112,6 +136,10 @@ FAULTS = [
     Fault("another file named as the baseline, always written in braces", all_of(_in_braces("baseline.json"), git("add", "."), git("commit", "--amend", "-qm", "The shuttle"), agreed(_in_braces("accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
     Fault("the baseline removed in one commit, and accepted anew in another", all_of(gone(BASELINE), committed("tidy"), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
     Fault("the baseline emptied in one commit, and accepted anew in another", all_of(put(BASELINE, b""), committed("tidy"), gone(BASELINE), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
+    Fault("the baseline of another version in one commit, and accepted anew in another", all_of(put(BASELINE, b'{"format": "trackmarshal-baseline", "version": 1}'), committed("tidy"), _anew, git("add", "."), committed("again")), "T380", rerun=True),
+    Fault("the baseline taken back over an acceptance", _taken_back, "T380", rerun=True),
+    Fault("the baseline taken back over an acceptance, and one more commit", all_of(_taken_back, add("docs/planner.md", ""), git("commit", "--allow-empty", "-qm", "more")), "T380", rerun=True),
+    Fault("a requirement struck by an acceptance that names nothing", all_of(_STRUCK, accepted(_by_nobody, rehash=True), committed("tidy")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
     Fault("a demand of two on a stage", all_of(agreed(swap(V, "[S-32, S-4], at_least: partial}", "[S-32], at_least: partial}\n" + _SECOND.rstrip())), swap(V, _SECOND, "")), "T371", "S-4-A, partial"),
     # evidence of a kind taken away, and what remains when somebody accepted that
@@ -146,6 +174,7 @@ FAULTS = [
 ]
 EDITS = [
     Harmless("the baseline moved with all that was accepted", all_of(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json"), moved(BASELINE, "requirements/accepted.json"), git("add", "."), committed("moved"))),
+    Harmless("the baseline with the ends of lines of Windows", remade(BASELINE, lambda data: data.replace(b"\n", b"\r\n"))),
     Harmless("one more review", _REVIEWED),
     Harmless("a method that is answered already", swap(R, "verification: [test, scenario]", "verification: [test, boundary test, scenario]")),
     Harmless("a hazard that nobody reviewed, accepted by name", agreed(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"))),
