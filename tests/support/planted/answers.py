@@ -11,12 +11,12 @@ import yaml
 
 from support.planted.edits import (
     BASELINE,
-    TODAY,
     Edit,
     Fault,
     Harmless,
     accepted,
     add,
+    agreed,
     all_of,
     committed,
     cut,
@@ -27,7 +27,6 @@ from support.planted.edits import (
     remade,
     swap,
 )
-from support.project import command
 
 R, V, H, D, A = (
     f"requirements/{name}.yaml" for name in ("requirements", "v-model", "hazards", "design", "assurance")
@@ -44,18 +43,6 @@ DOORS = (
 
 
 _SECOND = "  - {stage: S-4-A, requirements: [S-4], at_least: partial}\n"
-
-
-def agreed(edit: Edit) -> Edit:
-    """An edit that a person accepted by name."""
-
-    def both(root: Path) -> None:
-        edit(root)
-        who = ("--by", "Sam Safety", "--reason", "it is not needed", "--day", TODAY.isoformat())
-        status, _, err = command(root, "trace", "--accept-baseline", *who)
-        assert status == 0, err
-
-    return both
 
 
 def _in_braces(name: str) -> Edit:
