@@ -31,6 +31,8 @@ CODES = {
 }  # fmt: skip
 #: Where the V-model says which file is the baseline.
 _MODEL = "requirements/v-model.yaml"
+#: What git says of a link that leads to no file of the repository, before how long it is.
+_NO_FILE = frozenset({b"dangling", b"symlink", b"loop", b"notdir"})
 #: So many versions are looked at.
 _MOST = 200
 
@@ -45,7 +47,7 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
     place = Place(baseline)
     try:
         moved = _moved(root, baseline)
-        commits = _log(root, [_MODEL, *moved] if moved else [baseline])
+        commits = _log(root, [*_models(root), *moved] if moved else [baseline])
         named = _named(root, commits) if moved else dict.fromkeys(commits, baseline)
         cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
         versions = [
@@ -133,9 +135,16 @@ def _log(root: Path, files: list[str]) -> list[str]:
     return _git(root, "log", "--first-parent", most, "--format=%H", "--", *files).split()
 
 
+def _models(root: Path) -> list[str]:
+    """The V-model, and the file in the project that it is a link to."""
+    target = (root / _MODEL).resolve()
+    inside = target.is_relative_to(root.resolve())
+    return list(dict.fromkeys([_MODEL, *([target.relative_to(root.resolve()).as_posix()] if inside else [])]))
+
+
 def _moved(root: Path, baseline: str) -> list[str]:
     """All files that the V-model named as its baseline at some time, where it is not this one alone."""
-    changed = _log(root, [_MODEL])
+    changed = _log(root, _models(root))
     named = {*_named(root, ["HEAD", *changed, *(f"{commit}^" for commit in changed)]).values(), baseline}
     return sorted(named) if len(named) > 1 else []
 
@@ -146,7 +155,7 @@ def _named(root: Path, commits: list[str]) -> dict[str, str]:
 
     asked = "".join(f"{commit}:./{_MODEL}\n" for commit in commits)
     done = subprocess.run(
-        ["git", "-C", str(root), "cat-file", "--batch"], input=asked.encode(), capture_output=True, check=True, timeout=60
+        ["git", "-C", str(root), "cat-file", "--batch", "--follow-symlinks"], input=asked.encode(), capture_output=True, check=True, timeout=60
     )  # fmt: skip
     known: dict[bytes, str] = {}
     found: dict[str, str] = {}
@@ -155,7 +164,10 @@ def _named(root: Path, commits: list[str]) -> dict[str, str]:
         head, _, rest = rest.partition(b"\n")
         if head.endswith(b" missing"):
             continue
-        name, _, size = head.split()
+        name, *_, size = head.split()
+        if name in _NO_FILE:
+            rest = rest[int(size) + 1 :]
+            continue
         if name not in known:
             model = tree.parse(rest[: int(size)], _MODEL, [])
             for key in ("project", "baseline"):

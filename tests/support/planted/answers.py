@@ -99,6 +99,13 @@ def _taken_back(root: Path) -> None:
     all_of(gone("requirements/doors.yaml"), unasked, put(BASELINE, before), committed("tidy"))(root)
 
 
+def _as_a_link(root: Path) -> None:
+    """The V-model as a link to a file beside the requirements, from the first commit on."""
+    (root / V).rename(root / "v-model.yaml")
+    (root / V).symlink_to("../v-model.yaml")
+    all_of(git("add", "."), git("commit", "--amend", "-qm", "The shuttle"))(root)
+
+
 _STRUCK = cut(R, "  - id: S-9\n", "")
 _OWN_WORDS = "  denials: [steht|stehen noch aus]\n"
 _OWN = swap(V, "  campaigns:", f"{_OWN_WORDS}  campaigns:")
@@ -120,6 +127,7 @@ FAULTS = [
     # a baseline that begins anew, with what is there now
     Fault("another file named as the baseline", agreed(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), "T380", rerun=True),
     Fault("another file named as the baseline, committed", all_of(agreed(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
+    Fault("another file named as the baseline, the V-model a link", all_of(_as_a_link, agreed(swap("v-model.yaml", "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
     Fault("another file named as the baseline, always written in braces", all_of(_in_braces("baseline.json"), git("add", "."), git("commit", "--amend", "-qm", "The shuttle"), agreed(_in_braces("accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
     Fault("the baseline removed in one commit, and accepted anew in another", all_of(gone(BASELINE), committed("tidy"), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
     Fault("the baseline emptied in one commit, and accepted anew in another", all_of(put(BASELINE, b""), committed("tidy"), gone(BASELINE), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),

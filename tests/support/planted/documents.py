@@ -155,6 +155,7 @@ FAULTS = [
     Fault("a document that is none", swap(H, "document: hazards", "document: hazard"), "T113", status=2),
     Fault("a suffix in capitals", moved(H, "requirements/hazards.YAML"), "T101", status=2),
     Fault("no V-model", gone(V), "E410", status=2),
+    Fault("the V-model in another file", all_of(moved(V, "requirements/model.yaml"), moved(H, V)), "T112", status=2),
     Fault("a second system model", put("requirements/world.yaml", b"document: system-model\ntitle: Another\nsubsystems: [{id: X, title: x, role: vehicle, description: x}]\ninterfaces: [{id: X, title: x, rationale: x}]\n"), "T129"),
     # documents taken away
     Fault("a requirement struck", cut(R, "  - id: S-9\n", ""), "T223", "S-9"),
