@@ -91,12 +91,15 @@ class SpecItem:
         )  # fmt: skip
 
 
-PART_KINDS = ("param", "table", "place", "signal", "constraint", "rulebook")
+PART_KINDS = ("param", "table", "place", "signal", "constraint", "rulebook", "limit")
 
 
 @dataclass(frozen=True, slots=True)
 class SpecPart:
-    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text; or an order of rules."""
+    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text; an order of rules; or a limit of the Supervisor.
+
+    file: empty for a limit that no spec declares, so that it has its default.
+    """
 
     kind: str
     name: str

@@ -14,8 +14,20 @@ import pytest
 
 from support.length import shared_out
 from support.planted import answers, documents, evidence, harmless, specs
-from support.planted.edits import BASELINE, STORE, Fault, Harmless, all_of, committed, put, run_git, swap
+from support.planted.edits import (
+    BASELINE,
+    STORE,
+    Fault,
+    Harmless,
+    accepted,
+    all_of,
+    committed,
+    put,
+    run_git,
+    swap,
+)
 from support.planted.project import causes, judged, make
+from support.project import command
 
 FAULTS = [*documents.FAULTS, *specs.FAULTS, *evidence.FAULTS, *answers.FAULTS]
 EDITS = [*harmless.EDITS, *answers.EDITS]
@@ -71,6 +83,7 @@ def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
         "a title of a test",
         "rules in another order",
         "the baseline moved with all that was accepted",
+        "the baseline with the ends of lines of Windows",
     ],
 )
 def test_what_is_worded_otherwise_comes_out_again(name: str, project: Path) -> None:
@@ -120,6 +133,15 @@ def test_whoever_accepted_the_baseline_is_not_known(how: str, project: Path, tmp
     status, found = judged(project, rerun=True)
     assert causes(found) == [("T381", "")]
     assert (status, found[0]["level"]) == (0, "warning")
+
+
+def test_nothing_is_accepted_on_top_of_what_nobody_accepted(project: Path) -> None:
+    """An entry struck by hand would be gone without a name, and the acceptance would say that nothing is less."""
+    accepted(lambda held: held["content"].pop("requirement S-9"), rehash=False)(project)
+    before = (project / BASELINE).read_bytes()
+    status, _, err = command(project, "trace", "--accept-baseline", "--by", "Sam Safety", "--reason", "tidy")
+    assert (status, "error[T379]" in err) == (2, True), err
+    assert (project / BASELINE).read_bytes() == before
 
 
 def test_a_baseline_restored_is_as_it_was(project: Path) -> None:

@@ -168,6 +168,28 @@ def test_a_test_that_was_skipped_is_not_listed_as_if_it_had_run(
     assert caught.value.code == "T335"
 
 
+@pytest.mark.parametrize("count", ["skip", "skips", "ignored", "pending", "notrun", "not_run", "suppressed", "inconclusive", "todo"])  # fmt: skip
+def test_tests_that_were_left_out_in_the_words_of_other_runners(tmp_path: Path, count: str) -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        read(tmp_path, f'<testsuite tests="1" {count}="1"><testcase name="x"/></testsuite>')
+    assert caught.value.code == "T335"
+    left_out = '<testcase name="x"><skipped/></testcase>'
+    (test,) = read(tmp_path, f'<testsuite tests="1" {count}="1">{left_out}</testsuite>')
+    assert test.outcome == "skipped"
+
+
+@pytest.mark.parametrize(
+    ("said", "outcome"),
+    [
+        ('skipped="true"', "skipped"), ('ignored="True"', "skipped"), ('disabled="1"', "skipped"), ('executed="False"', "skipped"), ('success="false"', "failed"),
+        ('passed="no"', "failed"), ('failed="true"', "failed"), ('skipped="perhaps"', "error"), ('skipped="false" executed="True" success="True"', "passed"),
+    ],
+)  # fmt: skip
+def test_what_an_attribute_says_of_a_test(tmp_path: Path, said: str, outcome: str) -> None:
+    (test,) = read(tmp_path, f'<testsuite><testcase name="x" {said}/></testsuite>')
+    assert test.outcome == outcome
+
+
 def test_entities_are_refused_before_they_grow(tmp_path: Path) -> None:
     lines = [f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 30)]
     report = f'<!DOCTYPE t [<!ENTITY e0 "x">{"".join(lines)}]><testsuite name="&e29;"/>'

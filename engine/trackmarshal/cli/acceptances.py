@@ -6,15 +6,15 @@ the acceptances of the one before, and what it holds differs only where one was 
 
 from __future__ import annotations
 
-import hashlib
 import json
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from trackmarshal.trace import Finding
+    from trackmarshal.trace.baseline.file import Baseline
 
 CODES = {
     "T380": (
@@ -31,6 +31,8 @@ CODES = {
 }  # fmt: skip
 #: Where the V-model says which file is the baseline.
 _MODEL = "requirements/v-model.yaml"
+#: What git says of a link that leads to no file of the repository, before how long it is.
+_NO_FILE = frozenset({b"dangling", b"symlink", b"loop", b"notdir"})
 #: So many versions are looked at.
 _MOST = 200
 
@@ -45,12 +47,16 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
     place = Place(baseline)
     try:
         moved = _moved(root, baseline)
-        commits = _log(root, [_MODEL, *moved] if moved else [baseline])
+        commits = _log(root, [*_models(root), *moved] if moved else [baseline])
         named = _named(root, commits) if moved else dict.fromkeys(commits, baseline)
         cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
         versions = [
-            ("", path.read_bytes()),
-            *((commit, _version(root, commit, named[commit])) for commit in commits if commit in named),
+            ("", _in_lines(path.read_bytes())),
+            *(
+                (commit, _in_lines(_version(root, commit, named[commit])))
+                for commit in commits
+                if commit in named
+            ),
         ]
         versions = [versions[0], *(each for each in versions[1:] if each[1] and not _is_none(each[1]))]
     except (OSError, subprocess.SubprocessError):
@@ -69,23 +75,33 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
     number = 0
     while number + 1 < len(versions):
         commit, newer = versions[number]
-        same = [n for n in range(number + 1, len(versions)) if versions[n][1] == newer]
+        if versions[number + 1][1] == newer:
+            number += 1
+            continue
+        same = [n for n in range(number + 2, len(versions)) if versions[n][1] == newer]
+        dropped = next((n for n in same if _came_of(versions, n)), None)
+        if dropped is not None:
+            while _came_of(versions, dropped):
+                dropped -= 1
+            message = f"the baseline was taken back{_since(commit)} to what it was before an acceptance that is gone with that"
+            then = versions[dropped][0]
+            yield error("T380", message, place, _restored(then, named[then], baseline))
+            return
         if same:  # restored: what was in between does not count any more
             number = same[-1]
             continue
-        before, after = _held(versions[number + 1][1]), _held(newer)
-        if before is None:
-            return  # of another version of the program, or none: what is here was accepted anew
+        # What is no baseline of today's format takes no acceptance back; one of another version of the program does where it is the first.
+        older = next((n for n in range(number + 1, len(versions)) if _held(versions[n][1])), None)
+        before = None if older is None else _held(versions[older][1])
+        after = _held(newer)
+        if older is None or before is None:
+            return  # what is here was accepted anew
         why = "it cannot be read" if after is None else _rewritten(before, after)
         if why is None:
             return
-        at = f"in commit {commit[:12]}" if commit else "since the last commit"
-        message = f"the baseline was changed {at} without an acceptance: {why}"
-        then = versions[number + 1][0]
-        was = named[then]
-        again = "" if was == baseline else f", name `{was}` as the baseline"
-        help_ = f"restore it: `git checkout {then[:12]} -- {was}`{again}, and accept what is there now"
-        yield error("T380", message, place, help_)
+        then = versions[older][0]
+        message = f"the baseline was changed{_since(commit)} without an acceptance: {why}"
+        yield error("T380", message, place, _restored(then, named[then], baseline))
         return
     if cut:
         yield warning(
@@ -96,15 +112,39 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
         )
 
 
+def _came_of(versions: list[tuple[str, bytes]], number: int) -> bool:
+    """Whether the version that came after one is another one with one proper acceptance more; the first version is the last one that there was."""
+    if number < 2:
+        return False
+    before, after = _held(versions[number][1]), _held(versions[number - 1][1])
+    return before is not None and after is not None and _rewritten(before, after) is None
+
+
+def _since(commit: str) -> str:
+    return f" in commit {commit[:12]}" if commit else " since the last commit"
+
+
+def _restored(commit: str, was: str, baseline: str) -> str:
+    again = "" if was == baseline else f", name `{was}` as the baseline"
+    return f"restore it: `git checkout {commit[:12]} -- {was}`{again}, and accept what is there now"
+
+
 def _log(root: Path, files: list[str]) -> list[str]:
     """The commits that changed files, the last one first."""
     most = f"--max-count={_MOST}"
     return _git(root, "log", "--first-parent", most, "--format=%H", "--", *files).split()
 
 
+def _models(root: Path) -> list[str]:
+    """The V-model, and the file in the project that it is a link to."""
+    target = (root / _MODEL).resolve()
+    inside = target.is_relative_to(root.resolve())
+    return list(dict.fromkeys([_MODEL, *([target.relative_to(root.resolve()).as_posix()] if inside else [])]))
+
+
 def _moved(root: Path, baseline: str) -> list[str]:
     """All files that the V-model named as its baseline at some time, where it is not this one alone."""
-    changed = _log(root, [_MODEL])
+    changed = _log(root, _models(root))
     named = {*_named(root, ["HEAD", *changed, *(f"{commit}^" for commit in changed)]).values(), baseline}
     return sorted(named) if len(named) > 1 else []
 
@@ -115,7 +155,7 @@ def _named(root: Path, commits: list[str]) -> dict[str, str]:
 
     asked = "".join(f"{commit}:./{_MODEL}\n" for commit in commits)
     done = subprocess.run(
-        ["git", "-C", str(root), "cat-file", "--batch"], input=asked.encode(), capture_output=True, check=True, timeout=60
+        ["git", "-C", str(root), "cat-file", "--batch", "--follow-symlinks"], input=asked.encode(), capture_output=True, check=True, timeout=60
     )  # fmt: skip
     known: dict[bytes, str] = {}
     found: dict[str, str] = {}
@@ -124,7 +164,10 @@ def _named(root: Path, commits: list[str]) -> dict[str, str]:
         head, _, rest = rest.partition(b"\n")
         if head.endswith(b" missing"):
             continue
-        name, _, size = head.split()
+        name, *_, size = head.split()
+        if name in _NO_FILE:
+            rest = rest[int(size) + 1 :]
+            continue
         if name not in known:
             model = tree.parse(rest[: int(size)], _MODEL, [])
             for key in ("project", "baseline"):
@@ -134,6 +177,11 @@ def _named(root: Path, commits: list[str]) -> dict[str, str]:
         if known[name]:
             found[commit] = known[name]
     return found
+
+
+def _in_lines(data: bytes) -> bytes:
+    """With the ends of lines that it was written with, whatever a checkout made of them: no string of JSON has one."""
+    return data.replace(b"\r\n", b"\n")
 
 
 def _is_none(data: bytes) -> bool:
@@ -162,35 +210,36 @@ def _git(root: Path, *words: str) -> str:
     return done.stdout
 
 
-def _held(data: bytes) -> tuple[Any, list[Any]] | None:
-    """What a version holds, and its acceptances; None for what is no baseline of today's format."""
-    from trackmarshal.trace.baseline.file import FORMAT, VERSION
+def _held(data: bytes) -> Baseline | None:
+    """What a version holds, with its acceptances; None for what is no baseline of today's format."""
+    from trackmarshal.trace.baseline.file import checked
 
     try:
-        said = json.loads(data)
-        if (said["format"], said["version"]) != (FORMAT, VERSION) or not isinstance(
-            said["acceptances"], list
-        ):
-            return None
-        return said["content"], said["acceptances"]
-    except (ValueError, KeyError, TypeError, RecursionError):
+        return checked(json.loads(data))
+    except (ValueError, RecursionError):
         return None
 
 
-def _rewritten(before: tuple[Any, list[Any]], after: tuple[Any, list[Any]]) -> str | None:
-    """How a version does not come of the one before; None where it has one acceptance more, of what it holds."""
-    (held, old), (holds, new) = before, after
+def _rewritten(before: Baseline, after: Baseline) -> str | None:
+    """How a version does not come of the one before; None where it has acceptances more, of what it holds, that name whatever became less."""
+    from trackmarshal.trace.baseline import changes
+    from trackmarshal.trace.baseline.file import digest
+
+    old, new = before.acceptances, after.acceptances
     if new[: len(old)] != old:
         return "an earlier acceptance reads differently, or is gone"
     if len(new) == len(old):
-        return (
-            "it holds something else than before"
-            if held != holds
-            else "something beside what it holds was changed"
-        )
-    said = json.dumps(holds, sort_keys=True, ensure_ascii=False).encode()
-    last = new[-1].get("after") if isinstance(new[-1], dict) else None
-    return None if last == hashlib.sha256(said).hexdigest() else "what it holds is not what was accepted last"
+        same = before.content == after.content
+        return "something beside what it holds was changed" if same else "it holds something else than before"
+    if new[-1].after != digest(after.content):
+        return "what it holds is not what was accepted last"
+    named = [said for one in new[len(old) :] if one.by and one.reason for said in one.weaker]
+    for change in changes(before.content, after.content):
+        if change.weaker and not any(
+            said.startswith((f"{change.key}: ", f"{change.key} is ")) for said in named
+        ):
+            return f"nobody is named who accepted that {change}"
+    return None
 
 
 __all__ = ["CODES", "check"]

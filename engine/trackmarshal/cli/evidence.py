@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -63,7 +63,7 @@ def spec_items(meaning: Meaning) -> list[SpecItem]:
 
 
 def spec_parts(spec: Spec, items: Iterable[SpecItem], shipped: Collection[str] = ()) -> list[SpecPart]:
-    """What rules and assumptions read, and all constraints, as the matrix sees them."""
+    """What rules and assumptions read, all constraints, and the limits of the Supervisor, as the matrix sees them."""
     from trackmarshal.meaning import of, restricted
     from trackmarshal.units import in_full
 
@@ -91,7 +91,7 @@ def spec_parts(spec: Spec, items: Iterable[SpecItem], shipped: Collection[str] =
         text = " ".join(constraint.span.text.partition(" because ")[0].split()).removeprefix("constrain ")
         used.append(("constraint", text, constraint, ""))
     used += [("rulebook", book.name, book, _order(book.relations)) for book in spec.rulebooks]
-    return [
+    parts = [
         SpecPart(
             kind,
             name,
@@ -104,6 +104,25 @@ def spec_parts(spec: Spec, items: Iterable[SpecItem], shipped: Collection[str] =
         )
         for kind, name, info, shown in used
     ]
+    return [*parts, *_limits(spec)]
+
+
+def _limits(spec: Spec) -> Iterator[SpecPart]:
+    """What the Supervisor holds cycles and itself to, declared or not: a limit that is struck is the default again."""
+    from trackmarshal.meaning import sha256
+    from trackmarshal.runtime.cycle import LIMITS_MODULE, UNITS, Limits
+    from trackmarshal.units import in_full
+
+    limits = Limits.of(spec)
+    for name, unit in UNITS.items():
+        value = getattr(limits, name)
+        declared = spec.params.get(f"{LIMITS_MODULE}.{name}")
+        at = (
+            ("", 0, 0)
+            if declared is None
+            else (declared.span.file.path, declared.span.line, declared.span.column)
+        )
+        yield SpecPart("limit", name, sha256(repr(value)), in_full(value, unit), *at)
 
 
 def _order(relations: Iterable[tuple[str, str, str]]) -> str:

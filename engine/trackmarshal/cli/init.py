@@ -29,7 +29,9 @@ def run(args: argparse.Namespace) -> int:
     refuse_present(root, [BASELINE])
     written = init(root)
     made = Sources(root.resolve(), requirements.load(root.resolve(), [])).facts()
-    path, _ = trace.accept_baseline(root.resolve(), made.items, made.tests, [], made.parts, engine=tool())
+    path, _ = trace.accept_baseline(
+        root.resolve(), made.items, made.tests, [], made.parts, made.run_inputs, engine=tool()
+    )
     written.append(path)
     if not args.quiet:
         say(*(f"wrote {root / path.resolve().relative_to(root.resolve())}" for path in written))

@@ -79,6 +79,7 @@ class Sources:
             if (link.span.file.path, link.span.line, link.span.column) not in seen
         )
         wrong = [_finding(item) for item in (*self.found, *loose) if item.level == "error"]
+        wrong += self._invented()
         inputs = {
             shown: evidence.run_inputs(
                 evaluator,
@@ -89,6 +90,17 @@ class Sources:
         }
         parts = evidence.spec_parts(self.compiled.spec, items, self._shipped)
         return Facts(items, parts, tests, inputs, campaigns.cases(self._campaigns), wrong)
+
+    def _invented(self) -> Iterable[Finding]:
+        """Scenarios that are generated here, and are called from the field (T127): no vehicle was there."""
+        from trackmarshal.trace.findings import error
+
+        for scenario in self.project.scenarios:
+            recording, _ = self._scenarios.get(str(scenario.path), (None, None))
+            if recording is not None and recording.generated and scenario.origin == "field":
+                message = f"`{scenario.path}` is generated from a declaration, so it is not from the field"
+                help_ = "say `origin: synthetic`"
+                yield error("T127", message, scenario.path.place, help_, str(scenario.path))
 
     def test(self, wanted: Iterable[SpecTest], facts: Facts) -> Iterable[TestResult]:
         """The results of these tests, each of them run."""

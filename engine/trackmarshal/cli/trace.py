@@ -93,7 +93,7 @@ def _run(args: argparse.Namespace) -> int:
     if args.accept_baseline:
         said = found.facts
         target, weaker = trace.accept_baseline(
-            root, said.items, said.tests, said.fault_cases, said.parts, by=args.by, reason=args.reason,
+            root, said.items, said.tests, said.fault_cases, said.parts, said.run_inputs, by=args.by, reason=args.reason,
             today=today, tell=found.weakening(), engine=tool(),
         )  # fmt: skip
         say(f"wrote {target}", *(f"accepted by {args.by}: {change}" for change in weaker), file=sys.stderr)

@@ -10,6 +10,26 @@ from trackmarshal.records import ExternalTest
 _PASSED = frozenset({"", "run", "passed", "pass", "success", "successful", "completed", "ok", "executed"})
 _NOT_RUN = frozenset({"notrun", "disabled", "skipped", "suppressed", "pending", "ignored", "todo"})
 _FAILED = frozenset({"fail", "failed", "failure"})
+#: What suites call tests that were not run, beside `skipped` and `disabled`: nose, pytest of old, and adapters of other frameworks.
+_LEFT_OUT = (
+    "skipped",
+    "disabled",
+    "skip",
+    "skips",
+    "ignored",
+    "pending",
+    "notrun",
+    "not_run",
+    "suppressed",
+    "inconclusive",
+    "todo",
+)
+#: Attributes by which some say yes or no of a test, and what came of it where they say so.
+_FLAGS = {
+    "skipped": (True, "skipped"), "ignored": (True, "skipped"), "disabled": (True, "skipped"), "executed": (False, "skipped"),
+    "success": (False, "failed"), "passed": (False, "failed"), "failed": (True, "failed"),
+}  # fmt: skip
+_YES, _NO = frozenset({"true", "1", "yes"}), frozenset({"false", "0", "no"})
 #: From worst to best.
 _ORDER = ("error", "failed", "skipped", "passed")
 
@@ -24,7 +44,7 @@ class Suite:
         self.first = first  #: the place of its first test among all
         self.requirements: list[str] = []
         self.tests = self.failing = self.skipping = 0
-        counts = ("tests", "failures", "errors", "skipped", "disabled")
+        counts = ("tests", "failures", "errors", *_LEFT_OUT)
         self._said = {name: _count(attributes, name) for name in counts}
 
     def lacking(self) -> str:
@@ -35,7 +55,7 @@ class Suite:
         bad = said["failures"] + said["errors"]
         if bad > self.failing:
             return f"the suite `{self.name}` says that {bad} tests failed, and lists {self.failing}"
-        left_out = max(said["skipped"], said["disabled"])  # some runners count the same tests in both
+        left_out = max(said[name] for name in _LEFT_OUT)  # some runners count the same tests in two of them
         if left_out > self.skipping:
             return (
                 f"the suite `{self.name}` says that {left_out} tests were skipped, and lists {self.skipping}"
@@ -60,6 +80,8 @@ class Case:
         self.skipped = False  #: whether anything says so, whatever else came of it
         for name in ("status", "result"):
             self._status(name, attributes.get(name, ""))
+        for name in _FLAGS.keys() & attributes.keys():
+            self._flag(name, attributes[name])
 
     def _status(self, name: str, word: str) -> None:
         status = word.strip().lower()
@@ -70,6 +92,15 @@ class Case:
             self._set("error" if status == "error" else "failed", "")
         elif status not in _PASSED:
             self._set("error", f"its {name} is `{word}`, of which it is not known whether that is a pass")
+
+    def _flag(self, name: str, word: str) -> None:
+        means, outcome = _FLAGS[name]
+        said = word.strip().lower()
+        if said not in _YES | _NO:
+            self._set("error", f"its {name} is `{word}`, of which it is not known whether that is a pass")
+        elif (said in _YES) == means:
+            self.skipped |= outcome == "skipped"
+            self._set(outcome, "")
 
     @property
     def bad(self) -> int:

@@ -75,6 +75,8 @@ class Recording:
     because: dict[str, str] = field(default_factory=dict)
     #: What its cycles were made from besides its own file and data: the values that specs say of vehicles, in full.
     of_specs: str = field(default="", compare=False)
+    #: Whether it was generated from a declaration, and nobody recorded it.
+    generated: bool = field(default=False, compare=False)
 
     def signals(self, cycle: Cycle, candidate: str) -> dict[str, Any]:
         """The signals of one check: plan, ego, objects, obstacles, track, and whether it is the emergency plan.

@@ -11,12 +11,12 @@ import yaml
 
 from support.planted.edits import (
     BASELINE,
-    TODAY,
     Edit,
     Fault,
     Harmless,
     accepted,
     add,
+    agreed,
     all_of,
     committed,
     cut,
@@ -24,9 +24,9 @@ from support.planted.edits import (
     gone,
     moved,
     put,
+    remade,
     swap,
 )
-from support.project import command
 
 R, V, H, D, A = (
     f"requirements/{name}.yaml" for name in ("requirements", "v-model", "hazards", "design", "assurance")
@@ -43,18 +43,6 @@ DOORS = (
 
 
 _SECOND = "  - {stage: S-4-A, requirements: [S-4], at_least: partial}\n"
-
-
-def agreed(edit: Edit) -> Edit:
-    """An edit that a person accepted by name."""
-
-    def both(root: Path) -> None:
-        edit(root)
-        who = ("--by", "Sam Safety", "--reason", "it is not needed", "--day", TODAY.isoformat())
-        status, _, err = command(root, "trace", "--accept-baseline", *who)
-        assert status == 0, err
-
-    return both
 
 
 def _in_braces(name: str) -> Edit:
@@ -89,6 +77,36 @@ def _also(old: str, method: str, id_: str) -> Fault:
     return Fault(f"{method} that nothing answers", edit, "T255", f"{id_}:{method}")
 
 
+def _anew(root: Path) -> None:
+    """What is there is accepted in a baseline without any history."""
+    (root / BASELINE).unlink()
+    agreed(lambda _: None)(root)
+
+
+def _by_nobody(held: dict[str, Any]) -> None:
+    """One more acceptance, written by hand, that names nothing of what is less."""
+    del held["content"]["requirement S-9"]
+    held["acceptances"].append({**held["acceptances"][-1], "by": "", "reason": ""})
+
+
+def _taken_back(root: Path) -> None:
+    """A requirement more, accepted and committed; then it is gone, and so is the version of the baseline that held it."""
+    before = (root / BASELINE).read_bytes()
+    more = put("requirements/doors.yaml", DOORS.encode())
+    asked = swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-5], methods")
+    all_of(agreed(all_of(more, asked)), git("add", "."), committed("doors"))(root)
+    unasked = swap(V, "requirements: [S-31, S-5], methods", "requirements: [S-31], methods")
+    all_of(gone("requirements/doors.yaml"), unasked, put(BASELINE, before), committed("tidy"))(root)
+
+
+def _as_a_link(root: Path) -> None:
+    """The V-model as a link to a file beside the requirements, from the first commit on."""
+    (root / V).rename(root / "v-model.yaml")
+    (root / V).symlink_to("../v-model.yaml")
+    all_of(git("add", "."), git("commit", "--amend", "-qm", "The shuttle"))(root)
+
+
+_STRUCK = cut(R, "  - id: S-9\n", "")
 _OWN_WORDS = "  denials: [steht|stehen noch aus]\n"
 _OWN = swap(V, "  campaigns:", f"{_OWN_WORDS}  campaigns:")
 _REVIEWED = swap(A, "works:\n", f"{REVIEW}works:\n")
@@ -109,9 +127,14 @@ FAULTS = [
     # a baseline that begins anew, with what is there now
     Fault("another file named as the baseline", agreed(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), "T380", rerun=True),
     Fault("another file named as the baseline, committed", all_of(agreed(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
+    Fault("another file named as the baseline, the V-model a link", all_of(_as_a_link, agreed(swap("v-model.yaml", "baseline: requirements/baseline.json", "baseline: requirements/accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
     Fault("another file named as the baseline, always written in braces", all_of(_in_braces("baseline.json"), git("add", "."), git("commit", "--amend", "-qm", "The shuttle"), agreed(_in_braces("accepted.json")), git("add", "."), committed("tidy")), "T380", rerun=True),
     Fault("the baseline removed in one commit, and accepted anew in another", all_of(gone(BASELINE), committed("tidy"), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
     Fault("the baseline emptied in one commit, and accepted anew in another", all_of(put(BASELINE, b""), committed("tidy"), gone(BASELINE), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
+    Fault("the baseline of another version in one commit, and accepted anew in another", all_of(put(BASELINE, b'{"format": "trackmarshal-baseline", "version": 1}'), committed("tidy"), _anew, git("add", "."), committed("again")), "T380", rerun=True),
+    Fault("the baseline taken back over an acceptance", _taken_back, "T380", rerun=True),
+    Fault("the baseline taken back over an acceptance, and one more commit", all_of(_taken_back, add("docs/planner.md", ""), git("commit", "--allow-empty", "-qm", "more")), "T380", rerun=True),
+    Fault("a requirement struck by an acceptance that names nothing", all_of(_STRUCK, accepted(_by_nobody, rehash=True), committed("tidy")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
     Fault("a demand of two on a stage", all_of(agreed(swap(V, "[S-32, S-4], at_least: partial}", "[S-32], at_least: partial}\n" + _SECOND.rstrip())), swap(V, _SECOND, "")), "T371", "S-4-A, partial"),
     # evidence of a kind taken away, and what remains when somebody accepted that
@@ -146,6 +169,7 @@ FAULTS = [
 ]
 EDITS = [
     Harmless("the baseline moved with all that was accepted", all_of(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json"), moved(BASELINE, "requirements/accepted.json"), git("add", "."), committed("moved"))),
+    Harmless("the baseline with the ends of lines of Windows", remade(BASELINE, lambda data: data.replace(b"\n", b"\r\n"))),
     Harmless("one more review", _REVIEWED),
     Harmless("a method that is answered already", swap(R, "verification: [test, scenario]", "verification: [test, boundary test, scenario]")),
     Harmless("a hazard that nobody reviewed, accepted by name", agreed(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"))),

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from support.planted.edits import Fault, add, all_of, cut, each, gone, moved, put, remade, swap
+from support.planted.edits import Fault, add, agreed, all_of, cut, each, gone, moved, put, remade, swap
 
 R, M, V, H, D, A = (
     f"requirements/{name}.yaml"
     for name in ("requirements", "system-model", "v-model", "hazards", "design", "assurance")
 )
 MORE = "requirements/more.yaml"
+_FAST = "It is faster than the avenue is laid out for., leads_to: [S-1]}"
+#: An interface with one issue, and with two that lead to the same requirement.
+SLIDES = (_FAST, f"{_FAST}\n      - {{id: SH-RO.2, text: It slides in the rain., leads_to: [S-1]}}")
 
 
 def another(
@@ -72,6 +75,8 @@ FAULTS = [
     # 5: links
     Fault("an unknown interface", swap(R, "derived_from: [SH-RO]", "derived_from: [SH-RX]"), "T132", "S-1"),
     Fault("an unknown parent", swap(R, "refines: [S-3]\n    allocated_to: [DE-2]", "refines: [S-7]\n    allocated_to: [DE-2]"), "T137", "S-31"),
+    Fault("an issue struck whose requirement another one leads to", all_of(agreed(swap(M, SLIDES[0], SLIDES[1])), swap(M, SLIDES[1], SLIDES[0])), "T224", "SH-RO.2"),
+    Fault("an issue made harmless", swap(M, "It is faster than the avenue is laid out for.", "Nothing much happens there."), "T224", "SH-RO.1"),
     Fault("an issue that leads to nothing", swap(M, "leads_to: [S-1]", "leads_to: [S-11]"), "T137", "SH-RO.1"),
     Fault("an issue that leads nowhere", swap(M, "leads_to: [S-1]", "leads_to: []"), "T134", "SH-RO.1"),
     Fault("an issue that leads elsewhere", swap(M, "leads_to: [S-4]", "leads_to: [S-2]"), "T135", "S-4"),
@@ -150,6 +155,7 @@ FAULTS = [
     Fault("a document that is none", swap(H, "document: hazards", "document: hazard"), "T113", status=2),
     Fault("a suffix in capitals", moved(H, "requirements/hazards.YAML"), "T101", status=2),
     Fault("no V-model", gone(V), "E410", status=2),
+    Fault("the V-model in another file", all_of(moved(V, "requirements/model.yaml"), moved(H, V)), "T112", status=2),
     Fault("a second system model", put("requirements/world.yaml", b"document: system-model\ntitle: Another\nsubsystems: [{id: X, title: x, role: vehicle, description: x}]\ninterfaces: [{id: X, title: x, rationale: x}]\n"), "T129"),
     # documents taken away
     Fault("a requirement struck", cut(R, "  - id: S-9\n", ""), "T223", "S-9"),

@@ -12,6 +12,8 @@ from datetime import date
 from pathlib import Path
 from typing import Any
 
+from support.project import command
+
 Edit = Callable[[Path], None]
 #: The day on which faults are planted, unless they say another one: waivers hold, reviews are made.
 TODAY = date(2026, 6, 2)
@@ -144,6 +146,15 @@ def moved(old: str, new: str) -> Edit:
     return edit
 
 
+def copied(old: str, new: str) -> Edit:
+    """The same file a second time."""
+
+    def edit(root: Path) -> None:
+        shutil.copyfile(root / old, root / new)
+
+    return edit
+
+
 def all_of(*edits: Edit) -> Edit:
     """One edit after the other."""
 
@@ -152,6 +163,18 @@ def all_of(*edits: Edit) -> Edit:
             one(root)
 
     return edit
+
+
+def agreed(edit: Edit) -> Edit:
+    """An edit that a person accepted by name."""
+
+    def both(root: Path) -> None:
+        edit(root)
+        who = ("--by", "Sam Safety", "--reason", "it is not needed", "--day", TODAY.isoformat())
+        status, _, err = command(root, "trace", "--accept-baseline", *who)
+        assert status == 0, err
+
+    return both
 
 
 def git(*words: str) -> Edit:

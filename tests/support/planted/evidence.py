@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from datetime import date
+from pathlib import Path
 from typing import Any
 
 from support.planted.edits import (
     BASELINE,
     STORE,
+    Edit,
     Fault,
     accepted,
     add,
+    agreed,
     all_of,
     committed,
+    copied,
     cut,
     entry,
     gone,
@@ -23,6 +27,17 @@ from support.planted.edits import (
 
 V, F, A = "requirements/v-model.yaml", "specs/scenarios/faults.yaml", "requirements/assurance.yaml"
 HURRY, CALM = "specs/scenarios/hurry.tmrec.jsonl", "specs/scenarios/calm.tmrec.jsonl"
+DRIVEN = "specs/scenarios/driven.tmrec.jsonl"
+L = "specs/limits.spec"
+LIMITS = put(
+    L,
+    b'module supervisor.limits\n\nparam start_distance : m = 0.05 m in [0, 100] source "planner, 2"\nparam oldest : s = 0.1 s in [0, 1] source "timing, 1"\n',
+)
+GENERATED = swap(
+    V,
+    f"    - {{path: {CALM}",
+    f"    - {{path: specs/scenarios/hurry.yaml, title: The same made again, stage: S-4-A, expect: ground_truth, origin: synthetic}}\n    - {{path: {CALM}",
+)
 SCENARIO = "A planner in a hurry, stage: S-4-A, expect: ground_truth, origin: synthetic}"
 DRIVE = "A calm drive, stage: S-4-B, expect: no_fire, origin: synthetic, requirements: [S-1]}"
 
@@ -52,6 +67,21 @@ def _rules_of_run(said: dict[str, Any]) -> None:
         facts["counts"] = {candidate: {"satisfied": 11} for candidate in facts["counts"]}
 
 
+def _linked_as(name: str) -> Edit:
+    """A recording under a second path, as a link."""
+
+    def edit(root: Path) -> None:
+        (root / name).symlink_to(Path(CALM).name)
+
+    return edit
+
+
+def _another(path: str) -> Edit:
+    """One more scenario, as one from the field, which closes the gap that is waived."""
+    again = f"    - {{path: {path}, title: A drive on the avenue, stage: S-4-B, expect: no_fire, origin: field, requirements: [S-1]}}\n"
+    return all_of(swap(V, f"    - {{path: {CALM}", f"{again}    - {{path: {CALM}"), cut(V, "waivers:", ""))
+
+
 def _tool(said: dict[str, Any]) -> None:
     said["tool"] = "trackmarshal 0.0.1"
     said["inputs"]["engine"] = "0" * 64
@@ -61,6 +91,9 @@ def _tool(said: dict[str, Any]) -> None:
 FAULTS = [
     # the gate and its stages
     Fault("a scenario named a second time as one from the field", swap(V, SCENARIO, SCENARIO + "\n    - {path: " + HURRY + ", title: " + SCENARIO.replace("synthetic", "field")), "T130", HURRY),
+    Fault("a copy of a recording as one from the field", all_of(copied(CALM, DRIVEN), _another(DRIVEN)), "T130", CALM),
+    Fault("a link to a recording as one from the field", all_of(_linked_as(DRIVEN), _another(DRIVEN)), "T130", CALM),
+    Fault("a scenario that is generated as one from the field", _another("specs/scenarios/calm.yaml"), "T127", "specs/scenarios/calm.yaml"),
     Fault("the gate cut to one stage", cut(V, "  - {stage: S-2-A, requirements: [S-31]}\n", "waivers:"), "T371", "S-2-A, covered"),
     Fault("a stage left out of the gate", swap(V, "  - {stage: S-4-B, requirements: [S-1]}\n", ""), "T371", "S-4-B, covered"),
     Fault("a requirement left out of the gate", swap(V, "{stage: S-4-A, requirements: [S-32, S-4], at_least: partial}", "{stage: S-4-A, requirements: [S-32], at_least: partial}"), "T371", "S-4-A, partial"),
@@ -84,6 +117,15 @@ FAULTS = [
     Fault("an entry of the baseline removed, its hash made again", all_of(accepted(_without("content", "waiver W-1"), rehash=True), committed("tidy")), "T380", rerun=True),
     Fault("a reason rewritten", all_of(accepted(lambda held: held["acceptances"][0].update(reason="as always"), rehash=False), committed("tidy")), "T380", rerun=True),
     Fault("acceptances struck", all_of(accepted(lambda held: held["acceptances"].insert(0, {**held["acceptances"][0], "by": "Somebody"}), rehash=False), committed("tidy")), "T380", rerun=True),
+    # what the Supervisor is held to, what scenarios are made of, and what the safety case prints
+    Fault("a limit of the Supervisor moved", all_of(agreed(LIMITS), swap(L, "= 0.05 m", "= 90 m")), "T372", "start_distance"),
+    Fault("a limit of the Supervisor in place of the default", put(L, b"module supervisor.limits\n\nparam start_distance : m = 90 m in [0, 100] source \"wish\"\n"), "T372", "start_distance"),
+    Fault("limits of the Supervisor struck", all_of(agreed(LIMITS), gone(L)), "T372", "start_distance"),
+    Fault("the track of a scenario that is generated", all_of(agreed(GENERATED), swap("specs/tracks/avenue.yaml", "width: 8", "width: 9")), "T375", "specs/scenarios/hurry.yaml"),
+    Fault("templates of the safety case that print nothing", all_of(swap(V, "  campaigns:", "  case_templates: docs/case\n  campaigns:"), put("docs/case/open.html.j2", b"\n")), "T371"),
+    Fault("a template of the safety case edited", all_of(put("docs/case/open.html.j2", b"{% extends 'ours/section.html.j2' %}\n"), agreed(swap(V, "  campaigns:", "  case_templates: docs/case\n  campaigns:")), put("docs/case/open.html.j2", b"\n")), "T371"),
+    Fault("other words of the safety case", all_of(swap(V, "  campaigns:", "  case_words: docs/words.yaml\n  campaigns:"), put("docs/words.yaml", b"format: trackmarshal-case-words\n")), "T371"),
+    Fault("results of a closed loop edited", all_of(put("docs/loop.json", b"{}"), agreed(swap(V, "  campaigns:", "  closed_loop: docs/loop.json\n  campaigns:")), put("docs/loop.json", b"[]")), "T371"),
     # waivers
     Fault("a waiver until 9999", swap(V, "expires: 2026-12-31", "expires: 9999-12-31"), "T235", "W-1"),
     Fault("a waiver for everything by x", add(V, "  - {id: W-2, stages: [S-1-A, S-2-A, S-2-B, S-2-C, S-3-B, S-4-A, S-4-B], requirements: ['*'], justification: none, residual_risk: none, owner: x, approver: Sam Safety, granted: 2026-01-01, expires: 9999-12-31}\n"), "T153", "W-2"),
@@ -95,6 +137,8 @@ FAULTS = [
     Fault("another residual risk of a waiver", swap(V, "residual_risk: Something", "residual_risk: Nothing"), "T377", "W-1"),
     Fault("a waiver approved by its owner", swap(V, "approver: Sam Safety", "approver: P-1"), "T234", "W-1"),
     Fault("a waiver approved by x", swap(V, "approver: Sam Safety", "approver: x"), "T153", "W-1"),
+    Fault("a waiver approved by its owner under another id", all_of(swap(A, "  - {id: P-4,", "  - {id: P-5, title: dana  Driver, role: safety}\n  - {id: P-4,"), agreed(swap(V, "approver: Sam Safety", "approver: P-5"))), "T130", "P-5"),
+    Fault("a reviewer with the name of the owner", swap(A, "title: Vera Verifier", "title: Dana Driver"), "T130", "P-4"),
     Fault("a waiver for all requirements", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: [S-4-B]\n    requirements: ['*']"), "T236", "W-1"),
     Fault("a waiver that nobody approved", swap(V, "    approver: Sam Safety\n", ""), "T120"),
     Fault("a waiver that holds longer", swap(V, "granted: 2026-01-01\n    expires: 2026-12-31", "granted: 2026-03-01\n    expires: 2027-02-28"), "T377", "W-1"),

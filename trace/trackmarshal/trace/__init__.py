@@ -102,6 +102,7 @@ def accept_baseline(
     spec_tests: Sequence[SpecTest],
     fault_cases: Sequence[FaultCase] = (),
     parts: Sequence[SpecPart] = (),
+    run_inputs: Mapping[str, Mapping[str, str]] | None = None,
     *,
     by: str = "",
     reason: str = "",
@@ -121,7 +122,7 @@ def accept_baseline(
             finding.code, finding.message, file=file, line=line, help="mend this before accepting a baseline"
         )
     items = _backing.backed(project, spec_items, [])
-    spec = Spec(items, spec_tests, (), (), fault_cases=fault_cases, parts=parts)
+    spec = Spec(items, spec_tests, (), (), run_inputs=run_inputs, fault_cases=fault_cases, parts=parts)
     hashes = _files.hashes(project_root, project, spec.items)
     around = _outside.load(project_root, project, spec.items, [])
     now = _baseline.content(project, spec, hashes, _build_graph(project, spec, hashes, around))

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from trackmarshal.trace import wording
+from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
 from trackmarshal.trace.model import Interface, Project, matches
 from trackmarshal.trace.values import Placed
+from trackmarshal.trace.waivers import plain
 
 _ALIKE = str.maketrans({"O": "0", "I": "1", "L": "1", "S": "5", "B": "8", "Z": "2"})
 _LEVEL = {"QM": 0, "A": 1, "B": 2, "C": 3, "D": 4}
@@ -24,6 +26,7 @@ def check(project: Project) -> Iterator[Finding]:
     yield from _unique("stage", (s.id for s in project.stages))
     yield from _unique("waiver", (w.id for w in project.waivers))
     yield from _twice("scenario", (s.path for s in project.scenarios))
+    yield from _persons(project)
     yield from _twice("campaign", project.campaigns)
     yield from _twice("report", (j.path for j in project.junit), [j.stage for j in project.junit])
     if project.modelled is not None:
@@ -43,6 +46,38 @@ def _twice(what: str, paths: Iterable[Placed], stages: Sequence[str] = ()) -> It
             message = f"the {what} `{path}` is named twice" + f" at `{stage}`" * bool(stage)
             also = ((before.place, "first named here"),)
             yield Finding("T130", "error", message, path.place, "keep one of the entries", str(path), also)
+
+
+def _persons(project: Project) -> Iterator[Finding]:
+    """Persons with one name, however it is written: whoever has two ids could review, or approve, what is his own."""
+    first: dict[str, Placed] = {}
+    for person in (entry for entry in project.entries if entry.kind == "person"):
+        before = first.setdefault(plain(person.title), person.id)
+        if before != person.id:
+            message = f"the person `{person.id}` has the name of the person `{before}`, {person.title}"
+            also = ((before.place, "the other one"),)
+            help_ = "strike one of them; where there are two, say which in their names"
+            yield Finding("T130", "error", message, person.id.place, help_, str(person.id), also)
+
+
+def recordings(project: Project, hashes: Hashes) -> Iterator[Finding]:
+    """Recordings that stand under two paths (T130): one of them could count as from the field, and be no second case."""
+    first: dict[str, Placed] = {}
+    for scenario in project.scenarios:
+        digest = hashes.get(scenario.path)
+        before = scenario.path if digest is None else first.setdefault(digest, scenario.path)
+        if before != scenario.path:
+            message = f"the scenario `{scenario.path}` is the scenario `{before}` under another path"
+            also = ((before.place, "the other one"),)
+            yield Finding(
+                "T130",
+                "error",
+                message,
+                scenario.path.place,
+                "keep one of the entries",
+                str(scenario.path),
+                also,
+            )
 
 
 def _unique(what: str, ids: Iterable[Placed]) -> Iterator[Finding]:

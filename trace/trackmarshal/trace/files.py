@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,8 +27,20 @@ def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
     paths |= {str(s.kept) for s in project.scenarios if s.kept} | set(map(str, project.campaigns))
     paths |= {str(path) for _, path in _written_down(project)}
     paths |= {str(project.closed_loop)} if project.closed_loop else set()
+    paths |= {str(project.case_words)} if project.case_words else set()
     paths |= {item.evidence for item in items if item.evidence}
-    return {**{path: sha256(root, path) for path in sorted(paths)}, **sections.hashes(root, project)}
+    found = {path: sha256(root, path) for path in sorted(paths)}
+    if project.case_templates:
+        found[str(project.case_templates)] = _folder(root, str(project.case_templates))
+    return {**found, **sections.hashes(root, project)}
+
+
+def _folder(root: Path, folder: str) -> str | None:
+    """One sha256 of all files below a folder, with their names; None where there is none."""
+    base = root / folder
+    files = sorted(path.relative_to(base).as_posix() for path in base.rglob("*") if path.is_file())
+    said = json.dumps([(name, sha256(root, f"{folder}/{name}")) for name in files])
+    return hashlib.sha256(said.encode()).hexdigest() if files else None
 
 
 def _written_down(project: Project) -> Iterator[tuple[Entry, Placed]]:

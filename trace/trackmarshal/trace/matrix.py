@@ -146,6 +146,7 @@ def assemble(
     content = baselines.content(project, spec, hashes, graph)
     loose = [
         *consistency.check(project),
+        *consistency.recordings(project, hashes),
         *checks.check(graph),
         *schema.check(graph, project, asking),
         *methods.check(graph, project, asking, around),

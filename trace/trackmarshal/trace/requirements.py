@@ -74,6 +74,10 @@ def _project(files: Bytes, found: list[Finding]) -> model.Project:
         for extra in tables[kind][1:]:
             message = f"a second {kind}; the first is {tables[kind][0].place.file}"
             found.append(error("T129", message, extra.place, "merge the two"))
+    for table in tables["v-model"][:1]:
+        if table.place.file != V_MODEL:
+            help_ = "move it there: its history is followed, and what is accepted with it"
+            found.append(error("T112", f"the v-model is not in {V_MODEL}", table.place, help_))
     if not tables["v-model"]:
         found.append(
             error(

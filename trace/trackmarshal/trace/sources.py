@@ -30,9 +30,24 @@ _ID = re.compile(ID)
 #: A first word that was hardly meant as prose: an id, or one misspelt.
 _LIKE_AN_ID = re.compile(rf"{ID}|[A-Za-z][A-Za-z0-9]*([-_][A-Za-z0-9]+)*[-_][0-9]+")
 #: Strings, so that what looks like a comment in them is passed over, and comments.
-_C = re.compile(
-    r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|(?P<line>//[^\n]*)|(?P<block>/\*.*?\*/)', re.DOTALL
-)
+_C = r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|(?P<line>//[^\n]*)|(?P<block>/\*.*?\*/)'
+_THREE_QUOTES = r'"""(?:\\.|(?!""").)*"""'
+_BACKTICKS = r"`(?:\\.|[^`\\])*`"
+#: By suffix, strings of the language that may go over lines; they come before all others.
+_OVER_LINES = {
+    **dict.fromkeys(
+        (".h", ".cc", ".cpp", ".cxx", ".hh", ".hpp", ".hxx", ".cu"), r'R"([^()\\\s]{0,16})\(.*?\)\1"'
+    ),
+    ".rs": r'r(#*)".*?"\1|"(?:\\.|[^"\\])*"',
+    ".go": r"`[^`]*`",
+    **dict.fromkeys((".js", ".mjs", ".ts", ".tsx", ".jsx"), _BACKTICKS),
+    **dict.fromkeys((".java", ".kt", ".scala", ".swift"), _THREE_QUOTES),
+    ".cs": rf'{_THREE_QUOTES}|(?:@\$?|\$@)"(?:""|[^"])*"',
+}
+_CODE = {
+    suffix: re.compile("|".join([*filter(None, [_OVER_LINES.get(suffix)]), _C]), re.DOTALL)
+    for suffix in _SLASHES
+}
 _SHELL = re.compile(r"(?:^|(?<=\s))#[^\n]*", re.MULTILINE)
 
 
@@ -109,7 +124,7 @@ def _comments(suffix: str, text: str) -> Iterator[tuple[int, int, str]]:
             if token.type == tokenize.COMMENT:
                 yield token.start[0], token.start[1] + 1, token.string
         return
-    for match in (_C if suffix in _SLASHES else _SHELL).finditer(text):
+    for match in (_CODE[suffix] if suffix in _SLASHES else _SHELL).finditer(text):
         if "implements" not in match[0] or (suffix in _SLASHES and match.lastgroup is None):
             continue
         line = text.count("\n", 0, match.start()) + 1

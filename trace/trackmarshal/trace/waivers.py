@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterator
 from datetime import date, timedelta
 
@@ -13,7 +14,7 @@ from trackmarshal.trace.values import Placed
 
 def check(project: Project) -> Iterator[Finding]:
     """What is wrong with who approved a waiver, how long it holds, and how much it excuses (T234 to T236)."""
-    persons = {_plain(e.title): _plain(e.id) for e in reversed(project.entries) if e.kind == "person"}
+    persons = {plain(e.title): plain(e.id) for e in reversed(project.entries) if e.kind == "person"}
     for waiver in project.waivers:
         name = str(waiver.id)
         if waiver.approver and _one(waiver.approver, persons) == _one(waiver.owner, persons):
@@ -41,12 +42,12 @@ def a_year_after(day: date) -> date:
 
 def _one(who: str, persons: dict[str, str]) -> str:
     """Who somebody is: the id of a declared person, or else the name however it is written."""
-    return persons.get(_plain(who), _plain(who))
+    return persons.get(plain(who), plain(who))
 
 
-def _plain(name: str) -> str:
-    """A name or an id, whatever its capitals and spaces."""
-    return " ".join(str(name).split()).casefold()
+def plain(name: str) -> str:
+    """A name or an id, whatever its capitals and spaces, and however its letters are written."""
+    return " ".join(unicodedata.normalize("NFKC", str(name)).split()).casefold()
 
 
 def _blanket(waiver: Waiver, project: Project) -> Iterator[Finding]:
@@ -70,4 +71,4 @@ def _blanket(waiver: Waiver, project: Project) -> Iterator[Finding]:
         yield error("T236", message, place.place, "name the gaps that somebody has looked at", str(waiver.id))
 
 
-__all__ = ["a_year_after", "check"]
+__all__ = ["a_year_after", "check", "plain"]

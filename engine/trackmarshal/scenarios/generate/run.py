@@ -86,6 +86,7 @@ def run(declared: Declaration, shown: str) -> Recording:
         notes=declared.notes,
         because={**because, **declared.because},
         of_specs="\n".join(repr(car.vehicle) for car in (declared.ego, *declared.others) if car.vehicle.spec),
+        generated=True,
     )
 
 

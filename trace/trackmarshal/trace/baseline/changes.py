@@ -28,6 +28,7 @@ _SILENT = {
     ("place", "shown"),
     ("signal", "shown"),
     ("rulebook", "shown"),
+    ("limit", "shown"),
     ("rule", "reads"),
     ("assumption", "reads"),
 }
@@ -40,12 +41,13 @@ _FIELDS = {
     "recording": "contents",
     "of versions": "reviewed versions",
     "evidence sha256": "evidence",
+    "named": "files that it names",
 }
 
 #: Hashes of files. One that is not there is told where it is missed.
 _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
-_LATER = ("evidence sha256", "put in")
+_LATER = ("evidence sha256", "put in", "named", "closed loop")
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +104,7 @@ _COME_TO = {
 
 
 def changes(before: Content, now: Content, tell: Tell | None = None) -> Iterator[Change]:
-    """All differences, in the order of the entries. What is gone takes with it what it is made of: the tests of a rule that is gone are not told.
+    """All differences, in the order of the entries. What is gone takes with it what it is made of: the tests of a rule that is gone are not told, nor the issues of an interface.
 
     tell: asked once, and only where rules, or what they read, are other ones.
     """
@@ -121,6 +123,8 @@ def _changes(before: Content, now: Content) -> Iterator[Change]:
         if key not in now:
             rule = name.partition(": ")[0]
             if kind == "test" and not {f"rule {rule}", f"assumption {rule}"} & now.keys():
+                continue
+            if kind == "issue" and f"interface {name.rpartition('.')[0]}" not in now:
                 continue
             yield Change(kind, name, "", "there", "", kind not in ("waiver", UNREVIEWED))
         elif key not in before:
@@ -153,7 +157,7 @@ def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
         if old == new or (kind, field) in _SILENT or (field in _FILES and not new):
             continue
         shown = ("", "")
-        if kind in ("param", "table", "place", "signal", "rulebook") and field == "says":
+        if kind in ("param", "table", "place", "signal", "rulebook", "limit") and field == "says":
             shown = (_text(before.get("shown", "")), _text(now.get("shown", "")))
             shown = ("", "") if shown[0] == shown[1] else shown
         elif isinstance(old, list) or isinstance(new, list):

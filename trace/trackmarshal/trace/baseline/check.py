@@ -18,6 +18,8 @@ _HELP = 'restore it, or accept it by name: `trackmarshal trace --accept-baseline
 _UNREVIEWED_HELP = f"have it reviewed (`reviews` in a document `assurance`); or {_HELP.partition(', or ')[2]}"
 #: Of changes that have one finding, for so many it is told in it whether they are weaker; of all in the places beside it.
 _TOLD = 3
+#: Of what vehicles and the ground truth of a scenario may be made.
+_MADE_OF = ("rule", "assumption", "param", "table", "place", "signal")
 #: What the kinds of entries are called.
 _CALLED = {
     "param": "parameter", "place": "place", "evidence": "evidence", "gate": "gate", "project": "project's settings",
@@ -27,12 +29,12 @@ _PLURAL = {"evidence": "evidence", "analysis": "analyses"}
 _GONE = {
     "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "rulebook": "T372", "report": "T373", "section": "T373",
+    "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "report": "T373", "section": "T373", "issue": "T224",
 }  # fmt: skip
 _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "rulebook": "T372", "waiver": "T377",
+    "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "waiver": "T377", "issue": "T224",
     "report": "T373", "section": "T373", UNREVIEWED: "T382",
 }  # fmt: skip
 _OF_FIELD = {
@@ -111,6 +113,8 @@ def _names(change: Change, before: Entry) -> Iterator[str]:
         yield change.name.partition(" ")[2]
     if change.kind == "fault":
         yield from change.name.rsplit(" ", 1)
+    if change.kind == "limit":  # as a rule that reads it calls it
+        yield f"supervisor.limits.{change.name}"
     if change.kind == "rulebook":
         yield from re.findall(r"[\w-]+", f"{change.before} {change.after}")
     if change.listed:
@@ -127,12 +131,14 @@ def _linked(entry: Entry) -> set[str]:
 
 
 def _around(before: Content, change: Change) -> Iterator[str]:
-    """Of a parameter, a table, a place or a signal, the rules and assumptions that read it; of a rule that is gone, what it read; of what is not reviewed, the reviews that were about it."""
+    """Of a parameter, a table, a place or a signal, the rules and assumptions that read it; of files that a scenario names, the rules and what they read, by which its vehicles and its ground truth may be made; of a rule that is gone, what it read; of what is not reviewed, the reviews that were about it."""
     for key, entry in before.items():
         if change.key in entry.get("reads", ()):
             yield key.partition(" ")[2]
         if change.kind == UNREVIEWED and change.name.partition(" ")[2] in entry.get("link reviews", ()):
             yield key.partition(" ")[2]
+    if (change.kind, change.field) == ("scenario", "named"):
+        yield from (key.partition(" ")[2] for key in before if key.partition(" ")[0] in _MADE_OF)
     if not change.field:
         yield from (name.partition(" ")[2] for name in before.get(change.key, {}).get("reads", ()))
 
@@ -148,6 +154,8 @@ def _grouped(found: Iterable[Change], listed: bool) -> Iterator[tuple[str, list[
         one = "" if code == "T370" and change.field == "meaning" else change.key
         if code in ("T374", "T221"):
             one = change.name.partition(": ")[0]
+        elif change.kind == "issue":
+            one = f"interface {change.name.rpartition('.')[0]}"
         elif change.field == "asil":
             one = "asil"
         elif (change.kind == "gate" and not change.field) or (change.kind == UNREVIEWED and not listed):
@@ -231,6 +239,7 @@ def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
     found: dict[str, Place] = {}
     found |= {f"requirement {r.id}": r.place for r in project.requirements}
     found |= {f"interface {i.id}": i.id.place for i in project.interfaces}
+    found |= {f"issue {issue.id}": issue.id.place for i in project.interfaces for issue in i.issues}
     found |= {f"stage {stage.id}": stage.id.place for stage in project.stages}
     found |= {f"gate {d.stage}, {d.at_least}": d.stage.place for d in project.gate}
     found |= {f"scenario {s.path}": s.path.place for s in project.scenarios}
@@ -241,7 +250,11 @@ def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
     for item in spec.by_name.values():
         found[f"{'rule' if item.kind == 'rule' else 'assumption'} {item.name}"] = item_place(item)
     found |= {f"test {test.rule}: {test.title}": item_place(test) for test in spec.tests}
-    found |= {f"{part.kind} {part.name}": Place(part.file, part.line, part.column) for part in spec.parts}
+    found |= {
+        f"{part.kind} {part.name}": Place(part.file, part.line, part.column)
+        for part in spec.parts
+        if part.file
+    }
     found |= {f"fault {case.campaign} {case.id}": Place(case.campaign, case.line) for case in spec.faults}
     found |= {f"{entry.kind.replace(' ', '-')} {entry.id}": entry.id.place for entry in project.entries}
     if project.place:

@@ -33,7 +33,7 @@ def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph) -> Conte
     found: Content = {}
     for key, entry in (
         *_documents(project, hashes),
-        *_v_model(project, hashes),
+        *_v_model(project, spec, hashes),
         *_specs(spec, hashes),
         *_reviews(project, graph),
     ):
@@ -93,9 +93,16 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             )
     for i in project.interfaces:
         yield f"interface {i.id}", {"leads_to": _list(i.leads_to)}
+        for issue in i.issues:
+            yield f"issue {issue.id}", {"text": _hash(issue.text)}
 
 
-def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
+def _held(path: str | None, hashes: Hashes) -> str:
+    """The contents of a file or folder, or how it is called where it is none of the project."""
+    return "" if path is None else hashes.get(str(path)) or str(path)
+
+
+def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
     yield (
         "project",
         {
@@ -105,6 +112,10 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "sources": _list(project.sources),
             "denials": _list(project.denials),
             "boundary_distance": _list(project.boundary_distance),
+            # What the safety case prints of all this, in which words, and what it shows of runs in a closed loop.
+            "case templates": _held(project.case_templates, hashes),
+            "case words": _held(project.case_words, hashes),
+            "closed loop": _held(project.closed_loop, hashes),
             **{f"{side} tests a rule": str(number) for side, number in project.tests_per_rule},
         },
     )
@@ -123,7 +134,7 @@ def _v_model(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
     for s in project.scenarios:
         yield f"scenario {s.path}", {
             "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
-            "with": _list(s.specs), "recording": hashes.get(s.path) or "", "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
+            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
         }  # fmt: skip
     for e in project.evidence:
         yield (

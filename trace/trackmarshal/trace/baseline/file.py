@@ -55,16 +55,15 @@ def accept(
 ) -> tuple[Path, list[str]]:
     """Write the baseline of a project anew, whole or not at all; returns its path, and what became weaker by that.
 
-    tell: whether rules got weaker or stronger, which stays in the acceptance. Raises T378 where something became weaker and nobody says who accepts it, or why; T220 for a baseline that cannot be read.
+    tell: whether rules got weaker or stronger, which stays in the acceptance. Raises T378 where something became weaker and nobody says who accepts it, or why; T220 for a baseline that cannot be read, T379 for one that was changed by hand.
     """
     found: list[Finding] = []
     path = root / (project.baseline or DEFAULT)
     before = load(root, project, found) if path.is_file() else None
-    for finding in found:
-        if finding.code == "T220":
-            raise TrackmarshalError(
-                "T220", finding.message, file=finding.place and finding.place.file, help=finding.help
-            )
+    for finding in found:  # accepting on top of what nobody accepted would hide it
+        raise TrackmarshalError(
+            finding.code, finding.message, file=finding.place and finding.place.file, help=finding.help
+        )
     weaker = (
         []
         if before is None
@@ -77,7 +76,7 @@ def accept(
             help='say who accepts that, and why: `--by "NAME" --reason "..."`',
         )  # fmt: skip
     done = () if before is None else before.acceptances
-    if before is not None and before.content == now and not found and done[-1].engine == engine:
+    if before is not None and before.content == now and done[-1].engine == engine:
         return path, []
     made = Acceptance(today.isoformat(), by.strip(), reason.strip(), tuple(weaker), digest(now), engine)
     said = {
@@ -133,10 +132,11 @@ def read(path: Path) -> Baseline:
     """The baseline in a file; raises OSError, ValueError or RecursionError for what is none."""
     if path.stat().st_size > MAX_BYTES:
         raise ValueError(f"larger than {MAX_BYTES // 1_000_000} MB")
-    return _checked(json.loads(read_regular(path).decode("utf-8")))
+    return checked(json.loads(read_regular(path).decode("utf-8")))
 
 
-def _checked(data: Any) -> Baseline:
+def checked(data: Any) -> Baseline:
+    """What a baseline's JSON says; raises ValueError for what is none of today's format."""
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise ValueError(f"its format is not `{FORMAT}`")
     if data.get("version") != VERSION:

@@ -156,6 +156,8 @@ class _Building:
             }  # fmt: skip
             self._node(_KIND[item.kind], item.name, item.title, item_place(item), attributes)
         for part in self.spec.parts:
+            if part.kind == "limit":
+                continue  # to which nothing is linked
             place = Place(part.file, part.line, part.column)
             self._node(
                 _USED[part.kind],

@@ -16,7 +16,7 @@ from trackmarshal.trace.impact.version import Version
 
 #: What the baseline calls things that the graph calls otherwise.
 _KINDS = {"param": "parameter", "evidence": "document"}
-#: Nodes that the baseline does not hold as entries of their own; what they say is in the graph.
+#: Nodes of which all that counts is what they say, which is in the graph.
 _OF_GRAPH = ("subsystem", "issue")
 
 
@@ -36,8 +36,8 @@ def changed(before: Version, now: Version) -> list[Changed]:
     """All of them, in the order of the V-model. Titles, reasons, layout and comments do not count."""
     said: dict[Key, list[tuple[str, str, bool]]] = defaultdict(list)
     for one in changes(before.content, now.content):
-        if one.kind == UNREVIEWED:
-            continue  # which reviews fall is told by itself
+        if one.kind in (UNREVIEWED, *_OF_GRAPH):
+            continue  # which reviews fall is told by itself, and texts are below
         how = "changed" if one.field else "gone" if one.before else "new"
         said[_key(one.kind, one.name)].append((how, str(one).removeprefix(f"{one.key}: "), one.weaker))
     for key, how, what in (*_texts(before, now), *_code(before, now)):
