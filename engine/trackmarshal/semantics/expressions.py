@@ -13,6 +13,7 @@ from trackmarshal.ir.spec import CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
 from trackmarshal.semantics.advice import Advice
+from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
     BadValue,
@@ -108,6 +109,8 @@ class Expressions:
         #: SI unit -> the scale of margins in it, where that is declared.
         self.scales: dict[str, float] = {}
         self.params: dict[str, Dimension] = {}
+        #: What numbers can come to; the compiler adds what it knows of parameters.
+        self.bounds = Bounds(signals, {})
         #: By name.
         self.courses: dict[str, CourseInfo] = {}
         self.advice = Advice()
