@@ -784,3 +784,21 @@ class AlwaysHolds(Diagnostic):
     span: Span
     what: str
     consequence: str
+
+
+class EndsEarly(Diagnostic):
+    code = "W307"
+    title = "a quantifier that ends before a connective"
+    level = "warning"
+    text = "`{word}` ends before `{op}`"
+    label = "it goes no further than this"
+    remedy = "put parentheses around this, or around all that it is about, `{op}` included"
+    explanation = (
+        "What a quantifier or `always` is about ends before the next connective: `for all o in objects: p implies q` is `(for all o in objects: p) implies "
+        "q`, which demands q only where p holds of all of them; `for all o in objects: (p implies q)` demands it wherever p holds of one. Parentheses say "
+        "which is meant."
+    )
+
+    span: Span
+    word: str
+    op: str

@@ -12,7 +12,7 @@ from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, 
 from trackmarshal.ir.spec import CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
-from trackmarshal.semantics.advice import Advice
+from trackmarshal.semantics.advice import Advice, ends_early
 from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
@@ -403,6 +403,7 @@ class Expressions:
     def _binary(self, expr: ast.Binary, ctx: Context) -> typed.Value:
         op, span = expr.op, expr.span
         if op in typed.CONNECTIVES:
+            self.advise(ends_early(expr))
             a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
             return typed.Connective(known(op, typed.CONNECTIVES), a, b, span)
         if op == "^":
